@@ -20,15 +20,13 @@ class Curve:
         self.evaluations = self.calls = 0
         self.asked: list[float] = []
 
-    def __call__(self, scene: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, ...]:
+    def __call__(self, scene: np.ndarray, t: np.ndarray) -> np.ndarray:
         self.asked += t.tolist()
         self.evaluations += t.size
         self.calls += 1
         full = np.full(t.shape, 1.0)
         g, slope = self.g(t) * full, self.slope(t) * full
-        return branch_search._Values(
-            g, slope, self.error * full, self.by_c * full, 0.0 * full, 0.0 * full
-        )
+        return np.array([g, slope, self.error * full, self.by_c * full, 0.0 * full, 0.0 * full])
 
     def cells(self, points: list[float]) -> np.ndarray:
         t = np.array(points)
@@ -206,7 +204,8 @@ def test_the_spread_is_the_least_that_shows_a_change_of_sign(t: float) -> None:
     assert exact[0] == pytest.approx(4 * EPS * max(1.0, abs(t)), rel=1e-12)
     # a value that is off by 1e-9, with slope 4, moves the root by a quarter of that
     off = line(t, 4.0)
-    there = off(scene, place)._replace(g=np.array([1e-9]))
+    there = off(scene, place)
+    there[0] = 1e-9
     wide, _ = branch_search._confirmed_spread(off, scene, place, there)
     assert wide[0] == pytest.approx(2.5e-9 / 4, rel=1e-5)
 

@@ -526,10 +526,11 @@ def _first_violations(
     end = d.copy()  # slopes at the right end of a cell
     end[:, origin] = d_behind
     owner, cell = (inside[:, :-1] & inside[:, 1:] & ~wrong[:, None]).nonzero()
-    cells = np.stack(
+    here = owner * zeta.size + cell  # of rows one after the other
+    cells = np.array(
         [
-            zeta[cell], g[owner, cell], d[owner, cell],
-            zeta[cell + 1], g[owner, cell + 1], end[owner, cell + 1],
+            zeta.take(cell), g.take(here), d.take(here),
+            zeta.take(cell + 1), g.take(here + 1), end.take(here + 1),
         ]
     )  # fmt: skip
     fails_at, computed = _divide(shape, cells, owner, r)
@@ -554,28 +555,28 @@ def _divide(
     values of φ computed.
     """
     computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
-    _note(cells[::3], cells[1::3] < -shape.tolerance(cells[::3], r[owner]), owner, worst)
     while True:
         zeta, r_ = cells[::3], r[owner]
-        g, width = cells[1::3] + shape.tolerance(zeta, r_), zeta[1] - zeta[0]
-        least = g.min(axis=0)
-        safe = least > width * np.abs(cells[2::3]).max(axis=0)
+        tolerance = shape.tolerance(zeta, r_)
+        _note(zeta, cells[1::3] < -tolerance, owner, worst)
+        g, width = cells[1::3] + tolerance, zeta[1] - zeta[0]
+        least = np.minimum(g[0], g[1])
+        safe = least > width * np.maximum(*np.abs(cells[2::3]))
         steepness = shape.steepness(zeta)
         if steepness is not None:
             safe &= _room(zeta, g, r_).sum(axis=0) > width * steepness
         (open_,) = (~safe & (least >= 0.0) & (width > shape.shortest)).nonzero()
-        open_ = open_[np.abs(zeta[:, open_]).min(axis=0) < np.abs(worst[owner[open_]])]
-        cells, owner = cells[:, open_], owner[open_]
+        nearest = np.minimum(*np.abs(zeta.take(open_, axis=1)))
+        open_ = open_[nearest < np.abs(worst[owner[open_]])]
+        cells, owner = cells.take(open_, axis=1), owner.take(open_)
         short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
-        left = ~_between_its_ends(cells, short)
-        cells, owner = cells[:, left], owner[left]
+        (left,) = (~_between_its_ends(cells, short)).nonzero()
+        cells, owner = cells.take(left, axis=1), owner.take(left)
         if owner.size == 0:
             return worst, computed
         middle = 0.5 * (cells[0] + cells[3])
         computed += 3 * np.bincount(owner, minlength=r.size)
-        g, d = _margin(middle, *shape.with_slope(middle, owner), r[owner])
-        _note(middle, g < -shape.tolerance(middle, r[owner]), owner, worst)
-        half = np.array([middle, g, d])
+        half = np.array([middle, *_margin(middle, *shape.with_slope(middle, owner), r[owner])])
         cells = np.concatenate(
             [np.concatenate([cells[:3], half]), np.concatenate([half, cells[3:]])], axis=1
         )
@@ -589,8 +590,9 @@ def _between_its_ends(cells: FloatArray, short: npt.NDArray[np.bool_]) -> npt.ND
     """
     za, ga, da, zb, gb, db = cells
     width = zb - za
+    both = da + db
     monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
-    monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.25 * width * np.abs(da + db)
+    monotone &= np.abs(gb - ga - 0.5 * width * both) < 0.25 * width * np.abs(both)
     rising = ((za == 0.0) & (da > 0)) | ((zb == 0.0) & (db < 0))
     between: npt.NDArray[np.bool_] = monotone & (rising | short)
     return between

@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -72,21 +71,6 @@ class Solutions:
     evaluations: int
 
 
-class _Values(NamedTuple):
-    """g and bounds at some t = ln v, arrays of one shape."""
-
-    g: FloatArray
-    by_t: FloatArray
-    error: FloatArray
-    by_c: FloatArray
-    error_by_t: FloatArray
-    error_by_c: FloatArray
-
-    def row(self, index: int) -> _Values:
-        """Return one row of values that have several."""
-        return _Values(*(values[index] for values in self))
-
-
 @dataclass
 class _Relation:
     """g and its derivatives by t = ln v and c, for scenes of one c and target; counts its work."""
@@ -97,24 +81,21 @@ class _Relation:
     many: bool
     evaluations: int = 0
 
-    def __call__(self, scene: IntArray, t: FloatArray) -> _Values:
-        """Return g, its derivatives, and bounds on their errors."""
+    def __call__(self, scene: IntArray, t: FloatArray) -> FloatArray:
+        """Return g, ∂g/∂t, the error of g, ∂g/∂c and the errors of both slopes, shape (6, n)."""
         self.evaluations += t.size
         v = np.exp(t)
         values, errors, _ = sums_of_pairs(v, self.c[scene], _TOLERANCE, True, self.many)
-        value, error, by = values[0] + self.shift, errors[0], values[1:]
+        value, by = values[0] + self.shift, values[1:]
         size = np.abs(value)
-        inverse = 1.0 / np.where(size > 0, size, 1.0)
-        by_v, by_c = (value.conj() * inverse * by).real
-        error_by_v, error_by_c = errors[1:] + 2.0 * error * inverse * np.abs(by)
-        return _Values(
-            g=size - self.target[scene],
-            by_t=v * by_v,
-            error=error,
-            by_c=by_c,
-            error_by_t=v * error_by_v,
-            error_by_c=error_by_c,
-        )
+        inverse = 1.0 / np.maximum(size, 1e-300)
+        found = np.empty((6, t.size))
+        np.subtract(size, self.target[scene], out=found[0])
+        found[2] = errors[0]
+        found[1:4:2] = (value.conj() * inverse * by).real
+        found[4:] = errors[1:] + 2.0 * errors[0] * inverse * np.abs(by)
+        found[1:5:3] *= v
+        return found
 
 
 def all_velocities(
@@ -158,7 +139,7 @@ def _solve(relation: _Relation, scene: IntArray, t: FloatArray) -> Solutions:
     """Return the solutions of some scenes, searched from points t that ascend in each."""
     (left,) = (scene[1:] == scene[:-1]).nonzero()
     ends = np.array([t, *relation(scene, t)[:3]])
-    cells = np.concatenate([ends[:, left], ends[:, left + 1]])
+    cells = np.concatenate([ends.take(left, axis=1), ends.take(left + 1, axis=1)])
     owner, brackets = _brackets(relation, scene[left], cells)
     return _polish(relation, owner, brackets)
 
@@ -196,8 +177,9 @@ def _spaced(
 ) -> tuple[IntArray, FloatArray]:
     """Return owners and points of stretches, both ends included, at most ``spacing`` apart."""
     steps = 1 + np.ceil((end - begin) / spacing[owner]).astype(np.int64)
-    piece = np.repeat(np.arange(owner.size), steps + 1)
-    first = np.cumsum(steps + 1) - (steps + 1)
+    count = steps + 1
+    piece = np.arange(owner.size).repeat(count)
+    first = count.cumsum() - count
     share = (np.arange(piece.size) - first[piece]) / steps[piece]
     return owner[piece], (1.0 - share) * begin[piece] + share * end[piece]
 
@@ -277,7 +259,8 @@ def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> Float
     # the root of that of |1/2A|² = Re 1/2A, whose mean is 1 + Σ(0⁺). The bound is equal to the gap.
     low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + still.real) / gap)
     # a sharper bound for large c, where the plain one costs many points
-    for some in np.array_split(np.flatnonzero(c > 3.0), 1 + c.size // 256):
+    (wide,) = (c > 3.0).nonzero()
+    for some in np.array_split(wide, 1 + c.size // 256) if wide.size else ():
         below, above, half = low[some], np.sqrt(c[some]), 0.5 * gap[some]
         for _ in range(12 if some.size else 0):
             middle = np.sqrt(below * above)
@@ -309,32 +292,33 @@ def _brackets(
     done_owner, done_cells = [], []
     while owner.size:
         ta, ga, da, ea, tb, gb, db, eb = cells
+        _, size_a, steep_a, _, _, size_b, steep_b, _ = np.abs(cells)
         width = tb - ta
-        size_a, steep_a, size_b, steep_b = np.abs(cells[[1, 2, 5, 6]])
         # Where |Σ| is lost in rounding a sign means nothing.
         differ = (ga > 0) != (gb > 0)
         flattest = np.minimum(steep_a, steep_b)
         monotone = np.abs(da - db) < 0.5 * flattest
         monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.5 * width * flattest
         flat = np.minimum(size_a, size_b) > width * np.maximum(steep_a, steep_b)
-        safe = ~differ & (monotone | flat)
         short = width < _SHORTEST
-        found = differ & (monotone | short)
-        done_owner.append(owner[found])
-        done_cells.append(cells[:, found])
+        (found,) = (differ & (monotone | short)).nonzero()
+        done_owner.append(owner.take(found))
+        done_cells.append(cells.take(found, axis=1))
         # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
-        if short.any():
+        if short.nonzero()[0].size:
             zero = np.minimum(size_a - ea, size_b - eb) <= 0
             (touches,) = (short & ~differ & zero).nonzero()
             # One a scene and round is enough: its neighbours are the same fold.
             touches = touches[np.unique(owner[touches], return_index=True)[1]]
             done_owner.append(owner[touches])
             done_cells.append(cells[:, touches])
-        rest = ~(safe | found | short)
-        owner, cells = owner[rest], cells[:, rest]
+        # Left is what is neither short, nor has one solution, nor surely none.
+        (rest,) = (~(short | monotone | (flat & ~differ))).nonzero()
+        owner, cells = owner.take(rest), cells.take(rest, axis=1)
         if owner.size:
-            middle_t = 0.5 * (cells[0] + cells[4])
-            middle = np.array([middle_t, *relation(owner, middle_t)[:3]])
+            middle = np.empty((4, owner.size))
+            middle[0] = 0.5 * (cells[0] + cells[4])
+            middle[1:] = relation(owner, middle[0])[:3]
             cells = np.concatenate(
                 [np.concatenate([cells[:4], middle]), np.concatenate([middle, cells[4:]])], axis=1
             )
@@ -370,14 +354,14 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     """Refine each bracket to one solution, with its error and derivatives."""
     owner, cells = _told_apart(relation, owner, cells)
     t, spread, around = _refined(relation, owner, cells)
-    v, here = np.exp(t), around.row(0)
+    v = np.exp(t)
     along_c, along_target = _errors_along(v, spread, around)
     return Solutions(
         scene=owner,
         v=v,
         error=v * spread,
-        slope=here.by_t / v,
-        by_coupling=here.by_c,
+        slope=around[1, 0] / v,
+        by_coupling=around[3, 0],
         error_along_coupling=along_c,
         error_along_target=along_target,
         evaluations=relation.evaluations,
@@ -386,7 +370,7 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
 
 def _refined(
     relation: _Relation, owner: IntArray, cells: FloatArray
-) -> tuple[FloatArray, FloatArray, _Values]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return where g = 0 by Newton kept inside each bracket; see `_confirmed_spread` for the rest.
 
     The last step, after which g is zero to rounding, is taken together with both sides.
@@ -397,29 +381,29 @@ def _refined(
     t = _crossing(cells)
     here = relation(owner, t)
     for _ in range(30):
-        left = (here.g > 0) == (ga > 0)
+        g, by_t, error = here[:3]
+        left = (g > 0) == (ga > 0)
         ta, tb = np.where(left, t, ta), np.where(left, tb, t)
-        level = here.by_t == 0
-        steep = np.where(level, 1.0, here.by_t)
-        newton = t - here.g / steep
+        level = by_t == 0
+        steep = np.where(level, 1.0, by_t)
+        newton = t - g / steep
         inside = (newton >= ta) & (newton <= tb) & ~level
         new = np.where(inside, newton, 0.5 * (ta + tb))
         step, steep = np.abs(new - t), np.abs(steep)
-        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * here.error / steep
+        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / steep
         far = step > rounding
         (open_,) = far.nonzero()
         if open_.size == 0:
             break
         t[open_] = new[open_]
         if (far & inside & (step**2 * curvature <= rounding * steep)).all():
-            spread = _least_spread(t, here.by_t, here.error)
+            spread = _least_spread(t, by_t, error)
             around = _values_at(relation, owner, t, t - spread, t + spread)
             if _differ_surely(around).all():
                 return t, spread, around
-            here, curvature = around.row(0), np.full(t.shape, 1e300)  # only once
+            here, curvature = around[:, 0], np.full(t.shape, 1e300)  # only once
         else:
-            for row, values in zip(here, relation(owner[open_], t[open_]), strict=True):
-                row[open_] = values
+            here[:, open_] = relation(owner[open_], t[open_])
     return t, *_confirmed_spread(relation, owner, t, here)
 
 
@@ -446,13 +430,13 @@ def _least_spread(t: FloatArray, by_t: FloatArray, off: FloatArray) -> FloatArra
 
 
 def _confirmed_spread(
-    relation: _Relation, owner: IntArray, t: FloatArray, here: _Values
-) -> tuple[FloatArray, _Values]:
+    relation: _Relation, owner: IntArray, t: FloatArray, here: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and the values.
 
-    Those are at t, t - δ and t + δ, a row each.
+    Those are at t, t - δ and t + δ, shape (6, 3, n).
     """
-    spread = _least_spread(t, here.by_t, np.abs(here.g) + here.error)
+    spread = _least_spread(t, here[1], np.abs(here[0]) + here[2])
     beside = _values_at(relation, owner, t - spread, t + spread)
     for _ in range(11):
         sure = _differ_surely(beside)
@@ -460,40 +444,38 @@ def _confirmed_spread(
             break
         spread = np.where(sure, spread, 2.0 * spread)
         beside = _values_at(relation, owner, t - spread, t + spread)
-    return spread, _Values(*map(np.vstack, zip(here, beside, strict=True)))
+    return spread, np.concatenate([here[:, None], beside], axis=1)
 
 
-def _differ_surely(values: _Values) -> npt.NDArray[np.bool_]:
-    """Return whether g differs in sign beyond its error between the last two rows."""
-    g, error = values.g[-2:], values.error[-2:]
+def _differ_surely(values: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return whether g differs in sign beyond its error between the last two places."""
+    g, error = values[0, -2:], values[2, -2:]
     differ: npt.NDArray[np.bool_] = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
     return differ
 
 
-def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> _Values:
-    """Return the values at several arrays of t, computed together, a row for each of them."""
+def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> FloatArray:
+    """Return the values at several arrays of t, computed together, shape (6, places, n)."""
     together = relation(np.concatenate([owner] * len(places)), np.concatenate(places))
-    return _Values(*(values.reshape(len(places), owner.size) for values in together))
+    return together.reshape(6, len(places), owner.size)
 
 
 def _errors_along(
-    v: FloatArray, spread: FloatArray, around: _Values
+    v: FloatArray, spread: FloatArray, around: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Bound the errors of ∂v/∂c and ∂v/∂target, computed at v, at the true velocity.
 
     That lies within the spread, where the derivatives of g are taken to be between those at its
-    middle and its ends, the rows of ``around``.
+    middle and its ends, which are in ``around``.
     """
-    steep, by_c = (
-        np.array([(by - error).min(axis=0), (by + error).max(axis=0)])
-        for by, error in ((around.by_t, around.error_by_t), (around.by_c, around.error_by_c))
-    )
+    by, error = around[1:4:2], around[4:]
+    steep, by_c = np.array([(by - error).min(axis=1), (by + error).max(axis=1)]).swapaxes(0, 1)
     decided = (steep[0] > 0) | (steep[1] < 0)
     inverse = v / np.where(decided, steep, 1.0)
-    middle = v / np.where(decided, around.by_t[0], 1.0)
+    middle = v / np.where(decided, by[0, 0], 1.0)
     rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # and v itself changes by its error
     along_target = np.abs(inverse - middle).max(axis=0) + rounding
     corners = inverse[:, None] * by_c
-    along_c = np.abs(corners - middle * around.by_c[0]).max(axis=(0, 1))
+    along_c = np.abs(corners - middle * by[1, 0]).max(axis=(0, 1))
     along_c += rounding * np.abs(by_c).max(axis=0)
     return np.where(decided, along_c, np.inf), np.where(decided, along_target, np.inf)

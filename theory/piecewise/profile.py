@@ -231,12 +231,14 @@ class ProfileGrid:
         f = np.arange(per_site) / per_site
         # e^{-a(1 - f)} by products, from the point before the next site back to this one
         shorter = np.exp(-self.a / per_site)
-        factor = np.empty((*self.a.shape[:-1], per_site, points), dtype=complex)
-        np.multiply(self.late, shorter, out=factor[..., -1, :])
-        for j in range(per_site - 1, 0, -1):
-            np.multiply(factor[..., j, :], shorter, out=factor[..., j - 1, :])
-        late, still = (np.fft.ifft(each, axis=-1)[..., m % points] for each in (factor, self.still))
-        phi = 0.5 - 0.5 * np.exp(1j * np.pi * m / points) * (late + still[..., None, :])
+        factor = np.empty((*self.a.shape[:-1], per_site + 1, points), dtype=complex)
+        factor[..., per_site, :] = self.still
+        later = self.late
+        for j in range(per_site - 1, -1, -1):
+            later = np.multiply(later, shorter, out=factor[..., j, :])
+        waves = np.fft.ifft(factor)[..., m % points]
+        late, still = waves[..., :per_site, :], waves[..., per_site:, :]
+        phi = 0.5 - 0.5 * np.exp(1j * np.pi * m / points) * (late + still)
         zeta = m[:, None] + f
         return zeta.ravel(), np.swapaxes(phi, -1, -2).reshape(*self.a.shape[:-1], -1)
 

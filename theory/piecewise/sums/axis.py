@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,17 +106,18 @@ def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any,
     X4, turn, weights = _nodes(count)
     single = isinstance(v, float)
     dot = np.vdot if single else np.vecdot  # without threads
+    mean = weights.dot if single else partial(np.vecdot, weights)
     a = turn * (c / v) + 0.5 / v
     E = np.exp(-a)
     q = 0.5 / (v if single else v[..., 0])
     if not slopes:
         g = integrand(E, a, X4)
-        return dot(weights, g) * q, 0j, 0j, (dot(g, g).real * (2.0 / count)) ** 0.5 * q, 0.0
+        return mean(g) * q, 0j, 0j, (dot(g, g).real * (2.0 / count)) ** 0.5 * q, 0.0
     g, S_a, h = integrand_and_slopes(E, a, X4)
     return (
-        dot(weights, g) * q,
-        dot(weights, S_a) * (-2.0 * q * q),
-        dot(weights, h) * (-1j * q * q),
+        mean(g) * q,
+        mean(S_a) * (-2.0 * q * q),
+        mean(h) * (-1j * q * q),
         (dot(g, g).real * (2.0 / count)) ** 0.5 * q,
         (dot(S_a, S_a).real * (2.0 / count)) ** 0.5 * (2.0 * q),
     )

@@ -173,7 +173,7 @@ def sums_of_pairs(
     if v.size < _FEW_POINTS and not fast:  # more points cost less than more groups
         power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
         if v.size * power.max() <= _POINTS_OF_A_GROUP:
-            power = power.max()
+            power = points.max()
         more = np.maximum(points, np.minimum(power, axis.MAX_PLAIN))
         points = np.where(points, more, 0.0).astype(np.int64)
         if np.min(points) == np.max(points) > 0:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
+from theory.piecewise import stability
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability, stability_limit, symbol_coefficients
 from theory.piecewise.sums.series import sum_by_roots
@@ -39,6 +40,13 @@ def by_bessel(v, c, terms):
 def test_the_symbol_is_made_of_bessel_functions(v, c):
     found = symbol_coefficients(v, c, 40)
     assert np.allclose(found, by_bessel(v, c, 40), rtol=0, atol=1e-14)  # rounding of e^{iφ} c/v
+
+
+@pytest.mark.parametrize("at_once", [1, 700, 1 << 16])
+def test_the_coefficients_are_the_same_however_many_powers_memory_holds(at_once, monkeypatch):
+    whole = symbol_coefficients(0.4, 0.7, 40, 256)
+    monkeypatch.setattr(stability, "_AT_ONCE", at_once)
+    assert symbol_coefficients(0.4, 0.7, 40, 256).tolist() == whole.tolist()
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,7 @@ def test_the_cell_of_the_paper():
     eta = sp.Symbol("eta", positive=True)
     root = sp.sqrt(1 - 8 * eta)
     expected = sp.sqrt((1 - root) / (1 + root))
+    assert [q.multiplicity for q in cell.cycles] == [1, 1]
     assert sp.simplify(cell.ratio.subs(b, eta * a**2) - expected) == 0
     assert [q.stability for q in cell.with_values({"a": 4, "b": 0.5}).cycles] == [
         "unstable",

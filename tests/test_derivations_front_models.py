@@ -196,6 +196,11 @@ def test_each_numbered_equation_follows_the_friction_chain(change):
     assert stays == FORCE[change]
 
 
+def test_springs_of_any_reach_leave_alone_what_moves_alike():
+    for name in ("steady sliding", "slipping cell"):
+        assert same(friction("next-nearest").named(name).result, friction(None).named(name).result)
+
+
 def test_the_scales_of_another_inertia():
     made = derive_friction(replace(FRICTION, inertia=4 * m))
     frequency = made.named("unit coefficients").result.args[0]
@@ -246,3 +251,8 @@ def test_a_ring_has_no_site_that_is_a_neighbour_twice():
 def test_a_cell_of_another_frequency_has_no_front_here():
     with pytest.raises(DerivationInputError, match="without a linear term"):
         catalogue.load("piecewise-front", model=ChainModel(damping={0: 1, 2: -a}, stiffness={1: 1}))
+
+
+def test_a_cell_without_damping_at_rest_has_no_front_here():
+    with pytest.raises(DerivationInputError, match="with a constant term"):
+        catalogue.load("piecewise-front", model=ChainModel(damping={2: -a, 4: b}))

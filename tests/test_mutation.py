@@ -24,6 +24,7 @@ from benchmarks.mutation.outcome import (
     Outcome,
     matches,
     read_explained,
+    still_known,
 )
 from benchmarks.mutation.put import libraries_of
 from benchmarks.mutation.session import Answer, Task, dotted, in_children
@@ -115,7 +116,8 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
     found[mutants[0].name] = found[mutants[1].name] = SURVIVED
     found[mutants[2].name] = UNREACHED
     outcome = Outcome(mutants, found, {mutants[0].name: "because"})
-    outcome.write(tmp_path / "m.json", ROOT, {"part": 1.0})
+    (tmp_path / "m.py").write_text(JUDGEMENT, encoding="utf-8")
+    outcome.write(tmp_path / "m.json", tmp_path, {"part": 1.0}, [{"changes": 8}])
     record = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
     assert record["counts"]["all"] == record["counts"]["m.py"]
     assert record["counts"]["all"] == {
@@ -126,6 +128,34 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
     said = str(outcome).splitlines()[-2:]
     assert [line.split(" m.py")[0] for line in said] == ["NOT NOTICED", "NOT REACHED"]
     assert record["explained"] == {mutants[0].name: "because"}
+
+
+def test_a_record_is_known_again_but_for_what_was_open_not_run_or_has_changed(
+    tmp_path: Path,
+) -> None:
+    mutants = [m for name in ("m.py", "n.py") for m in mutants_of(name, JUDGEMENT)]
+    found = dict.fromkeys((mutant.name for mutant in mutants), KILLED)
+    found[mutants[0].name] = found[mutants[1].name] = SURVIVED
+    path = tmp_path / "m.json"
+    for name in ("m.py", "n.py"):
+        (tmp_path / name).write_text(JUDGEMENT, encoding="utf-8")
+
+    def known() -> dict[str, str]:
+        outcome = Outcome(mutants, found, {mutants[0].name: "because"})
+        outcome.write(path, tmp_path, {"left_out": left_out}, [])
+        (tmp_path / "m.py").write_text(now, encoding="utf-8")
+        return still_known(json.loads(path.read_text(encoding="utf-8")), mutants, tmp_path)
+
+    now, left_out = JUDGEMENT, list[str]()
+    assert known() == {name: found[name] for name in found if name != mutants[1].name}
+    now = JUDGEMENT + "\n"
+    others = [mutant.name for mutant in mutants if mutant.module == "n.py"]
+    assert list(known()) == others
+    (tmp_path / "m.py").write_text(JUDGEMENT, encoding="utf-8")
+    now, left_out = JUDGEMENT, [others[0]]
+    assert set(found) - set(known()) == {mutants[1].name, others[0]}
+    del found[others[0]]
+    assert list(known()) == [m.name for m in mutants if m.module == "m.py" and m is not mutants[1]]
 
 
 def test_the_list_is_the_same_again() -> None:
@@ -249,13 +279,17 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
         "import sys; from pathlib import Path; from benchmarks.mutation import __main__ as runner; "
         "runner.ROOT = Path.cwd(); sys.exit(runner.main(sys.argv[1:]))"
     )
-    words = ["fronts/small.py", "--tests", "tests/test_small.py", "--longest", "0.3"]
-    done = subprocess.run(
-        [sys.executable, "-c", run, *words, "--record", "record.json", "--jobs", "1"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "TMPDIR": str(tmp_path)},
-        capture_output=True, text=True, check=False, timeout=120,
-    )  # fmt: skip
+
+    def mutation(*where: str) -> subprocess.CompletedProcess[str]:
+        words = ["--tests", "tests/test_small.py", "--longest", "0.3", "--record", "record.json"]
+        return subprocess.run(
+            [sys.executable, "-c", run, *where, *words, "--jobs", "1"],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "TMPDIR": str(tmp_path)},
+            capture_output=True, text=True, check=False, timeout=240,
+        )  # fmt: skip
+
+    done = mutation("fronts/small.py")
     assert done.returncode == 1, done.stderr
     record = json.loads((tmp_path / "record.json").read_text(encoding="utf-8"))
     assert [name.removeprefix("fronts/small.py:") for name in record["open"]] == [
@@ -266,6 +300,14 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     ]
     assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 4
     assert (tmp_path / "fronts" / "small.py").read_text(encoding="utf-8") == CODE
+    more = ITS_TESTS + "def test_unseen(): assert small.unseen(1) == 2\n"
+    (tmp_path / "tests" / "test_small.py").write_text(more, encoding="utf-8")
+    done = mutation("--again", "record.json")
+    assert done.returncode == 0, done.stderr
+    again = json.loads((tmp_path / "record.json").read_text(encoding="utf-8"))
+    assert [each["changes"] for each in again["runs"]] == [record["counts"]["all"]["run"], 4]
+    assert again["counts"]["all"] == {**record["counts"]["all"], "open": 0, "unreached": 0,
+                                      "noticed": record["counts"]["all"]["run"]}  # fmt: skip
 
 
 def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.mutants import Mutant, by_statement, mutants_of
-from benchmarks.mutation.outcome import Outcome, read_explained
+from benchmarks.mutation.outcome import Outcome, read_explained, stamp, still_known
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
@@ -26,7 +26,8 @@ EXAMPLE = """examples:
       a tenth at random, another one each time
   python -m benchmarks.mutation derivations/averaging/steps.py --each
       of each statement one change, chosen at random
-  python -m benchmarks.mutation fronts --open fronts.json      what a record left open, again
+  python -m benchmarks.mutation --again fronts.json --record fronts.json
+      what a record left open, and all of each module that has changed since: one record of both
 
 Changes chosen at random are run in random order, so that those run before the time is over
 (--minutes) are a sample too. The working tree is not touched; leave it as it is meanwhile. What
@@ -40,31 +41,40 @@ explanation there is no longer needed; the latter is judged when all of a module
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
-    options = _parser().parse_args(arguments)
-    seed = random.SystemRandom().randrange(10**6) if options.seed is None else options.seed
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if bool(options.where) == bool(options.again):
+        parser.error("give modules or packages, or --again and a record that names them")
+    before = json.loads(options.again.read_text(encoding="utf-8")) if options.again else {}
+    names = ("where", "part", "each", "seed")
+    selection = {name: getattr(options, name) for name in names} | before.get("selection", {})
+    where, part, each, seed = (selection.get(name) for name in names)
+    seed = random.SystemRandom().randrange(10**6) if seed is None else seed
     try:
-        mutants = chosen(ROOT, options.where, options.part, seed, each=options.each)
+        every = chosen(ROOT, where, part, seed, each=each)
     except OSError as error:
         print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
         return 2
-    if options.open:
-        left = set(json.loads(options.open.read_text(encoding="utf-8"))["open"])
-        mutants = [mutant for mutant in mutants if mutant.name in left]
+    known = still_known(before, every, ROOT) if before else {}
+    mutants = [mutant for mutant in every if mutant.name not in known]
     if options.list:
         print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
         return 0
-    whole = options.part == 1.0 and not options.open and not options.each
+    whole = part == 1.0 and not before and not each
     if not whole:
         print(f"seed {seed}", file=sys.stderr)
         random.Random(seed).shuffle(mutants)
     mutants, found = run(mutants, options)
     explained = read_explained(Path(__file__).with_name("explained.toml"))
-    outcome = Outcome(mutants, found, explained)
+    left = {mutant.name for mutant in mutants} | known.keys()
+    outcome = Outcome([m for m in every if m.name in left], found | known, explained)
     print(outcome)
     if options.record:
-        names = ("where", "part", "each", "tests", "seconds", "longest")
-        selection = {name: getattr(options, name) for name in names}
-        outcome.write(options.record, ROOT, selection if whole else {**selection, "seed": seed})
+        asked = {name: getattr(options, name) for name in ("tests", "seconds", "longest")}
+        runs = [*before.get("runs", ()), {**stamp(ROOT), "changes": len(found), **asked}]
+        selection = {"where": where, "part": part, "each": each, "seed": seed}
+        selection["left_out"] = [mutant.name for mutant in every if mutant.name not in left]
+        outcome.write(options.record, ROOT, selection, runs)
     # Of a selection only those explanations can be judged that are about its changes.
     stale = outcome.stale if whole and len(found) == len(mutants) else []
     for form in stale:
@@ -80,11 +90,16 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
-    add("where", nargs="+", help="packages or modules, as theory or theory/piecewise/limits.py")
+    add("where", nargs="*", help="packages or modules, as theory or theory/piecewise/limits.py")
     add("--part", type=float, default=1.0, help="of each module's changes (default 1)")
     add("--each", action="store_true", help="one change of each statement, of that part")
     add("--seed", type=int, help="chooses the part (default: another each time)")
-    add("--open", type=Path, metavar="RECORD", help="only what it left open")
+    add(
+        "--again",
+        type=Path,
+        metavar="RECORD",
+        help="what it left open, and all of each module that has changed since",
+    )
     add("--compiled", action="store_true", help="also what numba compiles")
     add("--tests", nargs="+", default=(), metavar="FILE", help="ask these only (default: all)")
     add(

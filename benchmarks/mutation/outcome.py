@@ -26,6 +26,33 @@ def read_explained(path: Path) -> dict[str, str]:
     return {form: entry["why"] for entry in content["explained"] for form in entry["changes"]}
 
 
+def source_digest(root: Path, module: str) -> str:
+    """Return a digest of the file of a module."""
+    from verification.execution.digest import digest_of_files
+
+    return digest_of_files(root, [root / module])
+
+
+def still_known(record: Mapping[str, Any], mutants: Sequence[Mutant], root: Path) -> dict[str, str]:
+    """Return what became of changes by an earlier record, where their module is as it was.
+
+    Not of those that were left open or left out, nor where not all of a module was run.
+    """
+    sources, counts = record.get("sources", {}), record["counts"]
+    same = {
+        module
+        for module in dict.fromkeys(mutant.module for mutant in mutants)
+        if sources.get(module) == source_digest(root, module)
+        and counts[module]["run"] == counts[module]["chosen"]
+    }
+    unknown = {*record["open"], *record["selection"].get("left_out", ())}
+    return {
+        mutant.name: SURVIVED if mutant.name in record["explained"] else KILLED
+        for mutant in mutants
+        if mutant.module in same and mutant.name not in unknown
+    }
+
+
 def matches(form: str, name: str) -> bool:
     """Return whether a name has the form; ``...`` at the end of one stands for anything.
 
@@ -114,17 +141,31 @@ class Outcome:
             lines.append(f"{said} {m.module}:{m.line} {m.function}: {m.change}")
         return "\n".join(lines)
 
-    def write(self, path: Path, root: Path, selection: Mapping[str, Any]) -> None:
-        """Write what was selected, when, of which commit, and all of this to a file, as JSON."""
-        git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40"]
-        done = subprocess.run(git, capture_output=True, text=True, check=False, timeout=30)
+    def write(
+        self,
+        path: Path,
+        root: Path,
+        selection: Mapping[str, Any],
+        runs: Sequence[Mapping[str, Any]],
+    ) -> None:
+        """Write what was selected, in which runs, and all of this to a file, as JSON."""
         record = {
             "selection": selection,
-            "date": datetime.now().isoformat(" ", "minutes"),
-            "commit": done.stdout.strip() or None,
+            "runs": runs,
+            "sources": {m.module: source_digest(root, m.module) for m in self.mutants},
             "counts": self.counts(),
             "explained": {name: why for name, why in self.why.items() if why},
             "open": [mutant.name for mutant in self.open],
             "unreached": [mutant.name for mutant in self.unreached],
         }
         path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def stamp(root: Path) -> dict[str, str | None]:
+    """Return the time, and the commit of the project."""
+    git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40"]
+    done = subprocess.run(git, capture_output=True, text=True, check=False, timeout=30)
+    return {
+        "date": datetime.now().isoformat(" ", "minutes"),
+        "commit": done.stdout.strip() or None,
+    }

@@ -116,10 +116,8 @@ def same(one: sp.Basic, other: sp.Basic) -> bool:
     An equation is not the same as its multiple; matrices are compared entry by entry, and an
     inequality must also have the same sign.
     """
-    pairs = list(zip(parts_of(one), parts_of(other), strict=False))
-    if len(pairs) != max(len(parts_of(one)), len(parts_of(other))):
-        return False
-    return all(_same_part(*pair) for pair in pairs)
+    ours, theirs = parts_of(one), parts_of(other)
+    return len(ours) == len(theirs) and all(map(_same_part, ours, theirs))
 
 
 def _same_part(one: sp.Basic, other: sp.Basic) -> bool:

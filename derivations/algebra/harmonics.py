@@ -96,9 +96,8 @@ class HarmonicRing:
             for site in range(count):
                 for block in (0, count):
                     if powers[block + site]:
-                        if not 0 <= site + places < count:
-                            raise IndexError("the ring holds too few sites for this shift")
-                        moved[block + site + places] = powers[block + site]
+                        there = self._position(site - self.reach + places)
+                        moved[block + there] = powers[block + site]
             out[tuple(moved)] = number
         return self.ring.from_dict(out)
 

@@ -46,8 +46,7 @@ def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
     found: dict[int, sp.Expr] = {}
     for term in sp.Add.make_args(plain):
         slow, wave = term.as_independent(turn, as_Add=False)
-        power = sp.degree(wave, turn) if wave == turn else wave.as_base_exp()[1]
-        number = 0 if wave == 1 else int(power)
+        number = 0 if wave == 1 else int(wave.as_base_exp()[1])
         found[number] = found.get(number, sp.S.Zero) + slow
     back = {dummy: own for own, dummy in frozen.items()}
     return {m: q.xreplace(back) for m, q in found.items() if q != 0}
@@ -219,7 +218,7 @@ class RealAndImaginaryParts(Operation):
         """Return ``(real part = 0, imaginary part = 0)``, or ``name = part`` twice."""
         (source,) = sources
         if self.names:
-            plain = sp.expand(source.rhs, trig=True).as_real_imag()
+            plain = sp.expand(source.rhs).as_real_imag()
             return sp.Tuple(*map(equation, self.names, (sp.expand(sp.simplify(q)) for q in plain)))
         real, imaginary = complex_parts(left_minus_right(source))
         pair = (imaginary, real) if self.imaginary_first else (real, imaginary)

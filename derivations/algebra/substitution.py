@@ -321,26 +321,25 @@ class EnterMovingFrame(Operation):
     """Put a travelling wave into a lattice equation.
 
     The second source has a part ``field(n, t) = profile(n - v t)``, read for every n, and a part
-    ``profile(n - v t) = profile(zeta)``.
+    ``profile(n - v t) = profile(zeta)``, which names the coordinate.
 
     Attributes
     ----------
-    site, time, coordinate : Symbol
-        n, t and zeta.
+    site, time : Symbol
+        n and t.
     """
 
     phrase: ClassVar[str] = "put the travelling wave {others} into {first}"
     site: sp.Symbol
     time: sp.Symbol
-    coordinate: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the equation of the profile; derivatives follow by the chain rule."""
         target, wave = sources
         parts = parts_of(wave)
         (moving,) = (q for q in parts if q.lhs.args == (self.site, self.time))
-        (named,) = (q for q in parts if q.rhs.args == (self.coordinate,) and q.lhs == moving.rhs)
-        (there,) = sp.solve(sp.Eq(named.lhs.args[0], self.coordinate), self.site)
+        (named,) = (q for q in parts if q.lhs == moving.rhs)
+        (there,) = sp.solve(sp.Eq(named.lhs.args[0], named.rhs.args[0]), self.site)
         field, profile = moving.lhs.func, moving.rhs.func
 
         def put(place: sp.Expr, *when: sp.Expr) -> sp.Expr:
@@ -348,12 +347,9 @@ class EnterMovingFrame(Operation):
 
         def moved(side: sp.Expr) -> sp.Expr:
             found = side.replace(field, put).doit().subs(self.site, there).doit()
-            return found.replace(
-                lambda q: isinstance(q, AppliedUndef) and q.func == profile,
-                lambda q: q.func(sp.expand(q.args[0])),
-            ).doit()
+            return found.replace(profile, lambda at: profile(sp.expand(at))).doit()
 
         result = on_sides(target, moved)
-        if result.has(self.time) or result.has(self.site):
+        if result.has(self.time):  # what was a function of the site is one of both by now
             raise OperationError(f"{self.site} or {self.time} is left: not a travelling wave")
         return result

@@ -253,7 +253,7 @@ class RatioOfAmplitudes(Operation):
     """
 
     phrase: ClassVar[str] = "divide the inner by the outer amplitude of {sources}"
-    factor: int = 1
+    factor: int
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``factor inner / outer = factor sqrt(ratio of squares)``."""

@@ -150,7 +150,7 @@ def _strong(draft: Draft, chain: ChainModel, checks: LimitChecks) -> None:
     draft.derived("long waves", (Substitute(scales), Limit(c, sp.oo)), "dispersion",
                   check=checks.long_waves)
     tried: dict[sp.Symbol, tuple[float, ...]] = {V: (0.2, 0.9, 3.0)}
-    shown = sp.Tuple(chain.damping.get(0, sp.S.Zero), chain.coupling / c, *chain.weights)
+    shown = sp.Tuple(chain.damping[0], chain.coupling / c, *chain.weights)
     tried |= dict.fromkeys(shown.free_symbols - {c}, (0.1, 0.6))
     above = SelectRoot("Im κ > 0", lambda q: q.imag > 0, tried)
     draft.derived("long-wave root", (Substitute({long_wave: 0}), SolveFor(kappa), above),

@@ -73,13 +73,19 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
     Raises
     ------
     DerivationInputError
-        If the stiffness has a linear term.
+        If the stiffness has a linear term, or a cell at rest has no damping.
     """
     if 1 in chain.stiffness:
         raise DerivationInputError(
             "stiffness", chain.stiffness_of(sp.Symbol("y")), "without a linear term: a cell at "
             "rest has the frequency 1",
             "count time in its periods instead",
+        )  # fmt: skip
+    if 0 not in chain.damping:
+        raise DerivationInputError(
+            "damping", chain.damping_of(sp.Symbol("y")), "with a constant term: a cell at rest is "
+            "damped, and the rest state ahead of the front decays",
+            "give a coefficient of y^0",
         )  # fmt: skip
     draft, checks = Draft(derive_averages(chain), derive_scales(chain)), ProfileChecks(chain)
     cell.steps(draft, chain)
@@ -103,7 +109,7 @@ def two_lines(chain: ChainModel) -> sp.Eq:
     branches = sp.Piecewise(
         (own, sp.Lt(size, threshold)), (own - phi_s, sp.Gt(size, threshold)), evaluate=False
     )
-    rest = chain.damping.get(0, 0)
+    rest = chain.damping[0]
     return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * springs,
                     -HALF * epsilon * rest * branches)
 
@@ -142,7 +148,7 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
                   check=checks.driven)
     draft.derived("chain with the step at the front", Substitute(), "driven chain", "one passage",
                   check=checks.located)
-    draft.derived("profile", EnterMovingFrame(n, t, zeta), "chain with the step at the front",
+    draft.derived("profile", EnterMovingFrame(n, t), "chain with the step at the front",
                   "travelling wave", check=checks.profile_equation(speed))
     draft.derived("front", (Substitute(), Divide(epsilon)), "profile", "slow velocity",
                   check=checks.profile_equation(v), number=48)

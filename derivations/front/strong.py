@@ -83,7 +83,7 @@ def _outer(draft: Draft, checks: StrongChecks) -> None:
     moving = profile((place - speed * t) / length)
     draft.ansatz("inner scale", sp.Tuple(equation(envelope, moving), equation(moving, inner)),
                  "a front of a length still unknown", check=checks.inner_scale)
-    draft.derived("front in the inner scale", EnterMovingFrame(place, t, inner_place),
+    draft.derived("front in the inner scale", EnterMovingFrame(place, t),
                   "envelope of the fastest wave", "inner scale",
                   check=checks.inner_frame)
     draft.definition("speed and dispersion",

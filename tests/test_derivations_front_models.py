@@ -214,6 +214,17 @@ def test_only_nearest_neighbours_that_pull_have_closed_forms(change):
     assert not closed & {step.name for step in chain("piecewise-front", change).steps}
 
 
+def test_long_waves_have_a_law_where_springs_pull_or_push_them():
+    model = ChainModel(damping={0: 1, 2: -a, 4: b}, weights=(2 * w, -w))  # Σ j² w_j = -2 w
+    for change, found in (
+        (CHAINS["sign"], True),
+        (model, True),
+        (replace(model, coupling=2), False),
+    ):
+        names = {step.name for step in catalogue.load("piecewise-front", model=change).steps}
+        assert ("strong coupling" in names) == found
+
+
 @pytest.mark.parametrize(("powers", "found"), [((0, 2, 4), True), ((0, 4, 8), True),
                                                ((0, 2, 6), False), ((2, 4, 8), False),
                                                ((0, 2), False), ((0, 2, 4, 6), False)])  # fmt: skip

@@ -646,6 +646,8 @@ def test_an_operation_says_what_it_did(name):
     [
         (Truncate(e, 0), "expand (1) in e and omit O(e)"),
         (Truncate(e, 1), "expand (1) in e and omit O(e²)"),
+        (Substitute({p: q}), "set p = q in (1)"),
+        (Substitute({p: q, q: 2 * q}), "set p = q and q → 2⋅q in (1)"),
         (Substitute(index=n, at=(0,)), "substitute (2) at n = 0 into (1)"),
         (Substitute(index=n, at=(0, n + 1)), "substitute (2) at the sites 0 and n + 1 into (1)"),
         (CountAbove(k, -1, name), "count the roots of (1) with -π < Re k < 0 above the axis: by "

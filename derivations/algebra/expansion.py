@@ -169,7 +169,7 @@ class Limit(Operation):
         plain = side.subs(self.parameter, self.value)
         if plain.has(sp.nan, sp.zoo):
             plain = sp.cancel(sp.together(side)).subs(self.parameter, self.value)
-        if plain.is_finite is False or plain.has(sp.nan, sp.zoo, sp.oo):
+        if plain.has(sp.nan, sp.zoo, sp.oo):
             plain = sp.limit(side, self.parameter, self.value)
         return plain
 

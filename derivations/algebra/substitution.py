@@ -339,7 +339,7 @@ class EnterMovingFrame(Operation):
         parts = parts_of(wave)
         (moving,) = (q for q in parts if q.lhs.args == (self.site, self.time))
         (named,) = (q for q in parts if q.lhs == moving.rhs)
-        (there,) = sp.solve(sp.Eq(named.lhs.args[0], named.rhs.args[0]), self.site)
+        (there,) = sp.solve(named.lhs.args[0] - named.rhs.args[0], self.site)
         field, profile = moving.lhs.func, moving.rhs.func
 
         def put(place: sp.Expr, *when: sp.Expr) -> sp.Expr:

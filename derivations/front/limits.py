@@ -151,7 +151,7 @@ def _strong(draft: Draft, chain: ChainModel, checks: LimitChecks) -> None:
                   check=checks.long_waves)
     tried: dict[sp.Symbol, tuple[float, ...]] = {V: (0.2, 0.9, 3.0)}
     shown = sp.Tuple(chain.damping[0], chain.coupling / c, *chain.weights)
-    tried |= dict.fromkeys(shown.free_symbols - {c}, (0.1, 0.6))
+    tried |= dict.fromkeys(shown.free_symbols, (0.1, 0.6))
     above = SelectRoot("Im κ > 0", lambda q: q.imag > 0, tried)
     draft.derived("long-wave root", (Substitute({long_wave: 0}), SolveFor(kappa), above),
                   "long waves", check=checks.long_wave_root)

@@ -34,7 +34,6 @@ def report():
     return printed.Report(
         judgements=tuple(judgements), failures=failures,
         seconds=sum(part.seconds for part in parts),
-        cpu_seconds=sum(part.cpu_seconds for part in parts),
     )  # fmt: skip
 
 
@@ -89,11 +88,6 @@ def test_the_record_of_each_equation_is_plain_data(report):
         assert record["verdict"] in {kind.value for kind in Verdict}
         assert record["note"]
         assert (record["corrected"] is None) == (record["number"] not in MISPRINTS | AMBIGUOUS)
-
-
-def test_all_equations_with_checks_take_less_than_twenty_seconds(report):
-    # The bound, in seconds of this process, so that a loaded machine does not count.
-    assert report.cpu_seconds < 20
 
 
 def test_a_false_verdict_would_not_be_confirmed():

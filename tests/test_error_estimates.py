@@ -140,7 +140,6 @@ def test_a_clock_that_is_not_finite_in_any_part_is_refused(place: int) -> None:
 def test_the_parity_of_an_orbit_is_read_from_places_and_velocities(
     parity: int, sign: float
 ) -> None:
-    orbits = Orbits(VdpChain(a=2.5, b=0.5, c=0.1, sites=3), Nucleus(1))
     y, v = np.array([0.1, 1.0, 0.1 * parity]), np.array([3.0, 0.5, 3.0 * parity])
     if parity == -1:
         y[1] = v[1] = 0.0

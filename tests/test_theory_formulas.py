@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 
 import mpmath as mp
@@ -189,9 +190,11 @@ def test_velocities_too_many_to_be_told_apart_are_refused_at_once() -> None:
 
 def test_terms_and_seconds_are_shares_of_the_whole() -> None:
     one = kinetic_relation(0.5, 0.03125)
+    begin = time.perf_counter()
     many = trace_kinetic_relation(np.full(50, 0.5), 0.03125)
+    whole = time.perf_counter() - begin
     assert many[0].terms == pytest.approx(one.terms, abs=2)
-    assert 0 < sum(answer.seconds for answer in many) < 50 * 0.5
+    assert 0 < sum(answer.seconds for answer in many) <= whole
 
 
 def test_beside_the_fold_without_a_moving_branch_the_front_is_pinned() -> None:

@@ -116,7 +116,7 @@ def test_the_four_evaluations_agree_at_random(v: float, c: float) -> None:
     assert {each.method for each in found} == {"integral", "series", "bessel", "quadrature"}
     for i, a in enumerate(found):
         assert a.terms > 0
-        assert 0 <= a.seconds < 60
+        assert a.seconds >= 0
         for b in found[:i]:
             assert distance(a, b) <= a.error + b.error, (a.method, b.method)
     assert found[0].error < 1e-12

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from theory.parameters import ParameterError, count_within, need_instance, whole_number
+from theory.parameters import ParameterError, count_within, need_instance, truth, whole_number
 from theory.result import Result
 
 if TYPE_CHECKING:
@@ -320,6 +320,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     from verification.execution.imports import SOURCES
 
     begin = perf_counter()
+    whole = truth("full", full)
     for key in keys:
         if not isinstance(key, str):
             raise ParameterError("claim", key, "the key of a claim, as 'fig17-linear'", "name one")
@@ -332,7 +333,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
         entries,
         jobs=count_within("workers", workers, 1, 256),
         package=discover.PACKAGE,
-        shipped=None if full else Shipped(FOLDER, SOURCES),
+        shipped=None if whole else Shipped(FOLDER, SOURCES),
     )
     return Verdicts(outcomes=outcomes, seconds=perf_counter() - begin)
 

@@ -49,11 +49,11 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     saved = resumable_run(getattr(options, "checkpoint", None))
     with saved, Progress(words[0], quiet=options.json) as live:
         result, parameters = _computed(options, bound, live.report)
-    if options.out:
-        write_output(options.out, result, parameters)
     payload = result.to_dict()
     if isinstance(bound.call, Run):
         payload |= located("fronts.nucleus_evolution:evolution")(result)
+    if options.out:
+        write_output(options.out, result, parameters, payload)
     text = in_words(result, payload)
     if options.out:
         text = beside_files(text, options.out)
@@ -66,10 +66,13 @@ def _computed(
     """Return the result, and the parameters that it was computed with, defaults included."""
     function, arguments = bound.function, bound.own.given(options)
     parameters = {**bound.own.defaults(), **arguments}
+    takes = {each.name: each for each in described(function)}
     nucleus = bound.nucleus.given(options)
-    if any(hasattr(options, f"nucleus.{name}") for name in nucleus):
-        arguments["nucleus"] = parameters["nucleus"] = nucleus_of(nucleus)
-    takes = {each.name for each in described(function)}
+    named = any(hasattr(options, f"nucleus.{name}") for name in nucleus)
+    if named or (nucleus and takes["nucleus"].default is not None):
+        parameters["nucleus"] = nucleus_of(nucleus)
+    if named:
+        arguments["nucleus"] = parameters["nucleus"]
     further = {"progress": progress} if "progress" in takes else {}
     new_chain = bound.chain
     if new_chain is None:
@@ -77,9 +80,8 @@ def _computed(
     match bound.call:
         case Run(start=start):
             chain = new_chain(**_with_eta(bound, _fields(bound, options), options))
-            started = bound.start.given(options)
-            further["start"] = located(start)(chain, **started)
-            parameters["start"] = {**bound.start.defaults(), **started}
+            started = located(start)(chain, **bound.start.given(options))
+            further["start"], parameters["start"] = started.state, started.parameters
         case Map():
             chain, chosen = _grid(options, bound, new_chain, _fields(bound, options))
             arguments |= chosen

@@ -30,6 +30,8 @@ FILMS = (".gif", ".mp4")
 FORMATS = (".csv", ".json", ".npz", ".zarr", *PICTURES)
 """Of every result; of a run there are films too."""
 
+_Mapping = Mapping[str, Any]
+
 
 def check_files(
     paths: Sequence[tuple[Path, str]], filmed: bool, formats: Sequence[str] = FORMATS
@@ -96,7 +98,12 @@ def _simple(value: Any) -> Any:
     return json.dumps(value) if isinstance(value, (list, tuple, dict)) else value
 
 
-def write_result(path: Path, result: Result, parameters: Mapping[str, Any]) -> None:
+def write_result(
+    path: Path,
+    result: Result,
+    parameters: Mapping[str, Any],
+    payload: Mapping[str, Any] | None = None,
+) -> None:
     """Write a result in the format that the file's ending names, whole or not at all.
 
     Parameters
@@ -107,6 +114,8 @@ def write_result(path: Path, result: Result, parameters: Mapping[str, Any]) -> N
         What to write.
     parameters : mapping
         What was computed, with every default; it is written with the command line and the versions.
+    payload : mapping, optional
+        The result as a command answers it in JSON, where that says more than the result itself.
 
     Raises
     ------
@@ -120,7 +129,7 @@ def write_result(path: Path, result: Result, parameters: Mapping[str, Any]) -> N
         "versions": installed_versions(),
     }
     try:
-        write = writer(result, provenance)
+        write = writer(result, result.to_dict() if payload is None else payload, provenance)
     except TypeError as error:
         raise UsageError(
             f"{path} cannot be written: {error}", quantity="--out", value=path
@@ -128,12 +137,12 @@ def write_result(path: Path, result: Result, parameters: Mapping[str, Any]) -> N
     write_by(path, write)
 
 
-def _json(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
-    text = json.dumps({**result.to_dict(), "provenance": provenance}, allow_nan=False, indent=1)
+def _json(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
+    text = json.dumps({**payload, "provenance": provenance}, allow_nan=False, indent=1)
     return lambda path: _write_text(path, text + "\n")
 
 
-def _csv(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+def _csv(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
     table = as_table(result)
     stream = StringIO(newline="")
     write_csv(stream, table, zip(*table.values(), strict=True))
@@ -160,7 +169,7 @@ def as_table(result: Result) -> dict[str, list[Any]]:
         }
 
 
-def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+def _npz(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
     import numpy as np
 
     own = getattr(result, "arrays", None)
@@ -175,9 +184,7 @@ def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     )
     if not arrays:
         arrays = {name: _array(values) for name, values in as_table(result).items()}
-    scalars = {
-        name: value for name, value in result.to_dict().items() if not isinstance(value, list)
-    }
+    scalars = {name: value for name, value in payload.items() if not isinstance(value, list)}
     arrays |= {
         "result": np.array(json.dumps(scalars)),
         "parameters": np.array(json.dumps(provenance["parameters"])),
@@ -186,7 +193,7 @@ def _npz(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
     return lambda path: np.savez_compressed(path, **arrays)
 
 
-def _zarr(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+def _zarr(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
     return zarr_writer(result.to_xarray(), provenance)
 
 
@@ -200,7 +207,7 @@ def _array(values: list[Any]) -> Any:
     return np.array(["" if value is None else str(value) for value in values])
 
 
-def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+def _picture(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
     import matplotlib as mpl
 
     from verification.pictures.figures import CHANGING, new_axes
@@ -219,7 +226,7 @@ def _picture(result: Result, provenance: dict[str, Any]) -> Callable[[Path], Non
     return write
 
 
-def _film(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
+def _film(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
     from fronts.animation import animate
     from verification.runs.trajectory import Trajectory
 
@@ -236,7 +243,7 @@ def _film(result: Result, provenance: dict[str, Any]) -> Callable[[Path], None]:
 _NOTE = {"png": "Description", "svg": "Description", "pdf": "Subject"}
 """Where each kind of picture keeps a text."""
 
-_WRITERS: dict[str, Callable[[Result, dict[str, Any]], Callable[[Path], None]]] = {
+_WRITERS: dict[str, Callable[[Result, _Mapping, _Mapping], Callable[[Path], None]]] = {
     ".json": _json,
     ".csv": _csv,
     ".npz": _npz,

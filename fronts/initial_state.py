@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, count_within, within
 from verification.runs.excite import FloatArray, StartPoint, add_noise, excite
+
+
+@dataclass(frozen=True, kw_only=True)
+class InitialState:
+    """A start, and the parameters that it was made from, defaults included.
+
+    Attributes
+    ----------
+    state : ndarray, shape (2, N)
+        (y, w) of every site.
+    parameters : mapping
+        ``sites`` and their ``displacement``; ``perturbation`` and its ``seed`` if there is noise.
+    """
+
+    state: FloatArray
+    parameters: Mapping[str, Any]
 
 
 def prepared(
@@ -19,7 +36,7 @@ def prepared(
     start_point: StartPoint | None = None,
     perturbation: float | None = None,
     seed: int | None = None,
-) -> FloatArray:
+) -> InitialState:
     """Return a start with some sites excited, the others at rest, and noise on all.
 
     Parameters
@@ -41,8 +58,8 @@ def prepared(
 
     Returns
     -------
-    ndarray, shape (2, N)
-        (y, w) of every site.
+    InitialState
+        With the parameters that were chosen.
 
     Raises
     ------
@@ -61,9 +78,13 @@ def prepared(
     if sites is None:
         count: int = getattr(chain, "sites", 1)
         sites = (1,) if isinstance(chain, FrictionChain) else ((count + 1) // 2,)
-    options: dict[str, Any] = {} if start_point is None else {"point": start_point}
-    start = excite(chain, sites, displacement, **options)
+    point = StartPoint.MAXIMUM if start_point is None else start_point
+    start = excite(chain, sites, displacement, point=point)
+    chosen: dict[str, Any] = {} if start_point is None else {"start_point": start_point}
+    chosen |= {"sites": list(sites), "displacement": float(start[0, sites[0] - 1])}
     if not perturbation:
-        return start
+        return InitialState(state=start, parameters=chosen)
     seed = count_within("seed", 1 if seed is None else seed, 0, 2**32 - 1)
-    return add_noise(start, within("perturbation", perturbation, 0.0, 1.0), seed)
+    noisy = add_noise(start, within("perturbation", perturbation, 0.0, 1.0), seed)
+    chosen |= {"perturbation": perturbation, "seed": seed}
+    return InitialState(state=noisy, parameters=chosen)

@@ -76,13 +76,25 @@ def check_output(options: argparse.Namespace, filmed: bool) -> None:
         raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two files.")
 
 
-def write_output(out: Sequence[Path], result: Result, parameters: Mapping[str, Any]) -> None:
-    """Write a result to files, each with the command line and the parameters."""
+def write_output(
+    out: Sequence[Path], result: Result, parameters: Mapping[str, Any], payload: Mapping[str, Any]
+) -> None:
+    """Write a result to files, each with the command line and the parameters.
+
+    Parameters
+    ----------
+    out : sequence of Path
+        The files.
+    result, parameters
+        What was found, with what.
+    payload : mapping
+        The result as the command answers it in JSON; it may say more than the result itself.
+    """
     from fronts.files import write_result
 
     for path in out:
         if path != parameters.get("out"):  # what can be resumed has been written
-            write_result(path, result, parameters)
+            write_result(path, result, parameters, payload)
 
 
 def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, Any]) -> Answer:

@@ -18,6 +18,7 @@ from fronts.arguments import is_range
 from fronts.bound import Bound, located
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
+from fronts.initial_state import prepared
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
@@ -26,6 +27,7 @@ from theory.chains.vdp import AveragedChain
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
 from verification.runs import simulate
+from verification.runs.excite import as_psi
 
 OF_THE_LIBRARY = {
     where
@@ -316,7 +318,18 @@ def test_a_file_holds_every_parameter_of_what_was_computed(tmp_path):
         ("cell friction --v-d 1.25", {"v_d": 1.25, "xi": 0.05}),
         (
             "breather averaged --c 0.1 --nucleus 2",
-            {"model": "averaged", "a": 2.5, "c": 0.1, "sites": 16, "ends": "free"},
+            {
+                "model": "averaged",
+                "a": 2.5,
+                "c": 0.1,
+                "sites": 16,
+                "ends": "free",
+                "nucleus": {"size": 2, "pattern": "0", "place": "bulk"},
+            },
+        ),
+        (
+            "breather averaged --c 0.1 --method envelope",
+            {"nucleus": {"size": 1, "pattern": "", "place": "bulk"}},
         ),
         ("profile --c 0.5 --eta 0.03125 --points 3", {"c": 0.5, "points": 3}),
     ):
@@ -324,6 +337,26 @@ def test_a_file_holds_every_parameter_of_what_was_computed(tmp_path):
         assert main([*line.split(), "-o", str(out)]) == 0
         found = json.loads(out.read_text())["provenance"]["parameters"]
         assert {name: found[name] for name in wanted} == wanted
+
+
+def test_the_file_of_a_run_holds_its_answer_and_the_start_that_it_had(tmp_path, capsys):
+    """The start is made again, bit for bit, from the parameters that are kept."""
+    out, arrays = tmp_path / "run.json", tmp_path / "run.npz"
+    line = "simulate averaged --n 7 --a 4 --b 0.5 --c 0.3 --t-end 20 --samples 2 --json"
+    for more, start in (("", {}), (" --excite 2,3 --perturbation 1e-3", {"seed": 1})):
+        assert main([*f"{line}{more}".split(), "-o", str(out), "-o", str(arrays)]) == 0
+        answer = json.loads(capsys.readouterr().out)
+        kept = json.loads(out.read_text())
+        given = kept.pop("provenance")["parameters"]["start"]
+        assert kept == answer
+        assert answer["nucleus"]["end"] == "held"
+        assert given.items() >= start.items()
+        chain = AveragedChain(a=4.0, b=0.5, c=0.3, sites=7)
+        with np.load(arrays) as held:
+            assert json.loads(str(held["result"]))["nucleus"] == answer["nucleus"]
+            again = as_psi(prepared(chain, **given).state)
+            assert np.array_equal(held["psi"][0], again)
+            assert np.count_nonzero(abs(again) > 1.0) == (1 if not more else 2)
 
 
 def test_the_command_that_is_kept_says_nothing_of_files():

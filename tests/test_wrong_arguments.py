@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import fronts as fr
+from verification.maps.state_map import StateTask
 
 CHAINS = {
     "vdp": fr.VdpChain(a=4, b=0.5, c=0.05, sites=7),
@@ -166,6 +167,65 @@ CHOICES: dict[str, Callable[[Any], object]] = {
 def test_a_choice_is_one_of_the_words(name: str, word: Any) -> None:
     with pytest.raises(fr.ParameterError, match="is not allowed: it must be"):
         CHOICES[name](word)
+
+
+FLAGS: dict[str, Callable[[Any], object]] = {
+    "stability": lambda flag: fr.kinetic_relation(0.5, 0.03, stability=flag),
+    "certify": lambda flag: fr.kinetic_relation(0.5, 0.03, certify=flag),
+    "certify of roots": lambda flag: fr.roots(0.3, 0.5, certify=flag),
+    "full": lambda flag: fr.judge("fig16-admissible", full=flag),
+    "estimate_error": lambda flag: fr.simulate(CHAINS["vdp"], START, 1.0, estimate_error=flag),
+    "active_window": lambda flag: fr.simulate(CHAINS["vdp"], START, 1.0, active_window=flag),
+    "active_window of friction": lambda flag: fr.simulate(
+        CHAINS["friction"], START, 1.0, active_window=flag
+    ),
+    "left_boundary_wave": lambda flag: fr.simulate(
+        CHAINS["vdp"], START, 1.0, left_boundary_wave=flag
+    ),
+    "resume": lambda flag: fr.sweep(len, {"x": [1.0]}, workers=1, resume=flag),
+    "resume of a map": lambda flag: fr.state_map(
+        CHAINS["averaged"], c=0.05, workers=1, refine=0, resume=flag
+    ),
+    "amplitudes": lambda flag: StateTask(chain=CHAINS["averaged"], amplitudes=flag),
+    "overdamped": lambda flag: fr.OscillatorChain(damping="y**2 - 1", c=0.1, overdamped=flag),
+}
+
+
+@pytest.mark.parametrize(
+    "flag", [np.array([]), np.array([True]), np.array([True, False]), 1, 0.0, "yes", None, []]
+)
+@pytest.mark.parametrize("name", FLAGS)
+def test_a_flag_is_true_or_false(name: str, flag: Any) -> None:
+    match = rf"^{name.split(maxsplit=1)[0]} = .* is not allowed: it must be true or false"
+    with pytest.raises(fr.ParameterError, match=match):
+        FLAGS[name](flag)
+
+
+NUMBERS: dict[str, Callable[[Any], object]] = {
+    "coupling c": lambda one: fr.kinetic_relation(one, 0.03),
+    "velocity v": lambda one: fr.roots(one, 0.5),
+    "root count": lambda one: fr.roots(0.3, 0.5, count=one),
+    "digits": lambda one: fr.roots(0.3, 0.5, digits=one),
+    "digits of Sigma": lambda one: fr.sigma(0.3, 0.5, digits=one),
+    "excited site": lambda one: fr.excite(CHAINS["vdp"], [one]),
+    "nucleus": fr.Nucleus,
+    "number of samples": lambda one: fr.simulate(CHAINS["vdp"], START, 1.0, samples=one),
+    "end time": lambda one: fr.simulate(CHAINS["vdp"], START, one),
+    "number of folds": lambda one: fr.follow_breather(CHAINS["vdp"], [0.1], folds=one),
+    "workers": lambda one: fr.sweep(len, {"x": [1.0]}, workers=one),
+    "workers of a map": lambda one: fr.state_map(CHAINS["averaged"], c=0.05, refine=0, workers=one),
+    "points": lambda one: fr.stability("c-pin", points=one),
+    "runs": lambda one: fr.ensemble(one, CHAINS["vdp"]),
+    "seed": lambda one: fr.stability("c-pin", points=40, seed=one),
+    "extent": lambda one: fr.roots(0.3, 0.5, extent=one),
+}
+
+
+@pytest.mark.parametrize("one", [True, np.True_, np.array(True), np.array([True])])
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_number_is_no_truth_value(name: str, one: Any) -> None:
+    with pytest.raises(fr.ParameterError, match="is not allowed: it must be"):
+        NUMBERS[name](one)
 
 
 @pytest.mark.parametrize("name", REFUSED)

@@ -86,7 +86,8 @@ def number(
     Raises
     ------
     ParameterError
-        If it is an array of several, a complex number, text that is no number, or anything else.
+        If it is an array of several, a complex number, a truth value, text that is no number, or
+        anything else.
 
     Examples
     --------
@@ -95,9 +96,11 @@ def number(
     (0.25, 0.25)
     """
     try:
-        return float(value)  # type: ignore[arg-type]
+        if not _is_truth(value):
+            return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
-        raise ParameterError(quantity, value, allowed, remedy) from None
+        pass
+    raise ParameterError(quantity, value, allowed, remedy)
 
 
 def real_array(quantity: str, values: object) -> NDArray[np.float64]:
@@ -293,6 +296,33 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
             quantity, _shown(value), allowed, remedy or "give a whole number in this range"
         )
     return count_within(quantity, value, low, high, remedy or None)
+
+
+def truth(quantity: str, value: object) -> bool:
+    """Return a flag as a bool if it is true or false; numbers, text, arrays and None are neither.
+
+    Raises
+    ------
+    ParameterError
+        If it is none.
+
+    Examples
+    --------
+    >>> truth("certify", 1)
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: certify = 1 is not allowed: it must be true or false; give \
+one of them.
+    """
+    ndim: int = getattr(value, "ndim", 0)
+    if ndim or not _is_truth(value):
+        raise ParameterError(quantity, _shown(value), "true or false", "give one of them")
+    return bool(value)
+
+
+def _is_truth(value: object) -> bool:
+    """Tell whether a value is true or false, of Python or of numpy, or an array of such."""
+    return isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
 
 
 def word(quantity: str, value: object, words: Iterable[str], remedy: str = "name one") -> str:

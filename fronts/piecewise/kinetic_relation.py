@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from theory.parameters import ParameterError, real_array
+from theory.parameters import ParameterError, real_array, truth
 from theory.piecewise.kinetic_relation import (
     KineticRelation,
     trace_kinetic_relation,
@@ -109,6 +109,7 @@ def kinetic_relation(
     >>> [len(point.branches) for point in curve.points]
     [0, 2, 1]
     """
+    stability, certify = truth("stability", stability), truth("certify", certify)
     eta_ = damping_ratio(eta, a, b)
     c_ = real_array("coupling c", c)
     for quantity, values in (("coupling c", c_), ("eta", eta_)):

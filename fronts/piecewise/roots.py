@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from theory.parameters import ParameterError, RunError, count_within, decimal
+from theory.parameters import ParameterError, RunError, count_within, decimal, truth
 from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS
 from theory.result import Result
 from verification.execution.progress import ProgressCallback, of_part
@@ -129,7 +129,7 @@ def roots(
     """
     from theory.piecewise.roots import nearest_roots, roots_within
 
-    v, c = decimal("velocity v", v), decimal("coupling c", c)
+    v, c, certify = decimal("velocity v", v), decimal("coupling c", c), truth("certify", certify)
     v_, c_ = float(v), float(c)
     digits = count_within("digits", digits, 1, MAX_DIGITS)
     if count is not None and extent is not None:
@@ -157,7 +157,7 @@ def roots(
             rows.append(
                 _in_decimals(str(v), str(c), half, upper=not i, digits=digits, progress=shown)
             )
-    return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=bool(certify))
+    return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=certify)
 
 
 def _counted(v: float, c: float, found: RootSet, upper: bool) -> int:

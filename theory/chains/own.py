@@ -30,7 +30,7 @@ from theory.chains.site_values import (
     pairs,
     relative_spread,
 )
-from theory.parameters import ParameterError, whole_number
+from theory.parameters import ParameterError, truth, whole_number
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -88,7 +88,7 @@ class OwnChain(SmoothChain):
         self._check_ends()
         self._check_size()
         set_ = object.__setattr__
-        set_(self, "overdamped", _truth("overdamped", self.overdamped))
+        set_(self, "overdamped", truth("overdamped", self.overdamped))
         for name in ("damping", "stiffness"):
             set_(self, name, _stored(getattr(self, name), name))
         if self.overdamped:
@@ -410,9 +410,3 @@ def _stored(given: Any, quantity: str) -> Any:
     if isinstance(force, CompiledForce):
         return force
     return given if isinstance(given, str) else str(given)
-
-
-def _truth(quantity: str, given: Any) -> bool:
-    if not isinstance(given, (bool, np.bool_)):
-        raise ParameterError(quantity, repr(given), "true or false", "give one of them")
-    return bool(given)

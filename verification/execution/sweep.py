@@ -23,7 +23,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from theory.parameters import ParameterError, need_instance
+from theory.parameters import ParameterError, need_instance, truth
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
 from verification.execution.digest import code_of_objects
 from verification.execution.interruption import terminated_as_interrupted
@@ -146,6 +146,7 @@ def sweep(
         need_instance("executor", executor, (Executor,), "give one, or the number of workers")
     if dims is not None:
         need_instance("dims", dims, (Mapping,), 'give names, as {"profile": "site"}')
+    resume = truth("resume", resume)
     asked = points_of(points)
     if out is not None:
         need_instance("out", out, (str, PathLike), "name a file")

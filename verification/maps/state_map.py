@@ -28,7 +28,7 @@ import numpy as np
 from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, need_instance, real_array, within
+from theory.parameters import ParameterError, need_instance, real_array, truth, within
 from theory.result import Result
 from verification.execution.columns import Cell, Scalar
 from verification.execution.points import Grid, Point
@@ -106,6 +106,7 @@ class StateTask:
     def __post_init__(self) -> None:
         rules = rules_of(self.chain)
         rules.check(self.chain)
+        truth("amplitudes", self.amplitudes)
         if self.held not in HELD:
             raise ParameterError("coefficient held", self.held, "a or b", "name one of them")
         within("end time", self.end_time, rules.shortest_end, rules.longest_end)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from theory.chains.chain import Chain
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
-from theory.parameters import count_within, positive
+from theory.parameters import count_within, positive, truth
 from verification.execution.digest import digest_of_arrays
 from verification.runs.integration import (
     Integration,
@@ -114,7 +114,7 @@ class FrictionIntegration(Integration):
         if watched is not None:
             self._run.mode[WATCHED] = 0
             self._run.mode[WATCHED, list(watched)] = 1
-        if active_window and chain.ends is Ends.FREE:
+        if truth("active_window", active_window) and chain.ends is Ends.FREE:
             self._close_window(_REST * tolerance)
 
     def _close_window(self, rest: float) -> None:

@@ -19,6 +19,7 @@ from theory.parameters import (
     need_instance,
     positive,
     real_array,
+    truth,
     within,
 )
 from verification.execution.checkpoint import check_samples, run_to_end
@@ -125,9 +126,10 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     if tolerance is not None:
         options["tolerance"] = within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
     options["end"] = t_end
+    compared = truth("estimate_error", estimate_error)
     first = integration(chain, start, sampled, **options)
     runs = [first]
-    if estimate_error:
+    if compared:
         other = first.perturbed(chain, checked_state(chain, start), PERTURBATION)
         options["tolerance"] = other_tolerance(first.tolerance)
         runs.append(integration(chain, other, sampled, **options))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, at_least
+from theory.parameters import ParameterError, at_least, truth
 from verification.execution.digest import digest_of_arrays
 from verification.runs.integration import (
     Integration,
@@ -101,7 +101,8 @@ class SmoothIntegration(Integration):
         memory: FloatArray | None = None,
     ) -> None:
         state = checked_state(chain, start)
-        first = _beyond_first_site(chain, trailing_sites, left_boundary_wave)
+        wave = truth("left_boundary_wave", left_boundary_wave)
+        first = _beyond_first_site(chain, trailing_sites, wave)
         self.chain, self.tolerance = chain, tolerance
         self.times = np.asarray(times, dtype=float)
         self.end = float(self.times[-1]) if end is None else end
@@ -111,11 +112,12 @@ class SmoothIntegration(Integration):
         self._stiff = isinstance(chain, VdpChain) and step is None and watch is None
         self._start = state.copy()
         self._size = float(np.hypot(*state).max())
-        self._left_boundary_wave = left_boundary_wave
+        self._left_boundary_wave = wave
         self._run = _at_start(state, self.times.size, self.level, memory)
         self._margin, self._watch = _margin(chain), watch
         local = first != RING and self._margin < chain.sites
-        self._rest = self._close_window() if active_window and local else -1.0
+        narrowed = truth("active_window", active_window) and local
+        self._rest = self._close_window() if narrowed else -1.0
         if self._rest < 0.0:
             self._run.counters[smooth.HI] = chain.sites
         self._task = smooth.Task(

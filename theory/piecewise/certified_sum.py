@@ -1,21 +1,35 @@
 """Σ(v, c) and its derivatives in ball arithmetic: proven radii (optional: python-flint).
 
 The integrand is that of ``theory.piecewise.sums.integral``. With X = sin²(k/2), A = ½ - 2icX,
-a = A/v, E = e^{-a}, F = 1 - E and D = F² + 4XE,
+a = A/v and q± = 1/(1 - e^{-a ± ik}), so that ∂q/∂a = q(1 - q),
 
-    Σ + 1 = mean over a period of G,       G = S/(2A),           S = F (2 - F)/D,
-    ∂S/∂a = 2E [2X(1 + E²) - F²]/D²,       ∂²S/∂a² = 2E (1 - E²)[F² - 2X(1 + E²) - 8X(1 - X)E]/D³,
+    Σ + 1 = mean over a period of G,       G = S/(2A),       S = q₊ + q₋ - 1,
     G_v = -S_a/(2v²),   G_vv = S_a/v³ + S_aa A/(2v⁴),   G_c = iX S/A² - iX S_a/(A v).
 
-Truncation. Let c sinh σ + vσ < ½ and |Im k| ≤ σ. There
+As a occurs but once in q±, these stay narrow where v and c are balls.
 
-    Re A ≥ g = ½ - c sinh σ > 0,   Re(a ± ik) ≥ 2p = (g - vσ)/v > 0,   |A| ≤ ½ + c(1 + cosh σ),
+Path. On the real axis e^{-a} oscillates with the phase c(1 - cos k)/v. Where c/v is large its mean
+is small beside its modulus, and balls of velocities or couplings lead to balls that are far too
+wide. On the path
 
-and S = ½[coth((a + ik)/2) + coth((a - ik)/2)], so that |coth z| ≤ coth Re z and
-|csch z| ≤ 1/sinh Re z bound |S| by coth p, |S_a| by ½ csch² p and |S_aa| by ½ csch² p coth p.
-If |G| ≤ M in this strip, N equispaced points give its mean to within 2M/(e^{Nσ} - 1) (Trefethen &
-Weideman 2014). All of it, the bound too, is evaluated in balls, so v and c may be balls themselves:
-the result then holds for every v and c in them.
+    z(k) = k + iτ sin k,   Re A = ½ + c sin k sinh(τ sin k),
+
+e^{-a} falls away from k = 0 and π instead. G is even, and the mean of G(z(k)) z'(k) over real k is
+that of G, if it has no pole between the axis and the path: none where Re A > v |Im z|, and for
+|sin k| = s and all τ' ≤ τ, ½ + cs sinh(τ's) - vτ's ≥ ½ - v²τ/(4c).
+
+Truncation. Let |Im k| ≤ σ, and z = κ + iψ. There |ψ| ≤ Ψ = σ + τ cosh σ, |z'| ≤ 1 + τ cosh σ, and
+
+    Re A = ½ + c sin κ sinh ψ ≥ g,   Re(a ± iz) ≥ 2p,   |A| ≤ ½ + c(1 + cosh Ψ),
+
+on the axis (τ = 0) with g = ½ - c sinh σ and 2p = (g - vσ)/v, on the path with g = ½ - cm = 2pv,
+where -m is the least of sin κ sinh ψ - |ψ| ρ, ρ ≥ v/c. As Re A is harmonic and |ψ| subharmonic, it
+lies on Im k = ±σ. About k = 0 it is -(1 + τ²)²σ²/(4τ), so that the strip is as wide as c^{-1/2},
+and only as 1/c on the axis. If g and p are positive, S = ½[coth((a + iz)/2) + coth((a - iz)/2)],
+|coth w| ≤ coth Re w and |csch w| ≤ 1/sinh Re w bound |S| by coth p, |S_a| by ½ csch² p and |S_aa|
+by ½ csch² p coth p. If |G z'| ≤ M in this strip, N equispaced points give its mean to within
+2M/(e^{Nσ} - 1) (Trefethen & Weideman 2014). All of it, the bound too, is evaluated in balls, so v
+and c may be balls themselves: the result then holds for every v and c in them.
 
 Where the strip is so narrow that N would be many thousands, the integral over half a period is
 taken by the adaptive Gauss-Legendre rule of Arb, whose bound is proven as well (Johansson 2018).
@@ -32,10 +46,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from time import perf_counter
 from typing import Any
 
 import mpmath as mp
+import numpy as np
 
 from theory.parameters import count_within
 from theory.piecewise.certified_roots import ball_arithmetic
@@ -49,6 +65,9 @@ MAX_EVALUATIONS = 150_000
 """Values of the integrand in the adaptive rule, at most: a few seconds."""
 _PARTS = (0.6, 0.75, 0.88, 0.95)  # of the strip, on which G is bounded
 _GUARD_BITS = 32
+_BEND = 0.5625
+"""τ of the path: near 1/√3, where the strip is widest, and a binary number."""
+_PIECES = 1024
 _PARTIALS = (1, 3, 4)
 """How many of Σ, ∂Σ/∂v, ∂Σ/∂c and ∂²Σ/∂v² are computed, by order."""
 
@@ -72,6 +91,22 @@ class BallSum:
     by_c: Any
     by_vv: Any
     points: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strip:
+    """Where the integrand is bounded.
+
+    Attributes
+    ----------
+    half_width : float
+        σ.
+    ratio : float or None
+        ρ of the path, not below v/c; None for the real axis.
+    """
+
+    half_width: float
+    ratio: float | None = None
 
 
 def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> KineticSum:
@@ -152,10 +187,10 @@ def _any_strip(flint: Any, v: Any, c: Any, tolerance: float, digits: int) -> Bal
         return BallSum(ball_static_sum(flint, c) + flint.acb(ball, ball), None, None, None, 0)
     # Beyond 300 digits the tolerance is no float; digits and points are then in proportion.
     scale = max(1.0, digits / 300.0)
-    points, part = needed_points(float(v), float(c), tolerance)
+    points, strip = needed_points(float(v), float(c), tolerance)
     if points * scale <= MAX_POINTS * max(1.0, digits / DOUBLE):
         count = 2 * math.ceil(0.5 * points * scale * (1.0 + 0.02 * (scale > 1.0)))
-        return ball_sum(flint, v, c, count, part)
+        return ball_sum(flint, v, c, count, strip)
     return _adaptive(flint, v, c, flint.arb(10) ** (-digits - 5))
 
 
@@ -183,7 +218,9 @@ def _adaptive(flint: Any, v: Any, c: Any, goal: Any) -> BallSum:
     return BallSum(integral / pi - 1, None, None, None, evaluated)
 
 
-def needed_points(v: float, c: float, tolerance: float, order: int = 0) -> tuple[int, float]:
+def needed_points(
+    v: float, c: float, tolerance: float, order: int = 0, least: float | None = None
+) -> tuple[int, Strip]:
     """Return an even number of points for a truncation error near ``tolerance``, and the strip.
 
     A guess in floating point, rounded up to a few sizes: what the points give is proven after.
@@ -196,29 +233,77 @@ def needed_points(v: float, c: float, tolerance: float, order: int = 0) -> tuple
         Required absolute error.
     order : int
         0 for Σ alone, 1 with first derivatives, 2 with ∂²Σ/∂v².
+    least : float, optional
+        The least coupling meant, by default c.
 
     Returns
     -------
-    points, half_width : int, float
-        Even number of points, and half-width of the strip on which the integrand is bounded.
+    points, strip : int, Strip
+        Even number of points, and the strip on which the integrand is bounded.
     """
-    strip = root_free_strip(v, c)
-    best = (math.inf, 0.0)
-    for part in _PARTS:
-        sigma = part * strip
-        gap = 0.5 - c * math.sinh(sigma)
-        p = 0.5 * (gap - v * sigma) / v
-        coth, square = 1.0 / math.tanh(p), math.sinh(min(p, 300.0)) ** -2
-        side = 1.0 + math.cosh(sigma)
-        peaks = _peaks(v, c, gap, coth=coth, square=square, side=side)
-        peak = max(peaks[: _PARTIALS[order]])
-        best = min(best, (math.log1p(2.0 * peak / tolerance) / sigma, sigma))
-    count, sigma = best
+    ratio = v / (c if least is None else least)
+    digits = math.ceil(-2.0 * math.log10(tolerance))
+    return _points_and_strip(_up(v, 8), _up(c, 8), 10.0 ** (-0.5 * digits), order, _up(ratio, 4))
+
+
+def _up(x: float, steps: int) -> float:
+    """Return a number not below x, one of so many an octave."""
+    return math.pow(2.0, math.ceil(steps * math.log2(x) + 1e-9) / steps)
+
+
+@lru_cache(maxsize=4096)
+def _points_and_strip(
+    v: float, c: float, tolerance: float, order: int, ratio: float
+) -> tuple[int, Strip]:
+    width = root_free_strip(v, c)
+    strips = [Strip(half_width=part * width) for part in _PARTS]
+    if ratio < 1.0:  # else e^{-a} hardly oscillates
+        widest = math.floor(4.0 * math.log2(min(1.0, c**-0.5)))
+        widths = (2.0 ** ((widest - i) / 4.0) for i in range(12))
+        strips += [Strip(half_width=each, ratio=ratio) for each in widths]
+    best = (math.inf, strips[0])
+    for strip in strips:
+        sigma, (sag, side, stretch) = strip.half_width, _geometry(strip)
+        gap = 0.5 - c * sag
+        p = 0.5 * (gap - (v * sigma if strip.ratio is None else 0.0)) / v
+        if gap > 0.0 < p:
+            coth, square = 1.0 / math.tanh(p), math.sinh(min(p, 300.0)) ** -2
+            peaks = _peaks(v, c, gap, coth=coth, square=square, side=side)
+            peak = stretch * max(peaks[: _PARTIALS[order]])
+            count = math.log1p(2.0 * peak / tolerance) / sigma
+            best = min(best, (count, strip), key=lambda each: each[0])
+    count, strip = best
     octave = 2.0 ** math.floor(math.log2(max(count, 8.0)))
-    return max(8, 2 * math.ceil(0.5 * octave * math.ceil(8.0 * count / octave) / 8.0)), sigma
+    return max(8, 2 * math.ceil(0.5 * octave * math.ceil(8.0 * count / octave) / 8.0)), strip
 
 
-def ball_sum(flint: Any, v: Any, c: Any, points: int, sigma: float, *, order: int = 0) -> BallSum:
+def _geometry(strip: Strip) -> tuple[float, float, float]:
+    """Return m, 1 + cosh Ψ and the bound on |z'| as floats; on the axis m = sinh σ."""
+    sigma = strip.half_width
+    if strip.ratio is None:
+        return math.sinh(sigma), 1.0 + math.cosh(sigma), 1.0
+    stretch = _BEND * math.cosh(sigma)
+    return _sag(sigma, strip.ratio), 1.0 + math.cosh(sigma + stretch), 1.0 + stretch
+
+
+@lru_cache(maxsize=4096)
+def _sag(sigma: float, ratio: float) -> float:
+    """Return m, or more: minus the least of sin κ sinh ψ - |ψ| ρ for |Im k| ≤ σ.
+
+    By the symmetries k → -k and k → π - k, on Im k = σ for Re k from -π/2 to π/2. The values in the
+    middle of pieces are lowered by what first and second derivatives allow within them.
+    """
+    half = 0.5 * math.pi / _PIECES
+    k = (np.arange(_PIECES) + 0.5) * 2.0 * half - 0.5 * math.pi + 1j * sigma
+    z, rate = k + 1j * _BEND * np.sin(k), 1.0 + 1j * _BEND * np.cos(k)
+    stretch = _BEND * math.cosh(sigma)
+    second = math.cosh(sigma + stretch) * ((1.0 + stretch) ** 2 + stretch)
+    least = (1j * np.cos(z)).real - np.abs((1j * np.sin(z) * rate).real) * half
+    least -= 0.5 * second * half**2 + ratio * (np.abs(z.imag) + stretch * half)
+    return max(1e-12 - float(least.min()), 0.25 * _BEND * ratio**2) * (1.0 + 1e-12)
+
+
+def ball_sum(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int = 0) -> BallSum:
     """Return Σ and its derivatives by the trapezoidal rule, the truncation in each radius.
 
     Parameters
@@ -229,61 +314,85 @@ def ball_sum(flint: Any, v: Any, c: Any, points: int, sigma: float, *, order: in
         Balls of positive velocities and couplings.
     points : int
         Even number of points over the period.
-    sigma : float
-        Half-width of a strip without roots for every v and c in the balls. If it is not, the result
-        is a ball without bounds.
+    strip : Strip
+        Without roots for every v and c in the balls. If it is not, the result is a ball without
+        bounds.
     order : int
         0 for Σ alone, 1 with ∂Σ/∂v and ∂Σ/∂c, 2 with ∂²Σ/∂v² also.
     """
     totals = [flint.acb(0)] * _PARTIALS[order]
-    for j in range(points // 2 + 1):
-        X = flint.arb.sin_pi_fmpq(flint.fmpq(j, points)) ** 2
-        values = _integrand(flint, v, c, X, order)
-        if j in (0, points // 2):
-            values = [value / 2 for value in values]
-        totals = [total + value for total, value in zip(totals, values, strict=True)]
+    for node in _nodes(flint, points, strip.ratio is not None, flint.ctx.prec):
+        values = _integrand(flint, v, c, node, order)
+        totals = [total + node.weight * each for total, each in zip(totals, values, strict=True)]
     means = [
         2 * total / points + flint.acb(flint.arb(0, bound), flint.arb(0, bound))
         for total, bound in zip(
-            totals, _truncation(flint, v, c, points, sigma, order=order), strict=True
+            totals, _truncation(flint, v, c, points, strip, order=order), strict=True
         )
     ]
     means += [None] * (4 - len(means))
     return BallSum(means[0] - 1, means[1], means[2], means[3], points // 2 + 1)
 
 
-def _integrand(flint: Any, v: Any, c: Any, X: Any, order: int) -> list[Any]:
+@dataclass(frozen=True, kw_only=True)
+class _Node:
+    """A point z of the path: X, e^{iz} and e^{-iz} with their distances from 1, and z'."""
+
+    X: Any
+    turned: tuple[tuple[Any, Any], ...]
+    weight: Any
+
+
+@lru_cache(maxsize=64)
+def _nodes(flint: Any, points: int, bent: bool, _precision: int) -> list[_Node]:
+    """Return the points of half a period, those at its ends with half of z'."""
+    found = []
+    for j in range(points // 2 + 1):
+        turn, bend = flint.fmpq(2 * j, points), flint.arb(_BEND if bent else 0.0)
+        k = flint.arb.pi() * 2 * j / points
+        z = flint.acb(k, bend * flint.arb.sin_pi_fmpq(turn))
+        weight = flint.acb(1, bend * flint.arb.cos_pi_fmpq(turn))
+        ends = 2 if j in (0, points // 2) else 1
+        turned = tuple((w.exp(), -w.expm1()) for w in (flint.acb(0, 1) * z, flint.acb(0, -1) * z))
+        found.append(_Node(X=(z / 2).sin() ** 2, turned=turned, weight=weight / ends))
+    return found
+
+
+def _integrand(flint: Any, v: Any, c: Any, node: _Node, order: int) -> list[Any]:
     """Return G and, by order, ∂G/∂v and ∂G/∂c, and ∂²G/∂v²."""
-    A = flint.acb(0.5, -2 * c * X)
+    iX = flint.acb(0, 1) * node.X
+    A = 0.5 - 2 * c * iX
     F = -(-A / v).expm1()
-    E = 1 - F
-    D = F * F + 4 * X * E
-    S = F * (2 - F) / D
+    q = [1 / (away + F * turned) for turned, away in node.turned]
+    S = q[0] + q[1] - 1
     G = S / (2 * A)
     if order == 0:
         return [G]
-    EE = 1 + E * E
-    turn = 2 * X * EE - F * F
-    S_a = 2 * E * turn / (D * D)
-    rate = S_a / v
-    iX = flint.acb(0, X)
+    by_a = [each * (1 - each) for each in q]
+    rate = (by_a[0] + by_a[1]) / v
     found = [G, -rate / (2 * v), iX * (S / A - rate) / A]
     if order > 1:
-        S_aa = -2 * E * (F * (2 - F)) * (turn + 8 * X * (1 - X) * E) / (D * D * D)
+        S_aa = sum(by * (1 - 2 * each) for by, each in zip(by_a, q, strict=True))
         found.append((rate + S_aa * A / (2 * v * v)) / (v * v))
     return found
 
 
-def _truncation(flint: Any, v: Any, c: Any, points: int, sigma: float, *, order: int) -> list[Any]:
+def _truncation(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int) -> list[Any]:
     """Return the proven truncation errors, as balls whose upper ends count."""
-    s = flint.arb(sigma)
+    s = flint.arb(strip.half_width)
     grown = (points * s).expm1()
-    gap = flint.arb(0.5) - c * s.sinh()
-    p = (gap - v * s) / (2 * v)
+    if strip.ratio is None:
+        gap, side, stretch = flint.arb(0.5) - c * s.sinh(), 1 + s.cosh(), 1
+        p = (gap - v * s) / (2 * v)
+    else:
+        gap = flint.arb(0.5) - c * flint.arb(_sag(strip.half_width, strip.ratio))
+        stretch = 1 + flint.arb(_BEND) * s.cosh()
+        side = 1 + (s + stretch - 1).cosh()
+        p = gap / (2 * v) if flint.arb(strip.ratio) * c >= v else flint.arb(-1)
     if not p > 0:
         return [flint.arb.pos_inf()] * _PARTIALS[order]
-    bounds = _peaks(v, c, gap, coth=p.coth(), square=p.sinh() ** -2, side=1 + s.cosh())
-    return [(2 * bound / grown).upper() for bound in bounds[: _PARTIALS[order]]]
+    bounds = _peaks(v, c, gap, coth=p.coth(), square=p.sinh() ** -2, side=side)
+    return [(2 * stretch * bound / grown).upper() for bound in bounds[: _PARTIALS[order]]]
 
 
 def _peaks(v: Any, c: Any, gap: Any, *, coth: Any, square: Any, side: Any) -> list[Any]:

@@ -29,7 +29,6 @@ from theory.piecewise.certified_velocities import (
     highest_velocity,
     lowest_velocity,
     static_distance,
-    steepest,
 )
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.limits import ETA_PIN_END
@@ -133,7 +132,6 @@ def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> 
     if low < peak < high:
         left, right = _below_about_peak(relation, peak)
         cells = [(low, left), (right, high)]
-    c = math.nextafter(float(relation.c.upper()), math.inf)
     while cells:
         a, b = cells.pop()
         middle = 0.5 * (a + b)
@@ -141,8 +139,6 @@ def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> 
         if b < 1.5 * a:
             centre = relation.resolved(relation.flint.arb(middle))
             distance = relation.distance(centre)
-            if distance + half * steepest(a, b, c, c)[0] < 0:
-                continue
             # at small v the distance is small, and the derivatives are exponentially so
             slope, rate = relation.steepness(a, b, 0.1 * float(abs(distance).upper()) / half)
             if distance + half * rate < 0 or relation.height(centre) + half * abs(slope) < 0:
@@ -201,15 +197,23 @@ def _below_on_boxes(
         if _below_by_bounds(relation, a, b, high):
             continue
         if across < 0.6 and along < 0.7:
-            by_v, by_c = steepest(a, b, low, high)
-            across, along = (b - middle) * by_v, (high - level) * by_c
-            centre = relation.sum(flint.arb(middle), coarse, c=flint.arb(level)).value
-            if relation.distance(centre) + (across + along) * _ROUNDED < 0:
-                continue
             v, c = flint.arb(a).union(flint.arb(b)), flint.arb(low).union(flint.arb(high))
             wide = relation.sum(v, coarse, 1, c=c)
             if relation.slope(wide.value, wide.by_c) > 0:
                 continue
+            if wide.by_v.is_finite() and wide.by_c.is_finite():
+                halves = (b - middle) * _ROUNDED, (high - level) * _ROUNDED
+                centre = relation.sum(flint.arb(middle), coarse, c=flint.arb(level)).value
+                rates = abs(wide.by_v) * halves[0], abs(wide.by_c) * halves[1]
+                if relation.distance(centre) + rates[0] + rates[1] < 0:
+                    continue
+                changes = [
+                    abs(relation.slope(wide.value, by)) * half
+                    for by, half in zip((wide.by_v, wide.by_c), halves, strict=True)
+                ]
+                if relation.height(centre) + changes[0] + changes[1] < 0:
+                    continue
+                across, along = (float(each.upper()) for each in changes)
         if across >= along:
             boxes += [(a, middle, low, high), (middle, b, low, high)]
         else:

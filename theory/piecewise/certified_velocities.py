@@ -17,19 +17,11 @@ with velocity -v obeys it with s = 2. Where no solution can lie, without computi
 
   which falls with v and grows with c. None where it is below 2r (s = 0) or 2 - 2r (s = 2).
 
-Between these bounds the velocities are divided into cells. Differentiating the real-line form,
-
-    |Σ_v| = |(1/2π) ∫ dk/(A - ivk)²| ≤ B(v) = (1/2π) ∫ dk/[¼ + (vk - u)²],   k from -∞ to ∞,
-
-which is of the order of 1/v however strong the coupling; and since ∫ dk/(½ - ivk)² = 0, also
-
-    |Σ_v| ≤ B'(v) = (1/2π) ∫ u [1/(|p| |q|²) + 1/(|p|² |q|)] dk,   p = ½ - ivk,   q = A - ivk,
-
-which is small where c is. Both are bounded from above by sums. A cell V of centre m holds no
-velocity if ||Σ(m) + s| - 2r| exceeds half its width times a bound on |Σ_v| over it, or |h(m)| half
-its width times one on |h'|. Otherwise, with ∂h/∂v enclosed over all of V in ball arithmetic,
-h' ≠ 0 leaves at most one, and the signs at the ends say whether. Else the cell is halved. Interval
-Newton steps then shrink each cell that holds one.
+Between these bounds the velocities are divided into cells, and Σ_v and h' are enclosed over all of
+each cell V in ball arithmetic. V of centre m holds no velocity if ||Σ(m) + s| - 2r| exceeds half
+its width times |Σ_v|, or |h(m)| half its width times |h'|. Otherwise h' ≠ 0 leaves at most one, and
+the signs at the ends say whether. Else the cell is halved. Interval Newton steps then shrink each
+cell that holds one.
 """
 
 from __future__ import annotations
@@ -38,8 +30,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
-
-import numpy as np
 
 from theory.piecewise.certified_sum import BallSum, ball_static_sum, ball_sum, needed_points
 from theory.piecewise.sums.result import PrecisionError
@@ -50,7 +40,6 @@ MAX_WORK = 600_000
 """Values of the integrand that one proof may take: some eight seconds."""
 _GAMMA = 0.7247
 _NARROWEST = 1e-14
-_PHASE = 0.3  # of e^{-a} over a cell, beyond which balls of ∂h/∂v are too wide
 _RELATIVE_TOLERANCES = (1e-4, 1e-9, 1e-21)
 _ROUNDED = 1.0 + 1e-12
 _MAX_POINTS = 20_000
@@ -118,18 +107,19 @@ class Relation:
     def sum(self, v: Any, tolerance: float, order: int = 0, c: Any = None) -> BallSum:
         """Return Σ, and by order its derivatives, over the ball v and a ball of couplings."""
         c = self.c if c is None else c
-        points, sigma = needed_points(
+        points, strip = needed_points(
             math.nextafter(float(v.upper()), math.inf),
             math.nextafter(float(c.upper()), math.inf),
             tolerance,
             order,
+            math.nextafter(float(c.lower()), 0.0),
         )
         self.work += points // 2 * (1 + order)
         if points > _MAX_POINTS or self.work > self.most_work:
             raise WorkLimitError(
                 f"it would take more than {self.most_work} values of the integrand"
             )
-        return ball_sum(self.flint, v, c, points, sigma, order=order)
+        return ball_sum(self.flint, v, c, points, strip, order=order)
 
     def height(self, total: Any) -> Any:
         """Return h = |Σ + s|² - 4r² of a value of Σ."""
@@ -225,45 +215,6 @@ def highest_velocity(relation: Relation) -> float:
     return high
 
 
-def steepest(low: float, high: float, c_low: float, c_high: float) -> tuple[float, float]:
-    """Return bounds on |∂Σ/∂v| and |∂Σ/∂c| for all v and c in these ranges, by upper sums.
-
-    For v it is the lesser of B and B' of the module; for c, with w = 1 - cos k and |A| ≤ ½ + u,
-
-        |Σ_c| ≤ (2v/π) ∫₀^∞ |A| w dk/{[¼ + (vk - u)²][¼ + (vk + u)²]}.
-
-    Each piece of the k axis counts with the largest value that an integrand can take there. Beyond
-    K, where vk > 2c, |q| ≥ vk - 2c; for negative k, |q| ≥ |p|. Rounding, far below what such sums
-    leave, is covered by the last factor.
-    """
-    v, c = 0.5 * (low + high), 0.5 * (c_low + c_high)
-    end = (2.0 * c_high + 10.0) / low
-    pieces = int(min(200_000.0, max(200.0, end * (high + c_high) / 0.2)))
-    width = end / pieces
-    k = (np.arange(pieces) + 0.5) * width
-    w = 2.0 * np.sin(0.5 * k) ** 2
-    largest = np.minimum(w + 0.5 * width, 2.0)
-    rising = k + width < math.pi
-    largest[rising] = 2.0 * np.sin(0.5 * (k[rising] + 0.5 * width)) ** 2
-    slack = 0.5 * width * (np.abs(v - c * np.sin(k)) + 0.25 * c * width)
-    slack += 0.5 * (high - low) * (k + width) + 1e-12 * (high * k + c)
-    slack += 0.5 * (c_high - c_low) * (w + width)
-    q = np.maximum(np.abs(v * k - c * w) - slack, 0.0) ** 2 + 0.25
-    along = low * (k - 0.5 * width)
-    p = along**2 + 0.25
-    other = (along + c_low * np.maximum(w - 0.5 * width, 0.0)) ** 2 + 0.25
-    beyond = low * end - 2.0 * c_high
-    plain = width * float(np.sum(1.0 / q)) + 1.0 / (low * beyond) + math.pi / low
-    ahead = c_high * largest * (1.0 / (np.sqrt(p) * q) + 1.0 / (p * np.sqrt(q)))
-    behind = 2.0 * c_high * largest / p**1.5
-    weak = width * float(np.sum(ahead + behind)) + 4.0 * c_high / (low * beyond**2)
-    size = (0.5 + c_high * largest) * largest
-    by_c = width * float(np.sum(size / (q * other)))
-    by_c += 2.0 * (0.5 + 2.0 * c_high) / (3.0 * low * beyond**3)
-    covered = (1.0 + 1e-9) / (2.0 * math.pi)
-    return min(plain, weak) * covered, 4.0 * high * by_c * covered
-
-
 def prove_velocities(
     relation: Relation, progress: Callable[[float], None] | None = None
 ) -> tuple[list[Enclosure], list[tuple[float, float]]]:
@@ -313,17 +264,15 @@ def _roots_in_cell(relation: Relation, a: float, b: float) -> list[Enclosure] | 
     """Return the solutions between a and b, none or one, or None if it is not decided."""
     if b > 1.5 * a:
         return None
-    c = math.nextafter(float(relation.c.upper()), math.inf)
+    slope, rate = relation.steepness(a, b)
+    if not rate.is_finite():
+        return None
     middle = 0.5 * (a + b)
     half = (b - middle) * _ROUNDED
     centre = relation.resolved(relation.flint.arb(middle))
-    away = abs(relation.distance(centre))
-    if away > half * steepest(a, b, c, c)[0]:
-        return []
-    if (b - a) * c > _PHASE * a * a:
-        return None
-    slope, rate = relation.steepness(a, b)
-    if away > half * rate or abs(relation.height(centre)) > half * abs(slope):
+    if abs(relation.distance(centre)) > half * rate or abs(relation.height(centre)) > half * abs(
+        slope
+    ):
         return []
     if slope.contains(0) or not relation.sign(a) or not relation.sign(b):
         return None

@@ -96,11 +96,14 @@ def _refuse_taken_letters(name: str, model: Any) -> None:
     """Refuse a chain of which a letter would be taken for a symbol of the derivation's own."""
     import sympy as sp
 
+    from derivations.chain import PAPER
+
     own = [importlib.import_module(f"derivations.{LISTING[name][0].partition('.')[0]}.symbols"),
            importlib.import_module("derivations.symbols")]  # fmt: skip
     known = [each for module in own for each in vars(module).values()]
     known += [each for group in known if isinstance(group, tuple) for each in group]
-    taken = {each.name for each in known if isinstance(each, sp.Symbol)} - {"a", "b", "c"}
+    taken = {each.name for each in known if isinstance(each, sp.Symbol)}
+    taken -= {each.name for each in PAPER.parameters}
     for letter in model.parameters:
         if letter.name in taken:
             raise DerivationInputError(

@@ -81,6 +81,11 @@ class ChainModel:
         return self.coupling != 0 and not (self.coupling / c).has(c)
 
     @property
+    def nearest_pull(self) -> bool:
+        """Whether a site is joined to its nearest neighbours alone, and these pull it back."""
+        return self.reach == 1 and bool(self.coupling.is_positive)
+
+    @property
     def total_coupling(self) -> sp.Expr:
         """``c Σ_j w_j``, the coupling times the number of springs on a side, by weight."""
         return self.coupling * sum(self.weights, sp.S.Zero)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -526,18 +527,25 @@ def test_runs_of_43_have_the_noise_and_the_seed_that_are_given(
         assert (made.perturbation, made.seed, made.size) == (0.05, 7, 1)
 
 
-def test_the_range_of_escape_is_looked_for_downwards_and_upwards(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """From 0.2 by a fifth down until it holds, by a quarter up until it escapes soon."""
+def _made_up_holds(
+    monkeypatch: pytest.MonkeyPatch, highest: float, share: Callable[[float], float]
+) -> list[float]:
+    """Let runs escape above a coupling, after a share of their time; return the couplings tried."""
     tried: list[float] = []
 
     def hold(_: object, __: object, c: float, duration: float) -> Any:
         tried.append(c)
-        late = 0.75 if c < 0.3 else 0.5
-        return SimpleNamespace(escaped=c > 0.12, time=late * duration)
+        return SimpleNamespace(escaped=c > highest, time=share(c) * duration)
 
     monkeypatch.setattr(escape, "hold", hold)
+    return tried
+
+
+def test_the_range_of_escape_is_looked_for_downwards_and_upwards(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From 0.2 by a fifth down until it holds, by a quarter up until it escapes soon."""
+    tried = _made_up_holds(monkeypatch, 0.12, lambda c: 0.75 if c < 0.3 else 0.5)
     runs = escape._Runs(AVERAGED, escape.Preparation(1), 100.0)
     runs.bracket()
     assert tried == pytest.approx([0.2, 0.16, 0.128, 0.1024, 0.25, 0.3125])
@@ -549,13 +557,7 @@ def test_the_range_of_escape_is_looked_for_downwards_and_upwards(
 def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    tried: list[float] = []
-
-    def hold(_: object, __: object, c: float, duration: float) -> Any:
-        tried.append(c)
-        return SimpleNamespace(escaped=c > 0.19, time=0.25 * duration)
-
-    monkeypatch.setattr(escape, "hold", hold)
+    tried = _made_up_holds(monkeypatch, 0.19, lambda _: 0.25)
     found = escape.escape_range(AVERAGED, escape.Preparation(1), 100.0, 1e-5)
     assert found.c == pytest.approx(0.19, abs=1e-5)
     near = np.sort([c for c in tried if abs(c / 0.19 - 1.0) < 0.0101])
@@ -565,13 +567,7 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
 
 
 def test_every_run_of_a_bisection_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[float] = []
-
-    def hold(_: object, __: object, c: float, ___: float) -> Any:
-        made.append(c)
-        return SimpleNamespace(escaped=c > 0.19)
-
-    monkeypatch.setattr(escape, "hold", hold)
+    made = _made_up_holds(monkeypatch, 0.19, lambda _: 1.0)
     found = escape.escape_threshold(AVERAGED, escape.Preparation(1), tolerance=1e-3)
     assert found.runs == len(made)
     assert made[:2] == [0.15, 0.25]

@@ -71,7 +71,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
 
 def _one_radical(chain: ChainModel) -> bool:
     """Whether the static sum has a single square root of c: nearest neighbours that pull."""
-    return chain.reach == 1 and chain.is_scaled_by_c and bool(chain.coupling.is_positive)
+    return chain.nearest_pull and chain.is_scaled_by_c
 
 
 def _has_long_waves(chain: ChainModel) -> bool:

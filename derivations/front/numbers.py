@@ -207,8 +207,8 @@ def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Ex
 
 def _extrapolated(sums: Sequence[complex], ends: Sequence[float]) -> complex:
     """Return I where sums up to e are I + p/e + q/e² and so on, to as many terms as sums."""
-    rows = [[end**-power for power in range(len(ends))] for end in map(float, ends)]
-    return complex(np.linalg.solve(np.array(rows), np.array(sums))[0])
+    powers = np.vander(1.0 / np.asarray(ends), increasing=True)
+    return complex(np.linalg.solve(powers, np.array(sums))[0])
 
 
 def _integral(node: Any, point: Point) -> sp.Expr:
@@ -249,7 +249,7 @@ def _to_infinity(function: Callable[[Any], Any]) -> complex:
 
 
 def _in_parts(function: Callable[[Any], Any], parts: int) -> list[complex]:
-    """Integrals up to each of several periods, of which each is cut into so many parts."""
+    """Return the integral up to each number of periods, each period cut into so many parts."""
     nodes, weights = np.polynomial.legendre.leggauss(16)
     half = math.pi / parts
     middles = half * (2.0 * np.arange(parts * _PERIODS[-1]) + 1.0)

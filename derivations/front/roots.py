@@ -44,7 +44,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
     draft.derived("real axis", (Substitute({k: x}), parts), "dispersion",
                   check=checks.on_line(lambda point: point[x]),
                   note="the real part does not vanish: no root is real")
-    if chain.reach != 1 or not chain.coupling.is_positive:
+    if not chain.nearest_pull:
         return
     draft.derived("turning wavenumber", (Substitute({L_k: 0}), SolveFor(sp.sin(k))),
                   "slope of the dispersion", check=checks.turning,

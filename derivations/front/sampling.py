@@ -30,6 +30,8 @@ MAX_RATIO = 0.6
 """Of the cycles: nearer cells relax too slowly for a direct run."""
 TINY = 1e-5
 """Amplitude of a linear response, over the inner cycle: what is not linear is 1e-10 of it."""
+MAX_UNLIKE = 27.0
+"""Of springs and damping at rest: how many times one may be the other."""
 CYCLE = 0.8 - 0.4j
 """The cycle behind a front."""
 _SPEEDS = (0.5, 1.3, 0.7)
@@ -114,8 +116,8 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
         return found
     if next(cells(model, math.inf), None):
         raise DerivationInputError(
-            "coupling", model.coupling, "such that the springs pull on long waves between 1/27 and "
-            "27 times as strongly as the cell is damped",
+            "coupling", model.coupling, "such that the springs pull on long waves between "
+            f"1/{MAX_UNLIKE:g} and {MAX_UNLIKE:g} times as strongly as the cell is damped",
             "take other numbers: the fronts of such a chain are not resolved by the checks",
         )  # fmt: skip
     raise DerivationInputError(
@@ -125,16 +127,17 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
     )  # fmt: skip
 
 
-def cells(model: ChainModel, unlike: float = 3.0) -> Iterator[Sample]:
+def cells(model: ChainModel, most_unlike: float = MAX_UNLIKE) -> Iterator[Sample]:
     """Draw coefficients over two decades, then more; yield those with two cycles, well apart.
 
-    Pull of the springs and damping at rest differ by at most a factor, or later by its cube.
+    Springs and damping at rest differ at most by the cube root of a factor, later by all of it.
     """
     rng = random.Random(11)
     for draw in range(2000):
         spread = 1.0 + draw // 500
         chain = _drawn(model, rng, spread)
-        if not _may_have_two_cycles(chain) or not _is_balanced(chain, unlike ** min(spread, 3.0)):
+        unlike = most_unlike ** (min(spread, 3.0) / 3.0)
+        if not _may_have_two_cycles(chain) or not _is_balanced(chain, unlike):
             continue
         cycles = chain.cycles()
         if len(cycles) == 2 and cycles[0] / cycles[1] < MAX_RATIO:

@@ -68,7 +68,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                   Differentiate(omega, q, (w_1, w_2, w_3)), "linear waves",
                   check=checks.frequency_derivatives)
     _outer(draft, checks)
-    if chain.reach == 1 and chain.coupling.is_positive and chain.is_scaled_by_c:
+    if chain.nearest_pull and chain.is_scaled_by_c:
         _law(draft, checks)
 
 

@@ -220,6 +220,7 @@ def test_long_waves_have_a_law_where_springs_pull_or_push_them():
         (CHAINS["sign"], True),
         (model, True),
         (replace(model, coupling=2), False),
+        (replace(model, weights=(4, -1)), False),  # Σ j² w_j = 0
     ):
         names = {step.name for step in catalogue.load("piecewise-front", model=change).steps}
         assert ("strong coupling" in names) == found
@@ -245,7 +246,9 @@ def test_a_chain_is_the_same_however_its_coefficients_are_written_down():
     assert model == other
     assert hash(model) == hash(other)
     assert list(model.damping) == [0, 2]
-    assert ChainModel(damping={0: 1}, coupling=0, weights=(1,)).weights == ()
+    alone = ChainModel(damping={0: 1}, coupling=0, weights=(1,))
+    assert alone.weights == ()
+    assert not alone.is_scaled_by_c
     numbers = (*model.damping.values(), model.coupling, *model.weights)
     assert all(isinstance(value, sp.Expr) for value in numbers)
 

@@ -159,6 +159,14 @@ def test_sites_are_too_many_where_the_averaged_damping_is_not_linear(damping, le
     assert ("too many sites" not in {step.name for step in made.steps}) == left_out
 
 
+@pytest.mark.parametrize("reach", [1, 2, 3])
+def test_the_branches_of_the_phase_step_are_written_down_for_springs_over_two_sites(reach):
+    made = catalogue.load(
+        "averaging", model=ChainModel(damping={0: 1, 2: -3}, weights=(1,) * reach)
+    )
+    assert ("branch of the phase step" in {step.name for step in made.steps}) == (reach <= 2)
+
+
 @pytest.mark.parametrize("key", catalogue.WITH_ORDER)
 def test_to_second_order_the_steps_of_the_second_order_follow_those_of_the_first(key):
     extended = catalogue.load(key, order=2)

@@ -27,7 +27,7 @@ from derivations.algebra.dispersion import (
     EnvelopeOfWave,
     FastestWave,
 )
-from derivations.algebra.equations import equation, is_zero, on_sides, same
+from derivations.algebra.equations import equation, is_zero, left_minus_right, on_sides, same
 from derivations.algebra.errors import CheckFailedError
 from derivations.algebra.evidence import parts_of
 from derivations.algebra.expansion import (
@@ -689,6 +689,8 @@ FORMS = {
         harmonics_of(sp.exp(p + s) * sp.sin(s) * sp.cos(t), t),
         dict.fromkeys((1, -1), sp.exp(p + s) * sp.sin(s) / 2),
     ),
+    "a harmonic of unit size": lambda: (harmonics_of(sp.exp(sp.I * t), t), {1: 1}),
+    "nothing has no harmonics": lambda: (harmonics_of(sp.S.Zero, t), {}),
     "nothing is left of a difference": lambda: (WAVES - WAVES, Harmonics(WAVES.ring, {})),
     "moduli": lambda: (
         [with_modulus(z_here**2 * sp.conjugate(z_here) ** m) for m in (1, 3)],
@@ -901,6 +903,14 @@ def test_the_average_is_that_of_equal_samples():
     assert complex(found.subs({p: 0.7, q: 1.3})) == pytest.approx(sampled, abs=1e-14)
 
 
+def test_left_minus_right_is_of_one_equation_or_expression():
+    assert left_minus_right(equation(p, q)) == p - q
+    assert left_minus_right(p - q) == p - q
+    for system in (sp.Tuple(equation(p, q)), sp.Lt(p, q, evaluate=False)):
+        with pytest.raises(TypeError, match="one equation or expression"):
+            left_minus_right(system)
+
+
 def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     assert same(equation(p - q), equation(p, q))
     assert same(equation(z(n, t) * sp.Abs(z(n, t)) ** 2),
@@ -909,6 +919,7 @@ def test_two_forms_of_an_equation_are_the_same_and_a_multiple_is_not():
     assert not same(equation(p, q), sp.Tuple(equation(p, q), equation(q, p)))
     assert not same(equation(p), p)
     assert not same(sp.Lt(p, q, evaluate=False), sp.Le(p, q, evaluate=False))
+    assert same(sp.Lt(p, q, evaluate=False), sp.Lt(p - q, 0, evaluate=False))
     assert not same(sp.Tuple(equation(p, q), equation(q)), sp.Tuple(equation(p, q), equation(p)))
     assert not same(sp.Lt(p, q, evaluate=False), sp.Lt(p, 2 * q, evaluate=False))
     assert not same(p, sp.true)

@@ -129,7 +129,7 @@ def _same_part(one: sp.Basic, other: sp.Basic) -> bool:
         if getattr(one.rhs, "shape", None) != getattr(other.rhs, "shape", None):
             return False
         left, right = one.lhs - other.lhs, one.rhs - other.rhs
-        if not isinstance(one, sp.Equality) or isinstance(one.rhs, sp.MatrixBase):
+        if isinstance(one.rhs, sp.MatrixBase):
             return _vanishes(left) and _vanishes(right)
         return is_zero(left - right)
     if isinstance(one, sp.Expr) and isinstance(other, sp.Expr):

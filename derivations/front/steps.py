@@ -124,7 +124,7 @@ def travelling_wave(reach: int) -> sp.Tuple:
 
 
 def _half_plane(side: type[sp.Rel]) -> sp.ConditionSet:
-    condition = sp.And(equation(L(k), 0), side(sp.im(k), 0), evaluate=False)
+    condition = sp.And(equation(L(k), 0), side(sp.im(k), 0))
     return sp.ConditionSet(k, condition, sp.S.Complexes)
 
 

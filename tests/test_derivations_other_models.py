@@ -34,6 +34,8 @@ UNLIKE_THE_PAPER = {
     "linearisation": ChainModel(damping={1: g}, stiffness={1: h}, weights=(1, 0, -w)),
 }
 NEITHER_GAIN_NOR_LOSS = ChainModel(damping={1: g}, weights=(w,))
+DETUNED = ChainModel(damping={0: 1, 4: -3, 8: 6}, stiffness={3: 12})
+"""At amplitudes of order one far beyond what its springs can make good."""
 LINEAR = ChainModel(damping={0: h}, stiffness={1: g})
 KINEMATICS = {14, 18, 20, 38}
 """They hold for any chain: the chain rule, free oscillation, and the amplitude of (9)."""
@@ -77,7 +79,11 @@ def test_every_check_passes_for_another_model(name, change):
 
 @pytest.mark.parametrize(
     ("name", "model"),
-    [*UNLIKE_THE_PAPER.items(), ("multiple-scales", NEITHER_GAIN_NOR_LOSS)],
+    [
+        *UNLIKE_THE_PAPER.items(),
+        ("multiple-scales", NEITHER_GAIN_NOR_LOSS),
+        ("averaging", DETUNED),
+    ],
 )
 def test_every_check_passes_for_a_model_unlike_the_paper_s(name, model):
     made = catalogue.load(name, model=model)

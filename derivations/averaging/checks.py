@@ -267,11 +267,13 @@ class Checks:
     def _with_zeros(
         self, rng: random.Random
     ) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers, list[float]]:
-        for _ in range(60):
+        for tried in range(60):
             point, wave, p = self._limit_numbers(rng)
-            zeros = self._zeros(wave, p)
+            # The smaller the wave, the less does the cell detune it: it has zeros beside ±π/2.
+            size = {alpha_0: 0.9**tried * wave[alpha_0]}
+            zeros = self._zeros(wave | size, p)
             if zeros:
-                return point, wave, p, zeros
+                return point | size, wave | size, p, zeros
         raise ArithmeticError("no parameters were found at which the phase step is real")
 
     def branches(self, candidate: sp.Basic) -> Evidence:

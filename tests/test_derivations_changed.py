@@ -81,7 +81,7 @@ class _Living:
 
     def __init__(self) -> None:
         self.names: set[str] = set()
-        self.functions: dict[int, FunctionType] = {}
+        self.functions: dict[str, FunctionType] = {}
         builtins.__dict__[ENTER] = self.names.add
         scope: dict[str, Any] = {"__name__": "small_checks"}
         exec(compile(naming(SOURCE.encode(), MODULE), MODULE, "exec"), scope)
@@ -89,7 +89,7 @@ class _Living:
         for each in list(scope.values()):
             for own in (each, *vars(each).values()) if isinstance(each, type) else (each,):
                 if isinstance(own, FunctionType) and own.__code__.co_filename == MODULE:
-                    self.functions[own.__code__.co_firstlineno] = own
+                    self.functions[own.__qualname__] = own
 
     def derivations(self) -> Iterator[tuple[str, Any]]:
         yield "small", self.scope["derive"]
@@ -99,7 +99,7 @@ class _Living:
         """Put a change in place, and what was there back again."""
         with mutant.made() as tree:
             code = compile(tree, MODULE, "exec")
-        if not mutant.first_line:
+        if not mutant.outermost:
             changed: dict[str, Any] = {"__name__": "small_checks"}
             exec(code, changed)
             before, self.scope["TWO"] = self.scope["TWO"], changed["TWO"]
@@ -107,7 +107,7 @@ class _Living:
             self.scope["TWO"] = before
             return
         new = {c.co_qualname: c for c in codes_in(code)}
-        own = self.functions[mutant.first_line]
+        own = self.functions[mutant.outermost]
         old, own.__code__ = own.__code__, new[own.__qualname__]
         yield
         own.__code__ = old

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mutation.__main__ import chosen
+from benchmarks.mutation.children import Answer, Task, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import by_statement, mutants_of
 from benchmarks.mutation.outcome import (
@@ -27,7 +28,7 @@ from benchmarks.mutation.outcome import (
     still_known,
 )
 from benchmarks.mutation.put import libraries_of
-from benchmarks.mutation.session import Answer, Task, dotted, in_children
+from benchmarks.mutation.session import dotted
 from benchmarks.mutation.survey import closures
 from benchmarks.mutation.survey import test_files as files_with_tests
 from verification.execution.imports import closure
@@ -300,6 +301,14 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     ]
     assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 4
     assert (tmp_path / "fronts" / "small.py").read_text(encoding="utf-8") == CODE
+    kept = next(tmp_path.glob("fronts-mutation-*.jsonl"))
+    what = json.loads(kept.read_text(encoding="utf-8"))
+    # On import, by numba, and by tests: also by those that fail or take too long.
+    functions = {"third", "twice", "Sum.value", "inside", "near", "unseen"}
+    assert set(what["entered"]) >= {f"fronts/small.py:{name}" for name in functions}
+    by_test = {each["test"].split("::")[1]: each["entered"] for each in what["answers"]}
+    assert by_test["test_sum"] == ["fronts/small.py:Sum.value"]
+    assert not {"test_fails", "test_long"} & by_test.keys()
     more = ITS_TESTS + "def test_unseen(): assert small.unseen(1) == 2\n"
     (tmp_path / "tests" / "test_small.py").write_text(more, encoding="utf-8")
     done = mutation("--again", "record.json")

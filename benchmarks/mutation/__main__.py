@@ -147,8 +147,11 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     until = time.monotonic() + 60.0 * (options.minutes or 1e9)
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     names = entered.install(ROOT)  # before any module of the project is imported
+    from benchmarks.mutation.children import in_children
+    from benchmarks.mutation.recorder import forget
+    from benchmarks.mutation.records import Records
     from benchmarks.mutation.runs import Runs
-    from benchmarks.mutation.session import Session, forget, in_children
+    from benchmarks.mutation.session import Session
     from benchmarks.mutation.survey import closures, survey, test_files
 
     modules = list(dict.fromkeys(mutant.module for mutant in mutants))
@@ -165,7 +168,8 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
             print(f"{module} is left out: {library} is not installed", file=sys.stderr)
         mutants[:] = [mutant for mutant in mutants if mutant.module not in session.missing]
         begin = time.monotonic()
-        known = survey(session, kept, imported, options.longest, options.jobs)
+        records = Records(ROOT, kept, options.longest)
+        known = survey(session, records, imported, options.longest, options.jobs)
         took = time.monotonic() - begin
         ran.append(Runs(session, known, imported, options.seconds))
         asked = f"{len(known.seconds)} of {len(session.items)} tests are asked"

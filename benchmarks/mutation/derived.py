@@ -126,7 +126,7 @@ class DerivationChecks:
 
     def _places(self, mutant: Mutant) -> frozenset[str]:
         """Return the changed function; for a change outside any, all functions of its module."""
-        if mutant.first_line:
+        if mutant.outermost:
             return frozenset({mutant.function_at})
         own = f"{mutant.module}:"
         return frozenset(q for made in self._made for q in made.entered if q.startswith(own))

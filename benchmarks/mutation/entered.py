@@ -14,6 +14,8 @@ from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
 
+from benchmarks.mutation.places import outermost_functions
+
 ENTER = "enter_function_of_the_project"
 PACKAGES = ("theory", "derivations", "verification", "paper_checks", "fronts")
 replaced: dict[str, CodeType] = {}
@@ -26,7 +28,7 @@ compiled: set[str] = set()
 def install(root: Path) -> set[str]:
     """Let every module imported from now on name each function entered, and return their set.
 
-    A name is ``path:first line``, the line that of the outermost function or its decorator.
+    A name is ``path:qualified name``, that of the outermost function.
     """
     names: set[str] = set()
     plain: dict[tuple[str, int, str], CodeType] = {}
@@ -65,10 +67,9 @@ def _compile_as_written(
         written = plain.get((code.co_filename, code.co_firstlineno, code.co_qualname))
         if written is None or ENTER not in code.co_names:
             return own
-        place = f"{os.path.relpath(code.co_filename, root)}:{code.co_firstlineno}"
-        names.add(place)
-        name = code.co_qualname.replace(".<locals>", "")
-        compiled.add(f"{place.partition(':')[0]}:{name}")
+        path = os.path.relpath(code.co_filename, root)
+        names.add(f"{path}:{code.co_qualname.partition('.<locals>')[0]}")
+        compiled.add(f"{path}:{code.co_qualname.replace('.<locals>', '')}")
         function = FunctionType(
             written, own.__globals__, own.__name__, own.__defaults__, own.__closure__
         )
@@ -88,13 +89,8 @@ def _compile_as_written(
 def naming(source: bytes, relative: str) -> ast.Module:
     """Return a module in which each function, and each lambda in one, begins by its name."""
     tree = ast.parse(source)
-    outermost = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ClassDef):
-            outermost += [each for each in node.body if isinstance(each, ast.FunctionDef)]
-    for top in outermost:
-        first = min([top.lineno, *(each.lineno for each in top.decorator_list)])
-        call = f"{ENTER}({f'{relative}:{first}'!r})"
+    for name, top in list(outermost_functions(tree)):
+        call = f"{ENTER}({f'{relative}:{name}'!r})"
         for node in ast.walk(top):
             if isinstance(node, ast.FunctionDef):
                 place = 1 if ast.get_docstring(node) is not None else 0

@@ -104,8 +104,8 @@ class Mutant:
         Qualified name of the function; ``<module>`` outside any.
     line : int
         Where.
-    first_line : int
-        Line of the outermost ``def`` or decorator of the function; 0 outside any.
+    outermost : str
+        Qualified name of the outermost function around it; empty outside any.
     change : str
         ``before -> after``, with ``#2`` for the second equal change in the function.
     tree, place, changed
@@ -115,7 +115,7 @@ class Mutant:
     module: str
     function: str
     line: int
-    first_line: int
+    outermost: str
     change: str
     tree: ast.Module = field(repr=False, compare=False)
     place: Place = field(repr=False, compare=False)
@@ -128,8 +128,8 @@ class Mutant:
 
     @property
     def function_at(self) -> str:
-        """``module:first line`` of the function."""
-        return f"{self.module}:{self.first_line}"
+        """``module:qualified name`` of the outermost function."""
+        return f"{self.module}:{self.outermost}"
 
     @property
     def of_default(self) -> bool:
@@ -189,7 +189,7 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
             seen[scope.function, text] += 1
             if seen[scope.function, text] > 1:
                 text += f" #{seen[scope.function, text]}"
-            where = (scope.function, node.lineno, scope.first_line)
+            where = (scope.function, node.lineno, scope.outermost)
             found.append(Mutant(module, *where, text, tree, place, changed))
     return found
 

@@ -33,10 +33,10 @@ SETTINGS = frozenset(
 
 @dataclass(frozen=True)
 class Scope:
-    """What surrounds a place: the function, the classes and functions, a keyword, a signature."""
+    """What surrounds a place: the functions, the classes and functions, a keyword, a signature."""
 
     function: str = "<module>"
-    first_line: int = 0
+    outermost: str = ""
     within: str = ""
     keyword: str = ""
     default: bool = False
@@ -81,8 +81,7 @@ def _inner(tree: ast.AST, node: ast.AST, scope: Scope) -> Scope:
         return replace(scope, within=f"{scope.within}{node.name}.")
     if isinstance(node, ast.FunctionDef):
         name = f"{scope.within}{node.name}"
-        start = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-        return Scope(name, scope.first_line or start, f"{name}.")
+        return Scope(name, scope.outermost or name, f"{name}.")
     name = ""
     if isinstance(tree, ast.keyword):
         name = tree.arg or ""
@@ -115,3 +114,20 @@ def called(node: ast.Call) -> str:
     if isinstance(node.func, ast.Attribute):
         return node.func.attr
     return node.func.id if isinstance(node.func, ast.Name) else ""
+
+
+def outermost_functions(tree: ast.AST, within: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:
+    r"""Yield the functions that stand in no other, methods too, with their qualified names.
+
+    Examples
+    --------
+    >>> tree = ast.parse("def f():\n    def g(): pass\nclass C:\n    def m(self): pass")
+    >>> [name for name, _ in outermost_functions(tree)]
+    ['f', 'C.m']
+    """
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.FunctionDef):
+            yield f"{within}{node.name}", node
+        else:
+            inner = f"{within}{node.name}." if isinstance(node, ast.ClassDef) else within
+            yield from outermost_functions(node, inner)

@@ -9,9 +9,11 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from benchmarks.mutation.children import HUNG, STOPPED, Answer, Task
+from benchmarks.mutation.judge import Judge
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
-from benchmarks.mutation.session import STOPPED, Answer, Session, Task
+from benchmarks.mutation.session import Session
 from benchmarks.mutation.survey import Survey
 
 if TYPE_CHECKING:
@@ -48,8 +50,8 @@ class Runs:
     def __init__(
         self, session: Session, survey: Survey, importing: dict[str, frozenset[str]], seconds: float
     ) -> None:
-        self._session, self._survey, self._seconds = session, survey, seconds
-        self._importing = importing
+        self._survey, self._seconds = survey, seconds
+        self._importing, self._judge = importing, Judge(session)
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._begin = self._shown = time.monotonic()
         self.found: dict[str, str] = {}
@@ -65,8 +67,8 @@ class Runs:
                 take([])
                 continue
             usual = sum(self._survey.seconds[test] for test in tests)
-            run = partial(self._session.judge, mutant, tests)
-            begins = self._session.seconds_to_begin(mutant)
+            run = partial(self._judge.by_tests, mutant, tests)
+            begins = self._judge.seconds_to_begin(mutant)
             yield Task(run=run, seconds=4.0 * usual + begins, take=take)
 
     def tasks_of_checks(
@@ -78,7 +80,7 @@ class Runs:
                 return
             seconds = checks.seconds(mutant)
             if self.found.get(mutant.name, KILLED) != KILLED and seconds:
-                run = partial(self._session.judge_by_checks, mutant, checks)
+                run = partial(self._judge.by_checks, mutant, checks)
                 take = partial(self._take_of_checks, mutant)
                 yield Task(run=run, seconds=2.0 * seconds + 2.0, take=take)
 
@@ -91,7 +93,7 @@ class Runs:
 
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes here, then more as the time allows."""
-        on_import = self._session.made_on_import(mutant)
+        on_import = self._judge.made_on_import(mutant)
         reaching = self._survey.reaching(mutant, on_import, self._importing)
         known = self._killers[mutant.function_at]
         known = [*known, *self._killers[mutant.module]]
@@ -114,7 +116,7 @@ class Runs:
             said = "noticed" if asked else "reached"
             print(f"not {said}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
                   file=sys.stderr, flush=True)  # fmt: skip
-        if by == STOPPED:
+        if by in (STOPPED, HUNG):
             print(f"noticed by {by}: {mutant.name}", file=sys.stderr, flush=True)
         if by in self._survey.seconds:
             for place in (mutant.function_at, mutant.module):

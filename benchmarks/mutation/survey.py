@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
+from benchmarks.mutation.children import STOPPED, Answer, Task, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.session import Answer, Session, Task, dotted, in_children
-
-FILE_SECONDS = 30.0
-"""Processor seconds after which the tests of a file that are left are not recorded."""
+from benchmarks.mutation.records import Records
+from benchmarks.mutation.session import Session, dotted
 
 EXCLUDED = (
     "test_benchmarks",
@@ -120,17 +118,18 @@ def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
 
 
 def survey(
-    session: Session, path: Path, imported: dict[str, frozenset[str]], limit: float, jobs: int
+    session: Session, records: Records, imported: dict[str, frozenset[str]], limit: float, jobs: int
 ) -> Survey:
     """Return what the tests of files enter, recorded in children where it is not known.
+
+    What a child recorded that did not come to the end of its file is used, and not kept.
 
     Parameters
     ----------
     session : Session
         With the tests collected.
-    path : Path
-        Where records are kept; one is good for as long as nothing that its file imports changes,
-        nor this.
+    records : Records
+        What is known.
     imported : dict
         By test file, what it imports.
     limit : float
@@ -138,33 +137,31 @@ def survey(
     jobs : int
         Children at a time.
     """
-    from verification.execution.digest import digest_of, digest_of_files
-
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    known = {record["file"]: record for record in map(json.loads, lines)}
     found = Survey()
-    root = session.root
 
-    def take(file: str, key: str, answers: list[Answer]) -> None:
+    def take(file: str, answers: list[Answer]) -> None:
         passed = [each for each in answers if "test" in each]
         found.add(passed)
-        with path.open("a", encoding="utf-8") as kept:
-            kept.write(json.dumps({"file": file, "key": key, "answers": passed}) + "\n")
+        near = imported[file]
+        begun = {each for each in session.before_tests if each.partition(":")[0] in near}
+        whole = [each["entered by all"] for each in answers if "entered by all" in each]
+        if whole:
+            records.keep(file, near, begun | set(whole[0]), passed)
+        end = next((each["by"] for each in answers if "by" in each), STOPPED)
+        said = "" if whole else f"; not kept, since it was cut off: {end}"
         took = sum(each["seconds"] for each in passed)
-        print(f"recorded {file}: {len(passed)} tests, {took:.1f} s", file=sys.stderr, flush=True)
+        print(f"recorded {file}: {len(passed)} tests, {took:.1f} s{said}",
+              file=sys.stderr, flush=True)  # fmt: skip
 
     def tasks() -> Iterator[Task]:
-        here = Path(__file__).parent  # how it is recorded decides what is found
-        recording = (here / f"{name}.py" for name in ("entered", "session", "survey"))
-        runner = digest_of_files(here, recording)
-        for file, files in imported.items():
-            read = digest_of_files(root, [root / each for each in files])
-            key = digest_of([read, runner, limit])
-            if known.get(file, {}).get("key") == key:
-                found.add(known[file]["answers"])
-            else:
-                run = partial(session.record, file, limit)
-                yield Task(run=run, seconds=FILE_SECONDS, take=partial(take, file, key))
+        for file, near in imported.items():
+            known = records.known(file, near)
+            if known is not None:
+                found.add(known)
+                continue
+            seconds = 20.0 + 2.0 * limit * len(session.tests_of(file))
+            run = partial(session.record, file, limit)
+            yield Task(run=run, seconds=seconds, take=partial(take, file))
 
     in_children(tasks(), jobs)
     return found

@@ -1,0 +1,108 @@
+"""How a change is put in place in a child, and what it says of it.
+
+A child begins with everything imported and all tests collected: the functions, classes and
+constants that live become as changed, the files stay as they are, and tests run until one fails.
+What is entered or named while modules are imported has left its results in them. Where no test
+failed, such changes are made again with the project imported anew, and so are, at once, those of
+what numba compiles; its store of compiled code is never written to.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import pytest
+
+from benchmarks.mutation import entered
+from benchmarks.mutation.children import Answer
+from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.put import fits, names_bound, put_statement
+from benchmarks.mutation.session import OPTIONS, Failures, Session, dotted
+
+if TYPE_CHECKING:
+    from benchmarks.mutation.derived import DerivationChecks
+
+
+class Judge:
+    """Puts changes to tests, or to the checks of the derivations."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def by_tests(
+        self, mutant: Mutant, tests: Sequence[str], write: Callable[[Answer], None]
+    ) -> None:
+        """Run tests against a change until one fails; write which."""
+        from numba.core import caching
+
+        caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
+        compiled = mutant.qualified in entered.compiled
+        if not compiled and self._put(mutant):
+            failed = self._session.first_failing(tests)
+            if failed or not self._used_on_import(mutant):
+                return write({"by": failed})
+        write({"by": self._anew(mutant, tests, compiled) if tests else None})
+
+    def by_checks(
+        self, mutant: Mutant, checks: DerivationChecks, write: Callable[[Answer], None]
+    ) -> None:
+        """Put a change to the checks of the derivations; write which step's check notices it."""
+        write({"by": checks.noticing(mutant) if self._put(mutant) else None})
+
+    def made_on_import(self, mutant: Mutant) -> bool:
+        """Return whether what is changed is made, or entered, while the project is imported."""
+        at = mutant.function_at
+        return not mutant.outermost or mutant.of_default or at in self._session.on_import
+
+    def _used_on_import(self, mutant: Mutant) -> bool:
+        """Return whether importing the project leaves results of what is changed elsewhere."""
+        if mutant.outermost:
+            return mutant.function_at in self._session.on_import
+        bound = names_bound(mutant.statement)
+        return not bound or not bound.isdisjoint(self._session.names_on_import)
+
+    def seconds_to_begin(self, mutant: Mutant) -> float:
+        """Return the processor seconds allowed for compiling or importing anew beside tests."""
+        if mutant.qualified in entered.compiled:
+            return 120.0
+        return 15.0 if self.made_on_import(mutant) else 2.0
+
+    def _put(self, mutant: Mutant) -> bool:
+        """Give what lives the changed code and values; return whether that could be done."""
+        with mutant.made() as tree:
+            if not mutant.outermost or mutant.of_default:
+                return put_statement(sys.modules[dotted(mutant.module)], mutant.statement)
+            code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
+        tops = [c for c in entered.codes_in(code) if c.co_qualname == mutant.outermost]
+        new = [c for top in tops for c in entered.codes_in(top)]  # with what it has returned before
+        pairs = [
+            (old, c)
+            for c in new
+            for old in self._session.living[f"{mutant.module}:{c.co_firstlineno}"]
+            if fits(old.__code__, c)
+        ]
+        for old, changed in pairs:
+            old.__code__ = changed
+        return bool(pairs)
+
+    def _anew(self, mutant: Mutant, tests: Sequence[str], compiled: bool) -> str | None:
+        """Import the project anew with a change and run tests, in a session within this one."""
+        with mutant.made() as tree:
+            code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
+        entered.replaced[mutant.module] = code
+        for name in list(sys.modules):
+            if name.split(".")[0] in (*entered.PACKAGES, "tests"):
+                del sys.modules[name]
+        files = {name.split("::")[0] for name in tests}
+        failures = Failures(tests)
+        with tempfile.TemporaryDirectory(prefix="fronts-mutation-") as base:
+            if compiled:  # what calls the changed function would come from the store as it was
+                from numba.core import config
+
+                vars(config)["CACHE_DIR"] = base
+            options = [*OPTIONS, "-x", f"--basetemp={base}/pytest"]
+            code_ = pytest.main([*options, *sorted(files)], plugins=[failures])
+        return failures.first or (None if code_ in (0, 5) else f"exit code {int(code_)}")

@@ -1,0 +1,115 @@
+"""What the tests of files entered, kept for as long as they would enter it again.
+
+That is for as long as neither the test file nor what tests share has changed, nor a function that
+they entered, nor what their imports execute: then they take the same way. Data that tests read, and
+sources that they read as text, do not count.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import sys
+from collections import defaultdict
+from collections.abc import Collection, Iterable
+from functools import cache
+from importlib.metadata import distributions
+from pathlib import Path
+from typing import Any
+
+from benchmarks.mutation.entered import PACKAGES
+from benchmarks.mutation.places import outermost_functions
+
+RECORDING = ("entered", "places", "recorder", "session")
+"""Modules of this folder that decide what is recorded."""
+
+
+class Records:
+    """The records in a file, a line each; of one test file the last counts.
+
+    Parameters
+    ----------
+    root : Path
+        The project.
+    path : Path
+        The file.
+    limit : float
+        Processor seconds of a test above which it is not recorded.
+    """
+
+    def __init__(self, root: Path, path: Path, limit: float) -> None:
+        self._root, self._path, self._limit = root, path, limit
+        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+        self._parts: dict[str, dict[str, str]] = {}
+        self._known = {record["file"]: record for record in map(json.loads, lines)}
+
+    def known(self, file: str, imported: Collection[str]) -> list[dict[str, Any]] | None:
+        """Return what the tests of a file entered, if that is known and good."""
+        record = self._known.get(file)
+        if record is None or record["key"] != self._key(file, imported, record["entered"]):
+            return None
+        found: list[dict[str, Any]] = record["answers"]
+        return found
+
+    def keep(
+        self,
+        file: str,
+        imported: Collection[str],
+        entered: Collection[str],
+        answers: list[dict[str, Any]],
+    ) -> None:
+        """Write down what the tests of a file, and what it imports, entered."""
+        key = self._key(file, imported, entered)
+        record = {"file": file, "key": key, "entered": sorted(entered), "answers": answers}
+        with self._path.open("a", encoding="utf-8") as kept:
+            kept.write(json.dumps(record) + "\n")
+
+    def _key(self, file: str, imported: Collection[str], entered: Iterable[str]) -> str:
+        """Return a digest of all that decides which way the tests of a file take."""
+        from verification.execution.digest import digest_of, digest_of_files
+        from verification.execution.imports import code_of
+
+        of_project = {path for path in imported if path.partition("/")[0] in PACKAGES}
+        shared = {"conftest.py", *imported} - of_project
+        parts: list[object] = [_runner(), self._limit]
+        if file in of_project:  # its examples stand in docstrings
+            parts.append(digest_of_files(self._root, [self._root / file]))
+        files = (self._root / path for path in sorted(shared))
+        parts += [code_of(path) for path in files if path.exists()]
+        for place in sorted(entered):
+            path, _, name = place.partition(":")
+            of_project.add(path)
+            parts.append([place, self._parts_of(path).get(name)])
+        parts += [[path, self._parts_of(path)[""]] for path in sorted(of_project)]
+        return digest_of(parts)
+
+    def _parts_of(self, path: str) -> dict[str, str]:
+        if path not in self._parts:
+            file = self._root / path
+            self._parts[path] = _parts(file.read_bytes() if file.exists() else b"")
+        return self._parts[path]
+
+
+@cache
+def _runner() -> str:
+    """Return a digest of what records, and of the libraries there are."""
+    from verification.execution.digest import digest_of
+    from verification.execution.imports import code_of
+
+    installed = sorted(f"{each.name} {each.version}" for each in distributions())
+    modules = [code_of(Path(__file__).with_name(f"{name}.py")) for name in RECORDING]
+    return digest_of([sys.version, installed, modules])
+
+
+def _parts(source: bytes) -> dict[str, str]:
+    """Return digests of the functions of a module by name; by no name, of all outside of them."""
+    from verification.execution.digest import digest_of
+    from verification.execution.imports import shape
+
+    tree = ast.parse(source)
+    found: dict[str, list[str]] = defaultdict(list)  # a property may be read and set
+    for name, function in list(outermost_functions(tree)):
+        found[name].append(shape(function))
+        function.body = []  # what an import executes is the rest: defaults, decorators
+    found[""] = [shape(tree)]
+    return {name: digest_of(each) for name, each in found.items()}

@@ -38,7 +38,14 @@ def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
     ValueError
         If something is left without a value.
     """
-    numbers = {atom: _number(given, digits) for atom, given in point.items()}
+    return _evaluated(expression, _numbers(point, digits), digits)
+
+
+def _numbers(point: Point, digits: int) -> dict[sp.Basic, sp.Expr]:
+    return {atom: _number(given, digits) for atom, given in point.items()}
+
+
+def _evaluated(expression: sp.Basic, numbers: Mapping[sp.Basic, sp.Expr], digits: int) -> Any:
     result = sp.sympify(expression).xreplace(numbers).evalf(digits)
     if result.free_symbols or not result.is_number:
         raise ValueError(f"no value for {sorted(map(str, result.free_symbols))}")
@@ -52,8 +59,9 @@ def residual(part: sp.Basic, point: Point, digits: int = 15) -> tuple[Any, float
     if not isinstance(part, sp.Equality):
         raise TypeError("an expression, not an equation")
     left, right = part.args
-    terms = [value(term, point, digits) for term in sp.Add.make_args(left)]
-    terms += [-value(term, point, digits) for term in sp.Add.make_args(right)]
+    numbers = _numbers(point, digits)
+    terms = [_evaluated(term, numbers, digits) for term in sp.Add.make_args(left)]
+    terms += [-_evaluated(term, numbers, digits) for term in sp.Add.make_args(right)]
     return sum(terms), float(sum(abs(term) for term in terms))
 
 
@@ -68,10 +76,11 @@ def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int 
     if not isinstance(candidate, sp.Equality):
         raise TypeError("an expression, not an equation")
     left, right = candidate.args
+    numbers = _numbers(point, digits)
     zero, one, two = (
-        value(left, {**point, symbol: given}, digits)
-        - value(right, {**point, symbol: given}, digits)
-        for given in (0, 1, 2)
+        _evaluated(left, {**numbers, symbol: given}, digits)
+        - _evaluated(right, {**numbers, symbol: given}, digits)
+        for given in map(sp.Float, (0, 1, 2))
     )
     if one == zero or abs(two - 2 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
         raise ValueError(f"it does not determine {symbol}")

@@ -221,8 +221,7 @@ class Linearise(Operation):
         def first(side: sp.Expr) -> sp.Expr:
             for own, change in self.changes.items():
                 side = self._perturbed(side, own, change, size, *state)
-            _, linear = taylor(side.doit(), size, 1)
-            return sp.expand(linear)
+            return sp.expand(sp.diff(side.doit(), size).doit().subs(size, 0).doit())
 
         if self.rate is None:
             return equation(first(left_minus_right(target)))

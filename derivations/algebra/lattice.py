@@ -97,10 +97,7 @@ class WriteFirstOrder(Operation):
             (own,) = (q for q in whole.atoms(sp.Derivative) if q.derivative_count == 2)
             seconds[own] = -(whole - whole.coeff(own) * own) / whole.coeff(own)
         rows = [sp.diff(entry, self.time).subs(seconds) for entry in state.rhs]
-        # Velocities first: a displacement is part of the name of its own derivative.
-        order = sorted(names, key=lambda q: not isinstance(q, sp.Derivative))
-        for own in order:
-            rows = [row.subs(own, names[own]) for row in rows]
+        rows = [row.xreplace(names) for row in rows]
         if any(row.has(self.time) for row in rows):
             raise OperationError("the state does not determine its own rate")
         return equation(self.rate, sp.ImmutableMatrix([sp.expand(row) for row in rows]))

@@ -246,10 +246,15 @@ class StrongChecks(SampledChecks):
             fast = group / small + front * float(np.cbrt(-third / (6 * small)))
             yield {**point, s.kappa_front: front, s.v: fast}, [0]
 
+    @cached_property
+    def _slow_cell(self) -> Sample:
+        """The law is for couplings large beside all rates of a cell; a run costs their square."""
+        drawn = islice(cells(self.model), 12)
+        return min(drawn, key=lambda each: each.return_rate / each.clock)
+
     def weak_law(self, candidate: sp.Basic) -> Evidence:
         """Fronts of the averaged chain at strong coupling, with kappa from the inner problem."""
-        # The law is for couplings large beside all rates of a cell; a run costs their square.
-        sample = min(islice(cells(self.model), 12), key=lambda each: each.return_rate / each.clock)
+        sample = self._slow_cell
         fast = sample.return_rate / sample.clock
         if fast > FASTEST_RETURN:
             raise DerivationInputError(

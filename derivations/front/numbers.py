@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -53,10 +53,17 @@ class Lattice:
     def on_site(self, k: Any) -> Any:
         """A(k), shape of ``k``: decay and springs for the wave e^{ikn}, from its neighbours."""
         total = self.decay + 0j
-        for distance, spring in enumerate(self.springs, start=1):
-            ahead, back = np.exp(1j * k * distance), np.exp(-1j * k * distance)
+        for _, spring, ahead, back in self._neighbours(k):
             total = total - 0.5j * spring * (2 - ahead - back)
         return total
+
+    def _neighbours(self, k: Any) -> Iterator[tuple[int, float, Any, Any]]:
+        """Each distance with its spring, and the wave e^{ikn} at the sites that it joins."""
+        next_ahead, next_back = np.exp(1j * k), np.exp(-1j * k)
+        ahead = back = 1.0
+        for distance, spring in enumerate(self.springs, start=1):
+            ahead, back = ahead * next_ahead, back * next_back
+            yield distance, spring, ahead, back
 
     def dispersion(self, k: Any, v: float) -> Any:
         """L(k), shape of ``k``."""
@@ -65,8 +72,7 @@ class Lattice:
     def slope(self, k: Any, v: float) -> Any:
         """dL/dk by exponentials."""
         total = -1j * v + 0 * k
-        for distance, spring in enumerate(self.springs, start=1):
-            ahead, back = np.exp(1j * k * distance), np.exp(-1j * k * distance)
+        for distance, spring, ahead, back in self._neighbours(k):
             total = total - 0.5 * spring * distance * (ahead - back)
         return total
 
@@ -126,9 +132,12 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
     top = lattice.springs[-1]
     k = 2 * np.pi * labels / reach + 1j * sign * np.log(2 + np.abs(labels)) / reach
     for _ in range(25):
+        before = k
         growing = 0.5j * top * np.exp(-1j * sign * reach * k)
         rest = -(lattice.dispersion(k, v) - growing) / (0.5j * top)
         k = 1j * sign / reach * (np.log(-1j * rest) + 1j * np.pi / 2 - 2j * np.pi * sign * labels)
+        if np.all(np.abs(k - before) < 1e-9 * np.abs(k)):  # what is left falls to Newton's method
+            break
     for _ in range(3):
         k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
     return k

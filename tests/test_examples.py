@@ -75,6 +75,8 @@ def test_the_example_gives_its_number_and_its_picture(
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, spec.name, module)  # compiled code is kept by module
+    # That two processes answer as one does is tested in tests/test_own_fronts.py.
+    monkeypatch.setattr("verification.execution.pool.cores_allowed", lambda: 1)
     with mpl.rc_context({"backend": "agg"}):
         spec.loader.exec_module(module)
         value, tolerance, kind = EXPECTED[name]

@@ -87,9 +87,9 @@ def _runs(pid: int) -> bool:
 def test_a_script_whose_workers_import_it_anew_is_told_so(tmp_path: Path) -> None:
     script = tmp_path / "plain.py"
     script.write_text(
-        "import fronts as fr\n"
-        "chain = fr.AveragedChain(a=4, b=0.5, c=0.1, sites=4)\n"
-        "fr.state_map(chain, c=[0.1, 0.5], workers=2, refine=0)\n"
+        "import json\n"
+        "from verification.execution.sweep import sweep\n"
+        "sweep(json.dumps, {'x': [1, 2]}, workers=2)\n"
     )
     run = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
     assert run.returncode == 1

@@ -691,6 +691,7 @@ FORMS = {
     ),
     "a harmonic of unit size": lambda: (harmonics_of(sp.exp(sp.I * t), t), {1: 1}),
     "nothing has no harmonics": lambda: (harmonics_of(sp.S.Zero, t), {}),
+    "a power is a product": lambda: (WAVES**3, WAVES * WAVES * WAVES),
     "nothing is left of a difference": lambda: (WAVES - WAVES, Harmonics(WAVES.ring, {})),
     "moduli": lambda: (
         [with_modulus(z_here**2 * sp.conjugate(z_here) ** m) for m in (1, 3)],

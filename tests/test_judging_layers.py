@@ -7,6 +7,7 @@ case that only this rule decides.
 from __future__ import annotations
 
 import math
+import signal
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,9 +24,11 @@ from numpy.lib import format as npy
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.curves import curve
+from fronts.piecewise.profile import _chosen
 from paper_checks.outcome import slug
 from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
+from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
@@ -42,6 +45,7 @@ from verification.continuation.branch import Fold
 from verification.execution import checkpoint
 from verification.execution import sweep as sweeping
 from verification.execution.files import FileError
+from verification.execution.interruption import Deferred, Terminated
 from verification.execution.points import Point, points_of
 from verification.execution.store import Store
 from verification.execution.sweep import sweep
@@ -1176,3 +1180,93 @@ def test_the_error_of_a_front_of_44_counts_what_is_cut_off_the_chain(
     assert (found.v, found.status) == (0.5, status)
     own = front_verdict._SLIDING_ERROR if sliding else 0.0
     assert found.error == pytest.approx(0.5 * (1e-3 / 0.5 + own), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("number", "kind"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)]
+)
+def test_an_interrupt_says_who_asked_at_once_and_later(
+    number: int, kind: type[BaseException]
+) -> None:
+    """One from the keyboard is no request to end: the exit codes differ."""
+    waiting = Deferred()
+    waiting.check()
+    waiting.note(number, None)
+    with pytest.raises(KeyboardInterrupt) as twice:
+        waiting.note(number, None)
+    with pytest.raises(KeyboardInterrupt) as once:
+        waiting.check()
+    assert type(twice.value) is kind
+    assert type(once.value) is kind
+    waiting.check()
+
+
+def test_no_front_is_measured_where_sites_at_rest_start_by_themselves() -> None:
+    slow = FrictionCell(v_d=0.5 * FrictionCell().hopf_velocity)
+    with pytest.raises(ParameterError, match="steady sliding is unstable"):
+        measure.measure_front(FrictionChain.of(slow, c=0.02, sites=31), max_sites=31)
+
+
+def test_a_chain_is_too_long_for_all_methods_where_it_is_for_one() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=103)
+    with pytest.raises(ParameterError, match="at most 101 for orbit"):
+        breathers.breather(chain, nucleus=Nucleus(1), method="all")
+
+
+def test_the_profile_is_of_the_fastest_admissible_front_and_of_the_fastest_if_none_is() -> None:
+    slow, middle, fast = (SimpleNamespace(v=v, admissible=v < 0.5) for v in (0.1, 0.2, 0.9))
+    branches: Any = (slow, middle, fast)
+    assert _chosen(branches, None) is middle
+    assert _chosen(branches[2:] * 2, None) is fast
+    assert [_chosen(branches, i) for i in (1, 2, 3)] == [slow, middle, fast]
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "by"),
+    [(0.5, 1e-12, "differences"), (0.5, 1.0, "scipy"), (0.0, 1e-12, "scipy"), (None, 0.0, "scipy")],
+)
+def test_a_front_is_timed_where_there_is_no_wave_or_differences_do_not_resolve_it(
+    value: float | None, uncertainty: float, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def found(method: str, *_: Any, **__: Any) -> Any:
+        return SimpleNamespace(uncertainty=uncertainty, method=method)
+
+    monkeypatch.setattr(fronts_of, "_by_differences", partial(found, "differences"))
+    monkeypatch.setattr(fronts_of, "_by_scipy", partial(found, "scipy"))
+    stated: Any = SimpleNamespace(value=value, error=1e-9)
+    at = {"c": 1.0, "eta": 0.03125}
+    assert fronts_of._averaged_front_known(at, stated).method == by
+
+
+@pytest.mark.parametrize(
+    ("steady", "total", "events", "decided"),
+    [(False, 9, 59, False), (True, 9, 59, True), (False, 10, 59, True), (False, 9, 60, True)],
+)
+def test_a_piecewise_front_is_decided_when_steady_or_at_its_most_periods_or_events(
+    steady: bool, total: int, events: int, decided: bool
+) -> None:
+    run: Any = SimpleNamespace(
+        _spreads=lambda: np.array([1.0]),
+        _is_steady=lambda *_: steady,
+        _total=lambda: total,
+        events=events,
+    )
+    assert front_verdict.History.decided(run, 1e-9, 10) is decided
+
+
+def test_a_front_that_shrinks_no_more_is_decided(monkeypatch: pytest.MonkeyPatch) -> None:
+    run: Any = SimpleNamespace(
+        _spreads=lambda: np.ones(1000), _is_steady=lambda *_: False, _total=lambda: 0, events=0
+    )
+    for shrinks in (False, True):
+        monkeypatch.setattr(front_verdict, "_shrinks", lambda _, answer=shrinks: answer)
+        assert front_verdict.History.decided(run, 1e-9, 10) is not shrinks
+    run._spreads = lambda: np.ones(1)
+    monkeypatch.setattr(front_verdict, "_shrinks", lambda _: False)
+    assert not front_verdict.History.decided(run, 1e-9, 10)
+
+
+def test_words_of_a_spreading_are_its_definition_and_its_point() -> None:
+    asked: Any = Spreading(1, definition="several", point="minimum")  # type: ignore[arg-type]
+    assert asked.definition is Definition.SEVERAL
+    assert asked.point is StartPoint.MINIMUM

@@ -11,11 +11,10 @@ from typing import Any
 
 import pytest
 
-from benchmarks.mutation import children
+from benchmarks.mutation import children, survey
 from benchmarks.mutation.children import Answer, Task, in_children
 from benchmarks.mutation.places import outermost_functions
 from benchmarks.mutation.records import Records
-from benchmarks.mutation.survey import survey
 
 SMALL = '''"""Small."""
 LIMIT = 1.0
@@ -46,6 +45,7 @@ FILES = {
     "tests/test_small.py": "from fronts.small import Sum\ndef test_one(): assert Sum().value()",
     "tests/shared.py": "TWO = 2",
     "conftest.py": "THREE = 3",
+    "benchmarks/mutation/runs.py": "FOUR = 4",
 }
 ENTERED = ["fronts/small.py:Sum.value", "fronts/small.py:Sum.twice"]
 ANSWERS = [{"test": "tests/test_small.py::test_one", "seconds": 0.01, "entered": ENTERED}]
@@ -54,7 +54,7 @@ TESTS = "tests/test_small.py"
 
 def _write(root: Path, files: dict[str, str]) -> None:
     for name, text in files.items():
-        (root / name).parent.mkdir(exist_ok=True)
+        (root / name).parent.mkdir(exist_ok=True, parents=True)
         (root / name).write_text(text, encoding="utf-8")
 
 
@@ -81,13 +81,15 @@ def _write(root: Path, files: dict[str, str]) -> None:
         ("tests/test_small.py", "assert Sum", "assert not Sum", False),
         ("tests/shared.py", "TWO = 2", "TWO = 3", False),
         ("conftest.py", "THREE = 3", "THREE = 4", False),
+        # What runs them counts by what records.
+        ("benchmarks/mutation/runs.py", "FOUR = 4", "FOUR = 5", True),
     ],
 )
 def test_a_record_is_good_while_nothing_that_its_tests_ran_has_changed(
     path: str, old: str, new: str, known: bool, tmp_path: Path
 ) -> None:
     _write(tmp_path, FILES)
-    imported, kept = {"fronts/small.py", "tests/shared.py", TESTS}, tmp_path / "kept.jsonl"
+    imported, kept = set(FILES) - {"conftest.py"}, tmp_path / "kept.jsonl"
     Records(tmp_path, kept, 0.3).keep(TESTS, imported, ENTERED, ANSWERS)
     assert FILES[path].count(old) == 1 or not old
     _write(tmp_path, {path: FILES[path].replace(old, new)})
@@ -124,7 +126,7 @@ def _surveyed(root: Path, record: Callable[..., None]) -> tuple[list[str], list[
         before_tests=frozenset({"fronts/small.py:unseen", "theory/other.py:f"}),
     )
     kept, imported = root / "kept.jsonl", {TESTS: frozenset({"fronts/small.py", TESTS})}
-    found = survey(session, Records(root, kept, 0.3), imported, 0.3, 1)
+    found = survey.survey(session, Records(root, kept, 0.3), imported, 0.3, 1)
     lines = kept.read_text(encoding="utf-8").splitlines() if kept.exists() else []
     return list(found.seconds), [json.loads(line) for line in lines]
 
@@ -150,7 +152,8 @@ def test_a_record_is_kept_where_the_file_ran_to_its_end(
     assert _surveyed(tmp_path, cut_off) == ([ANSWERS[0]["test"]], [])
     assert "not kept, since it was cut off: TimeoutError" in capfd.readouterr().err
     with monkeypatch.context() as context:
-        context.setattr(children, "PATIENCE", -59.0)
+        context.setattr(children, "PATIENCE", 0.5)
+        context.setattr(survey, "FILE_SECONDS", 0.0)
         assert _surveyed(tmp_path, hung) == ([ANSWERS[0]["test"]], [])
     assert f"not kept, since it was cut off: {children.HUNG}" in capfd.readouterr().err
     tests, kept = _surveyed(tmp_path, whole)

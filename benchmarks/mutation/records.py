@@ -71,6 +71,7 @@ class Records:
 
         of_project = {path for path in imported if path.partition("/")[0] in PACKAGES}
         shared = {"conftest.py", *imported} - of_project
+        shared = {path for path in shared if not path.startswith("benchmarks/mutation/")}
         parts: list[object] = [_runner(), self._limit]
         if file in of_project:  # its examples stand in docstrings
             parts.append(digest_of_files(self._root, [self._root / file]))

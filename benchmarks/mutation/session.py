@@ -18,7 +18,7 @@ import pytest
 from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer
 from benchmarks.mutation.put import libraries_of, names_used_on_import
-from benchmarks.mutation.recorder import Recorder, forget
+from benchmarks.mutation.recorder import Recorder, TooLong, forget
 
 OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--tb=native", "--import-mode=importlib",
            "-p", "no:cacheprovider", "-p", "no:faulthandler",
@@ -146,9 +146,13 @@ class Session:
         for each in plugins:
             manager.register(each)
         for name in tests:
-            signal.setitimer(signal.ITIMER_PROF, limit)
             item = self.items[name]
-            item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+            try:
+                signal.setitimer(signal.ITIMER_PROF, limit)
+                item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+            except TooLong:  # between a test and its report
+                failures.first = name
+                item.session._setupstate.teardown_exact(None)
             if failures.first:
                 break
         signal.setitimer(signal.ITIMER_PROF, 0.0)

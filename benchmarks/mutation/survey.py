@@ -14,10 +14,14 @@ from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.records import Records
 from benchmarks.mutation.session import Session, dotted
 
+FILE_SECONDS = 120.0
+"""Processor seconds for the tests of a file, beside twice the limit of each test."""
+
 EXCLUDED = (
     "test_benchmarks",
     "test_documentation",
     "test_mutation",
+    "test_mutation_records",
     "test_report_browser",
 )
 """Test files about other things, or about time."""
@@ -83,7 +87,8 @@ def test_files(root: Path) -> list[str]:
 def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
     """Return by file the files of the project that it imports, directly or not, itself included.
 
-    As `verification.execution.imports.closure` of each, but no module is looked for twice.
+    As `verification.execution.imports.closure` of each, but no module is looked for twice, and what
+    a test imports by a computed name is none of the other test files.
     """
     from verification.execution.imports import imports_of, source_of
 
@@ -99,7 +104,8 @@ def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
             parent = name.rpartition(".")[0]
             names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
             whole = (root / top).rglob("*.py") if computed and source_of(top) else ()
-            below = (dotted(each.relative_to(root).as_posix()) for each in whole)
+            helpers = (each for each in whole if not each.match("tests/test_*.py"))
+            below = (dotted(each.relative_to(root).as_posix()) for each in helpers)
             direct[name] = (parent, *names, *below)
 
     def reached(file: str) -> frozenset[str]:
@@ -159,7 +165,7 @@ def survey(
             if known is not None:
                 found.add(known)
                 continue
-            seconds = 20.0 + 2.0 * limit * len(session.tests_of(file))
+            seconds = FILE_SECONDS + 2.0 * limit * len(session.tests_of(file))
             run = partial(session.record, file, limit)
             yield Task(run=run, seconds=seconds, take=partial(take, file))
 

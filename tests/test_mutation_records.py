@@ -100,6 +100,18 @@ def test_a_record_is_good_while_nothing_that_its_tests_ran_has_changed(
     assert Records(tmp_path, kept, 0.3).known(TESTS, imported) == []
 
 
+def test_lines_that_a_kill_cut_short_or_an_older_runner_wrote_are_passed_over(
+    tmp_path: Path,
+) -> None:
+    _write(tmp_path, FILES)
+    imported, kept = set(FILES) - {"conftest.py"}, tmp_path / "kept.jsonl"
+    Records(tmp_path, kept, 0.3).keep(TESTS, imported, ENTERED, ANSWERS)
+    whole = kept.read_text(encoding="utf-8")
+    older = json.dumps({"file": TESTS, "key": "", "answers": []})
+    kept.write_text(f"{whole}{older}\n[1]\n{whole[: len(whole) // 2]}", encoding="utf-8")
+    assert Records(tmp_path, kept, 0.3).known(TESTS, imported) == ANSWERS
+
+
 def test_examples_in_docstrings_are_tests(tmp_path: Path) -> None:
     _write(tmp_path, FILES)
     kept, file = tmp_path / "kept.jsonl", "fronts/small.py"

@@ -11,7 +11,8 @@ import ast
 import json
 import sys
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import distributions
 from pathlib import Path
@@ -39,9 +40,8 @@ class Records:
 
     def __init__(self, root: Path, path: Path, limit: float) -> None:
         self._root, self._path, self._limit = root, path, limit
-        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
         self._parts: dict[str, dict[str, str]] = {}
-        self._known = {record["file"]: record for record in map(json.loads, lines)}
+        self._known = {record["file"]: record for record in _whole_lines(path)}
 
     def known(self, file: str, imported: Collection[str]) -> list[dict[str, Any]] | None:
         """Return what the tests of a file entered, if that is known and good."""
@@ -89,6 +89,15 @@ class Records:
             file = self._root / path
             self._parts[path] = _parts(file.read_bytes() if file.exists() else b"")
         return self._parts[path]
+
+
+def _whole_lines(path: Path) -> Iterator[dict[str, Any]]:
+    """Yield the records in a file, but for lines that a kill cut short or an older runner wrote."""
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        with suppress(json.JSONDecodeError):
+            record = json.loads(line)
+            if isinstance(record, dict) and record.keys() >= {"file", "key", "entered", "answers"}:
+                yield record
 
 
 @cache

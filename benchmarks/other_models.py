@@ -67,7 +67,7 @@ def random_model(seed: int) -> ChainModel:
     low, high = chance.choice([(2, 4), (2, 4), (4, 8), (2, 6)])
     damping = {0: chance.choice([1, 2, _HALF, rest]), low: -coefficient(middle),
                high: coefficient(top)}  # fmt: skip
-    if chance.random() < 0.6:  # two cycles for certain: a² > 8 b h of (8), and as much beyond
+    if chance.random() < 0.6:  # a² > 8 b, as two cycles of (8) need, but for letters
         at_rest, above = (
             chance.choice([1, 2, _HALF, 3]),
             chance.choice([1, 2, sp.Rational(1, 3), 5]),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import ClassVar
 
 import sympy as sp
@@ -14,12 +15,25 @@ from derivations.algebra.operations import Operation, OperationError, listed, sp
 
 def taylor(expression: sp.Expr, small: sp.Symbol, order: int) -> list[sp.Expr]:
     """Return the coefficients of ``small**0 … small**order``."""
-    found, current = [], expression
-    for power in range(order + 1):
-        found.append(current.subs(small, 0).doit() / sp.factorial(power))
-        if power < order:
-            current = sp.diff(current, small).doit()
-    return found
+    derivatives = enumerate(islice(_derivatives(expression, small), order + 1))
+    return [_coefficient(current, small, power) for power, current in derivatives]
+
+
+def taylor_coefficient(expression: sp.Expr, small: sp.Symbol, power: int) -> sp.Expr:
+    """Return the coefficient of ``small**power`` alone."""
+    derivative = next(islice(_derivatives(expression, small), power, None))
+    return _coefficient(derivative, small, power)
+
+
+def _derivatives(expression: sp.Expr, small: sp.Symbol) -> Iterator[sp.Expr]:
+    """Yield an expression and its derivatives, one after another."""
+    while True:
+        yield expression
+        expression = sp.diff(expression, small).doit()
+
+
+def _coefficient(derivative: sp.Expr, small: sp.Symbol, power: int) -> sp.Expr:
+    return derivative.subs(small, 0).doit() / sp.factorial(power)
 
 
 def _with_expanded_bases(expression: sp.Expr) -> sp.Expr:
@@ -121,7 +135,7 @@ class CollectPower(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the equation at that order."""
         (source,) = sources
-        whole = sp.expand(taylor(left_minus_right(source), self.small, self.power)[self.power])
+        whole = sp.expand(taylor_coefficient(left_minus_right(source), self.small, self.power))
         if self.unknown is None:
             return equation(whole)
         kept = sum((q for q in sp.Add.make_args(whole) if q.has(self.unknown)), sp.S.Zero)
@@ -221,7 +235,7 @@ class Linearise(Operation):
         def first(side: sp.Expr) -> sp.Expr:
             for own, change in self.changes.items():
                 side = self._perturbed(side, own, change, size, *state)
-            return sp.expand(sp.diff(side.doit(), size).doit().subs(size, 0).doit())
+            return sp.expand(taylor_coefficient(side.doit(), size, 1))
 
         if self.rate is None:
             return equation(first(left_minus_right(target)))

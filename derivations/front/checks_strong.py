@@ -248,7 +248,7 @@ class StrongChecks(SampledChecks):
 
     @cached_property
     def _slow_cell(self) -> Sample:
-        """The law is for couplings large beside all rates of a cell; a run costs their square."""
+        """The cell of slowest return: the law is for couplings large beside its rates."""
         drawn = islice(cells(self.model), 12)
         return min(drawn, key=lambda each: each.return_rate / each.clock)
 

@@ -105,7 +105,16 @@ def findings(model: ChainModel) -> Iterator[Finding]:
 
 def _seeds(text: str) -> range:
     first, _, last = text.partition(":")
-    return range(int(first), int(last or first) + 1)
+    try:
+        seeds = range(int(first), int(last or first) + 1)
+    except ValueError:
+        seeds = range(0)
+    if not seeds:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no seed: give a whole number such as 7, or the first and the last of "
+            "several, such as 3001:3040"
+        )
+    return seeds
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -164,7 +164,7 @@ def test_a_record_is_kept_where_the_file_ran_to_its_end(
     assert _surveyed(tmp_path, cut_off) == ([ANSWERS[0]["test"]], [])
     assert "not kept, since it was cut off: TimeoutError" in capfd.readouterr().err
     with monkeypatch.context() as context:
-        context.setattr(children, "PATIENCE", 0.5)
+        context.setattr(children, "HANGING", 0.5)
         context.setattr(survey, "FILE_SECONDS", 0.0)
         assert _surveyed(tmp_path, hung) == ([ANSWERS[0]["test"]], [])
     assert f"not kept, since it was cut off: {children.HUNG}" in capfd.readouterr().err
@@ -178,7 +178,7 @@ def test_a_record_is_kept_where_the_file_ran_to_its_end(
 
 
 def test_a_change_that_hangs_is_noticed_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(children, "PATIENCE", 0.1)
+    monkeypatch.setattr(children, "HANGING", 0.1)
     answers: list[list[Answer]] = []
     in_children(
         iter([Task(run=lambda write: time.sleep(3600.0), seconds=0.0, take=answers.append)]), 1

@@ -62,6 +62,15 @@ def test_a_failing_check_an_error_and_a_refusal_are_told_apart(
     assert found == [expected[name] for name in WITH_MODEL if name in expected]
 
 
+@pytest.mark.parametrize("text", ["5:4", "many", "1:2:3", "1.5", ":", ""])
+def test_what_names_no_seed_is_refused_and_not_found_to_hold(
+    text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main([text])
+    assert f"{text!r} is no seed: give a whole number" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("outcome", "code", "said"),
     [

@@ -17,7 +17,7 @@ Answer = dict[str, Any]
 STOPPED, HUNG = "time limit or crash", "no end in more than three times its time"
 """What noticed a change where its child did not end by itself."""
 
-PATIENCE = 60.0
+HANGING = 60.0
 """Seconds by the clock, beside three times its processor time, after which a child is ended."""
 
 
@@ -45,7 +45,7 @@ def in_children(tasks: Iterator[Task], count: int) -> None:
                 left = task is not None
                 if task is not None:
                     child, pipe = _begin(task)
-                    until = time.monotonic() + 3.0 * task.seconds + PATIENCE
+                    until = time.monotonic() + 3.0 * task.seconds + HANGING
                     state = (task, child, until, bytearray())
                     waiting.register(pipe, selectors.EVENT_READ, state)
             ready = {key.fd for key, _ in waiting.select(0.5)}

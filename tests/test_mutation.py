@@ -167,7 +167,7 @@ def test_the_list_is_the_same_again() -> None:
 
 
 def test_every_explanation_is_about_a_change_that_can_be_made() -> None:
-    explained = read_explained(ROOT / "benchmarks" / "mutation" / "explained.toml")
+    explained = read_explained()
     names: dict[str, list[str]] = {}
     for form, why in explained.items():
         assert len(why) > 20, form

@@ -35,7 +35,7 @@ numba compiles is compiled anew for each change of it, half a minute or more: su
 out unless --compiled asks for them. A change in derivations/ that no test notices is put to the
 checks of the steps that enter it when all tests are through; all is derived and checked once for
 that, a minute. --record writes the counts and every change that went unnoticed to a file. Exit
-code 1: a change that no test notices is not explained in benchmarks/mutation/explained.toml, or an
+code 1: a change that no test notices is not explained in benchmarks/mutation/explained, or an
 explanation there is no longer needed; the latter is judged when all of a module was run."""
 
 
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"seed {seed}", file=sys.stderr)
         random.Random(seed).shuffle(mutants)
     mutants, found = run(mutants, options)
-    explained = read_explained(Path(__file__).with_name("explained.toml"))
+    explained = read_explained()
     left = {mutant.name for mutant in mutants} | known.keys()
     outcome = Outcome([m for m in every if m.name in left], found | known, explained)
     print(outcome)

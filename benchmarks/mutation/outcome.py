@@ -1,4 +1,4 @@
-"""What became of the changes: noticed, explained in ``explained.toml``, or left open.
+"""What became of the changes: noticed, explained in ``explained/``, or left open.
 
 Open are also those that no test was asked about, because the tests that enter what is changed take
 longer than a test may: they are counted apart, and want longer tests or quicker ones.
@@ -20,10 +20,17 @@ KILLED, SURVIVED, UNREACHED = "killed", "survived", "unreached"
 """A test fails; none fails; none that may be asked enters what is changed."""
 
 
-def read_explained(path: Path) -> dict[str, str]:
+EXPLAINED = Path(__file__).with_name("explained")
+"""The folder of explanations, a file for each package."""
+
+
+def read_explained(folder: Path = EXPLAINED) -> dict[str, str]:
     """Return the reasons why changes need not be noticed, by their names or forms of names."""
-    content = tomllib.loads(path.read_text(encoding="utf-8"))
-    return {form: entry["why"] for entry in content["explained"] for form in entry["changes"]}
+    files = [
+        tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.toml"))
+    ]
+    entries = [entry for content in files for entry in content["explained"]]
+    return {form: entry["why"] for entry in entries for form in entry["changes"]}
 
 
 def source_digest(root: Path, module: str) -> str:

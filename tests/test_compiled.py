@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import atexit
 import importlib
+import math
 import os
 import pkgutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import pytest
+from numba.core import config
 from numba.core.dispatcher import Dispatcher
 
 import verification
-from verification.execution.compiled import files_with_compiled_functions
+from verification.execution import compiled
+from verification.execution.compiled import files_with_compiled_functions, inner, outer
 
 ROOT = Path(__file__).parents[1]
 
@@ -209,3 +217,51 @@ def test_a_part_is_stored_with_what_calls_it_and_not_compiled_again(tmp_path: Pa
     ]  # fmt: skip
     assert answers == [["3.0", "1"], ["3.0", "0"]]
     assert {path.name.split("-")[0] for path in cache.rglob("*.nbi")} == {"parts.whole"}
+
+
+@pytest.mark.parametrize("unrolled", [True, False])
+def test_what_is_compiled_gives_what_python_gives(unrolled: bool) -> None:
+    """With sums over arrays, a named argument, and a part that only compiled functions call."""
+
+    def part(x: float, less: float) -> float:
+        return 2.0 * x - less
+
+    def whole(x: Any, y: Any, found: Any) -> None:
+        for i in range(x.size):
+            found[0, i] = math.hypot(x[i], y[i]) + called(x[i], less=y[i])
+            for k in range(i + 1):
+                found[1, i] += x[k] * y[i - k]
+
+    x, y = np.linspace(-1.0, 1.0, 9), np.geomspace(0.1, 10.0, 9)
+    called: Any = part
+    expected, found = np.zeros((2, 9)), np.zeros((2, 9))
+    whole(x, y, expected)
+    called = inner()(part)
+    outer(unrolled=unrolled)(whole)(x, y, found)
+    assert np.allclose(found, expected, rtol=1e-14, atol=1e-15)
+
+
+def test_places_for_compiled_code_are_tried_and_left_as_they_were(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last one is a folder of this process, and is gone when it ends."""
+    at_end: list[Any] = []
+    monkeypatch.setattr(atexit, "register", lambda *given, **by: at_end.append((given, by)))
+    monkeypatch.setattr(config, "CACHE_DIR", "")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    *_, home, last = compiled._places()
+    assert home == tmp_path / "home" / ".cache" / "fronts"
+    for place in (home, last):
+        assert compiled._can_be_written(place)
+        assert list(place.iterdir()) == []
+    assert os.environ["NUMBA_CACHE_DIR"] == str(last)
+    (tmp_path / "file").touch()
+    assert not compiled._can_be_written(tmp_path / "file" / "folder")
+    for (function, *given), by in at_end:
+        function(*given, **by)
+    assert home.exists()
+    assert not last.exists()
+    monkeypatch.setattr(config, "CACHE_DIR", str(home))
+    assert next(iter(compiled._places())) == home

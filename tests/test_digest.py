@@ -1,18 +1,22 @@
 """A stored measurement is stale when the code it is of has changed, and only then."""
 
 import ast
+import bisect
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 from verification.execution.digest import (
     DRAWING,
+    code_of_objects,
     digest_of_arrays,
+    digest_of_files,
 )
-from verification.execution.imports import closure, imports_of, shape
-from verification.execution.metadata import CHANGED, UNKNOWN, Code, staleness
+from verification.execution.imports import closure, imports_of, shape, source_of
+from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
 
 OURS = ("timed_code",)
 
@@ -141,3 +145,58 @@ def test_no_installed_package_imports_one_that_is_not():
         names, _ = imports_of(path, path.parent.relative_to(root).as_posix().replace("/", "."))
         outside = {name for name in names if name.split(".")[0] in ("benchmarks", "tests")}
         assert not outside or path.name == "bench.py", path
+
+
+def test_every_letter_of_a_file_counts_and_so_do_its_name_and_its_end(tmp_path):
+    """Also where two files together hold the same letters."""
+    contents = [
+        {"a": "one", "b": "two"}, {"a": "one", "b": "twi"}, {"a": "onet", "b": "wo"},
+        {"a": "one", "c": "two"}, {"a": "two", "b": "one"}, {"a": "one"}, {},
+    ]  # fmt: skip
+    found = []
+    for texts in contents:
+        for name, text in texts.items():
+            (tmp_path / name).write_text(text)
+        found.append(digest_of_files(tmp_path, [tmp_path / name for name in texts]))
+        assert found[-1] == digest_of_files(tmp_path, [tmp_path / name for name in [*texts][::-1]])
+    assert len(set(found)) == len(contents)
+
+
+def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
+    assert source_of("bisect") == Path(bisect.__file__)
+    assert source_of("json") == Path(sys.modules["json"].__file__)
+    assert source_of("verification.execution") == source_of(
+        "verification.execution.digest"
+    ).with_name("__init__.py")
+    assert source_of("no_such_module_anywhere") is source_of("__main__") is None
+
+
+def test_code_of_no_module_counts_by_itself(monkeypatch):
+    """A function, and a class by its methods, that were typed into a session."""
+    session = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", session)
+
+    def typed(text):
+        exec(text, vars(session))
+        return vars(session)["x"]
+
+    texts = [
+        f"{head} return {value}"
+        for head in ("def x():", "class x:\n def f(self):", "class x:\n def g(self):")
+        for value in ("1", "2", "a", "b", "lambda: 1", "lambda: 2")
+    ]
+    found = [code_of_objects([typed(text)]) for text in texts]
+    assert {modules for modules, _ in found} == {()}
+    assert len({digest for _, digest in found}) == len(texts)
+    assert code_of_objects([typed(texts[7])()]) == found[7]  # of an instance that of its class
+    assert code_of_objects([typed("# one\ndef x():\n return 1")]) == found[0]
+
+
+def test_what_differs_is_named_with_both_values_where_these_are_short():
+    found = {"a": 1, "digest": "x", "long": "y" * 80, "short": "y" * 79, "same": 3.0}
+    here = {"a": None, "digest": "z", "long": "w", "short": "w", "same": 3.0}
+    assert differences(found, here) == (
+        f"a: 1 there, None here; digest; long; short: {'y' * 79} there, w here"
+    )
+    inner = differences({"run": {"c": 1, "d": [2]}, "v": {}}, {"run": {"c": 2, "d": [2]}, "v": 3})
+    assert inner == "run.c: 1 there, 2 here; v: {} there, 3 here"

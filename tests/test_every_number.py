@@ -10,6 +10,7 @@ import dataclasses
 import math
 import numbers
 import signal
+import threading
 import time
 from collections.abc import Mapping
 from decimal import Decimal
@@ -253,3 +254,25 @@ def test_a_limit_is_kept_where_the_first_alarm_is_dropped(monkeypatch, of_proces
     with pytest.raises(TimeIsUpError), time_limit(0.05, of_processor=of_processor):
         dropping_the_first()
     assert spent() < 2.0
+
+
+def test_a_limit_is_on_the_clock_unless_it_is_of_the_processor():
+    """A call that waits takes no time of the processor."""
+    limited = time_limit_module.time_limit
+    with pytest.raises(TimeIsUpError), limited(0.02):
+        time.sleep(0.5)
+    with limited(10.0, of_processor=True):
+        time.sleep(0.02)
+
+
+def test_outside_the_main_thread_there_is_no_limit():
+    ended = []
+
+    def work():
+        with time_limit(1e-6):
+            ended.append(True)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert ended == [True]

@@ -158,3 +158,22 @@ def test_of_many_threads_that_want_a_file_one_at_a_time_has_it(tmp_path: Path) -
         thread.join()
     assert most == [1]
     assert taken[0] >= 200
+
+
+def test_writing_leaves_no_file_open_and_a_lock_that_nobody_executes(tmp_path: Path) -> None:
+    """A descriptor that is left open would be the lowest of those that are free."""
+    path = tmp_path / "out"
+
+    def lowest_free() -> int:
+        handle = os.open(os.devnull, os.O_RDONLY)
+        os.close(handle)
+        return handle
+
+    before = lowest_free()
+    write_bytes(path, b"x")
+    write_by(path, lambda part: part.write_bytes(b"y"))
+    check_writable(path)
+    with sole_writer(path):
+        assert not (tmp_path / "out.lock").stat().st_mode & 0o111
+    assert lowest_free() == before
+    assert [each.name for each in tmp_path.iterdir()] == ["out"]

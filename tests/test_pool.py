@@ -8,13 +8,19 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from theory.parameters import ParameterError
-from verification.execution.pool import WorkerDiedError, answers, worker_count
+from verification.execution import pool
+from verification.execution.pool import WorkerDiedError, answers, cores_allowed, worker_count
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
@@ -95,3 +101,71 @@ def test_a_script_whose_workers_import_it_anew_is_told_so(tmp_path: Path) -> Non
     assert run.returncode == 1
     (said,) = (line for line in run.stderr.splitlines() if "SweepError: " in line)
     assert "if __name__ == '__main__'" in said
+
+
+class _Mortal(Executor):
+    """A pool in this process, which breaks for good at an item of 3, as processes do."""
+
+    def __init__(self) -> None:
+        self.broken = False
+
+    def submit(self, function: Callable[..., Any], *items: Any, **_: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        self.broken = self.broken or 3 in np.ravel(items)
+        if self.broken:
+            future.set_exception(BrokenProcessPool())
+        else:
+            future.set_result(function(*items))
+        return future
+
+
+def _pools(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Let pools be of this process; return where the number of their workers is noted."""
+    made: list[int] = []
+
+    @contextmanager
+    def counted(workers: int) -> Iterator[Executor]:
+        made.append(workers)
+        yield _Mortal()
+
+    monkeypatch.setattr(pool, "worker_pool", counted)
+    return made
+
+
+def test_a_pool_is_begun_where_several_are_to_compute_several_items(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = _pools(monkeypatch)
+    for workers, items, pools in (
+        (2, [1, 2, 4], [2]), (8, [1, 2, 4], [3]), (1, [1, 2, 4], []), (2, [1], []), (2, [], []),
+    ):  # fmt: skip
+        made.clear()
+        found = dict(answers(pool_example.inverse, items, workers=workers))
+        assert found == {index: 1 / item for index, item in enumerate(items)}
+        assert made == pools
+    made.clear()
+    monkeypatch.setattr(pool, "cores_allowed", lambda: 2)
+    assert dict(answers(pool_example.inverse, [1, 2, 4], only=[2, 0])) == {2: 0.25, 0: 1.0}
+    assert made == [2]
+
+
+def test_of_a_pool_that_breaks_only_the_item_that_is_alone_in_another_has_died(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = _pools(monkeypatch)
+    items = [1, 2, 3, 4, 5, 3, 6]
+    found = dict(answers(pool_example.inverse, items, workers=2))
+    died = {index for index, answer in found.items() if isinstance(answer, WorkerDiedError)}
+    assert died == {2, 5}
+    assert all(found[index] == 1 / items[index] for index in {*range(7)} - died)
+    assert made[0] == 2
+    assert made[-1] == 1
+
+
+def test_where_cores_are_not_given_to_processes_those_of_the_machine_are_allowed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    for cores, allowed in ((6, 6), (None, 1)):
+        monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
+        assert cores_allowed() == allowed

@@ -151,3 +151,34 @@ def test_a_terminal_shows_name_part_and_steps(monkeypatch: pytest.MonkeyPatch) -
     assert "fig9 and 1 more" in seen
     assert "33 %" in seen
     assert re.search(r"\[1/3\] +\d+\.\d s  fig9: reproduced \[1 s\]", seen)
+
+
+def test_a_step_that_ends_is_numbered_with_the_seconds_since_the_first_began(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock, written = _Clock(), io.StringIO()
+    clock.now = 5000.0
+    monkeypatch.setattr(progress.time, "monotonic", clock)
+    shown = Progress("claims", steps=12, stream=written)
+    for place, (seconds, computed) in enumerate(((1.5, True), (0.0, False))):
+        shown.begin(f"fig{place}")
+        clock.now += seconds
+        shown.end(f"fig{place}", "reproduced", computed=computed)
+    assert [line.split() for line in written.getvalue().splitlines()] == [
+        ["[", "1/12]", "1.5", "s", "fig0:", "reproduced"],
+        ["[", "2/12]", "1.5", "s", "fig1:", "reproduced"],
+    ]
+
+
+def test_in_a_terminal_a_long_line_is_printed_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither broken nor coloured, so that it can be copied."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "40")
+    said = "c_pin = 0.455301 " * 6 + "[/b] 'of' 1.5 s"
+    master, slave = pty.openpty()
+    with os.fdopen(slave, "w") as terminal:
+        with Progress("claims", steps=1, stream=terminal) as shown:
+            shown.end("fig9", said)
+        seen = all_of(master)
+    os.close(master)
+    assert f"fig9: {said}" in seen

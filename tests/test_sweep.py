@@ -24,11 +24,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from theory.parameters import ParameterError
+from theory.parameters import MissingPackageError, ParameterError
+from verification.execution.columns import column_of, python_rows
 from verification.execution.files import FileError
-from verification.execution.points import Grid, Point, digest_of_points
+from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
+from verification.execution.record import Record
 from verification.execution.sweep import SweepError, part_path, sweep
-from verification.execution.table import Table, record_path, table_of
+from verification.execution.table import Table, load_table, record_path, table_of
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
@@ -584,3 +586,84 @@ def test_memory_grows_by_the_columns_and_no_more(file: str | None, tmp_path: Pat
         tracemalloc.stop()
     growth = (peaks[2] - peaks[1]) / (6000 - 600)
     assert growth < 2 * 62  # columns, and once more while words are written out
+
+
+def test_rows_are_all_that_there_are_in_their_order() -> None:
+    """Also where they are too many to be lists at once, and where there is none."""
+    c = np.linspace(0.0, 1.0, 3000)
+    table = Table(arrays={"c": c, "n": np.arange(3000)})
+    assert list(python_rows(table.arrays)) == list(zip(c.tolist(), range(3000), strict=True))
+    assert [row["n"] for row in table.rows()] == list(range(3000))
+    assert (len(table), len(Table(arrays={})), list(Table(arrays={}).rows())) == (3000, 0, [])
+
+
+def test_an_array_beside_numbers_is_refused_as_are_numbers_beside_arrays() -> None:
+    for cells in ([1.0, np.array([1.0])], [np.array([1.0]), 1.0], [np.ones(2), np.ones((2, 1))]):
+        with pytest.raises(ParameterError, match="shape of v"):
+            column_of("v", cells)
+    assert column_of("v", [np.ones(2), np.arange(2)]).tolist() == [[1.0, 1.0], [0.0, 1.0]]
+
+
+def test_coordinates_of_points_are_columns_however_the_points_are_given() -> None:
+    listed = points_of([{"c": 1, "label": "a"}, {"c": 2.5, "label": "b"}])
+    columns = {name: column.tolist() for name, column in coordinates(listed).items()}
+    assert columns == {"c": [1.0, 2.5], "label": ["a", "b"]}
+    for none in ([], {}, {"c": []}):
+        assert coordinates(points_of(none)) == {}
+
+
+@pytest.mark.parametrize("body", [
+    None, [], {}, {"kind": "map"}, {"kind": "table", "format": 3}, {"kind": "map", "format": 2},
+])  # fmt: skip
+def test_what_is_no_record_is_one_sentence(body: object) -> None:
+    with pytest.raises(ParameterError, match="record"):
+        Record.from_dict(body, "map")
+
+
+def test_a_record_is_read_as_its_kind_and_format_only_and_as_it_was_written() -> None:
+    written = Record(kind="map", content={"c": [0.5, 1e-300]}).to_dict()
+    assert Record.from_dict(written, "map").content == {"c": [0.5, 1e-300]}
+    for kind, change in (("table", {}), ("map", {"format": 2}), ("map", {"c": [0.5, 0.0]})):
+        with pytest.raises(ParameterError, match="record"):
+            Record.from_dict(written | change, kind)
+
+
+def test_a_finished_sweep_takes_other_names_of_dimensions(tmp_path: Path) -> None:
+    def pair(point: Point) -> dict[str, object]:
+        return {"pair": np.array([point["x"], 2 * point.number("x")])}
+
+    def swept(**dims: str) -> Table:
+        return sweep(
+            pair, {"x": [1, 2]}, out=tmp_path / "out.npz", resume=True, workers=1, dims=dims
+        )
+
+    assert [dict(swept(**dims).dims) for dims in ({}, {"pair": "end"}, {})] == [
+        {"pair": ("pair_0",)}, {"pair": ("end",)}, {"pair": ("pair_0",)},
+    ]  # fmt: skip
+    with pytest.raises(ParameterError, match="dims = c"):
+        swept(c="end")
+
+
+def test_a_table_for_zarr_says_that_it_needs_zarr(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("xarray")
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(MissingPackageError, match="zarr"):
+        table_of([{"c": 1.0}]).save(tmp_path / "out.zarr")
+    assert not (tmp_path / "out.zarr").exists()
+
+
+def test_arrays_of_a_zarr_store_are_read_back_however_they_are_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("zarr")
+    pytest.importorskip("xarray")
+    monkeypatch.setattr("verification.execution.table.CHUNK_BYTES", 40)  # five numbers
+    cells = np.arange(5 * 7.0).reshape(5, 7)
+    written = table_of([{"c": c, "wave": row} for c, row in zip(range(5), cells, strict=True)])
+    written.save(tmp_path / "out.zarr")
+    read = load_table(tmp_path / "out.zarr")
+    assert read is not None
+    assert np.array_equal(read["wave"], cells)
+    assert np.array_equal(read["c"], np.arange(5))

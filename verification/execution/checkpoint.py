@@ -324,7 +324,7 @@ def _read(box: zipfile.ZipFile, name: str, like: npt.NDArray[Any]) -> npt.NDArra
         major = npy.read_magic(entry)
         read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0
         shape, fortran, dtype = read(entry)
-        if shape != like.shape or dtype != like.dtype or (fortran and like.ndim > 1):
+        if shape != like.shape or dtype != like.dtype or fortran:
             raise ValueError("shape")
         entry.seek(0)
         found: npt.NDArray[Any] = npy.read_array(entry, allow_pickle=False)

@@ -75,7 +75,10 @@ def source_of(name: str) -> Path | None:
     top, *rest = name.split(".")
     if top == "__main__":  # a script, or what is typed into a session
         return None
-    spec = importlib.util.find_spec(top)
+    try:
+        spec = importlib.util.find_spec(top)
+    except ValueError:  # a session, or a script as a worker process has it
+        return None
     homes = list(spec.submodule_search_locations or ()) if spec else []
     if spec and not homes and not rest and spec.origin and spec.origin.endswith(".py"):
         return Path(spec.origin)

@@ -69,7 +69,7 @@ class Progress:
         self._stream = stream or sys.stderr or _nowhere()
         self._live: Live | None = None
         self._task: TaskID | None = None
-        self._logs = not quiet and not _is_terminal(self._stream) and _is_of_system(self._stream)
+        self._logs = _is_of_system(self._stream)
         self._remaining = Remaining()
         self._begin = time.monotonic()
         self._next_line = self._begin + FIRST

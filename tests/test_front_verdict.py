@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,8 +10,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from verification.fronts.status import FrontStatus
 from verification.piecewise import verdict
-from verification.piecewise.verdict import History
+from verification.piecewise.chain import PiecewiseMotion, Switching
+from verification.piecewise.run import FrontRun
+from verification.piecewise.verdict import BLOCK, History
+from verification.piecewise.window import ChainState, travelling_state
 
 GROUP = 5
 FLOOR = 1e-6
@@ -99,3 +104,112 @@ def test_a_repeat_is_the_smallest_number_of_sites_after_which_periods_come_again
     assert verdict._repeat(periods) == lag
     periods[-1] *= 1.0 + 1e-6
     assert verdict._repeat(periods) is None
+
+
+SITES = 2048
+
+
+class _Made:
+    """A chain whose switchings are made up, in a window that never has to be moved."""
+
+    sites, origin, grazes, threshold = SITES, -SITES // 2, 0, 0.5
+
+    def __init__(self, switchings: Iterator[Switching]) -> None:
+        self._switchings = switchings
+
+    def advance(self, _: float) -> Switching:
+        return next(self._switchings)
+
+    def zone(self) -> tuple[int, int]:
+        return SITES // 2 + 1, SITES // 2
+
+    def state(self) -> ChainState:
+        return ChainState(np.zeros(SITES, complex), self.origin)
+
+
+def _switch(wait: float, direction: int = 1, *, sliding: bool = False) -> Switching:
+    return Switching(wait, 0, direction, sliding, jitter=0.0)
+
+
+def _followed(*switchings: Switching) -> History:
+    made: Any = _Made(iter(switchings))
+    return History(made, 0.5)
+
+
+def _run(history: History) -> FrontRun:
+    return history.verdict(None, 1e-12, 0.0)
+
+
+@pytest.mark.parametrize("on", [1, -1])
+def test_a_site_lost_and_gained_again_is_passed_when_it_was_first_gained(on: int) -> None:
+    waits, directions = (1.0, 2.0, 4.0, 8.0, 16.0), (on, on, -on, on, on)
+    history = _followed(*map(_switch, waits, directions))
+    history.extend(3)
+    assert _run(history).crossing_times.tolist() == [1.0, 3.0, 31.0]
+    assert history.events == 5
+
+
+def test_the_same_front_the_other_way_round_has_the_opposite_velocity_and_the_same_error() -> None:
+    """Rounding of a crossing blurs a retreating front as it blurs an advancing one."""
+    runs, floors = [], []
+    for direction in (1, -1):
+        blurred = [Switching(2.0, 0, direction, False, jitter=1e-7) for _ in range(4 * BLOCK + 1)]
+        history = _followed(*blurred)
+        history.extend(len(blurred))
+        runs.append(_run(history))
+        floors.append(history._floor())
+    assert runs[0].v == 0.5 == -(runs[1].v or 0.0)
+    assert runs[0].error == runs[1].error
+    assert floors[0] == floors[1] > 1e-8  # 1e-7 of a time in periods of 2
+
+
+def test_a_front_that_shuttles_between_two_sites_gets_no_velocity() -> None:
+    history = _followed(*(_switch(1.0, (-1) ** k) for k in range(5000)))
+    history.extend(BLOCK)
+    run = _run(history)
+    assert (run.status, run.v, run.error) == (FrontStatus.UNSTEADY, None, None)
+
+
+@pytest.mark.parametrize(
+    ("slid", "status"), [(2 * BLOCK - 5, FrontStatus.STEADY), (-5, FrontStatus.SLIDING)]
+)
+def test_a_front_slides_if_it_slid_in_the_block_that_is_judged(
+    slid: int, status: FrontStatus
+) -> None:
+    waits = [_switch(1.0) for _ in range(4 * BLOCK + 1)]
+    waits[slid] = _switch(1.0, sliding=True)
+    history = _followed(*waits)
+    history.extend(len(waits))
+    assert _run(history).status is status
+
+
+def test_a_front_that_settles_is_judged_by_its_last_block() -> None:
+    """Periods that tend to 1 geometrically: the mean of the last block is within its error."""
+    periods = 1.0 + 0.05 * 0.9 ** (np.arange(18 * BLOCK) / BLOCK)
+    history = _followed(_switch(1.0), *map(_switch, periods))
+    history.extend(periods.size + 1)
+    run = _run(history)
+    assert run.status is FrontStatus.SETTLING
+    assert run.v is not None
+    assert run.error is not None
+    assert abs(run.v - 1.0) <= run.error
+    assert run.v == pytest.approx(1.0 / periods[-BLOCK:].mean(), rel=1e-14)
+
+
+def test_the_mean_of_a_repeating_front_is_over_whole_repeats() -> None:
+    once = np.array([1.0, 1.5, 0.7, 1.1, 0.9, 1.3, 0.4])
+    periods = np.resize(once, 10 * BLOCK)
+    history = _followed(_switch(1.0), *map(_switch, periods))
+    history.extend(periods.size + 1)
+    run = _run(history)
+    assert (run.status, run.repeat) == (FrontStatus.UNSTEADY, once.size)
+    assert run.v == pytest.approx(1.0 / once.mean(), rel=1e-14)
+
+
+def test_a_front_is_as_broad_as_the_sites_from_the_first_off_to_the_last_on() -> None:
+    on = np.arange(64) < 30
+    on[[25, 33]] = False, True
+    state = travelling_state(0.5, 0.3, 64)
+    history = History(PiecewiseMotion(0.5, 0.4, ChainState(state.phi, 0, on)), 0.5)
+    history._keep_wide()
+    assert history.zone == 33 - 25 + 1

@@ -15,14 +15,17 @@ from fronts.cli import main
 from theory.parameters import ParameterError
 from verification.fronts.status import FrontStatus
 from verification.piecewise import chain as piecewise_chain
+from verification.piecewise import simulation
 from verification.piecewise import window as piecewise_window
 from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.crossing import first_zero
-from verification.piecewise.simulation import hysteresis, simulate_front
+from verification.piecewise.simulation import SMALLEST_ETA, hysteresis, simulate_front
 from verification.piecewise.window import (
     ChainState,
+    starting_velocity,
     static_state,
     step_state,
+    switching_amplitude,
     travelling_state,
     truncation_bound,
     widened,
@@ -36,8 +39,7 @@ RETREATING = [(2.0, 0.11), (10.0, 0.1), (1.5, 0.12)]
 
 
 def ratio(eta: float) -> float:
-    root = math.sqrt(1 - 8 * eta)
-    return math.sqrt((1 - root) / (1 + root))
+    return math.sqrt(8 * eta) / (1 + math.sqrt(1 - 8 * eta))
 
 
 def kinetic_sum(v: float, c: float) -> complex:
@@ -192,6 +194,133 @@ def test_images_disturb_within_a_hundred_of_the_truncation_bound(c, v, distance)
     assert 0.01 * bound < abs(sum(images)) <= bound
 
 
+@pytest.mark.parametrize(("c", "v"), [(0.5, 0.3), (3.0, 1.4), (0.5, -0.4), (2.0, -0.5)])
+def test_a_wave_switches_at_half_of_sigma_each_period_and_first_after_half_of_one(c, v):
+    """|φ| of the site that a wave switches is |Σ|/2 of (54), whatever its velocity."""
+    amplitude = switching_amplitude(c, v)
+    assert amplitude == pytest.approx(abs(kinetic_sum(v, c)) / 2, abs=1e-9)  # that of the window
+    chain = PiecewiseMotion(c, abs(kinetic_sum(v, c)) / 2, travelling_state(c, v, 512))
+    steps = [chain.advance(1e3) for _ in range(4)]
+    assert [step.direction for step in steps] == [math.copysign(1, v)] * 4
+    assert [step.site for step in steps] == ([1, 2, 3, 4] if v > 0 else [0, -1, -2, -3])
+    waits = [step.wait * abs(v) for step in steps]
+    assert waits == pytest.approx([0.5, 1, 1, 1], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("c", "eta"), [(0.5, 0.03125), (1.0, 0.005), (12.0, 0.03125), (2.0, 0.11), (10.0, 0.1)]
+)
+def test_a_moving_start_is_a_little_faster_than_the_fastest_wave_that_fits(c, eta):
+    v = starting_velocity(c, ratio(eta))
+    excess = [abs(kinetic_sum(v / 1.05 * part, c)) - 2 * ratio(eta) for part in (0.99, 1.01)]
+    assert excess[0] * excess[1] < 0
+    faster = [abs(kinetic_sum(v * part, c)) - 2 * ratio(eta) for part in np.geomspace(1, 5, 30)]
+    assert len(set(np.sign(faster))) == 1
+
+
+def test_a_start_at_the_kinetic_velocity_stays_on_it():
+    v = kinetic_velocity(0.300992, 0.5, 0.03125)
+    run = simulate_front(0.5, 0.03125, start_velocity=v, max_periods=80)
+    waits = np.arange(run.crossing_times.size) + 0.5  # from the middle between two switchings
+    assert run.crossing_times * v == pytest.approx(waits, rel=1e-11)
+
+
+@pytest.mark.parametrize("sites", [-37, -1, 0, 1, 5])
+def test_a_window_moved_or_widened_shows_the_same_chain(sites):
+    chain = PiecewiseMotion(3.0, 0.4, travelling_state(3.0, 1.4, 256))
+    for _ in range(3):
+        chain.advance(1e3)
+    before = chain.state()
+    chain.shift(sites)
+    after = chain.state()
+    assert after.origin == before.origin + sites
+    for changed in (after, widened(before, 300), widened(before, 301)):
+        first = max(before.origin, changed.origin)
+        last = min(before.origin + 256, changed.origin + len(changed.phi))
+        assert last - first >= 219
+        seen, was = (slice(first - each.origin, last - each.origin) for each in (changed, before))
+        # the ring repeats the front beyond the window, one equilibrium lower
+        assert np.abs(changed.phi[seen] - before.phi[was]).max() < 1e-12
+        assert (changed.on[seen] == before.on[was]).all()
+        assert changed.latest + changed.origin == before.latest + before.origin
+        assert changed.on[: first - changed.origin].all()
+        assert not changed.on[last - changed.origin :].any()
+        assert np.abs(changed.phi[: first - changed.origin] - 1).max(initial=0.0) < 1e-6
+        assert np.abs(changed.phi[last - changed.origin :]).max(initial=0.0) < 1e-6
+
+
+def test_round_off_moves_a_crossing_by_its_size_over_the_rate_of_the_modulus():
+    """The rate is that of (44) just before; each jitter times it is one number of round-off."""
+    products = []
+    for c, v in ((0.5, 0.3), (3.0, 1.4), (2.0, -1.7), (0.05, 0.02)):
+        r = switching_amplitude(c, v)
+        chain = PiecewiseMotion(c, r, travelling_state(c, v, 400))
+        step = chain.advance(1e3)
+        state = chain.state()
+        on = state.on.copy()
+        on[state.latest] = step.direction < 0
+        phi, at = state.phi, state.latest
+        rate = piecewise_rate(c, on, 1.0, 0.0)(0.0, phi)[at]
+        products.append(step.jitter * abs((phi[at].conjugate() * rate).real) / abs(phi[at]))
+        assert not step.sliding
+    assert products == pytest.approx([products[0]] * 4, rel=1e-6)
+    assert 2e-16 < products[0] < 1e-14
+
+
+@pytest.mark.parametrize("c", [0.5, 5.0, 50.0])
+def test_a_site_stands_at_the_threshold_when_it_switches(c):
+    """To round-off, however rough the state: where it switches is found from a Taylor sum."""
+    rng = np.random.default_rng(3)
+    rough = np.exp(-(((np.arange(64) - 32) / 8) ** 2)) * rng.normal(size=(2, 64))
+    state = step_state(64)
+    chain = PiecewiseMotion(c, 0.5, ChainState(state.phi + 0.3 * (rough[0] + 1j * rough[1])))
+    for _ in range(20):
+        step = chain.advance(1e3)
+        if isinstance(step, Switching) and not step.sliding:
+            after = chain.state()
+            assert abs(abs(after.phi[after.latest]) - 0.5) < 2e-15
+
+
+def test_a_clean_front_grazes_nothing():
+    """A site that has just crossed stands at r, which is no near tangency."""
+    assert simulate_front(0.5, 0.03125).grazes == 0
+
+
+def test_what_is_ruled_out_in_crowded_intervals_would_not_have_crossed(monkeypatch):
+    """The bound on each site leaves the crossings as they are, where every interval asks it."""
+    state = simulate_front(10.0, 0.03125, max_periods=100).final
+    found = []
+    for many in (0, 10**6):
+        monkeypatch.setattr(piecewise_chain, "_MANY", many)
+        found.append(crossings_by_chain(10.0, ratio(0.03125), state, 60))
+    assert [each[1:] for each in found[0]] == [each[1:] for each in found[1]]
+    times = [np.array([each[0] for each in some]) for some in found]
+    assert np.abs(times[0] - times[1]).max() < 1e-13
+
+
+@pytest.mark.parametrize("scale", [2.0**-60, 2.0**60])
+@pytest.mark.parametrize("stretch", [2.0**-20, 2.0**20])
+def test_a_zero_scales_with_its_polynomial(scale, stretch):
+    """p(x) → λ p(x/μ): to the last bit, near tangencies included, since λ and μ are powers of 2."""
+    rng = np.random.default_rng(5)
+    touches = [[0.1875, -1.0, 1.75, -1.0], [0.25 + 1e-16, -1.0, 1.0], [0.25 - 1e-15, -1.0, 1.0]]
+    touches += [[0.25 + 1e-9, -1.0, 1.0], [-1.0, 1.0], [0.0, 1.0, -2.0]]
+    touches += [
+        np.polynomial.polynomial.polyfromroots(rng.uniform(-1.0, 1.0, 4)).tolist()
+        for _ in range(20)
+    ]
+    for p in touches:
+        found = first_zero(p, 1.0)
+        scaled = [scale * a / stretch**j for j, a in enumerate(p)]
+        other = first_zero(scaled, stretch)
+        assert other.grazes == found.grazes
+        assert other.at == (None if found.at is None else stretch * found.at)
+
+
+def test_a_polynomial_below_zero_from_the_start_is_there_at_once():
+    assert first_zero([-1.0, 1.0], 2.0).at == 0.0
+
+
 def test_no_zero_is_missed_by_the_polynomial_search():
     seed = 20240607
     rng = np.random.default_rng(seed)
@@ -314,7 +443,7 @@ def test_a_site_that_overtakes_the_window_makes_it_longer():
     short = ChainState(static_state(1.0, 48).phi, 0)
     run = simulate_front(1.0, 0.005, short)
     assert run.window > 48
-    assert run.truncation < 1e-13
+    assert run.truncation < 1e-13 * run.threshold
     assert run.v == pytest.approx(simulate_front(1.0, 0.005).v, rel=1e-12)
 
 
@@ -352,9 +481,28 @@ def test_a_bad_starting_velocity_is_refused(velocity):
         simulate_front(0.5, 0.03125, start_velocity=velocity)
 
 
+@pytest.mark.parametrize("start", ["step", "resting"])
+def test_a_run_from_rest_needs_no_other_window_than_one_that_moves(start):
+    for c in (0.1, 1.0, 20 / 3, 30.0, 200.0):
+        moving, resting = (
+            len(simulation._start_state(c, 0.3, kind, None).phi) for kind in ("moving", start)
+        )
+        assert 0.5 * moving <= resting <= 2 * moving
+
+
+def test_a_threshold_at_the_lowest_that_is_allowed_moves_at_the_kinetic_velocity():
+    run = simulate_front(1e-3, SMALLEST_ETA)
+    assert run.steady
+    assert abs(run.v - kinetic_velocity(run.v, 1e-3, SMALLEST_ETA)) <= run.error
+
+
 def test_a_start_without_both_equilibria_is_refused():
     with pytest.raises(ParameterError):
         simulate_front(0.5, 0.03125, ChainState(np.zeros(64, complex)))
+    broken = step_state(64)
+    broken.phi[20] = math.nan
+    with pytest.raises(ParameterError, match="finite"):
+        simulate_front(0.5, 0.03125, broken)
     with pytest.raises(ParameterError):
         simulate_front(0.5, 0.03125, "sideways")
 

@@ -36,7 +36,6 @@ class History:
         self.sliding = 0
         self.zone = 1
         self._position = self._furthest = self._least = 0
-        self._elapsed = 0.0
         # for each direction: waits between records, and the number of events at each record
         self._waits: dict[int, list[float]] = {1: [], -1: []}
         self._counts: dict[int, list[int]] = {1: [], -1: []}

@@ -73,7 +73,7 @@ def truncation_bound(coupling: float, velocity: float, distance: float) -> float
     """
     s, speed = decay_rate(coupling, velocity), max(abs(velocity), 1e-12)
     response = 0.5 / (0.5 - coupling * math.sinh(s))
-    old = -1 / math.expm1(-0.5 * _RESERVE / speed) if speed > 1e-3 else 1.0
+    old = -1 / math.expm1(-0.5 * _RESERVE / speed)
     ahead = -1 / math.expm1(-s)
     behind = old + ahead + 1 / -math.expm1(-2 * s)
     return response * (ahead + behind) * math.exp(-s * distance) / -math.expm1(-s * distance)

@@ -21,12 +21,14 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.cells.diagram import cell_diagram
 from verification.cells.friction import (
+    _with_error,
     cycle_end_velocity,
     friction_cell,
     stick_slip_cycle,
     unstable_cycle,
 )
-from verification.cells.friction_cycles import unstable_once
+from verification.cells.friction_cycles import grazing_slip, unstable_once
+from verification.cells.result import CellStatus
 from verification.cells.vdp import vdp_cell
 from verification.references.friction_events import run_events
 
@@ -112,6 +114,113 @@ def test_the_stated_errors_bound_the_true_ones() -> None:
                 assert abs(getattr(ours, name) - getattr(true, name)) <= ours.error + 1e-13
         gap = abs(rough.cycle_end_velocity - exact.cycle_end_velocity)
         assert gap <= rough.cycle_end_error + 1e-13
+
+
+def scaled(size: float) -> FrictionCell:
+    """Return the cell in which y - μ_d, velocities and the fall of friction are so much larger.
+
+    (5) at c = 0 is the same equation then: times and multipliers are those of the cell itself.
+    """
+    return replace(
+        CELL, mu_st=CELL.mu_d + size * (CELL.mu_st - CELL.mu_d), v0=size * CELL.v0,
+        v_d=size * CELL.v_d,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_cycles_scale_with_the_cell_within_their_errors(size: float) -> None:
+    found, other = friction_cell(CELL), friction_cell(scaled(size))
+    assert other.status is found.status
+    for one, two in ((found.stable, other.stable), (found.unstable, other.unstable)):
+        assert one is not None
+        assert two is not None
+        room = one.error + two.error / min(size, 1.0)
+        assert room < 1e-6
+        for name in ("max", "min"):
+            gap = (getattr(two, name) - CELL.mu_d) / size - (getattr(one, name) - CELL.mu_d)
+            assert abs(gap) <= room
+        for name in ("period", "stick_time", "slip_time"):
+            assert abs(getattr(two, name) - getattr(one, name)) <= room
+        assert one.speed is not None
+        assert two.speed == pytest.approx(size * one.speed, rel=1e-9)
+        assert two.multiplier == pytest.approx(one.multiplier, rel=1e-6)  # of differences
+
+
+def test_the_end_of_cycles_is_found_to_the_last_digits_of_a_slow_belt() -> None:
+    size = 1e-6
+    # Both are good to 1e-15 of a velocity of 2e-6, or to what their tolerance lets through.
+    expected = pytest.approx(size * cycle_end_velocity(CELL, 1e-14), rel=1e-9)
+    assert cycle_end_velocity(scaled(size), 1e-14) == expected
+
+
+@pytest.mark.parametrize("part", [1e-2, 1e-5])
+def test_where_sliding_is_unstable_at_slow_belts_alone_the_cell_sticks_and_slips_there(
+    part: float,
+) -> None:
+    """With ξ just below Δ/2v₀ the Hopf velocity is slow, and the cycles end just beyond it."""
+    cell = FrictionCell(xi=0.5 * (1.0 - part))
+    hopf = cell.hopf_velocity
+    found = friction_cell(replace(cell, v_d=0.5 * hopf))
+    assert found.status is CellStatus.CYCLE
+    assert 1.0 < found.cycle_end_velocity / hopf < 1.0 + part
+
+
+def test_the_error_of_a_cycle_is_infinite_if_the_rougher_search_finds_none() -> None:
+    cycle = stick_slip_cycle(CELL)
+    found = _with_error(CELL, cycle, None)
+    assert found is not None
+    assert found.error == math.inf
+    assert _with_error(CELL, None, cycle) is None
+
+
+def test_round_off_of_a_cycle_counts_the_larger_of_its_turning_points() -> None:
+    """On a slow belt: a mirrored cycle has the same error, one twice as far out twice as much."""
+    cell = FrictionCell(v_d=1e-3)
+    cycle = stick_slip_cycle(CELL)
+    assert cycle is not None
+    errors = []
+    for low, high in ((-3.0, 0.1), (-0.1, 3.0), (-6.0, 0.1)):
+        made = replace(cycle, min=low, max=high, error=0.0)
+        found = _with_error(cell, made, made)
+        assert found is not None
+        errors.append(found.error)
+    assert errors == pytest.approx([errors[0], errors[0], 2.0 * errors[0]], rel=1e-15, abs=0.0)
+    assert errors[0] > 0.0
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_the_stated_error_of_where_cycles_end_covers_that_of_a_rough_search(
+    tolerance: float,
+) -> None:
+    rough = friction_cell(CELL, tolerance)
+    assert abs(rough.cycle_end_velocity - cycle_end_velocity(CELL)) <= rough.cycle_end_error
+
+
+def test_steady_sliding_under_coulomb_friction_is_stable_at_every_velocity() -> None:
+    cell = FrictionCell(law="coulomb", v_d=0.5)
+    found = friction_cell(cell)
+    assert found.hopf_velocity == 0.0
+    assert found.unstable is None
+    assert found.basin == grazing_slip(cell)
+
+
+def test_slip_that_is_overdamped_under_coulomb_friction_never_returns_to_the_belt() -> None:
+    cell = FrictionCell(law="coulomb", v_d=1e-3, xi=1.5)
+    assert grazing_slip(cell) is None
+    assert friction_cell(cell).basin == (-math.inf, math.inf)
+
+
+def test_the_error_of_the_expanded_cycle_covers_the_next_order_in_its_amplitude() -> None:
+    """For weak damping ∮(μ - 2ξẏ)ẏ dτ = 0 along a sine gives Δ e^{-v_d/v₀} I₁(A/v₀) = ξA."""
+    xi, amplitude = 1e-4, mp.mpf("4.5e-4")
+    with mp.workdps(30):
+        x = amplitude / CELL.v0
+        fall = mp.mpf(xi) * amplitude / (mp.mpf("0.5") * mp.besseli(1, x))
+        v_d = float(-CELL.v0 * mp.log(fall))
+    found = unstable_once(replace(CELL, xi=xi, v_d=v_d), 1e-13)
+    assert found is not None
+    gap = abs(found.amplitude - float(amplitude))
+    assert 1e-13 < gap <= found.error < 1e-7
 
 
 def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
@@ -240,7 +349,7 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
 
 
 def test_a_cell_that_never_sticks_is_refused() -> None:
-    with pytest.raises(ParameterError, match="stick"):
+    with pytest.raises(ParameterError, match=r"= 200 at damping xi = 0 .*stick"):
         friction_cell(FrictionCell(v_d=200.0, xi=0.0))
     with pytest.raises(ParameterError, match="v_d"):
         friction_cell(FrictionCell(v_d=1e-300))

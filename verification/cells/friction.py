@@ -150,8 +150,11 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
         if low > tried[0]:
             below = float(tried[np.searchsorted(tried, low) - 1])
             first = float(brentq(excess, below, low, xtol=1e-15, rtol=9e-16))
-    elif excess(low) <= 0.0:
-        return 0.0, 0.0
+    else:
+        while excess(low) <= 0.0:
+            if low < _SLOWEST_BELT:
+                return 0.0, 0.0
+            low *= 1e-2
     if cell.xi == cell.viscous == 0.0:
         return first, math.inf
     high = low

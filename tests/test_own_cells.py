@@ -43,6 +43,43 @@ def test_the_cycle_of_van_der_pol_is_the_published_one() -> None:
     assert abs(found.stable.min + AMPLITUDE) <= found.error
 
 
+@pytest.mark.parametrize("size", [1e-6, 1e6])
+def test_a_cycle_scales_with_the_displacement_at_which_its_damping_ends(size: float) -> None:
+    found = own(damping="k*y**2 - 1", values={"k": size**-2}, eps=1.0).stable
+    assert found is not None
+    assert found.max / size == pytest.approx(AMPLITUDE, rel=1e-10)
+    assert found.period == pytest.approx(PERIOD, rel=1e-10)
+
+
+def test_a_cell_without_cycles_rests_from_everywhere_without_error() -> None:
+    found = own(damping=1, stiffness="y", eps=0.1)
+    assert (found.status, found.cycles, found.error) == (CellStatus.REST, (), 0.0)
+    assert found.rest == 0.0
+    assert found.basin == (-np.inf, np.inf)
+
+
+def test_a_multiplier_is_what_the_damping_leaves_of_a_deviation_in_a_turn() -> None:
+    """Liouville: the Floquet multiplier of a cycle is exp(-ε ∮ h dt) for a damping h(y)."""
+    eps = 0.5
+    found = own(damping="y**2 - 1", eps=eps).stable
+    assert found is not None
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=eps
+    )  # fmt: skip
+    times = np.linspace(0.0, found.period, 4001)
+    y = states_by_scipy(rate, np.array([found.max, 0.0]), times)[:, 0]
+    lost = eps * float(np.mean(y[:-1] ** 2 - 1.0)) * found.period  # the mean over a period
+    assert found.multiplier == pytest.approx(np.exp(-lost), rel=1e-5)  # of differences
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-14])
+def test_a_tolerance_that_the_errors_are_not_stated_for_is_refused(tolerance: float) -> None:
+    chains = OscillatorChain(damping="y**2 - 1", c=0.0), VdpChain(a=2.5, b=0.5, c=0.0)
+    for chain in chains:
+        with pytest.raises(ParameterError, match="tolerance"):
+            cell(chain, tolerance=tolerance)
+
+
 def test_the_cycle_of_rayleigh_has_the_published_period_of_van_der_pol() -> None:
     """The velocity of ẍ + ε(ẋ²/3 - 1)ẋ + x = 0 obeys the equation of Van der Pol."""
     found = own(damping="v**2/3 - 1", eps=1.0).stable
@@ -78,6 +115,53 @@ def test_all_cycles_of_a_cell_with_three_close_in_scipy_and_alternate() -> None:
     for each in found.cycles:
         start, times = np.array([each.max, 0.0]), np.array([0.0, each.period])
         back = states_by_scipy(rate, start, times, 1e-13)[-1]
+        assert np.abs(back - start).max() <= 3.0 * each.error  # what is off grows in the turn
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-11])
+@pytest.mark.parametrize(
+    "chain",
+    [
+        VdpChain(a=2.5, b=0.5, c=0.0, eps=0.1),
+        VdpChain(a=2.5, b=0.5, c=0.0, eps=0.01),
+        OscillatorChain(damping="v**4 - 1", c=0.0, eps=0.1),
+    ],
+    ids=["eps 0.1", "eps 0.01", "own"],
+)
+def test_the_stated_errors_bound_the_true_ones_at_every_tolerance(
+    chain: Any, tolerance: float
+) -> None:
+    """Also where the longest step, and no tolerance, limits the steps of a smooth motion."""
+    exact, rough = (cell(chain, tolerance=each) for each in (1e-13, tolerance))
+    for ours, true in ((rough.stable, exact.stable), (rough.unstable, exact.unstable)):
+        if true is not None:
+            assert ours is not None
+            for name in ("max", "min", "period"):
+                gap = abs(getattr(ours, name) - getattr(true, name))
+                assert gap <= ours.error + true.error
+
+
+@pytest.mark.parametrize(
+    ("damping", "eps", "count", "side"),
+    [("y*v + y**2 - 1", 0.3, 1, -1), ("0.005*v**6 - 0.144*v**4 + v**2 - 1", 0.1, 3, 1)],
+)
+def test_cycles_are_found_on_either_side_of_their_limits(
+    damping: str, eps: float, count: int, side: int
+) -> None:
+    """Smaller or larger than as ε → 0, the one between two others as well: they close in scipy."""
+    found = cell(OscillatorChain(damping=damping, c=0.0, eps=eps), tolerance=1e-9)
+    assert isinstance(found, OwnCell)
+    assert len(found.cycles) == count
+
+    def damped(y: Any, v: Any) -> Any:
+        return eval(damping, {"y": y, "v": v})
+
+    rate = oscillator_rate(lambda y: y, damped, np.zeros((1, 1)), c=0.0, eps=eps)
+    for each in found.cycles:
+        assert each.averaged is not None
+        assert side * (each.max - each.averaged) > 1e-4
+        start = np.array([each.max, 0.0])
+        back = states_by_scipy(rate, start, np.array([0.0, each.period]), 1e-12)[-1]
         assert np.abs(back - start).max() <= 3.0 * each.error  # what is off grows in the turn
 
 

@@ -21,7 +21,7 @@ from theory.cells.oscillator import Cycle as Limit
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, within
 from verification.cells.result import CellStatus, Cycle, OwnCell
-from verification.cells.vdp import ROUNDING, Maximum
+from verification.cells.vdp import ROUNDING, Maximum, longest_step
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -132,7 +132,8 @@ def _turn(chain: OscillatorChain, y: float, period: float, tolerance: float) -> 
 
     run = solve_ivp(
         rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(Maximum(), _Minimum()),
-        rtol=tolerance, atol=1e-2 * tolerance * y, max_step=period / 30.0,
+        rtol=tolerance, atol=1e-2 * tolerance * y,
+        max_step=period / 30.0 * longest_step(tolerance),
     )  # fmt: skip
     lowest: list[FloatArray] = list(run.y_events[1]) if run.y_events is not None else []
     if run.status != 1 or not lowest:

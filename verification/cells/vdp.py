@@ -25,8 +25,20 @@ FloatArray = npt.NDArray[np.float64]
 ROUNDING = 1e-14
 """Relative rounding of a period, over the some hundred steps that it takes."""
 _LONGEST = 1e3
+_STEP = 0.2
+"""Longest step at a tolerance of 1e-12."""
 _STIFFEST = 60.0
 """Largest ε max|1 - a y² + b y⁴| on the stable cycle: DOP853 takes half a minute there."""
+
+
+def longest_step(tolerance: float) -> float:
+    """Return the longest step, over that at a tolerance of 1e-12.
+
+    It errs in proportion to the tolerance, as DOP853 is of order eight. Were it the same at every
+    tolerance, a coarser run would take the same steps where that is all that limits them, and
+    nothing would be seen of their error.
+    """
+    return float((tolerance / 1e-12) ** (1.0 / 8.0))
 
 
 class Maximum:
@@ -191,7 +203,7 @@ def _shoot(
 
         run = solve_ivp(
             rate, (0.0, _LONGEST), [y, 0.0], "DOP853", events=Maximum(), rtol=tolerance,
-            atol=1e-2 * tolerance, max_step=0.2,
+            atol=1e-2 * tolerance, max_step=_STEP * longest_step(tolerance),
         )  # fmt: skip
         if run.status != 1:
             raise ArithmeticError(f"no maximum follows y = {y:g}")

@@ -14,6 +14,8 @@ import pytest
 
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
+from theory.chains.oscillator import OscillatorChain
+from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.continuation.branch import Crossing
 from verification.fronts import follow, measure, network, resting, wave
@@ -133,6 +135,109 @@ def test_without_waves_behind_it_no_front_is_run_twice(
     front: Any = measure._smooth_front(still, _request())
     assert made == [LeftBoundary.WAVE]
     assert front[1:] == (found, LeftBoundary.FREE, v == 0.5)
+
+
+@pytest.mark.parametrize("v", [1e-4, 1.0, 1e3])
+@pytest.mark.parametrize("part", [0.9, 1.1])
+def test_a_front_is_steady_by_its_error_over_v_in_whatever_unit_of_time(
+    v: float, part: float
+) -> None:
+    """The run at the coarser tolerance is off by a part of what is asked, or by a little more."""
+    accuracy, sites = 1e-3, np.arange(64)
+
+    def trial(_: int) -> Trial:
+        return Trial(None, sites / v, sites / (v * (1.0 + part * accuracy)), 1)
+
+    found = settle(trial, sites=64, max_sites=64, accuracy=accuracy, seen=0.0)
+    assert found.status is (FrontStatus.STEADY if part < 1.0 else FrontStatus.UNSTEADY)
+    assert found.error == pytest.approx(part * accuracy * v)
+
+
+def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In units of slow time: of a chain as of a lattice, along it or in directions."""
+    lattice = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(12, 12)
+    )
+    never = network.Spread(
+        angles=np.zeros(1), velocities=np.full(1, NAN), errors=np.full(1, NAN),
+        distances=np.zeros(144), arrivals=np.full(144, NAN),
+    )  # fmt: skip
+    stands = network.SpreadRun(status=FrontStatus.PINNED, spread=never, steps=3)
+    asked: list[Any] = []
+    monkeypatch.setattr(measure, "planar", lambda *_, **given: asked.append(given) or stands)
+    monkeypatch.setattr(measure, "spread", lambda *_, **given: asked.append(given) or stands)
+    for stall, time in ((None, 60.0), (10.0, 10.0)):
+        for directions in (None, 12):
+            front = measure._spreading_front(
+                lattice, _request(stall_time=stall, directions=directions)
+            )
+            assert (front.status, front.v) == (FrontStatus.PINNED, 0.0)
+            assert front.error == pytest.approx(1.0 / time)
+            assert asked[-1].get("directions") == directions
+            assert asked[-1]["stall"] == pytest.approx(time * lattice.time_unit)
+    monkeypatch.setattr(measure, "Watch", lambda **_: SimpleNamespace(trial=lambda *_: pinned))
+    pinned = Trial(FrontStatus.PINNED, np.full(40, NAN), np.empty(0), 1)
+    prepared = measure._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
+    found = measure._settled(prepared, None)
+    assert measure._front(prepared, found, None, False).error == pytest.approx(1.0 / 10.0)
+
+
+def test_a_network_is_followed_in_four_directions_if_none_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[int] = []
+
+    def spread(*_: Any, directions: int, **__: Any) -> Any:
+        asked.append(directions)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(measure, "spread", spread)
+    for directions, expected in ((None, 4), (9, 9)):
+        chain: Any = SimpleNamespace(shape=None, time_unit=1.0)
+        with pytest.raises(KeyboardInterrupt):
+            measure._spreading_front(chain, _request(directions=directions))
+        assert asked[-1] == expected
+
+
+@pytest.mark.parametrize(("share", "outruns"), [(1.0, False), (1.02, True)])
+def test_a_front_of_a_network_along_a_line_outruns_its_waves_or_not(
+    share: float, outruns: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chain = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.6, coupling="chain:1,0.2", sites=40
+    )
+    waves = chain.trailing_wave_velocity
+    assert chain.network is not None
+    assert waves > 0.0
+    found = Settled(FrontStatus.STEADY, share * waves, 1e-6, np.arange(3.0), 40, 7)
+    monkeypatch.setattr(measure, "_settled", lambda *_: found)
+    assert measure._own_front(chain, _request()).outruns_waves is outruns
+
+
+def test_the_infinite_chain_has_no_left_end_whose_waves_could_be_outrun() -> None:
+    front = measure.measure_front(PiecewiseChain(c=0.5, eta=0.03125))
+    assert (front.outruns_waves, front.left_boundary, front.excited) == (False, None, None)
+    assert front.counts["events"] > 0
+
+
+@pytest.mark.parametrize("above", [False, True])
+def test_where_no_wave_is_found_the_front_is_pinned_below_c_pin_alone(
+    above: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def front_wave(*_: object) -> None:
+        raise wave.NoFrontError("made up")
+
+    monkeypatch.setattr(measure, "front_wave", front_wave)
+    c_pin = resting.static_fold(AVERAGED.eta).c
+    if above:
+        with pytest.raises(wave.NoFrontError, match="made up"):
+            wave_front(replace(AVERAGED, c=c_pin * (1.0 + 1e-9)))
+    else:
+        for c in (0.5 * c_pin, c_pin):
+            front = wave_front(replace(AVERAGED, c=c))
+            assert (front.status, front.v, front.error) == (FrontStatus.PINNED, 0.0, 0.0)
 
 
 def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -277,6 +382,7 @@ def test_a_window_at_another_value_is_the_same_sites_of_another_chain() -> None:
     other = replace(window, along="eta").at(0.05)
     assert other.chain == resting.amplitudes_of(0.6, 0.05)
     assert (other.left, other.right) == (4, 5)
+    assert (window.place, window.at(0.7).place, other.place) == (0.6, 0.7, 0.05)
     assert window._steps_in(3.0, 1.5) > window._steps_in(3.0) > window._steps_in(2.0)
 
 
@@ -298,6 +404,26 @@ def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
     beta = (drift(fold.u + h * phi, fold.c) + drift(fold.u - h * phi, fold.c)) / (2.0 * h * h)
     square_root, _ = resting._beside(chain, fold)
     assert square_root == pytest.approx(math.sqrt(alpha * beta) / math.pi, rel=1e-5)
+
+
+@pytest.mark.parametrize("shorter", [0.1 - 3e-9, 0.1 + 3e-9])
+def test_the_fold_errs_by_what_a_longer_window_changes_and_by_its_own_error(
+    shorter: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of made-up folds; the first window leaves out more, so that its difference is a bound."""
+    folds = iter([SimpleNamespace(c=shorter, error=1e-15), SimpleNamespace(c=0.1, error=5e-9)])
+    made = SimpleNamespace(u=np.ones(3))
+
+    def fold(*_: Any) -> Any:
+        found = next(folds)
+        found.u = made.u
+        return found
+
+    monkeypatch.setattr(resting, "_fold", fold)
+    monkeypatch.setattr(resting, "_beside", lambda *_: (0.5, 4.0))
+    found = resting.static_fold.__wrapped__(0.05)
+    assert found.c == 0.1
+    assert 3e-9 + 5e-9 <= found.error <= 2.0 * (3e-9 + 5e-9)
 
 
 def test_the_pinning_eta_errs_by_what_is_left_of_c_and_by_the_error_of_the_fold(
@@ -381,6 +507,15 @@ def test_of_a_network_each_distance_in_links_counts_once() -> None:
     assert error == pytest.approx([0.0], abs=1e-12)
 
 
+def test_a_velocity_and_its_error_scale_with_the_unit_of_time() -> None:
+    rng = np.random.default_rng(1)
+    distance = np.arange(40.0)
+    times = distance + 0.2 * rng.random(40)
+    assert network._slope(distance, 1e3 * times) == pytest.approx(
+        [1e-3 * each for each in network._slope(distance, times)], rel=1e-9
+    )
+
+
 def test_the_halves_of_a_slope_may_differ_to_either_side() -> None:
     distance = np.arange(40.0)
     bent = np.where(distance < 30.0, distance / 2.0, 15.0 + (distance - 30.0))
@@ -439,6 +574,22 @@ def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
         assert found.steps == 5 * len(courses)
         assert runs.given["within_reach"].all()
     assert turned[:2] == [[*range(1, 13)], [0, 0, 0, -1, -1, -1, -2, -2, -2, -3, -3, -3]]
+
+
+def test_a_motion_from_the_middle_is_as_sure_as_its_run_at_a_coarser_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = _lattice(41, 41)
+    chain.front_phase_step = -1
+    away = network.distances_from(chain, network.middle_site(chain))
+    fine, coarse = away / 2.0, away / 2.5
+    monkeypatch.setattr(network, "excite", lambda *_, **__: "start")
+    for courses, v in (((fine, coarse), 2.0), ((coarse, fine), 2.5)):
+        monkeypatch.setattr(network, "_runs", _Lattice(*courses))
+        found = network.spread(chain, directions=4, stall=1.0).spread
+        # Twice as much in slow time; sites beside a ray are farther than along it.
+        assert found.velocities == pytest.approx([2.0 * v] * 4, rel=0.02)
+        assert found.errors == pytest.approx([2.0 * 0.5] * 4, rel=0.05)
 
 
 def test_a_lattice_is_run_until_all_sites_in_reach_are_reached_or_none_is_for_long() -> None:

@@ -134,6 +134,28 @@ def test_the_error_tells_of_coarse_steps_and_of_a_short_window(
     assert off + right.error < crude.error < 1e4 * off
 
 
+@pytest.mark.parametrize("c", [0.6, 30.0])
+def test_the_check_and_the_spectrum_have_more_steps_than_the_first_solution(
+    c: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a fast front as well, whose steps are as few as there can be."""
+    asked: list[tuple[float, int]] = []
+
+    def spied(rho: Any, chain: Any, time: float, steps: int, *rest: Any, **more: Any) -> Any:
+        asked.append((time, steps))
+        return with_disturbances(rho, chain, time, steps, *rest, **more)
+
+    monkeypatch.setattr(wave, "with_disturbances", spied)
+    front = front_wave(c, ETA)
+    count = front.iterations - 1
+    first, check = (
+        {steps for time, steps in part if abs(time * front.v - 1.0) < 1e-6}
+        for part in (asked[: count - 1], asked[-3:])
+    )
+    assert check == {front.steps}
+    assert min(first) < front.steps
+
+
 def _described(
     monkeypatch: pytest.MonkeyPatch, amplitudes: Any, phases: Any, **last: float
 ) -> wave.FrontWave:
@@ -216,8 +238,8 @@ def test_a_front_that_creeps_is_not_called_pinned() -> None:
         front_wave(fold.c * (1.0 + 1e-7), ETA)
     with pytest.raises(NoFrontError, match="pinned up to"):
         front_wave(fold.c, ETA)
-    slow = (2.0 * wave.SLOWEST / fold.square_root) ** 2
-    assert front_wave(fold.c + slow, ETA).v == pytest.approx(2.0 * wave.SLOWEST, rel=0.05)
+    slow = (1.2e-3 / fold.square_root) ** 2
+    assert front_wave(fold.c + slow, ETA).v == pytest.approx(1.2e-3, rel=0.05)
 
 
 @pytest.mark.parametrize("v", [1e-4, -0.5, float("nan")])

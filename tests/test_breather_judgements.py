@@ -106,6 +106,64 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert len(parities) == 2
 
 
+def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -> None:
+    asked: list[int] = []
+
+    class Spied(Orbits):
+        def flow(self, c: float, start: Any, duration: float, steps: int) -> Flow:
+            asked.append(steps)
+            return super().flow(c, start, duration, steps)
+
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=5)
+    known = orbits.solve_orbit(chain, Nucleus(1))
+    assert known.unknowns is not None
+    for steps in (20, 45, 70):
+        asked.clear()
+        point = BranchPoint(known.unknowns, 0.1, np.zeros(12), 0.0, 0.0, 1)
+        found = Spied(chain, Nucleus(1), steps).measured(point, 0.0)
+        assert asked[0] == steps
+        assert asked[1] >= 2 * steps
+        # The monodromy matrices by other steps, of the exact flow: the error bounds what differs.
+        assert known.multipliers is not None
+        assert found.stability is not None
+        apart = [np.abs(found.multipliers - each).min() for each in known.multipliers]
+        assert max(apart) <= found.stability.error + 1e-9
+
+
+def test_a_multiplier_has_its_rate_and_its_frequency_in_slow_time() -> None:
+    """exp(ε T (σ + iω)): a pair that turns and grows, beside the one of the orbit itself."""
+    eps, period, sigma, omega = 0.05, 6.5, -0.3, 1.7
+    turn = eps * period * omega
+    pair = np.exp(eps * period * sigma) * np.array(
+        [[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]
+    )
+    matrix = np.zeros((4, 4))
+    matrix[:2, :2], matrix[2:, 2:] = pair, np.diag([1.0, 0.1])
+    found = floquet.floquet_multipliers(matrix, period, eps)
+    assert (found.growth, found.frequency) == (pytest.approx(sigma), pytest.approx(omega))
+    assert (found.trivial, found.stable) == (pytest.approx(0.0, abs=1e-15), True)
+    assert 0.0 < found.error < 1e-13  # of a matrix without error: rounding
+    growing = floquet.floquet_multipliers(matrix, -period, eps)  # the same, backwards in time
+    assert growing.growth == pytest.approx(-sigma)
+
+
+@pytest.mark.parametrize("nucleus", [Nucleus(1), Nucleus(2, "x"), Nucleus(1, place=Place.EDGE)])
+def test_the_derivatives_of_the_rotating_wave_are_those_of_its_differences(
+    nucleus: Nucleus,
+) -> None:
+    chain = AVERAGED.replace(sites=6)
+    system = RotatingWaves(chain, nucleus).system()
+    rng = np.random.default_rng(2)
+    u, c, step = rng.normal(size=13), 0.3, 1e-6
+    _, slope, by_c = system(u, c)
+    assert by_c == pytest.approx(
+        (system(u, c + step)[0] - system(u, c - step)[0]) / (2.0 * step), abs=1e-8
+    )
+    for k, unit in enumerate(np.eye(13)):
+        ahead, behind = system(u + step * unit, c)[0], system(u - step * unit, c)[0]
+        assert slope[:, k] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-6)
+
+
 def test_a_branch_of_orbits_begins_below_what_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -302,6 +360,45 @@ def test_a_solution_far_from_its_start_is_another_pattern() -> None:
             phi = guess + np.array([5.0, 0.0, side * change, 5.0])  # of excited sites only
             u = np.concatenate([phi.real, phi.imag, [0.0]])
             assert envelope._left_pattern(u, guess, np.array([1, 2]), chain) is left
+
+
+# ------------------------------------------------------------------------------- its methods
+
+
+@pytest.mark.parametrize(
+    ("chain", "nucleus", "methods"),
+    [
+        (CHAIN, Nucleus(1), {"closed-form", "envelope", "orbit", "simulation"}),
+        (CHAIN, Nucleus(2, "0"), {"envelope", "orbit", "simulation"}),
+        (CHAIN, Nucleus(1, place=Place.EDGE), {"envelope", "orbit", "simulation"}),
+        (AVERAGED, Nucleus(1), {"closed-form", "envelope", "simulation"}),
+        (AVERAGED, Nucleus(2, "0"), {"envelope", "simulation"}),
+    ],
+)
+def test_side_by_side_stand_the_methods_that_apply(
+    chain: Any, nucleus: Nucleus, methods: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = {each: lambda *_, each=each: _breather(each) for each in BreatherMethod}
+    monkeypatch.setattr(breathers, "_METHODS", made)
+    found = breathers.breather(chain.replace(sites=8), nucleus=nucleus, method="all")
+    assert set(found.methods) == methods
+    for name, each in found.methods.items():
+        assert each.method == name
+
+
+@pytest.mark.parametrize(
+    ("fold", "status"), [(None, BreatherStatus.ESCAPED), (0.05, BreatherStatus.NONE)]
+)
+@pytest.mark.parametrize("chain", [CHAIN, AVERAGED])
+def test_a_run_that_escapes_shows_that_there_is_no_breather_only_beyond_a_known_fold(
+    chain: Any, fold: float | None, status: BreatherStatus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    escaped = replace(_breather(BreatherMethod.SIMULATION), status=BreatherStatus.ESCAPED)
+    for name in ("run_breather", "run_averaged_breather"):
+        monkeypatch.setattr(breathers, name, lambda *_, **__: escaped)
+    monkeypatch.setattr(breathers, "_fold_below", lambda *_: (fold, fold))
+    found = breathers.breather(chain, method="simulation")
+    assert (found.status, found.fold) == (status, fold)
 
 
 # --------------------------------------------------------------------------------- its result

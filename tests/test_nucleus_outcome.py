@@ -11,7 +11,9 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.outcome import (
     PAUSE,
+    SAME,
     Outcome,
+    _same_until,
     distance_from_breather,
     evolution,
     follow_nucleus,
@@ -63,6 +65,25 @@ def test_sites_join_when_they_do_by_scipy() -> None:
     assert np.count_nonzero(~np.isnan(half)) == 4
     # scipy is read at its steps, of 0.01 of T or less; its own error is 1e-3 by then.
     assert np.nanmax(np.abs(half - expected)) < 0.05
+
+
+def test_a_pause_is_long_if_it_is_longer_than_that_of_a_front() -> None:
+    """Up to the last site of the chain, or up to the end of the run."""
+    for pause, outcome in ((PAUSE, Outcome.FRONT), (np.nextafter(PAUSE, 2 * PAUSE), Outcome.CREEP)):
+        times = pause * np.arange(1.0, 5.0)
+        joined = np.concatenate([times[::-1], [0.0], times])
+        assert evolution(joined, 10.0 * PAUSE, 9).outcome is outcome
+        assert evolution(joined / 8.0, 10.0 * PAUSE, 9, pause=PAUSE / 8.0).outcome is outcome
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_two_runs_are_the_same_until_the_first_site_that_joins_at_another_time(order: int) -> None:
+    one = np.array([0.0, 10.0, 30.0, 50.0, NAN])[::order]
+    other = np.array([0.0, 10.0 + 0.9 * SAME, 30.0 - 1.1 * SAME, NAN, NAN])[::order]
+    assert _same_until(one, other, 90.0) == _same_until(other, one, 90.0) == 30.0 - 1.1 * SAME
+    assert _same_until(one, one, 90.0) == 90.0
+    late = np.where(np.isnan(one), 70.0, one)
+    assert _same_until(one, late, 90.0) == 70.0
 
 
 def test_where_a_mirrored_nucleus_stands_it_is_the_periodic_orbit_of_its_size() -> None:

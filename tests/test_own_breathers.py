@@ -14,7 +14,12 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
-from verification.breathers.own import OwnOrbits, integrate_with_tangents
+from verification.breathers.own import (
+    OwnOrbits,
+    _rate_of,
+    _settled_start,
+    integrate_with_tangents,
+)
 from verification.breathers.periodic_motion import largest_displacements
 from verification.continuation.newton import solve_at
 from verification.references.equations import pull_matrix
@@ -80,6 +85,86 @@ def test_an_orbit_of_a_disordered_chain_is_one_of_scipy_with_its_multipliers() -
         for d in (-size, size)
     ]
     np.testing.assert_allclose(flow.by_c, (apart[1] - apart[0]) / (2.0 * size), atol=1e-8)
+
+
+SPRINGS = {
+    "line": {},
+    "ends held": {"ends": "fixed"},
+    "resistive line": {"velocity_coupling": 0.7},
+    "network": {"coupling": "square", "sites": (2, 2)},
+    "resistive network": {"coupling": "square", "sites": (2, 2), "velocity_coupling": 0.7},
+}
+
+
+@pytest.mark.parametrize("springs", SPRINGS)
+def test_rates_of_motion_and_tangents_are_those_of_the_equation(springs: str) -> None:
+    """Of every coupling: the first column by the chain written anew, the others by differences."""
+    chain = OscillatorChain(**PAPER, **{"c": 0.3, "eps": 0.5, "sites": 4, **SPRINGS[springs]})
+    matrix = pull_matrix(4, chain.ends)
+    if "network" in springs:  # corners of a square: each has two neighbours
+        matrix = np.array([[2, -1, -1, 0], [-1, 2, 0, -1], [-1, 0, 2, -1], [0, -1, -1, 2]])
+
+    def rate(state: np.ndarray, c: float) -> np.ndarray:
+        made = oscillator_rate(
+            lambda y: y, lambda y, v: 1.0 - 2.5 * y**2 + 0.5 * y**4, matrix, c=c, eps=0.5,
+            d=chain.velocity_coupling,
+        )  # fmt: skip
+        return made(0.0, state)
+
+    rng = np.random.default_rng(6)
+    columns = rng.normal(size=(8, 4))
+    found = _rate_of(chain)(columns)
+    state, size = columns[:, 0], 1e-6
+    np.testing.assert_allclose(found[:, 0], rate(state, 0.3), rtol=1e-13, atol=1e-13)
+    along = columns[:, 1:3]
+    for k in range(2):
+        apart = rate(state + size * along[:, k], 0.3) - rate(state - size * along[:, k], 0.3)
+        np.testing.assert_allclose(found[:, 1 + k], apart / (2.0 * size), atol=1e-7)
+    # The last column moves with c as well.
+    moved = columns[:, 3]
+    apart = rate(state + size * moved, 0.3 + size) - rate(state - size * moved, 0.3 - size)
+    np.testing.assert_allclose(found[:, 3], apart / (2.0 * size), atol=1e-7)
+
+
+def test_a_motion_and_its_tangents_are_stepped_by_dop853() -> None:
+    chain = OscillatorChain(**PAPER, c=0.3, eps=0.5, sites=3)
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 1.0 - 2.5 * y**2 + 0.5 * y**4, pull_matrix(3), c=0.3, eps=0.5
+    )
+    start = np.array([1.0, 0.2, -0.4, 0.3, 1.5, 0.1])
+    flow = integrate_with_tangents(chain, start, 2.0, 40)
+    times = np.array([0.0, 1.0, 2.0])
+    states = states_by_scipy(rate, start, times)
+    np.testing.assert_allclose(flow.state, states[-1], atol=1e-10)
+    np.testing.assert_allclose(flow.samples[[0, 20]], states[:2, :3], atol=1e-10)
+    kick = 1e-6 * np.array([0.3, -1.0, 0.2, 0.5, 0.4, -0.7])
+    ends = [states_by_scipy(rate, start + each, times)[-1] for each in (kick, -kick)]
+    np.testing.assert_allclose(flow.monodromy @ kick, 0.5 * (ends[0] - ends[1]), atol=1e-12)
+
+
+@pytest.mark.parametrize("eps", [0.05, 0.5])
+def test_an_orbit_has_more_steps_where_its_damping_is_stronger(eps: float) -> None:
+    """max |h| on the stable cycle of the paper's cell is (1 + 7s)/(1 - s), s² = 1 - 8η."""
+    chain = OscillatorChain(**PAPER, c=0.1, eps=eps, sites=3)
+    s = np.sqrt(1.0 - 8.0 * 0.5 / 2.5**2)
+    stiffness = eps * (1.0 + 7.0 * s) / (1.0 - s)
+    # It is looked for at 200 phases, the nearest of which is 1/60 off, so that some is missed.
+    assert OwnOrbits(chain, Nucleus(1)).count / 64 == pytest.approx(1.0 + stiffness, rel=0.02)
+    assert OwnOrbits(chain, Nucleus(1)).count >= 64 * (1.0 + 0.999 * stiffness)
+
+
+def test_a_settled_nucleus_is_taken_as_its_centre_rises_through_rest() -> None:
+    chain = OscillatorChain(**PAPER, c=0.1, eps=0.3, sites=5)
+    start = _settled_start(chain, Nucleus(1))
+    y, v, period = start[:5], start[5:-1], start[-1]
+    assert abs(y[2]) < 1e-3  # between samples
+    assert v[2] > 1.0
+    assert period == pytest.approx(2.0 * np.pi, rel=0.05)
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 1.0 - 2.5 * y**2 + 0.5 * y**4, pull_matrix(5), c=0.1, eps=0.3
+    )
+    after = states_by_scipy(rate, start[:-1], np.array([0.0, period]))[-1]
+    assert np.abs(after - start[:-1]).max() < 0.02  # it has settled, to what interpolation leaves
 
 
 def test_the_branch_of_a_rayleigh_chain_ends_where_that_of_van_der_pol_does() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from time import perf_counter
 from typing import Any
 
@@ -66,17 +66,16 @@ class Curve(Result):
         return {name: unit for point in self.points for name, unit in point.units.items()}
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a value: the parameter, then every number and word of the result there."""
-        rows = [
-            {
-                name: value
-                for name, value in point.to_dict().items()
-                if name != self.along
-                and (value is None or isinstance(value, (bool, int, float, str)))
-            }
-            for point in self.points
-        ]
+        """Return one row a value: the parameter, then every number and word of the result there.
+
+        Of a result that is held by that of a point the columns have its name before theirs, as in
+        ``stable_cycle_max``.
+        """
+        rows = [_row(point) for point in self.points]
+        # What is None at some points and a result, a list or a mapping at others has no column.
+        listed = {name for row in rows for name, value in row.items() if not _is_plain(value)}
         names = list(dict.fromkeys(name for row in rows for name in row))
+        names = [name for name in names if name not in {self.along, *listed}]
         table = {self.along: np.asarray(self.values)}
         for name in names:
             cells = [row.get(name) for row in rows]
@@ -94,6 +93,25 @@ class Curve(Result):
             for value, point in zip(self.values, self.points, strict=True)
         ]
         return {"along": self.along, "points": points, "seconds": plain(self.seconds)}
+
+
+def _row(point: Result) -> dict[str, Any]:
+    """Return the entries of a point, and after each result among them its own entries."""
+    held = {
+        each.metadata.get("json", each.name): getattr(point, each.name)
+        for each in fields(point)  # type: ignore[arg-type]  # every Result is a dataclass
+    }
+    row: dict[str, Any] = {}
+    for name, value in point.to_dict().items():
+        row[name] = value
+        if isinstance(inner := held.get(name), Result):
+            shown = inner.in_rows or tuple(value)
+            row |= {f"{name}_{key}": value[key] for key in shown if _is_plain(value[key])}
+    return row
+
+
+def _is_plain(value: Any) -> bool:
+    return value is None or isinstance(value, (bool, int, float, str))
 
 
 def curve(

@@ -173,15 +173,15 @@ def _npz(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[P
     import numpy as np
 
     own = getattr(result, "arrays", None)
-    arrays = (
-        own()
-        if own is not None
-        else {
+    arrays: dict[str, Any] = {}
+    if own is not None:
+        arrays = own()
+    elif not result.is_curve:  # of a curve the columns hold what its points do
+        arrays = {
             each.name: getattr(result, each.name)
             for each in fields(result)  # type: ignore[arg-type]
             if isinstance(getattr(result, each.name), np.ndarray)
         }
-    )
     if not arrays:
         arrays = {name: _array(values) for name, values in as_table(result).items()}
     scalars = {name: value for name, value in payload.items() if not isinstance(value, list)}

@@ -63,6 +63,11 @@ def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:
     _branches(axes, result.points, result.along, style)
     if result.along == "c":
         _thresholds(axes, result.points[0])
+    _explain(axes)
+
+
+def _explain(axes: Axes) -> None:
+    """Add the legend, if there is anything to explain."""
     if axes.get_legend_handles_labels()[0]:
         axes.legend()
 
@@ -128,8 +133,11 @@ def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _curve(result: Any, axes: Axes, **style: Any) -> None:
-    """Draw what the points of a curve are about: the first of these names that they have."""
+    """Draw what the points of a curve are about: their cycles, or the first of `CURVES`."""
     table = result.columns()
+    if "stable_cycle_max" in table:
+        _cycles(table, result.along, axes, style)
+        return
     name = next(each for each in CURVES if each in table)
     x, y = table[result.along], table[name].astype(float)
     error = table.get("error")
@@ -139,6 +147,23 @@ def _curve(result: Any, axes: Axes, **style: Any) -> None:
         x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, "color": BLUE, **style}
     )
     axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
+
+
+def _cycles(
+    table: Mapping[str, np.ndarray], along: str, axes: Axes, style: Mapping[str, Any]
+) -> None:
+    """Draw between which y the two cycles of a cell swing, as far as they exist."""
+    for name, look in (
+        ("stable", {"color": BLUE}),
+        ("unstable", {"color": VERMILION, "ls": "--"}),
+    ):
+        for end, label in (("min", f"{name} cycle"), ("max", "_")):
+            column = f"{name}_cycle_{end}"
+            if column in table:
+                shown = {"marker": "o", "ms": 2.5, "lw": 0.9, "label": label, **look, **style}
+                axes.plot(table[along], table[column].astype(float), **shown)
+    axes.set(xlabel=LABELS.get(along, along), ylabel="turning points y")
+    _explain(axes)
 
 
 def _branch(result: Any, axes: Axes, **style: Any) -> None:
@@ -167,7 +192,7 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
         shown = [node[:2] for node in nodes if node[2] is kind]
         if shown:
             axes.plot(*zip(*shown, strict=True), "o", ms=2.5, color=look["color"])
-    axes.legend()
+    _explain(axes)
     axes.set(xlabel=LABELS[along], ylabel=LABELS.get(name, name))
 
 

@@ -80,6 +80,9 @@ class Result:
     derived: ClassVar[tuple[str, ...]] = ()
     """Properties that `to_dict` lists after the fields."""
 
+    in_rows: ClassVar[tuple[str, ...]] = ()
+    """Entries of `to_dict` that a row has where such a result is part of another; all if empty."""
+
     is_curve: ClassVar[bool] = False
     """Whether a terminal and a notebook list its points, which are the rows of `columns`."""
 
@@ -201,8 +204,10 @@ class Result:
         """
         described = {each.name: each.metadata for each in _fields(self)}
         try:
-            dims = _dimensions(self)
+            dims = {} if self.is_curve else _dimensions(self)
         except TypeError:
+            dims = {}
+        if not dims:
             columns = self.columns()  # of its own, or refused in the same words
             listed: xr.Dataset = optional_package("xarray").Dataset(
                 {name: ("row", values) for name, values in columns.items()}

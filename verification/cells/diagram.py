@@ -72,9 +72,6 @@ class Bifurcation(Result):
             "unstable_max": self.unstable[:, 1],
         }
 
-    arrays = columns
-    """What a file of arrays holds."""
-
     def to_dict(self) -> dict[str, Any]:
         """Return both bounds of the belt velocity, the columns, and ``seconds``."""
         return {

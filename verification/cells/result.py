@@ -46,6 +46,7 @@ class Cycle(Result):
     """
 
     derived: ClassVar[tuple[str, ...]] = ("amplitude",)
+    in_rows: ClassVar[tuple[str, ...]] = ("min", "max", "period", "error")
 
     max: float
     min: float

@@ -1,0 +1,265 @@
+"""What pictures show are the numbers of the result, on the axes that their labels name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from types import SimpleNamespace
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import fronts as fr
+from fronts.animation import snapshot
+from fronts.branches import Branch, Turn
+from fronts.pictures import BLUE, VERMILION, draw
+from theory.result import Result
+
+mpl.use("Agg")
+
+needs_explorer = pytest.mark.skipif(
+    any(find_spec(name) is None for name in ("panel", "bokeh")), reason="extra explore is missing"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Found(Result):
+    v: float
+    stable: bool | None
+
+
+def _branch(along: str, stable: list[bool | None], **ends: Any) -> Branch:
+    values = np.linspace(0.6, 0.2, len(stable))
+    points = tuple(_Found(v=2.0 * x, stable=y) for x, y in zip(values, stable, strict=True))
+    return Branch(along=along, values=values, points=points, seconds=0.0, **ends)
+
+
+def _segments(axes: Any, style: str) -> list[tuple[float, float]]:
+    """Return the ends in x of all lines between points that have this style."""
+    lines = [each for each in axes.lines if each.get_linestyle() == style]
+    return [tuple(each.get_xdata()) for each in lines if len(each.get_xdata()) == 2]
+
+
+def test_a_branch_is_solid_where_it_is_stable_and_dashed_where_it_is_not() -> None:
+    axes = draw(_branch("c", [True, True, False, False]))
+    assert _segments(axes, "-") == [pytest.approx((0.6, 0.6 - 0.4 / 3))]
+    assert _segments(axes, "--") == [pytest.approx((0.6 - 0.8 / 3, 0.2))]
+    dots = {each.get_color(): list(each.get_ydata()) for each in axes.lines
+            if each.get_marker() == "o"}  # fmt: skip
+    assert dots == {
+        BLUE: pytest.approx([1.2, 1.2 - 0.8 / 3]),
+        VERMILION: pytest.approx([1.2 - 1.6 / 3, 0.4]),
+    }
+    words = [each.get_text() for each in axes.get_legend().get_texts()]
+    assert words == ["stable", "not stable"]
+
+
+@pytest.mark.parametrize("along", ["c", "eta"])
+def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
+    """A fold after two points, and beyond the last but one of them the end, where v = 0."""
+    place = {"c": 0.45, "eta": 0.45}
+    turn = Turn(**place, error=0.0, place=2, height=0.9)
+    axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": 0.25}))
+    chained = _segments(axes, "-")
+    # 0.6, 0.5, fold 0.45, 0.4, 0.3, end 0.25, 0.2
+    vertical = [each for each in chained if each[0] == each[1]]
+    assert vertical == [(0.25, 0.25), (0.45, 0.45)]
+    order = [each for each in chained if each[0] != each[1]]
+    assert np.allclose(np.ravel(order), np.repeat([0.6, 0.5, 0.45, 0.4, 0.3, 0.25, 0.2], 2)[1:-1])
+    symbol = {"c": "c", "eta": "η"}[along]
+    words = [each.get_text() for each in axes.get_legend().get_texts()]
+    assert words == [f"fold, {symbol} = 0.25", f"fold, {symbol} = 0.45", "stable"]
+
+
+def test_a_branch_of_one_point_has_nothing_to_explain() -> None:
+    assert draw(_branch("c", [True])).get_legend() is None
+
+
+def test_a_curve_of_cells_is_drawn_by_its_cycles() -> None:
+    from fronts.curves import Curve
+
+    values = np.array([0.5, 0.6])
+    cells = tuple(fr.cell(fr.VdpChain(a=2.5, b=float(b), c=0)) for b in values)
+    axes = draw(Curve(along="b", values=values, points=cells, seconds=0.0))
+    for kind, style in (("stable", "-"), ("unstable", "--")):
+        lines = [each for each in axes.lines if each.get_linestyle() == style]
+        turning = [(getattr(each, kind).min, getattr(each, kind).max) for each in cells]
+        assert [tuple(each.get_ydata()) for each in lines] == [*zip(*turning, strict=True)]
+        assert all(np.array_equal(each.get_xdata(), values) for each in lines)
+    assert [each.get_text() for each in axes.get_legend().get_texts()] == [
+        "stable cycle", "unstable cycle",
+    ]  # fmt: skip
+
+
+def test_a_picture_of_a_breather_has_sites_across_and_amplitudes_up() -> None:
+    found = fr.breather(fr.VdpChain(a=4, b=0.5, c=0.05, sites=5), method="closed-form")
+    (line,) = draw(found).lines
+    assert list(line.get_xdata()) == list(range(1, found.amplitudes.size + 1))
+    assert list(line.get_ydata()) == list(found.amplitudes)
+
+
+def test_an_ensemble_is_drawn_about_its_mean() -> None:
+    from verification.runs.ensemble import Ensemble
+
+    values = np.array([0.1, np.nan, 0.3])
+    found = Ensemble(
+        chain=None, quantity="v", seeds=np.array([3, 5, 7]), values=values, errors=np.zeros(3),
+        seconds=0.0,
+    )  # fmt: skip
+    dots, mean = draw(found).lines
+    assert (list(dots.get_xdata()), list(dots.get_ydata())) == ([3, 7], [0.1, 0.3])
+    assert list(mean.get_ydata()) == pytest.approx([0.2, 0.2])
+
+
+def _run(amplitude: np.ndarray, **chain: Any) -> Any:
+    return SimpleNamespace(amplitude=amplitude, chain=SimpleNamespace(**chain))
+
+
+def test_a_frame_of_a_chain_leaves_no_amplitude_out_and_half_of_it_is_not_empty() -> None:
+    axes = Figure().subplots()
+    snapshot(_run(np.array([[1.0, 0.5], [3.0, 2.0]])), axes)
+    assert axes.get_ylim()[0] == 0.0
+    assert 3.0 < axes.get_ylim()[1] < 6.0
+
+
+def test_a_frame_of_a_chain_at_rest_has_an_axis() -> None:
+    axes = Figure().subplots()
+    snapshot(_run(np.zeros((2, 3))), axes)
+    assert axes.get_ylim()[1] > 0.0
+
+
+def test_sites_of_a_lattice_are_drawn_where_they_are() -> None:
+    places = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.866], [1.5, 0.866]])
+    axes = Figure().subplots()
+    links = SimpleNamespace(positions=places)
+    show = snapshot(_run(np.array([[1.0, 2, 3, 4], [5, 6, 7, 8]]), shape=(2, 2), links=links), axes)
+    (dots,) = axes.collections
+    assert np.array_equal(dots.get_offsets(), places)
+    show(1)
+    assert list(dots.get_array()) == [5.0, 6.0, 7.0, 8.0]
+
+
+# ---------------------------------------------------------------------------- the explorer's page
+
+
+def _kinetic(c: float, eta: float) -> tuple[Any, Any]:
+    from fronts.explore.pictures import KineticPicture
+
+    picture, point = KineticPicture(), fr.kinetic_relation(c=c, eta=eta)
+    from fronts.explore.calls import Settings
+
+    picture.show(Settings(c=c, eta=eta), {"point": point})
+    return picture, point
+
+
+@needs_explorer
+def test_the_explorer_shows_every_branch_at_the_coupling_and_what_is_known_of_it() -> None:
+    picture, point = _kinetic(0.5, 0.03125)
+    assert picture.point.data["y"] == [each.v for each in point.branches]
+    assert set(picture.point.data["x"]) == {0.5}
+    assert picture.here.location == 0.5
+    assert f"v = {point.branches[-1].v:.12g} " in picture.caption.text
+    assert "(admissible, stable)" in picture.caption.text
+    assert (picture.figure.visible, picture.refusal.visible) == (True, False)
+
+
+@needs_explorer
+def test_the_explorer_says_that_a_front_is_pinned_below_its_threshold() -> None:
+    """There fronts travel at stronger coupling, so that the curve has something to show."""
+    picture, point = _kinetic(0.01, 0.03125)
+    assert not point.branches
+    assert picture.caption.text == f"{point.status.value}: {point.reason}"
+    assert picture.figure.visible
+
+
+@needs_explorer
+def test_the_explorer_says_that_no_front_travels_where_none_does_at_any_coupling() -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import KineticPicture
+
+    status = SimpleNamespace(value="none")
+    nowhere = SimpleNamespace(c=0.5, c_pin=None, branches=(), reason="none at all", status=status)
+    picture = KineticPicture()
+    picture.show(Settings(), {"point": nowhere})
+    assert picture.refusal.text == "No front travels: none at all"
+    assert (picture.figure.visible, picture.refusal.visible) == (False, True)
+    some = SimpleNamespace(**{**vars(nowhere), "c_pin": 0.1})
+    picture.show(Settings(), {"point": some})
+    assert picture.figure.visible
+    picture.show(Settings(), {"point": "refused in a sentence"})
+    assert picture.refusal.text == "refused in a sentence"
+
+
+@needs_explorer
+def test_the_explorer_fills_the_marks_of_what_is_admissible_only() -> None:
+    picture, _ = _kinetic(0.5, 0.03125)
+    fills = {each.data_source.name: each.glyph.fill_alpha for each in picture.figure.renderers}
+    assert (fills["curve-True"], fills["curve-False"]) == (1.0, 0.0)
+
+
+@needs_explorer
+def test_the_explorer_draws_modulus_real_and_imaginary_part_of_the_profile() -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import ProfilePicture
+
+    picture, front = ProfilePicture(), fr.front_profile(c=0.5, eta=0.03125)
+    picture.show(Settings(), {"profile": front})
+    shape = picture.shape.data
+    assert np.array_equal(shape["x"], front.zeta)
+    assert np.allclose(np.hypot(shape["re"], shape["im"]), shape["modulus"])
+    assert np.array_equal(shape["re"] + 1j * shape["im"], front.phi)
+
+
+def _frame(nucleus: int, breather: Any) -> Any:
+    from fronts.explore.calls import SITES, Settings
+    from fronts.explore.pictures import NowPicture
+
+    chain = SimpleNamespace(stable_amplitude=2.0, unstable_amplitude=1.0)
+    amplitude = np.tile(np.arange(float(SITES)), (2, 1))
+    found = {"run": SimpleNamespace(chain=chain, amplitude=amplitude), "breather": breather}
+    picture = NowPicture()
+    picture.show(Settings(nucleus=nucleus), found)
+    return picture
+
+
+@needs_explorer
+@pytest.mark.parametrize("size", [1, 2, 3, 9])
+def test_the_explorer_puts_the_breather_where_the_nucleus_is(size: int) -> None:
+    """The run is excited at the same sites, and so are those of the breather."""
+    from fronts.explore.calls import Settings, calls
+    from theory.chains.nucleus import MARGIN
+
+    sites = [0.1] * MARGIN + [2.0] * size + [0.1] * MARGIN
+    picture = _frame(size, SimpleNamespace(amplitudes=np.array(sites)))
+    drawn = picture.breather.data
+    excited = [x for x, y in zip(drawn["x"], drawn["y"], strict=True) if y == 2.0]
+    excite = calls(Settings(nucleus=size))["run"].arguments[1]
+    assert excited == list(excite.arguments[1])
+
+
+@needs_explorer
+def test_the_explorer_draws_the_chain_without_a_breather() -> None:
+    for breather in (None, "refused in a sentence"):
+        picture = _frame(1, breather)
+        assert not len(picture.breather.data["x"])
+        assert [each.location for each in picture.cycles] == [2.0, 1.0]
+
+
+@needs_explorer
+def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import MultipliersPicture
+
+    multipliers = np.array([0.3 + 0.4j, 1.0 + 1e-9, 0.2])
+    breather = SimpleNamespace(multipliers=multipliers, stable=True, trivial=1e-9)
+    picture = MultipliersPicture()
+    picture.show(Settings(), {"breather": breather})
+    assert "trivial one is 0.5;" in picture.caption.text
+    assert np.array_equal(picture.points.data["x"], multipliers.real)
+    circle = picture.figure.renderers[0].data_source.data
+    assert np.allclose(np.hypot(circle["x"], circle["y"]), 1.0)
+    assert circle["x"][0] == pytest.approx(circle["x"][-1])
+    assert np.ptp(np.unwrap(np.arctan2(circle["y"], circle["x"]))) == pytest.approx(2 * np.pi)

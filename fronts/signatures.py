@@ -158,8 +158,8 @@ def _described(
     kind, text = words.get(name, ("", ""))
     text = metadata.get("help", text).replace("`", "")
     plain = annotation.strip("'\"").replace(" | None", "").replace("None | ", "")
-    first, _, other = plain.partition(" | ")
-    plain = first if other in ("str", "float") and isinstance(module.get(first), type) else plain
+    first = plain.partition(" | ")[0]
+    plain = first if isinstance(module.get(first), type) else plain
     listed = re.match(r"\{.*?\}", kind)
     if plain.startswith("Literal["):
         choices = ast.literal_eval(plain.removeprefix("Literal"))

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import sys
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -76,13 +79,42 @@ def test_help_ends_with_what_is_noted_of_the_command(capsys: Capture) -> None:
     assert "Beside a table OUT.csv stand" in capsys.readouterr().out.split("examples:")[1]
 
 
-def test_help_names_no_default_of_what_must_be_given(capsys: Capture) -> None:
-    with pytest.raises(SystemExit):
-        main(["sum", "--help"])
-    said = " ".join(capsys.readouterr().out.split())
-    assert "--v V front velocity" in said.lower().replace("--v v", "--v V")
-    assert "(default <" not in said
-    assert "(default None)" not in said
+def _helps(parser: Any) -> Iterator[str]:
+    for action in parser._actions:
+        yield action.help or ""
+        if isinstance(action.choices, Mapping):
+            for inner in action.choices.values():
+                yield from _helps(inner)
+
+
+def test_defaults_in_help_are_values_as_one_would_write_them() -> None:
+    found = [re.search(r"\(default (.*?)\)", text) for text in _helps(cli.whole_parser())]
+    said = {each[1] for each in found if each}
+    assert {"12", "1e-12", "0.05"} <= said
+    assert not {each for each in said if re.search(r"None|<|True|False|^$|\.0$", each)}
+
+
+def test_text_that_is_no_number_is_refused_by_the_name_of_its_option(capsys: Capture) -> None:
+    assert main(["sum", "--v", "fast", "--c", "0.5", "--json"]) == 2
+    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--v"
+
+
+def test_what_belongs_to_runs_is_refused_beside_a_wave(capsys: Capture) -> None:
+    line = "front averaged --a 4 --b 0.5 --c 0.6 --method wave --stall-time 10 --json"
+    assert main(line.split()) == 2
+    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--stall-time"
+
+
+def test_no_worker_is_refused_before_any_point_is_tried(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from verification.quantities import robustness
+
+    monkeypatch.setattr(robustness, "stability", None)
+    for count in ("0", "1025"):
+        assert main(["stress", "--workers", count, "--json"]) == 2
+        error = json.loads(capsys.readouterr().err)["error"]
+        assert (error["quantity"], error["value"]) == ("workers", count)
 
 
 @pytest.mark.parametrize("as_json", [False, True])
@@ -309,6 +341,128 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
         assert len(followed) == 2
 
 
+def test_progress_says_of_a_stored_finding_whether_it_is_stale() -> None:
+    from fronts.commands.check import _Reporter
+
+    said: list[str] = []
+    shown = SimpleNamespace(end=lambda key, words, computed: said.append(words))
+    for stored, stale in ((True, False), (True, True), (False, False)):
+        judgement = SimpleNamespace(seconds=0.5, stored=stored, stale=stale)
+        claim = SimpleNamespace(key="fig01-x")
+        outcome: Any = SimpleNamespace(
+            judgement=judgement, changed=False, claim=claim, status="reproduced"
+        )
+        _Reporter(cast("Any", shown)).done(outcome)
+    assert [words.count("stored") for words in said] == [1, 1, 0]
+    assert [words.count("stale") for words in said] == [0, 1, 0]
+
+
+def test_what_was_recorded_is_named_claim_by_claim(tmp_path: Path) -> None:
+    from fronts.commands.check import _record
+
+    recorded: list[Any] = []
+    shipped: Any = SimpleNamespace(
+        folder=tmp_path, path=lambda each: each, record=lambda *given: recorded.append(given[0])
+    )
+
+    def outcome(key: str, evidence: str, **changes: Any) -> Any:
+        claim = SimpleNamespace(key=key, evidence=evidence, expensive=True)
+        stored = changes.get("stored", False)
+        return SimpleNamespace(
+            claim=claim, finding=object(), judgement=SimpleNamespace(stored=stored), entry=key
+        )
+
+    several = [outcome("a", "one"), outcome("b", "one"), outcome("c", "two"),
+               outcome("d", "three", stored=True)]  # fmt: skip
+    report: Any = SimpleNamespace(outcomes=several, versions={})
+    assert _record(shipped, report) == f"Recorded in {tmp_path}: a, b, c."
+    assert sorted(recorded) == ["a", "c"]  # evidence that claims share is stored once
+    report = SimpleNamespace(outcomes=several[3:], versions={})
+    assert "none: no expensive claim was asked" in _record(shipped, report)
+
+
+def test_default_methods_are_judged_from_the_records_of_a_folder(capsys: Capture) -> None:
+    assert main(["bench", "sum", "--defaults", "--json"]) in (0, 1)
+    choices = json.loads(capsys.readouterr().out)["choices"]
+    assert {each["quantity"] for each in choices} == {"sum"}
+
+
+@pytest.mark.parametrize("asked", [False, True])
+def test_growth_is_written_into_the_folder_that_is_named(
+    asked: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from benchmarks import floor, growth
+    from fronts.commands.bench import _measure
+
+    written: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(growth, "measure", lambda quick, report: ["row"])
+    monkeypatch.setattr(floor, "measure", lambda quick, report: ["floor"])
+    monkeypatch.setattr(growth, "as_payload", lambda rows, command: {"rows": rows})
+    monkeypatch.setattr(growth, "as_text", lambda rows: f"{rows}")
+    monkeypatch.setattr(floor, "as_rows", list)
+    monkeypatch.setattr(floor, "as_text", lambda rows: f"{rows}")
+    monkeypatch.setattr(growth, "write_growth", lambda *given: written.append(given))
+    folder = tmp_path if asked else None
+    answer = _measure((), growth=True, quick=True, folder=folder)
+    assert answer.payload["growth"] == {"rows": ["row"], "floors": ["floor"]}
+    assert written == ([(answer.payload["growth"], ["row"], tmp_path)] if asked else [])
+
+
+# ----------------------------------------------------------------------------------- the explorer
+
+
+def test_the_explorer_runs_the_chain_for_the_slow_time_of_its_axis() -> None:
+    from fronts.explore.calls import SLOW_TIME, Settings, calls
+
+    for eps in (0.01, 0.1):
+        options = dict(calls(Settings(eps=eps))["run"].options)
+        assert eps * options["t_end"] == pytest.approx(SLOW_TIME)
+    assert dict(calls(Settings(eps=0.0))["run"].options)["t_end"] == 0.0  # refused by simulate
+
+
+def test_the_explorer_looks_for_a_breather_of_the_full_chain_beyond_the_fold_of_the_average(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The folds differ by O(ε), so that up to some parts of ε there may be one."""
+    from fronts.explore import calls as module
+
+    monkeypatch.setattr(module, "outcome", lambda call: SimpleNamespace(fold=0.2))
+    for part, eps, method in ((0.9, 0.1, "orbit"), (1.2, 0.1, "orbit"), (2.0, 0.1, "envelope")):
+        settings = module.Settings(c=0.2 * part, eps=eps, model="vdp")
+        assert dict(module.calls(settings)["breather"].options)["method"] == method
+
+
+def test_the_program_of_the_explorer_shows_every_result_and_computes_no_map_for_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from fronts.explore import calls as module
+
+    asked: list[str] = []
+    monkeypatch.setattr(module, "outcome", lambda call: asked.append(call.function))
+    lines = module.script(module.Settings()).splitlines()
+    compile("\n".join(lines), "script", "exec")
+    assert "state_map" not in asked
+    for name in module.calls(module.Settings()):
+        assert (f"print({name})" in lines) == (name in ("point", "breather"))
+        drawn = any(line.startswith(f"{name}.plot()") for line in lines)
+        assert drawn == (name != "point")
+
+
+def test_times_of_updates_are_stored_where_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from fronts.explore import update_time
+
+    taken = update_time.UpdateTime(median_ms=1.0, largest_ms=2.0, slowest_c=0.5)
+    monkeypatch.setattr(update_time, "measure", lambda model: taken)
+    monkeypatch.setattr(update_time, "RECORD", tmp_path / "explorer.json")
+    for more in ([], ["--record"]):
+        monkeypatch.setattr(sys, "argv", ["update_time", *more])
+        update_time.main()
+        assert (tmp_path / "explorer.json").exists() == bool(more)
+    assert "at most 2 ms at c = 0.5" in capsys.readouterr().out
+
+
 # --------------------------------------------------------------------------- sums and roots
 
 
@@ -326,8 +480,7 @@ def test_a_sum_has_as_many_digits_as_were_asked_for(
     assert abs(found.value - complex(many.value)) <= found.error + rounding
 
 
-def test_the_radius_of_a_root_of_many_digits_is_what_its_residual_leaves() -> None:
-    """Newton's step is residual over |L'|; doubled it bounds, and nothing more is asked."""
+def test_the_radius_of_a_root_of_many_digits_is_what_printing_them_costs() -> None:
     import mpmath as mp
 
     v, c = "0.3", "0.5"
@@ -336,9 +489,23 @@ def test_the_radius_of_a_root_of_many_digits_is_what_its_residual_leaves() -> No
     for one, two in zip(coarse.upper + coarse.lower, fine.upper + fine.lower, strict=True):
         with mp.workdps(70):
             k = mp.mpc(two.re, two.im)
-            distance = abs(mp.mpc(one.re, one.im) - k)
-            slope = abs(1j * (mp.mpf(v) + mp.mpf(c) * mp.sin(k)))
-            newton = one.residual / slope
-            printed = abs(k) * mp.mpf(10) ** -29
-        assert distance <= one.radius
-        assert one.radius == pytest.approx(float(2 * newton + printed), rel=1e-6)
+            assert abs(mp.mpc(one.re, one.im) - k) <= one.radius <= 2e-29 * abs(k)
+
+
+def test_roots_are_counted_in_the_strips_of_all_that_were_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Were there one more than labels, the count would say so."""
+    from theory.piecewise import root_count
+
+    strips: list[int] = []
+
+    def one_more(v: float, c: float, labels: Any, upper: bool) -> int:
+        strips.extend(labels.tolist())
+        return int(labels.size) + 1
+
+    plain = fr.roots(0.3, 0.5, count=4)
+    assert plain.counted == 8
+    monkeypatch.setattr(root_count, "count_in_strips", one_more)
+    assert fr.roots(0.3, 0.5, count=4).counted == 10
+    assert {root.label for root in plain.upper} <= {*strips}

@@ -194,6 +194,15 @@ def test_the_explorer_says_that_no_front_travels_where_none_does_at_any_coupling
 
 
 @needs_explorer
+def test_the_explorer_shows_neither_picture_nor_sentence_before_there_is_a_result() -> None:
+    from fronts.explore.pictures import PICTURES
+
+    for kind in PICTURES:
+        picture = kind()
+        assert (picture.figure.visible, picture.refusal.visible) == (False, False)
+
+
+@needs_explorer
 def test_the_explorer_fills_the_marks_of_what_is_admissible_only() -> None:
     picture, _ = _kinetic(0.5, 0.03125)
     fills = {each.data_source.name: each.glyph.fill_alpha for each in picture.figure.renderers}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from types import SimpleNamespace
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -11,13 +13,14 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations import judgement as printed_module
+from derivations import printing as printed_lines
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi
 from derivations.judgement import Judgement
 from derivations.symbols import a, b, c, epsilon, n, omega, t
-from paper_checks.claim import Fault, Finding, Verdict
-from paper_checks.claims import equations
-from paper_checks.claims._equation_errata import correction, readable
+from paper_checks.claim import Fault, Finding, Formula, Verdict
+from paper_checks.claims import _equation_numbers, equations
+from paper_checks.claims._equation_errata import correction, erratum_of, readable
 from paper_checks.report.inline_math import typeset
 from paper_checks.report.mathml import LatexError, mathml
 
@@ -189,3 +192,132 @@ def test_text_in_formulas_is_escaped() -> None:
 )
 def test_letters_are_replaced_and_words_are_not(prose: str, better: str | None) -> None:
     assert readable(prose) == (better or prose.replace("theta", "θ"))
+
+
+# ------------------------------------------------------- corrections of equations that are made up
+
+
+X, Y = sp.symbols("x y")
+
+
+def made_up(printed: sp.Basic, derived: sp.Basic, **known: Any) -> Any:
+    """Return a judgement of a misprint with these equations."""
+    line = {"slip": None, "number": 99, "verdict": printed_lines.Verdict.MISPRINT,
+            "amended_latex": None, "latex": "x = 3", "note": "A note.", "affects": ""}  # fmt: skip
+    line |= {name: known.pop(name) for name in tuple(known) if name in line}
+    return SimpleNamespace(
+        printed=SimpleNamespace(expression=printed, **line),
+        step=SimpleNamespace(name="the limit", operation="expand", result=derived),
+        on_print=SimpleNamespace(statement="print is off"),
+        on_derived=SimpleNamespace(statement="nothing is left"),
+        **{"corrected": "whole", **known},
+    )
+
+
+def test_of_a_system_the_equations_that_differ_are_shown_however_they_are_written() -> None:
+    printed = sp.Tuple(sp.Eq(X, 2 * Y), sp.Eq(X, 3), X < Y, X < Y, X < Y)
+    derived = sp.Tuple(sp.Eq(X - 2 * Y, 0), sp.Eq(X, 4), X <= Y, X < Y, sp.Eq(Y, 7))
+    assert correction(made_up(printed, derived)) == r"$x = 4$; $x \leq y$; $y = 7$"
+
+
+def test_of_one_equation_the_whole_is_shown_and_of_a_long_one_what_it_lacks() -> None:
+    printed, derived = sp.Eq(X + Y, 0), sp.Eq(X + Y + X * Y, 0)
+    assert correction(made_up(printed, derived)) == "$whole$"
+    shown = correction(made_up(printed, derived, corrected="x" * 1000))
+    assert shown == "add to the left side $x y$"
+
+
+def test_a_term_that_is_wrong_must_be_all_that_is() -> None:
+    printed, derived = sp.Eq(X + 2 * Y, 0), sp.Eq(X + 3 * Y, 0)
+    slip = (2 * Y, 3 * Y, sp.Eq(3 * Y, -X))
+    assert correction(made_up(printed, derived, slip=slip)) == "$3 y$ in place of $2 y$"
+    with pytest.raises(ArithmeticError, match="not all"):
+        correction(made_up(printed, derived, slip=(2 * Y, 3 * Y, sp.Eq(X + 3 * Y, 1))))
+
+
+def test_the_proof_of_a_misprint_has_both_checks_and_the_step_and_what_differs() -> None:
+    found = made_up(sp.Eq(X, 3), sp.Eq(X, 4), amended_latex="x = 4", corrected="x = 4")
+    one = erratum_of(found, "two-scales")
+    assert one is not None
+    parts = ("print is off", "nothing is left", "'the limit: expand'", "'two-scales'", "$x = 4$")
+    assert all(part in one.proof for part in parts)
+    assert (one.printed, one.corrected) == ("$x = 3$", "$x = 4$")
+
+
+# ------------------------------------------------------------ what a claim says of an equation
+
+
+def printed_as(**changes: Any) -> equations.Printed:
+    """Return evidence on an equation that holds and has no remark."""
+    held: dict[str, Any] = {
+        "number": 1, "kind": "holds", "passes": True, "derived_passes": True, "confirmed": True,
+        "note": "", "test": "", "derived_test": "", "readings": (), "latex": "x = 3",
+        "derived": "x = 4", "affects": "", "residual": None,
+    }  # fmt: skip
+    return equations.Printed(**held | changes)
+
+
+def test_remarks_are_the_way_of_writing_and_then_the_readings() -> None:
+    number, style = next(iter(equations.STYLE.items()))
+    assert 1 not in equations.STYLE
+    assert printed_as().remarks == ()
+    assert printed_as(number=number).remarks == (style,)
+    said = printed_as(readings=(("one", True, "much"), ("other", False, "nothing"))).remarks
+    assert said == (
+        "Read as “one” it holds: much.", "Read as “other” it fails: nothing.",
+    )  # fmt: skip
+
+
+def test_the_derived_equation_is_shown_beside_one_that_fails_only() -> None:
+    printed, derived = Formula("As printed", "x = 3"), Formula("As derived", "x = 4")
+    assert equations.formulas(printed_as()) == (printed,)
+    assert equations.formulas(printed_as(passes=False)) == (printed, derived)
+    assert equations.formulas(printed_as(passes=False, derived="")) == (printed,)
+
+
+def test_each_reading_stands_with_its_own_check(monkeypatch: pytest.MonkeyPatch) -> None:
+    meanings = ("one", "other")
+    found = made_up(sp.Eq(X, 3), sp.Eq(X, 4), confirmed=True)
+    found.printed.readings = [SimpleNamespace(meaning=name, implies="it.") for name in meanings]
+    found.on_readings = [SimpleNamespace(holds=name == "other") for name in meanings]
+    found.on_print.holds = found.on_derived.holds = True
+    monkeypatch.setattr(equations, "judgements", lambda: {99: found})
+    readings = equations.printed(99).readings
+    assert readings == (("one", False, "it"), ("other", True, "it"))
+
+
+BY_NUMBERS = [n for n in range(1, 55) if _equation_numbers.method(n)]
+"""Equations into which numbers of the toolkit are put."""
+
+
+@pytest.mark.parametrize("number", BY_NUMBERS)
+def test_numbers_satisfy_the_equation_itself_and_none_with_another_right_side(
+    number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = printed_module.printed
+    assert (_equation_numbers.residual(number) or 0.0) < equations.ROUNDING
+
+    def off(asked: int) -> Any:
+        """Return the equation with its right side displaced, and no other equation."""
+        assert asked == number
+        line = exact(asked).expression
+        parts = line.args if isinstance(line, sp.Tuple) else (line,)
+        moved = [sp.Eq(each.lhs, each.rhs + sp.Rational(1, 100)) for each in parts]
+        return SimpleNamespace(expression=moved if isinstance(line, sp.Tuple) else moved[0])
+
+    monkeypatch.setattr(printed_module, "printed", off)
+    assert _equation_numbers.residual(number) == pytest.approx(0.01, rel=1e-6)
+
+
+def test_the_printed_equations_with_a_remark_on_writing_fail_their_literal_check(
+    judgements: dict[int, Judgement],
+) -> None:
+    failing = {n for n, found in judgements.items() if not found.on_print.holds}
+    assert failing >= MISPRINTED
+    assert failing - MISPRINTED <= set(equations.STYLE)
+
+
+def test_the_remark_on_a_ring_stands_at_the_equations_whose_last_site_is_beside_the_first() -> None:
+    lines = {n: printed_module.printed(n).latex for n in range(1, 55)}
+    closed = {n for n, line in lines.items() if "x_2 - x_N" in line}
+    assert {n for n, remark in equations.STYLE.items() if "ring" in remark} == closed == {40}

@@ -1,0 +1,853 @@
+"""What claims make of their runs: on made-up runs, whose answer is known by hand.
+
+The runs themselves, at smaller sizes, are those of `tests.test_claim_evidence`. Here nothing is
+run: velocities lie on a line or a power law, thresholds are given, a cell sticks beyond a known
+edge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import fields
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any, TypeVar
+
+import numpy as np
+import pytest
+
+from paper_checks.claims import (
+    fig02,
+    fig04,
+    fig05,
+    fig06,
+    fig07,
+    fig08,
+    fig09,
+    fig10,
+    fig11,
+    fig12,
+    fig13,
+    fig14,
+    fig15,
+    fig17,
+    fig18,
+    text_friction,
+    text_nuclei,
+    text_simplified,
+    text_vdp,
+)
+from paper_checks.claims._friction import SITES
+from theory.cells.friction import FrictionCell
+from theory.cells.vdp import eta_from_damping
+from verification.breathers.outcome import Evolution, Outcome
+from verification.execution.table import Table
+
+Patch = pytest.MonkeyPatch
+Held = TypeVar("Held")
+
+
+def evidence(of: type[Held], **known: Any) -> Held:
+    """Return evidence of which only some is known."""
+    held: Any = of
+    return of(**dict.fromkeys((each.name for each in fields(held)), None) | known)
+
+
+def table(**columns: Any) -> Table:
+    """Return a table of points."""
+    return Table(arrays={name: np.asarray(cells) for name, cells in columns.items()})
+
+
+# ------------------------------------------------------------------------- where claims are sampled
+
+
+@pytest.mark.parametrize(
+    "sampled",
+    [fig05.COUPLINGS, fig05.VELOCITIES, fig05.LASTING, fig06.COUPLINGS, fig06.BELOW, fig06.LARGE,
+     fig08.COUPLINGS, fig09.ALONG, fig09.EXACT, fig10.TIMES, fig11.ODD, fig11.RANGE, fig11.FAMILY,
+     fig11.MIRRORED_AT, fig12.TIMES, fig13.AVERAGED, fig13.FULL, fig13.CHECKED, fig13.LAW_ETAS,
+     fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS, fig15.EMPTIED_AT,
+     fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION, text_nuclei.COUPLINGS,
+     text_nuclei.DRAWN],
+)  # fmt: skip
+def test_what_a_curve_is_sampled_at_increases(sampled: Any) -> None:
+    assert all(low < high for low, high in pairwise(sampled))
+
+
+def test_maps_are_sampled_evenly_and_checked_at_their_own_points() -> None:
+    for grid in (fig05.COUPLINGS, fig05.VELOCITIES, fig15.ETAS, fig15.COUPLINGS):
+        assert np.ptp(np.diff(grid)) == pytest.approx(0.0, abs=1e-12)
+    assert {c for c, _, _ in fig05.CHECKED} <= set(fig05.COUPLINGS)
+    assert set(fig15.CHECKED) <= {(eta, c) for eta in fig15.ETAS for c in fig15.COUPLINGS}
+    assert set(fig13.CHECKED) <= set(fig13.AVERAGED)
+    assert set(text_nuclei.DRAWN) <= set(text_nuclei.COUPLINGS)
+
+
+def test_nuclei_are_enumerated_size_by_size_and_a_family_has_even_ones_beyond() -> None:
+    assert list(fig11.RANGE) == list(range(1, len(fig11.RANGE) + 1))
+    assert all(n % 2 == 0 and n > fig11.RANGE[-1] for n in fig11.FAMILY)
+
+
+def test_the_phases_are_followed_up_to_the_end_at_which_they_are_judged() -> None:
+    assert fig10.TIMES[-1] == fig10.END
+
+
+def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:
+    for module in (fig13, fig17, text_simplified):
+        assert eta_from_damping(module.A, module.B) == module.ETA == 1.0 / 32.0
+
+
+# ------------------------------------------------------------------ two states of the friction cell
+
+
+EDGE = 1.5
+"""From farther up than this the made-up cell sticks for ever, from nearer it slides in the end."""
+
+
+def made_up_run(_: Any, y: float, end: float, samples: int = 3, **__: Any) -> Any:
+    """Return a run that sticks to its end from beyond the edge, and once at first below it."""
+    times = np.linspace(0.0, end, samples)
+    at = (0.5, end) if y > EDGE else (0.5,)
+    log = np.array([[time, 0.0, 0.0] for time in at]).reshape(-1, 3)
+    slides = 1.0 if y <= EDGE else 3.0
+    return SimpleNamespace(
+        log=log, times=times, last_cycle=(7.0, 2.0), end=end, start=y,
+        y=np.full((samples, 1), slides), velocity=np.zeros((samples, 1)),
+    )  # fmt: skip
+
+
+def made_up_orbits(edge: float) -> Any:
+    cycle = SimpleNamespace(min=-1.0, max=3.0, period=7.0, stick_time=2.0, amplitude=2.0)
+    inner = SimpleNamespace(min=-0.5, max=edge, period=6.0)
+    cell = SimpleNamespace(steady_sliding=1.0)
+    return SimpleNamespace(cell=cell, stable=cycle, unstable=inner, basin=(-0.5, edge), error=1e-9)
+
+
+def test_the_two_sides_of_the_edge_of_the_basin_are_both_run(monkeypatch: Patch) -> None:
+    runs = []
+
+    def run(*given: Any, **options: Any) -> Any:
+        runs.append(made_up_run(*given, **options))
+        far = runs[-1].log if runs[-1].start > EDGE else np.empty((0, 3))
+        runs[-1].log = far
+        return runs[-1]
+
+    monkeypatch.setattr(fig02, "_scipy", run)
+    for edge, inside, outside in ((EDGE, True, True), (1.6, False, True), (1.4, True, False)):
+        monkeypatch.setattr(fig02, "_orbits", lambda edge=edge: made_up_orbits(edge))
+        found = fig02.two_states()
+        assert (found.inside_slides, found.outside_sticks) == (inside, outside)
+        assert found.settles
+        assert found.gap == 0.0
+        assert (found.cycle.start, found.rest.start) == (2.0, 1.0)  # as the picture says
+        assert found.unstable.end == 6.0
+
+
+@pytest.mark.parametrize(("period", "stick"), [(7.25, 2.0), (7.0, 1.75)])
+def test_the_gap_of_the_cycle_is_of_its_period_or_of_its_stick(
+    period: float, stick: float, monkeypatch: Patch
+) -> None:
+    def run(*given: Any, **options: Any) -> Any:
+        held = made_up_run(*given, **options)
+        held.last_cycle = (period, stick)
+        return held
+
+    monkeypatch.setattr(fig02, "_scipy", run)
+    monkeypatch.setattr(fig02, "_orbits", lambda: made_up_orbits(EDGE))
+    assert fig02.two_states().gap == 0.25
+
+
+def test_a_start_that_stuck_once_and_then_slides_slides(monkeypatch: Patch) -> None:
+    drawn = []
+
+    def diagram(_: Any, v_d: Any) -> None:
+        drawn.extend(v_d)
+
+    def slope(cell: Any) -> Any:
+        return SimpleNamespace(amplitude=1.0, stick_time=cell.v_d)
+
+    monkeypatch.setattr(fig02, "_scipy", made_up_run)
+    monkeypatch.setattr("verification.cells.diagram.cell_diagram", diagram)
+    monkeypatch.setattr("verification.cells.friction.stick_slip_cycle", slope)
+    orbits = SimpleNamespace(cycle_end_velocity=1.8, cycle_end_error=1e-9)
+    monkeypatch.setattr(fig02, "_orbits", lambda: orbits)
+    found = fig02.regions()
+    # Steady sliding lies below 1 at every velocity, and 2.5 beyond the edge.
+    assert found.seen == ((True, True),) * len(fig02.VELOCITIES)
+    assert found.stick_at_end == pytest.approx(1.8, rel=1e-5)
+    assert found.stick_at_end < 1.8
+    assert all(low < high for low, high in pairwise(drawn))
+    assert found.hopf == FrictionCell(v_d=fig02.V_D).hopf_velocity
+
+
+def test_sliding_is_expected_above_hopf_and_sticking_below_the_end() -> None:
+    velocities = fig02.VELOCITIES
+    at = evidence(fig02.Regions, hopf=velocities[1], end=velocities[3]).expected
+    assert at == tuple((k > 1, k < 3) for k in range(len(velocities)))
+
+
+def test_the_unstable_cycle_repels_if_runs_from_both_sides_leave_it(monkeypatch: Patch) -> None:
+    cycle = SimpleNamespace(amplitude=1.0, max=EDGE)
+    monkeypatch.setattr("verification.cells.friction.unstable_cycle", lambda _: cycle)
+
+    def leaving(growth: Callable[[float], float]) -> Any:
+        def run(_: Any, y: float, end: float, samples: int, **__: Any) -> Any:
+            times = np.linspace(0.0, end, samples)
+            height = np.exp(growth(y) * times / end) * np.cos(0.3 * times)
+            return SimpleNamespace(y=height[:, None])
+
+        return run
+
+    for growth, repels in (
+        (lambda y: y - EDGE, (True, True)), (lambda y: EDGE - y, (False, False)),
+        (lambda _: 1.0, (False, True)), (lambda _: -1.0, (True, False)),
+    ):  # fmt: skip
+        monkeypatch.setattr(fig02, "_scipy", leaving(growth))
+        assert fig02.subcritical().repels == repels
+
+
+def test_the_gaps_of_the_friction_law_are_of_its_slope_and_the_largest_of_its_values(
+    monkeypatch: Patch,
+) -> None:
+    cell = FrictionCell(v_d=fig02.V_D)
+    with monkeypatch.context() as patch:
+        patch.setattr("theory.cells.friction.friction_coefficient", lambda *_: cell.mu_d)
+        slope = (cell.mu_st - cell.mu_d) / cell.v0 * math.exp(-fig02.V_D / cell.v0)
+        assert fig02.friction_law().slope_gap == pytest.approx(slope, rel=1e-8)
+    exact = fig02.friction_law()
+    assert exact.slope_gap < 1e-9
+    ends = {0.0: cell.mu_st, 1e3: cell.mu_d}
+
+    def law_off_at(place: float) -> Callable[[float, FrictionCell], float]:
+        def law(v: float, _: FrictionCell) -> float:
+            between = cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp(-v / cell.v0)
+            return ends.get(v, between) + 0.25 * (v == place)
+
+        return law
+
+    for place in (0.0, 0.3, fig02.V_D, 1e3):
+        patched = "verification.references.equations.dynamic_friction"
+        monkeypatch.setattr(patched, law_off_at(place))
+        assert fig02.friction_law().reference_gap == pytest.approx(0.25)
+
+
+# ------------------------------------------------------------ thresholds and fronts of the friction
+
+
+def test_falls_are_from_the_smallest_nucleus() -> None:
+    found = evidence(fig04.Thresholds, edge=(0.02, 0.01, 0.005), bulk=(0.04, 0.03, 0.02, 0.025),
+                     bulk_of_two=0.025)  # fmt: skip
+    assert found.falls == (50.0, 75.0)
+    assert found.bulk_fall == pytest.approx(0.25)
+    assert found.bulk_rest == pytest.approx(1.0 / 3.0)
+    assert found.apart == pytest.approx(0.005)
+
+
+def threshold_of(size: int, place: str, ends: str = "free", **_: Any) -> float:
+    """Return another threshold for each size, place and kind of ends."""
+    return 0.01 * size + {"edge": 0.001, "bulk": 0.002}[place] + 0.0001 * (ends != "free")
+
+
+def test_thresholds_are_checked_beside_that_of_one_site_and_of_three(monkeypatch: Patch) -> None:
+    checked = []
+
+    def disagreement(chain: Any, excited: tuple[int, ...], _: float) -> float:
+        checked.append((excited, chain.c / threshold_of(len(excited), "edge")))
+        return 1e-6 * len(checked)
+
+    monkeypatch.setattr(fig04, "_threshold", threshold_of)
+    monkeypatch.setattr(fig04, "disagreement", disagreement)
+    found = fig04.thresholds.__wrapped__()
+    assert {excited for excited, _ in checked} == {(1,), (1, 2, 3)}
+    ones = sorted(part for excited, part in checked if excited == (1,))
+    threes = sorted(part for excited, part in checked if excited == (1, 2, 3))
+    assert ones == pytest.approx([1.0 - fig04.ASIDE, 1.0 + fig04.ASIDE])
+    assert threes[0] < 1.0 < threes[-1]
+    assert found.gap == pytest.approx(4e-6)
+    assert found.edge == tuple(threshold_of(n, "edge") for n in fig04.SIZES)
+    assert found.bulk == tuple(threshold_of(n, "bulk") for n in fig04.SIZES)
+    assert found.bulk_of_two == threshold_of(2, "bulk")
+    assert found.literal == tuple(threshold_of(n, "edge", "literal") for n in (1, 3))
+
+
+def test_a_front_that_does_not_fill_the_chain_is_run_in_one_twice_as_long(
+    monkeypatch: Patch,
+) -> None:
+    stops = ("bulk", 3)
+
+    def reached(c: float, size: int, place: str, sites: int, _: float) -> int:
+        side = c / threshold_of(size, place) - 1.0
+        assert abs(side) == pytest.approx(fig04.ASIDE)
+        return size if side < 0.0 else sites - 2 * ((place, size) == stops)
+
+    monkeypatch.setattr(fig04, "_threshold", threshold_of)
+    monkeypatch.setattr(fig04, "_reached", reached)
+    monkeypatch.setattr(fig04, "disagreement", lambda chain, *_: chain.c)
+    found = fig04.long_runs()
+    assert found.below == tuple(size for _, size in fig04.KINDS)
+    assert found.above == tuple(SITES - 2 * (kind == stops) for kind in fig04.KINDS)
+    assert found.longer == {"bulk 3": 2 * SITES - 2}
+    assert found.left == 2
+    assert found.gap == pytest.approx((1.0 + fig04.ASIDE) * threshold_of(1, "edge"))
+
+
+def friction_velocities(v: Callable[[float], float], error: float = 0.0) -> fig06.Velocities:
+    c = (*fig06.COUPLINGS, *fig06.LARGE)
+    return evidence(
+        fig06.Velocities, c=c, v=tuple(v(each) for each in c), error=(error,) * len(c),
+        waves=c, gap=0.0, threshold=0.0106,
+    )  # fmt: skip
+
+
+def test_on_a_line_the_residual_is_zero_and_the_slopes_are_one() -> None:
+    found = friction_velocities(lambda c: 0.5 + 3.0 * c)
+    assert found.line == pytest.approx((0.5, 3.0))
+    assert found.residual == pytest.approx(0.0, abs=1e-12)
+    assert found.slopes == pytest.approx((3.0, 3.0))
+
+
+def test_errors_lower_the_slope_that_must_be_large_and_raise_the_other() -> None:
+    first, line = friction_velocities(lambda c: 0.5 + 3.0 * c, 1e-4).slopes
+    near = fig06.COUPLINGS[1] - fig06.COUPLINGS[0]
+    far = fig06.COUPLINGS[-1] - fig06.LINEAR_FROM
+    assert (first, line) == pytest.approx((3.0 - 2e-4 / near, 3.0 + 2e-4 / far))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_residual_is_the_largest_on_either_side_over_the_largest_velocity(side: float) -> None:
+    steep = friction_velocities(lambda c: 1.0 + side * (c - 0.06) ** 2)
+    c = np.array([c for c in fig06.COUPLINGS if c >= fig06.LINEAR_FROM])
+    v = 1.0 + side * (c - 0.06) ** 2
+    # By hand: the least-squares line through these, by its normal equations.
+    mean, deviation = v.mean(), c - c.mean()
+    line = mean + (deviation @ v) / (deviation @ deviation) * deviation
+    assert steep.residual == pytest.approx(np.abs(line - v).max() / v.max())
+    assert steep.residual > 0.0
+
+
+def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> None:
+    chain = SimpleNamespace(largest_group_velocity=0.1)
+    monkeypatch.setattr(fig06, "no_propagation", lambda: SimpleNamespace(threshold=0.0106))
+    monkeypatch.setattr(fig06, "disagreement", lambda *_: 1e-9)
+    monkeypatch.setattr("verification.references.friction_cell.averaged_front", lambda _: 1.5)
+    for v, error in ((0.5, 1e-3), (None, 1e-3), (0.5, None)):
+        front = SimpleNamespace(v=v, error=error, chain=chain, status="lost")
+        monkeypatch.setattr(
+            "verification.fronts.measure.measure_front", lambda *_, f=front, **__: f
+        )
+        if v and error:
+            assert set(fig06.velocities.__wrapped__().v) == {v}
+            assert fig13._belt(1.25) == pytest.approx((1.25, 5.0, 0.01, 1.5))
+            continue
+        with pytest.raises(ArithmeticError, match="no velocity"):
+            fig06.velocities.__wrapped__()
+        with pytest.raises(ArithmeticError, match="no front"):
+            fig13._belt(1.25)
+
+
+def test_patterns_that_persist_are_those_that_are_as_they_were() -> None:
+    kept = list(text_friction.PATTERNS)
+    kept[1] = (15, 16)
+    late = {text_friction.BISTABLE: tuple(kept), 1.05: ((1,), (1,)), 1.95: ((), (2,))}
+    found = evidence(text_friction.Patterns, late=late)
+    assert found.kept == len(kept) - 1
+    assert found.ends == {text_friction.BISTABLE: len(set(kept)), 1.05: 1, 1.95: 2}
+
+
+AWAY = np.abs(np.arange(SITES) - SITES // 2).astype(float)
+"""Distance of each site from the one in the middle."""
+
+
+@pytest.mark.parametrize("late", [None, SITES // 2 - 1, SITES // 2 + 1, 2, SITES - 3])
+def test_a_front_is_one_in_which_every_site_joins_after_the_one_before(
+    late: int | None, monkeypatch: Patch
+) -> None:
+    arrivals = AWAY.copy()
+    if late is not None:
+        arrivals[late] += 1.5
+
+    class Running:
+        def __init__(self, chain: Any, *_: Any, **__: Any) -> None:
+            self.arrivals = np.where(AWAY > 0.0, arrivals, np.nan)
+
+        def advance_to(self, _: float) -> None: ...
+
+    def run(chain: Any, _: Any, end: float, **__: Any) -> Any:
+        assert chain.eps * end == pytest.approx(text_friction.SLOW_END)
+        return SimpleNamespace(arrivals=np.where(AWAY > 0.0, AWAY, np.nan))
+
+    def evolution(joined: Any, *_: Any) -> Evolution:
+        assert joined[SITES // 2] == 0.0  # the one that is excited is there from the start
+        return Evolution(outcome=Outcome.FRONT, size=1, sizes=(1,), longest_pause=0.0,
+                         slow_time=1.0)  # fmt: skip
+
+    monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
+    monkeypatch.setattr("verification.runs.simulate.simulate", run)
+    monkeypatch.setattr("verification.breathers.outcome.evolution", evolution)
+    monkeypatch.setattr(text_friction, "disagreement", lambda *_: 0.0)
+    found = text_friction.nucleation.__wrapped__()
+    fronts = 2 * len(text_friction.FRICTION)
+    assert found.outward == (*(late is None,) * fronts, True)
+    assert found.ends == {"front"}
+
+
+@pytest.mark.parametrize("part", [0.9, 1.05])
+def test_cycles_are_fixed_points_of_a_turn_and_multipliers_their_slopes(
+    part: float, monkeypatch: Patch
+) -> None:
+    def turn(a: float, b: float, height: float) -> float:
+        """Return the next height, with fixed points at a part of those of the averaged cell."""
+        root = math.sqrt(1.0 - 8.0 * b / a**2)
+        inner, outer = (part * math.sqrt(a / b * (1.0 + sign * root)) for sign in (-1.0, 1.0))
+        return height - 0.25 * height * (height - inner) * (height - outer) / (inner * outer)
+
+    centre, slip, growth = text_vdp_centre(), 0.625, 1.25
+
+    def run(_: Any, end: float, start: list[float]) -> Any:
+        then = slip + growth * (start[1] - slip)
+        return lambda time: np.array([centre + 6.0 - time, then])
+
+    monkeypatch.setattr(text_vdp, "_turn", turn)
+    monkeypatch.setattr(text_vdp, "_trajectory", run)
+    monkeypatch.setattr("verification.references.friction_cell.highest_after_slip", lambda _: 0.0)
+    found = text_vdp.cells.__wrapped__()
+    assert found.predicted == pytest.approx(abs(part - 1.0))
+    assert found.friction_inner == pytest.approx((slip, growth))
+    assert (found.friction_inside, found.friction_outside, found.sticks) == (True, True, True)
+    for inner, outer, rest in zip(found.inner, found.outer, found.rest, strict=True):
+        ratio = outer[0] / inner[0]
+        # By hand: the slope of the cubic at its roots.
+        assert (inner[1], outer[1]) == pytest.approx(
+            (1.0 + 0.25 * (ratio - 1.0) / ratio, 1.0 - 0.25 * (ratio - 1.0))
+        )
+        assert rest == pytest.approx(0.75, abs=0.01)
+
+
+def text_vdp_centre() -> float:
+    """Return where the belt cell slides steadily."""
+    from verification.references.friction_cell import CELL
+
+    return CELL.steady_sliding
+
+
+# ------------------------------------------------------------------- breathers and their thresholds
+
+
+def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> None:
+    def orbit(c: float) -> Any:
+        return SimpleNamespace(amplitudes=c + np.arange(11.0), error=c, state=np.ones(4), period=c)
+
+    def flow(state: Any, c: float, period: float) -> Any:
+        assert period == c
+        return state + slack[c == fig08.COUPLINGS[-1]]
+
+    slack = [0.25, -0.5]
+
+    monkeypatch.setattr(fig08, "orbit_of", orbit)
+    monkeypatch.setattr(fig08, "flow", flow)
+    none = SimpleNamespace(status=SimpleNamespace(value="none"))
+    monkeypatch.setattr("theory.averaged.breather.solve_breather", lambda *_: none)
+    monkeypatch.setattr(fig08, "closed_form", lambda reading, c: np.stack([5.25 + c, 6 + c], 1))
+    assert fig08.amplitudes().closing == pytest.approx(0.5)
+    slack.reverse()
+    found = fig08.amplitudes()
+    assert found.closing == pytest.approx(0.5)
+    assert found.off == pytest.approx((0.25, 0.0))
+    assert found.error == max(fig08.COUPLINGS)
+    assert found.centre_has_none
+
+
+def test_a_crossing_is_where_the_growth_of_its_own_parity_changes_sign(monkeypatch: Patch) -> None:
+    def along(c: float, *, misprinted: bool = False) -> Any:
+        at = (0.196, 0.197) if misprinted else (0.194, 0.195)
+        return SimpleNamespace(symmetric=c - at[0], antisymmetric=c - at[1])
+
+    monkeypatch.setattr(fig09, "_approximate", along)
+    found = [fig09._crossing(parity, misprinted=wrong)
+             for wrong in (False, True) for parity in ("symmetric", "antisymmetric")]  # fmt: skip
+    assert found == pytest.approx([0.194, 0.195, 0.196, 0.197], abs=1e-8)
+
+
+def test_a_run_in_phase_is_judged_by_its_end_and_a_perturbed_one_by_its_second_half() -> None:
+    times = np.linspace(0.0, fig10.END, 9)
+    exact, noisy = np.full((9, 2), 0.5), np.full((9, 2), -0.5)
+    exact[:3] = 0.0
+    exact[7, 1], exact[-1] = 0.52, (0.5, -0.5)
+    noisy[:5], noisy[6, 0] = 0.0, -0.75
+    steps = {(n, noise): noisy if noise else exact[:, : n - 1] if n == 3 else exact
+             for n in fig10.SIZES for noise in (0.0, fig10.NOISE)}  # fmt: skip
+    found = evidence(fig10.InPhase, times=times, steps=steps)
+    assert found.end_steps.tolist() == [0.5, 0.5]
+    assert found.locked_from == times[2]
+    assert found.symmetric_change == pytest.approx(1.02)
+    assert found.wandering == pytest.approx(0.25)
+
+
+def test_folds_agree_with_runs_up_to_the_brackets_of_these_and_rounding() -> None:
+    def folds(gap: float, run_error: float) -> fig11.Folds:
+        return evidence(fig11.Folds, averaged={1: 0.0, 3: 0.0, 5: 0.0}, runs={1: -gap, 3: 0.0},
+                        run_error=run_error)  # fmt: skip
+
+    assert folds(0.9e-4, 1e-4).agree
+    assert folds(0.0, 0.0).agree
+    assert folds(5e-9, 0.0).agree
+    assert not folds(1.1e-4, 1e-4).agree
+    assert not folds(2e-8, 0.0).agree
+
+
+def test_the_spread_of_folds_is_of_the_larger_sizes_and_the_step_between_three_and_five() -> None:
+    orbit = {1: 0.1, 3: 0.4, 5: 0.3125, 7: 0.25, 9: 0.28125}
+    found = evidence(fig11.Folds, orbit=orbit)
+    assert (found.spread, found.step) == (0.0625, 0.4 - 0.3125)
+
+
+def test_the_rate_that_a_printed_value_implies_is_found_again() -> None:
+    rate, folds = {1: 3e-5, 3: 1.2e-4}, {1: 0.19, 3: 0.2}
+    own = {n: float(text) - folds[n] for n, text in fig11.PRINTED.items()}
+    delay = {n: late / rate[n] ** (2.0 / 3.0) for n, late in own.items()}
+    rates = (4e-5, 1e-5)
+    found = evidence(
+        fig11.Sweeps, rates=rates,
+        folds=evidence(fig11.Folds, orbit=folds, averaged={1: 0.18, 3: 0.19}),
+        escapes={n: tuple(c + delay[n] * each ** (2.0 / 3.0) for each in rates)
+                 for n, c in ((1, 0.18), (3, 0.19))},
+    )  # fmt: skip
+    assert found.late == pytest.approx(own)
+    assert found.implied == pytest.approx(rate)
+    assert found.ratio == pytest.approx(4.0)
+
+
+def ended(c: float, *stable: tuple[float, float]) -> fig11.Ended:
+    return fig11.Ended(c_end=c, stable=stable)
+
+
+def test_of_many_breathers_the_largest_couplings_count() -> None:
+    found = evidence(
+        fig11.Nuclei,
+        branches={1: (ended(0.19, (0.0, 0.18)),), 2: (ended(0.195, (0.0, 0.1), (0.15, 0.16)),),
+                  3: (ended(0.2), ended(0.1)), 5: (ended(0.199), ended(0.15, (0.1, 0.12)))},
+        growth_here={1: 0.1, 3: 0.3}, growth_by_envelope={1: 0.2, 3: 0.25},
+    )  # fmt: skip
+    assert found.stable == {1: 0.18, 2: 0.16, 5: 0.12}
+    assert found.odd_stable == (5,)
+    assert found.last == (3, 0.2)
+    assert found.last_stable == (1, 0.18)
+    assert found.solvers_apart == pytest.approx(0.1)
+
+
+def test_of_each_nucleus_with_random_phases_the_sites_in_the_cycle_are_counted(
+    monkeypatch: Patch,
+) -> None:
+    seen = []
+
+    def run(chain: Any, phi: Any, _: float) -> Any:
+        size = np.abs(phi)
+        excited = np.flatnonzero(size)
+        assert np.allclose(size[excited], chain.stable_amplitude)
+        assert excited.tolist() == list(range(excited[0], excited[-1] + 1))
+        assert abs(excited[0] + excited[-1] - (chain.sites - 1)) <= 1
+        seen.append((excited.size, np.angle(phi[excited])))
+        joined = np.full(phi.size, 0.99 * chain.unstable_amplitude)
+        joined[: excited.size + 2] = 1.01 * chain.unstable_amplitude
+        return SimpleNamespace(phi=joined * np.exp(1j))
+
+    monkeypatch.setattr("verification.runs.envelope_run.run_envelope", run)
+    assert fig11._seeded_runs() == tuple(n + 2 for n in fig11.RANGE)
+    assert [n for n, _ in seen] == list(fig11.RANGE)
+    assert len({angles[0] for _, angles in seen}) == len(seen)
+
+
+def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
+    monkeypatch: Patch,
+) -> None:
+    models = "verification.references.phase_locked."
+    made = {"locked_breathers": ("every",), "family": ("some", "few")}
+    for name, found in made.items():
+        monkeypatch.setattr(models + name, lambda n, a, b, found=found: [(n, x) for x in found])
+    ends = {"every": 0.1, "some": 0.2, "few": 0.3}
+    monkeypatch.setattr(models + "follow", lambda each, a, b: ended(ends[each[1]]))
+    monkeypatch.setattr(models + "outward_breather", lambda n, c, a, b: (n, c))
+    monkeypatch.setattr(
+        models + "growth_rate",
+        lambda u, c, a, b, mirrored=False: -u[0] - c if mirrored else u[0] + c,
+    )
+    other = "verification.breathers.envelope.solve_envelope_breather"
+    monkeypatch.setattr(other, lambda chain, nucleus: SimpleNamespace(growth=nucleus.size + 0.3))
+    monkeypatch.setattr(fig11, "_orbit_growth", lambda found: tuple(each.c_end for each in found))
+    monkeypatch.setattr(fig11, "_seeded_runs", tuple)
+    found = fig11.nuclei.__wrapped__()
+    counts = {n: [each.c_end for each in some] for n, some in found.branches.items()}
+    assert counts == {n: [0.1] for n in fig11.RANGE} | {n: [0.2, 0.3] for n in fig11.FAMILY}
+    assert found.orbit_growth == (0.1,)
+    assert found.solvers_apart == pytest.approx(0.2)
+    # The least negative of each is at the smallest coupling.
+    assert found.growth_mirrored == {n: -n - fig11.MIRRORED_AT[0] for n in (3, 5, 7)}
+
+
+@pytest.mark.parametrize(
+    ("ends", "follow"),
+    [
+        ({0.1: "held", 0.2: "larger nucleus", 0.3: "larger nucleus", 0.4: "front", 0.5: "front"},
+         True),
+        ({0.2: "larger nucleus", 0.3: "front", 0.4: "larger nucleus", 0.5: "front"}, False),
+        ({0.2: "larger nucleus"}, False),
+        ({0.5: "front"}, False),
+    ],
+)  # fmt: skip
+def test_fronts_follow_larger_nuclei_if_none_runs_below(
+    ends: dict[float, str], follow: bool
+) -> None:
+    assert text_nuclei.succession(ends) is follow
+
+
+# -------------------------------------------------------------------------- fronts of smooth chains
+
+
+@pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
+def test_the_local_exponent_of_a_power_law_is_its_power(power: float) -> None:
+    c = np.array([1.0, 4.0, 9.0, 25.0])
+    middle, exponent = fig13.local_exponents(c.tolist(), (7.0 * c**power).tolist())
+    assert middle == pytest.approx([2.0, 6.0, 15.0])
+    assert exponent == pytest.approx([power] * 3)
+
+
+def test_velocities_are_held_against_a_line_and_the_law_at_the_last_coupling() -> None:
+    c = (1.0, 2.0, 6.0)
+    found = evidence(
+        fig13.Scaling, c=c, v=(1.0, 2.0, 18.0), kappa=0.5, full_c=c, full_v=(3.0, 5.0, 13.0),
+        full_error=(0.3, 1.0, 1.3),
+    )  # fmt: skip
+    assert found.line == pytest.approx((1.0, 2.0))
+    assert found.residual == pytest.approx(0.0, abs=1e-12)
+    assert found.exponent == pytest.approx(2.0)
+    assert found.last == (18.0, 6.5)
+    assert found.worst == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_law_is_off_by_what_the_error_of_the_run_does_not_explain(side: float) -> None:
+    rows = (
+        (0.01, 10.0, 2.0, 0.0, 3.0, 1.0), (0.01, 100.0, 4.0, 0.5, 4.0 + side, 3.0),
+        (0.08, 300.0, 5.0, 0.0, 5.0, 6.0), (0.08, 1000.0, None, 0.0, 9.0, 6.0),
+    )  # fmt: skip
+    found = evidence(fig13.Law, rows=rows, turning=0.05)
+    assert found.worst == pytest.approx(0.125)
+    assert len(found.settled) == 3
+    assert found.outrun
+    assert not evidence(fig13.Law, rows=rows, turning=0.005).outrun
+    assert not evidence(fig13.Law, rows=rows, turning=0.09).outrun
+
+
+def test_averaged_cells_agree_if_they_are_on_the_same_side_of_one() -> None:
+    rows = ((1.2, 1.5, 0.01, 1.1), (1.25, 0.9, 0.01, 0.5))
+    assert evidence(fig13.Law, belt=rows).belt_agrees
+    assert not evidence(fig13.Law, belt=(*rows, (1.3, 0.9, 0.01, 1.1))).belt_agrees
+
+
+def test_the_velocities_of_a_front_are_between_its_places() -> None:
+    times = np.array(fig12.TIMES)
+    early, late = np.diff(times)
+    places = (10.0, 10.0 + 0.5 * fig12.EPS * early, 10.0 + fig12.EPS * (0.5 * early + 0.75 * late))
+    assert evidence(fig12.Steady, places=places).velocities == pytest.approx((0.5, 0.75))
+
+
+def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
+    monkeypatch: Patch,
+) -> None:
+    delay, last = 100.0, fig12.TIMES[-1] + fig12.BEYOND
+    reached = int(last / delay)
+    apart = np.zeros(fig12.COMPARED + 4)
+
+    def run(chain: Any, _: Any, end: float, **__: Any) -> Any:
+        assert end >= last
+        arrivals = np.full(chain.sites, np.nan)
+        arrivals[:reached] = delay * np.arange(min(reached, chain.sites))
+        times = np.linspace(0.0, end, 206)
+        ones = np.ones((206, chain.sites))
+        return SimpleNamespace(
+            arrivals=arrivals,
+            times=times,
+            level=1.0,
+            arrival_error=1e-6,
+            psi=1j * times[:, None] * ones,
+            amplitude=2 * times[:, None] * ones,
+        )
+
+    def by_scipy(chain: Any, end: float, *_: float) -> Any:
+        assert end > delay * fig12.COMPARED
+        return delay * np.arange(chain.sites) + apart
+
+    monkeypatch.setattr("verification.runs.simulate.simulate", run)
+    monkeypatch.setattr("verification.references.passages.arrivals_of_chain", by_scipy)
+    monkeypatch.setattr(fig12, "SITES", reached + 20)
+    for apart[3] in (0.25, -0.25):
+        assert fig12.steady().gap == pytest.approx(0.25)
+    apart[fig12.COMPARED + 1] = 9.0  # beyond what is compared
+    found = fig12.steady()
+    assert found.gap == pytest.approx(0.25)
+    assert found.places == pytest.approx([1.0 + time / delay for time in fig12.TIMES])
+    assert (found.delay, found.spread, found.in_order) == pytest.approx((delay, 0.0, True))
+    shown = [shape[0] for shape in found.shapes]
+    assert shown == pytest.approx(fig12.TIMES, abs=0.5 * last / 205)
+    assert found.amplitudes[0][0] == pytest.approx(2.0 * shown[0])
+
+
+def test_of_a_collapsed_curve_the_range_of_velocities_and_of_fast_fronts_are_stated() -> None:
+    averaged = [2.0 * fig14.C] * len(fig14.ETAS)
+    averaged[4:] = [fig14.C, *[0.25 * fig14.C] * (len(averaged) - 5)]
+    found = evidence(fig14.Collapse, averaged=tuple(averaged))
+    assert (found.fast_to, found.varies) == (fig14.ETAS[4], 8.0)
+
+
+# ----------------------------------------------------------------------------------- maps of states
+
+
+MET = table(
+    c=[0.3, 0.1, 0.2, 0.4, 0.1, 0.2, 0.3, 0.4], v_d=[1.0] * 4 + [2.0] * 4,
+    label=["front", "breather", "breather", "front", "breather", "undecided", "breather", "rest"],
+)  # fmt: skip
+
+
+def test_a_sequence_has_each_state_once_with_growing_coupling() -> None:
+    assert fig15.sequence(MET, "v_d", 1.0) == ("breather", "front")
+    assert fig15.sequence(MET, "v_d", 2.0) == ("breather", "rest")
+    assert fig15.sequences(MET, "v_d") == {("breather", "front"), ("breather", "rest")}
+
+
+def test_maps_are_alike_by_their_columns_and_the_first_forcing_of_each(monkeypatch: Patch) -> None:
+    """Both maps have the core sequences in one order, at forcings that the labels decide."""
+    asked = []
+
+    def labels(c: float, forcing: float) -> str:
+        return "fixed point" if forcing > 2 else "breather" if c < 0.3 else (
+            "front" if forcing < 1 else "fixed point")  # fmt: skip
+
+    def sweep(task: Any, points: Any, **_: Any) -> Table:
+        name = "v_d" if "v_d" in points[0] else "eta"
+        forcings = sorted({point[name] for point in points})
+        asked.append((name, forcings))
+        rank = {x: 3.0 * k / len(forcings) for k, x in enumerate(forcings)}
+        couplings = sorted({point["c"] for point in points})
+        middle = couplings[len(couplings) // 2]
+        return table(
+            **{name: [point[name] for point in points], "c": [point["c"] for point in points]},
+            label=[labels(0.3 * (point["c"] >= middle), rank[point[name]]) for point in points],
+        )
+
+    monkeypatch.setattr("verification.execution.sweep.sweep", sweep)
+    monkeypatch.setattr(fig15, "labels_by_scipy", lambda: ("front", "breather", "fixed point"))
+    monkeypatch.setattr(fig15, "labels_at_checked", lambda _: ("front", "breather", "front"))
+    found = fig15.alike()
+    assert not found.confirmed
+    assert found.one == found.two == frozenset(fig15.CORE)
+    for (name, forcings), model in zip(asked, ("I", "II"), strict=True):
+        assert (name == "v_d") == (model == "I")
+        rank = [3.0 * k / len(forcings) for k in range(len(forcings))]
+        first = [next(x for x, r in zip(forcings, rank, strict=True) if low(r)) for low in
+                 (lambda r: r < 1, lambda r: 1 <= r <= 2, lambda r: r > 2)]  # fmt: skip
+        assert found.first_at[model] == tuple(first)
+    assert asked[0][1][0] > 1.0
+    assert asked[0][1][-1] < 2.0  # the range of Fig. 5
+
+
+def test_a_chain_is_watched_after_the_front_has_filled_it(monkeypatch: Patch) -> None:
+    counts = [1, 9, 16, 16, 12, 7, 11]
+
+    def run(chain: Any, *_: Any, **__: Any) -> Any:
+        on, off = chain.stable_amplitude, 1.01 * chain.unstable_amplitude
+        rows = [np.where(np.arange(chain.sites) < n, on, off) for n in counts]
+        return SimpleNamespace(amplitude=np.array(rows))
+
+    monkeypatch.setattr("verification.runs.simulate.simulate", run)
+    assert fig15._least_after_filling(0.09, 0.5) == 7
+    counts[2:4] = [15, 15]
+    with pytest.raises(ArithmeticError, match="no front fills"):
+        fig15._least_after_filling(0.09, 0.5)
+
+
+# ----------------------------------------------------------------------- the piecewise-linear chain
+
+
+def run_of(v: float | None, steady: bool = True) -> Any:
+    return SimpleNamespace(v=v, steady=steady)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_steady_run_counts_and_the_worst_of_them(side: float) -> None:
+    runs = (run_of(1.0), run_of(2.0), run_of(9.0, steady=False))
+    found = evidence(fig17.Scaling, runs=runs, theory=(1.0 + 0.25 * side, 2.0, 3.0))
+    assert found.gap == 0.25
+    pairs = tuple(zip(fig18.ETAS, (runs[1], runs[0], runs[2], runs[0], runs[0]), strict=True))
+    alike = evidence(fig18.Alike, runs=pairs, simplified=(2.0, 1.0 + 0.25 * side, 1.0, 1.0, 1.0))
+    assert alike.gap == 0.25
+
+
+@pytest.mark.parametrize(
+    ("v", "steady", "gap", "reached"),
+    [
+        (2.0, True, 0.0, (False, False)),  # the admissible solution
+        (1.0, True, 1.0, (True, False)),  # one that is not
+        (-3.0, True, 5.0, (False, True)),
+        (2.25, True, 0.25, (False, False)),
+        (1.0, False, None, (False, False)),  # not steady: no front
+        (None, True, None, (False, False)),
+    ],
+)
+def test_a_chain_that_moves_at_an_inadmissible_velocity_is_told(
+    v: float | None, steady: bool, gap: float | None, reached: tuple[bool, ...], monkeypatch: Patch
+) -> None:
+    kinds = {1.0: False, 2.0: True, -3.0: False, 7.0: None}
+    branches = [SimpleNamespace(v=each, admissible=kind) for each, kind in kinds.items()]
+    relation = "theory.piecewise.kinetic_relation.kinetic_relation"
+    monkeypatch.setattr(relation, lambda *_: SimpleNamespace(branches=branches))
+    simulated = "verification.piecewise.simulation.simulate_front"
+    monkeypatch.setattr(simulated, lambda *_: run_of(v, steady))
+    found = fig17.admissibility()
+    sets = len(found.reached) // 2
+    assert found.reached == reached * sets
+    assert [each for *_, each in found.inadmissible] == [1.0, -3.0] * sets
+    assert len({(c, eta) for c, eta, _ in found.inadmissible}) == sets
+    assert found.runs == (0 if gap is None else sets)
+    if gap is not None:
+        assert found.gap == pytest.approx(gap)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_range_of_a_nearly_linear_velocity_is_below_the_resonances(side: float) -> None:
+    c = (0.5, 1.0, 2.0, 4.0, 50.0)
+    exponent = (0.5, 1.0 + 0.09 * side, 1.0 - 0.09 * side, 1.0 + 0.2 * side, 1.0)
+    found = evidence(fig17.Scaling, c=c, exponent=exponent, by_series=1.0 + 0.25 * side)
+    assert found.linear_range == (1.0, 2.0)
+    assert found.series_gap == 0.25
+    assert found.last == 1.0
+
+
+def test_the_exponent_from_sums_is_that_of_the_curve_on_which_they_are_constant(
+    monkeypatch: Patch,
+) -> None:
+    for power in (0.5, 1.0, 3.0):
+
+        def total(v: float, c: float, power: float = power) -> Any:
+            return SimpleNamespace(value=-2.0 * (c**power / v) ** 1.5 * 1j)
+
+        monkeypatch.setattr("theory.piecewise.sums.series.sum_by_roots", total)
+        assert fig17._exponent_by_series(4.0, 0.7) == pytest.approx(power, rel=1e-6)
+
+
+def test_slopes_of_both_chains_are_told_from_one_eta_to_the_next() -> None:
+    eta = np.array(fig18.ETAS)
+    found = evidence(fig18.Alike, averaged=tuple(eta**-0.5), simplified=tuple(3.0 * eta**-1.25))
+    assert found.slopes == ", ".join(["-0.50 and -1.25"] * (eta.size - 1))
+
+
+def test_the_decay_of_a_chain_with_one_rate_is_that_rate_and_off_by_nothing() -> None:
+    place = np.abs(np.arange(fig07.SITES) - fig07.CENTRE)
+    tail = math.exp(-math.asinh(0.5 / fig07.C))
+    orbit = 3.0 * tail**place
+    found = evidence(fig07.Localised, orbit=orbit, run=orbit, harmonics=orbit + 0.25 * (place > 3))
+    assert found.ratios == pytest.approx([tail] * 4)
+    assert found.rate == pytest.approx(math.log(tail))
+    assert found.off == pytest.approx(0.0, abs=1e-12)
+    assert found.first_off == pytest.approx(0.0, abs=1e-12)
+    assert found.gap == 0.25

@@ -1,0 +1,271 @@
+"""What the report makes of judgements and of stored measurements, a piece at a time.
+
+The commands and the pages as a whole are those of `tests.test_report`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from paper_checks import prose, run, shipped
+from paper_checks.claim import Claim, Method, Verdict
+from paper_checks.discover import Entry
+from paper_checks.finding import Finding, Picture
+from paper_checks.outcome import Judgement, Outcome
+from paper_checks.report import measurements, state_picture
+from paper_checks.report.document import make_report, to_json
+from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
+from paper_checks.report.terminal import report_as_text
+from paper_checks.ruling import holds
+
+PICTURE = Picture("fig16-speed", "Speed.", "<svg/>", "")
+FINDING = Finding(
+    verdict=Verdict.PARTIAL, value="1", error="0", methods=("one",), tolerance="none",
+    explanation="It is.", because="It is off.", part="everywhere", pictures=(PICTURE,),
+)  # fmt: skip
+
+
+def claim(key: str, **changes: Any) -> Claim:
+    return replace(
+        Claim(
+            key=key, place="Fig. 16", quote="It holds everywhere.", statement="It holds.",
+            recorded=Verdict.REPRODUCED, command="true", evidence=object, rule=lambda _: holds(),
+            methods=(Method("one", "theory.cells.vdp:f"),),
+        ),
+        **changes,
+    )  # fmt: skip
+
+
+def outcome(key: str, finding: Finding | None = FINDING, **changes: Any) -> Outcome:
+    failure = None if finding else "ArithmeticError: no root."
+    return Outcome(Entry("fig16", claim(key, **changes)), Judgement(finding, failure, 1.0, "now"))
+
+
+def report_of(*outcomes: Outcome) -> Any:
+    return make_report(outcomes, seconds=1.0, available=9, versions={}, source="0")
+
+
+# ------------------------------------------------------------------------------------- judging
+
+
+def test_claims_with_work_in_common_are_one_group_and_others_are_not() -> None:
+    def work() -> None: ...
+
+    entries = [
+        Entry("fig16", claim("a", evidence=lambda: 1, shared=work)),
+        Entry("fig16", claim("b", evidence=tuple)),
+        Entry("fig16", claim("c", evidence=lambda: 2, shared=work)),
+        Entry("fig16", claim("d", evidence=tuple)),
+        Entry("fig16", claim("e", evidence=list)),
+    ]
+    groups = [[entry.claim.key for entry in group] for group in run.sharing(entries)]
+    assert groups == [["a", "c"], ["b", "d"], ["e"]]
+
+
+def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told: list[str] = []
+    tried: list[tuple[str, ...]] = []
+
+    def answers(_: Any, keys: Any, *, begun: Any, **__: Any) -> Any:
+        for index, group in enumerate(keys):
+            begun(index)
+            tried.append(group)
+            dead = "dies" in group
+            fine = tuple(Judgement(FINDING, None, 1.0, key) for key in group)
+            yield index, RuntimeError("its process died.") if dead else fine
+
+    monkeypatch.setattr(run, "answers", answers)
+    entries = [Entry("fig16", claim(key, evidence=tuple)) for key in ("holds", "dies")]
+    entries.append(Entry("fig16", claim("other", evidence=list)))
+    progress = SimpleNamespace(start=told.append, done=lambda _: None)
+    found = run.run(entries, jobs=2, progress=progress)
+    assert tried == [("holds", "dies"), ("other",), ("holds",), ("dies",)]
+    assert told == ["holds", "dies", "other", "holds", "dies"]
+    assert [one.judgement.failure for one in found] == [None, "its process died.", None]
+    assert [one.finding for one in found] == [FINDING, None, FINDING]
+    assert [one.pictures for one in found] == [(PICTURE,), (), (PICTURE,)]
+
+
+def test_shipped_evidence_goes_into_a_folder_that_may_not_be_there(tmp_path: Path) -> None:
+    folder = tmp_path / "deep" / "findings"
+    entry = Entry("fig16", claim("a", evidence=_evidence, expensive=True))
+    path = shipped.Shipped(folder, ("tests",)).record(entry, Judgement(FINDING, None, 1.0, ""), {})
+    assert path.parent == folder
+    assert path.is_file()
+
+
+def _evidence() -> None: ...
+
+
+@pytest.mark.parametrize("seconds", [0.5 * shipped.CHEAP, 2.0 * shipped.CHEAP])
+def test_stale_evidence_that_takes_long_is_shown_unless_it_is_to_be_renewed(
+    seconds: float, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    entry = Entry("fig16", claim("a", evidence=_evidence, expensive=True))
+    here = shipped.Shipped(tmp_path, ("tests",))
+    here.record(entry, Judgement(FINDING, None, seconds, "2026-01-01T00:00:00Z"), {})
+    monkeypatch.setattr(shipped, "judged_by", lambda *_, **given: given["provenance"])
+    fresh: Any = here.load(entry)
+    assert fresh.stale is False
+    monkeypatch.setattr(shipped, "digest_of_code", lambda *_: "of other code")
+    stale: Any = here.load(entry)
+    assert (stale is None) is (seconds < shipped.CHEAP)
+    assert stale is None or stale.stale
+    assert replace(here, renew=True).load(entry) is None
+
+
+def test_a_folder_without_code_is_no_module_beside_which_a_text_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "only_a_folder").mkdir()
+    monkeypatch.syspath_prepend(str(tmp_path))
+    for name in ("only_a_folder", "no_such_thing"):
+        with pytest.raises(ValueError, match=f"no module {name}"):
+            prose.template(name, "key")
+
+
+# ------------------------------------------------------------------------------ the whole report
+
+
+def test_claims_are_counted_by_their_methods_and_those_that_cannot_be_judged_are_not() -> None:
+    two = (Method("one", "a:f"), Method("other", "b:f"))
+    found = report_of(
+        outcome("a", methods=two), outcome("b"), outcome("c", methods=two), outcome("d", None),
+        outcome("e", methods=two), outcome("f", recorded=Verdict.UNTESTABLE),
+    )  # fmt: skip
+    assert found.confirmed == (3, 2)
+
+
+def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> None:
+    held, failed = to_json(report_of(outcome("a"), outcome("b", None)))["claims"]
+    for name in ("value", "error", "tolerance", "explanation", "part"):
+        assert held[name] == getattr(FINDING, name)
+        assert failed[name] is None
+    assert (held["verdict"], failed["verdict"]) == ("holds only in part", None)
+    assert (held["failure"], failed["failure"]) == (None, "ArithmeticError: no root.")
+    assert held["pictures"][0]["svg"] == "fig16-speed.svg"
+
+
+def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_own() -> None:
+    width = 60
+    long = replace(FINDING, explanation="Many words. " * 30)
+    text = report_as_text(report_of(outcome("a", long), outcome("b", None)), width)
+    assert all(len(line) <= width for line in text.splitlines())
+    first, second = text.split("\n\n")[1:]
+    head, *lines = first.splitlines()
+    assert head == "a (Fig. 16): partial (changed)"
+    assert all(line.startswith("  ") for line in lines)
+    for shown in ("  The part that fails: “everywhere”", "  Figure: fig16-speed"):
+        assert shown in lines
+    # A failure is no change of the verdict: it is named by itself.
+    assert second.splitlines()[0] == "b (Fig. 16): failed"
+    kept = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="", pictures=())
+    assert "(changed)" not in report_as_text(report_of(outcome("a", kept)))
+    assert "Figure" not in report_as_text(report_of(outcome("a", kept)))
+
+
+def test_of_many_claims_a_headline_is_the_finding_s_own_or_its_verdict() -> None:
+    said = replace(FINDING, headline="Read this first.")
+    others = [outcome(f"k{n}", None) for n in range(9)]
+    text = report_as_text(report_of(outcome("a", said), outcome("b"), *others))
+    assert "- Read this first. (a)" in text
+    assert "- Fig. 16: It holds. Holds only in part: It is off. (b)" in text
+
+
+# ----------------------------------------------------------------------------- stored measurements
+
+
+def test_a_default_that_is_nowhere_the_fastest_is_said_to_be_so(tmp_path: Path) -> None:
+    def choice(recorded: str, **known: Any) -> dict[str, Any]:
+        empty = {"quantity": "sum", "problem": "narrow", "default": "series", "fastest": [],
+                 "beaten": [], "recorded": recorded}  # fmt: skip
+        return empty | known
+
+    rivals = [{"by": "quad", "error": 1e-3, "factor": 2.5}, {"by": "quad", "error": 1e-4,
+              "factor": 4.0}, {"by": "quad", "error": 1e-5, "factor": None}]  # fmt: skip
+    choices = [
+        choice("2026-01-02", beaten=rivals, reasons={"quad": "it is new", "sinc": "no"}),
+        choice("2026-01-01", fastest=[1e-3, 1e-4], others={"newton": "one root"}),
+    ]
+    found = measurements._defaults({"defaults": {"choices": choices}}, tmp_path)
+    assert found is not None
+    assert (found.key, found.title) == ("defaults", "The default methods")
+    first, second = (dict(zip(found.head, row, strict=True)) for row in found.rows)
+    faster = "Another one is faster at"
+    assert first["Fastest at errors"] == second[faster] == "nowhere"
+    assert second["Fastest at errors"] == "10⁻³ to 10⁻⁴"
+    assert first[faster] == (
+        "10⁻³ to 10⁻⁵: quad, 2.5 to 4 times, and the default does not get so far"
+    )
+    assert first["Why it is the default all the same"] == "quad: it is new; sinc: no"
+    assert second["Why it is the default all the same"] == "-"
+    assert second["Solve another problem"] == "newton: one root"
+    (origin,) = found.origins
+    assert (origin.date, origin.machine) == ("2026-01-01 to 2026-01-02", "as above")
+
+
+def test_where_a_range_ends_before_its_parameter_does_the_reason_is_beside_it(
+    tmp_path: Path,
+) -> None:
+    line = {"quantity": "sum", "points": 3, "counts": {"right": 3}, "what": "Σ", "slowest": 0.5}
+    record: dict[str, Any] = {
+        "quantities": [line | {"over": "c to 10", "ends": "no reference"}, line | {"over": "v"}],
+        "points": 6, "counts": {"right": 6, "slow": 0},
+        "command": "fronts stress", "date": "2026-01-01", "versions": {},
+        "machine": {"processor": "made up", "cores": 2},
+    }  # fmt: skip
+    found = measurements._stability({"stability": record}, tmp_path)
+    assert found is not None
+    rows = [dict(zip(found.head, row, strict=True)) for row in found.rows]
+    assert [row["Over"] for row in rows] == ["c to 10 (no reference)", "v", ""]
+    assert [row["Slow"] for row in rows] == ["-", "-", "0"]
+    assert [row["Slowest"] for row in rows] == ["0.5 s", "0.5 s", ""]
+    assert rows[-1]["Points"] == "6"
+
+
+def test_sections_have_an_address_a_title_and_a_lead(monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = Path(__file__).parent / "report_example" / "measured"
+    monkeypatch.setattr(measurements, "RESULTS", folder)
+    found = measurements.stored_sections()
+    assert len({section.key for section in found}) == len(found) > 3
+    for section in found:
+        assert re.fullmatch(r"[a-z-]+", section.key)
+        assert section.title[0].isupper()
+        assert not section.title.endswith(".")
+        assert section.lead.endswith(".")
+
+
+# ------------------------------------------------------------------------- pictures and equations
+
+
+def test_a_place_on_the_last_tick_is_in_the_last_cell() -> None:
+    ticks = np.array([0.0, 1.0, 2.0])
+    places = [state_picture._before(ticks, x) for x in (-1.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0)]
+    assert places == [0, 0, 0, 1, 1, 1, 1]
+    assert state_picture._before(ticks[:1], 0.0) == 0
+
+
+def test_brackets_are_taken_apart_where_more_is_in_them_than_a_line_holds() -> None:
+    sizes = set()
+    for number in range(1, WIDE):
+        (row,) = mathml_element(rf"\left({'x' * number}\right)")
+        (bracket,) = row
+        sizes.add(size := len(list(bracket.iter())))
+        assert (len(_opened(row)) > 1) is (size > WIDE)
+    assert {WIDE, WIDE + 1} <= sizes
+
+
+def test_an_empty_group_is_no_bracket() -> None:
+    row = ElementTree.fromstring("<mrow><mrow/><mi>x</mi></mrow>")
+    assert [node.tag for node in _opened(row)] == ["mrow", "mi"]
+    assert "<mi>y</mi>" in formula("{}" + "x + " * 200 + "y")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.parameters import ParameterError
-from theory.result import Result, plain
+from theory.result import Result, is_cell, plain
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -71,11 +71,16 @@ class Curve(Result):
         Of a result that is held by that of a point the columns have its name before theirs, as in
         ``stable_cycle_max``.
         """
-        rows = [_row(point) for point in self.points]
-        # What is None at some points and a result, a list or a mapping at others has no column.
-        listed = {name for row in rows for name, value in row.items() if not _is_plain(value)}
+        rows = [point.row() for point in self.points]
         names = list(dict.fromkeys(name for row in rows for name in row))
-        names = [name for name in names if name not in {self.along, *listed}]
+        # What is None at some points and a list, a mapping or a result at others has no column.
+        listed = {name for row in rows for name, value in row.items() if not is_cell(value)}
+        parts = {
+            name
+            for name in names
+            if not all(name in row for row in rows) and all(row.get(name) is None for row in rows)
+        }
+        names = [name for name in names if name not in {self.along, *listed, *parts}]
         table = {self.along: np.asarray(self.values)}
         for name in names:
             cells = [row.get(name) for row in rows]
@@ -93,25 +98,6 @@ class Curve(Result):
             for value, point in zip(self.values, self.points, strict=True)
         ]
         return {"along": self.along, "points": points, "seconds": plain(self.seconds)}
-
-
-def _row(point: Result) -> dict[str, Any]:
-    """Return the entries of a point, and after each result among them its own entries."""
-    held = {
-        each.metadata.get("json", each.name): getattr(point, each.name)
-        for each in fields(point)  # type: ignore[arg-type]  # every Result is a dataclass
-    }
-    row: dict[str, Any] = {}
-    for name, value in point.to_dict().items():
-        row[name] = value
-        if isinstance(inner := held.get(name), Result):
-            shown = inner.in_rows or tuple(value)
-            row |= {f"{name}_{key}": value[key] for key in shown if _is_plain(value[key])}
-    return row
-
-
-def _is_plain(value: Any) -> bool:
-    return value is None or isinstance(value, (bool, int, float, str))
 
 
 def curve(

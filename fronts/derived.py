@@ -76,6 +76,7 @@ def _computed(
     further = {"progress": progress} if "progress" in takes else {}
     new_chain = bound.chain
     if new_chain is None:
+        _check_picture(options, function)
         return function(**_arrays(arguments), **further), parameters
     match bound.call:
         case Run(start=start):
@@ -110,7 +111,15 @@ def _computed(
                     )
                 return found, {"model": bound.model, **fields, **parameters}
             chain = new_chain(**fields)
+    _check_picture(options, function)
     return function(chain, **arguments, **further), {**_parameters_of(chain), **parameters}
+
+
+def _check_picture(options: argparse.Namespace, function: Callable[..., Any]) -> None:
+    if options.out:
+        from fronts.files import check_pictured
+
+        check_pictured(options.out, function)
 
 
 def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:

@@ -9,6 +9,7 @@ film. No date is among them, so that the same command writes the same file.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from io import StringIO
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import UsageError
 from fronts.arguments import check_writable
-from theory.result import Result, optional_package, plain
+from theory.result import Result, is_cell, optional_package, plain
 from verification.execution.files import write_by, write_csv
 from verification.execution.metadata import COMMAND_LINE, installed_versions
 from verification.execution.table import commented, zarr_writer
@@ -62,6 +63,24 @@ def check_files(
         if path.resolve() in seen:
             raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
         seen[path.resolve()] = path
+
+
+def check_pictured(out: Sequence[Path], function: Callable[..., Any]) -> None:
+    """Refuse, before any work, a picture of what a function returns, if there is none of it.
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    from fronts.pictures import need_picture
+
+    for path in out:
+        if path.suffix.lower() in PICTURES:
+            try:
+                need_picture(re.findall(r"\w+", function.__annotations__["return"]))
+            except TypeError as error:
+                raise _no_file(path, error) from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,10 +150,12 @@ def write_result(
     try:
         write = writer(result, result.to_dict() if payload is None else payload, provenance)
     except TypeError as error:
-        raise UsageError(
-            f"{path} cannot be written: {error}", quantity="--out", value=path
-        ) from None
+        raise _no_file(path, error) from None
     write_by(path, write)
+
+
+def _no_file(path: Path, error: TypeError) -> UsageError:
+    return UsageError(f"{path} cannot be written: {error}", quantity="--out", value=path)
 
 
 def _json(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
@@ -162,11 +183,7 @@ def as_table(result: Result) -> dict[str, list[Any]]:
     try:
         return {name: column.tolist() for name, column in result.columns().items()}
     except TypeError:
-        return {
-            name: [value]
-            for name, value in result.to_dict().items()
-            if value is None or isinstance(value, (bool, int, float, str))
-        }
+        return {name: [value] for name, value in result.row().items() if is_cell(value)}
 
 
 def _npz(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
@@ -194,7 +211,12 @@ def _npz(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[P
 
 
 def _zarr(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
-    return zarr_writer(result.to_xarray(), provenance)
+    try:
+        dataset = result.to_xarray()
+    except TypeError:  # one row
+        columns = {name: ("row", _array(values)) for name, values in as_table(result).items()}
+        dataset = optional_package("xarray").Dataset(columns)
+    return zarr_writer(dataset, provenance)
 
 
 def _array(values: list[Any]) -> Any:

@@ -6,7 +6,7 @@ in empty; the function labels them. Matplotlib is imported by the caller.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -41,15 +41,26 @@ def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
         If there is no picture of such a result.
     """
     names = [each.__name__ for each in type(result).__mro__]
-    drawing = next((DRAWINGS[name] for name in names if name in DRAWINGS), None)
-    if drawing is None:
-        raise TypeError(f"there is no picture of {names[0]}: name a file ending in .json.")
+    need_picture(names)
+    drawing = next(DRAWINGS[name] for name in names if name in DRAWINGS)
     if axes is None:
         import matplotlib.pyplot as plt
 
         axes = plt.subplots(layout="compressed")[1]
     drawing(result, axes, **style)
     return axes
+
+
+def need_picture(names: Sequence[str]) -> None:
+    """Refuse a result of a class, or of one of some classes, none of which has a picture.
+
+    Raises
+    ------
+    TypeError
+        Which names the first of them.
+    """
+    if DRAWINGS.keys().isdisjoint(names):
+        raise TypeError(f"there is no picture of {names[0]}: name a file ending in .json.")
 
 
 def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:

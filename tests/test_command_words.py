@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import logging
 import re
@@ -297,6 +298,45 @@ def test_a_curve_loses_nothing_in_a_file_of_numpy_or_as_a_dataset(
                           and "unstable" not in name) for end in ("_min", "_max"))  # fmt: skip
         assert low < 0.0 < high
     capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    "line", ["threshold averaged", "cell vdp --a 2.5 --b 0.5", "sum --v 0.3 --c 0.5"]
+)
+def test_a_picture_that_there_is_not_is_refused_before_any_work(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from fronts.bound import Bound
+    from fronts.catalogue import COMMANDS
+
+    name, *rest = line.split()
+    calls = COMMANDS[name].calls
+    function = Bound(calls[rest[0] if rest[0] in calls else ""], "").function
+
+    @functools.wraps(function)
+    def worked(*_: Any, **__: Any) -> Any:
+        raise AssertionError("worked")
+
+    monkeypatch.setattr(sys.modules[function.__module__], function.__name__, worked)
+    assert main([*line.split(), "-o", str(tmp_path / "x.png")]) == 2
+    assert "there is no picture of" in capsys.readouterr().err
+
+
+def test_a_single_cell_has_its_cycles_in_every_table(tmp_path: Path, capsys: Capture) -> None:
+    import csv
+
+    line = "cell vdp --a 2.5 --b 0.5 --json"
+    files = [tmp_path / f"x{ending}" for ending in (".csv", ".npz", ".zarr")]
+    assert main([*line.split(), *(word for each in files for word in ("-o", str(each)))]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    with files[0].open() as lines:
+        (row,) = csv.DictReader(each for each in lines if not each.startswith("#"))
+    assert float(row["stable_cycle_max"]) == answer["stable_cycle"]["max"]
+    with np.load(files[1]) as held:
+        assert held["unstable_cycle_min"].tolist() == [answer["unstable_cycle"]["min"]]
+    xarray = pytest.importorskip("xarray")
+    stored = xarray.open_zarr(files[2])
+    assert stored["stable_cycle_period"].values.tolist() == [answer["stable_cycle"]["period"]]
 
 
 def test_of_a_curve_of_cells_the_rows_have_the_cycles() -> None:

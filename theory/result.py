@@ -120,6 +120,26 @@ class Result:
             found[name] = plain(getattr(self, name))
         return found
 
+    def row(self) -> dict[str, Any]:
+        """Return the entries of `to_dict` as cells of one row of a table.
+
+        Returns
+        -------
+        dict
+            Of a result that is part of this one the entries ``in_rows`` have its name before
+            theirs. What is a list or a mapping stays as it is.
+        """
+        parts = {each.metadata.get("json", each.name): each.name for each in _fields(self)}
+        cells: dict[str, Any] = {}
+        for name, value in self.to_dict().items():
+            part = getattr(self, parts[name]) if name in parts else None
+            if isinstance(part, Result):
+                shown = part.in_rows or tuple(value)
+                cells |= {f"{name}_{key}": value[key] for key in shown}
+            else:
+                cells[name] = value
+        return cells
+
     def plot(self, axes: Axes | None = None, **style: Any) -> Axes:
         """Draw the result with Matplotlib.
 
@@ -231,6 +251,11 @@ class Result:
         """Return the table that a notebook shows."""
         table: str = import_module(NOTEBOOK).as_html(self)
         return table
+
+
+def is_cell(value: object) -> bool:
+    """Tell whether a value in the types of JSON is a number, a word or absent."""
+    return value is None or isinstance(value, (bool, int, float, str))
 
 
 def plain(value: object) -> Any:

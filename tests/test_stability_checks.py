@@ -1,0 +1,315 @@
+"""Each check of the stability table knows a wrong value by how far it is off, to either side.
+
+Where a reference takes long, it is given small problems, or results that are made up, so that only
+what the check itself says of them is asked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from theory.chains.chain import SmoothChain
+from theory.chains.nucleus import Nucleus
+from theory.chains.vdp import VdpChain
+from theory.parameters import RunError
+from verification.breathers.envelope import solve_envelope_breather
+from verification.execution.table import Table, table_of
+from verification.quantities import breathers, chains, friction, own_chains, robustness
+from verification.quantities.judging import Outcome, compared
+from verification.quantities.problems import PROBLEMS
+from verification.quantities.quantity import Axis, ReferenceCheck, StatedValue
+from verification.quantities.registry import computation_named
+from verification.references.extrapolation import PreciseState, extended
+from verification.runs.trajectory import RunStatus
+
+# ---------------------------------------------------------------------------------------- breathers
+
+
+def _fold_by_cubic(eta: float) -> tuple[float, float, float]:
+    """Return S, w and c where c, as a function of S, is largest; a = 1.
+
+    For given S, (29) and (37) without c are a cubic for w, and c follows. From the stable amplitude
+    on, where c is zero, S falls and c rises.
+    """
+    root = math.sqrt(1.0 - 8.0 * eta)
+    S = (1.0 + root) / eta - 2.0 * root / eta * np.geomspace(1e-6, 1.0, 3000)
+    gain = (-eta * S**2 + 2.0 * S - 8.0) / 16.0
+    w = np.full(S.size, np.nan)
+    for i, (s, G) in enumerate(zip(S, gain, strict=True)):
+        roots = np.roots([eta * s * s / 8.0, -s / 4.0, 1.0 + G, -G])
+        w[i] = min(x.real for x in roots if abs(x.imag) < 1e-12 and x.real > 0)
+    c = gain / np.sqrt(w)
+    top = int(np.flatnonzero(np.diff(c) < 0)[0])
+    return float(S[top]), float(w[top]), float(c[top])
+
+
+@pytest.mark.parametrize("eta", [0.01, 0.05, 0.09, 0.1, 0.11, 0.12])
+def test_the_scan_for_the_fold_of_the_closed_form_ends_beside_it(eta: float) -> None:
+    """On either sheet of the quadratic, to the spacing of both scans, a half percent each."""
+    S, w, c = _fold_by_cubic(eta)
+    found = breathers._scan({"eta": eta})
+    assert found is not None
+    assert found == pytest.approx((S, w), rel=0.012)
+    gain = (-eta * found[0] ** 2 + 2.0 * found[0] - 8.0) / 16.0
+    assert gain / math.sqrt(found[1]) == pytest.approx(c, rel=2e-3)
+
+
+def _envelope_none(c: float) -> ReferenceCheck:
+    return computation_named("envelope-breather").check(
+        {"eta": 0.08, "c": c}, StatedValue(value=None, error=0.0)
+    )
+
+
+def test_a_breather_that_is_denied_is_missed_below_its_fold_only() -> None:
+    """The fold of the closed form is at 0.19733, that of the averaged chain at 0.199."""
+    assert _envelope_none(0.15).distance == math.inf
+    assert _envelope_none(0.4).distance == 0.0
+    row = computation_named("closed-form-breather")
+    for c, right in ((0.19, False), (0.21, True), (5.0, True)):
+        at = {"a": 2.5, "eta": 0.08, "c": c, "reading": 1.0}
+        stated = row.compute(at)
+        assert (stated.value is None) is right
+        denied = row.check(at, replace(stated, value=None))
+        assert (denied.distance == 0.0) is right
+
+
+def test_a_fold_of_the_averaged_chain_is_as_far_off_as_it_is() -> None:
+    chain = VdpChain(a=1.0, b=0.08, c=1.0, eps=0.01, sites=3)
+    fold = solve_envelope_breather(chain, Nucleus(1)).fold
+    assert fold is not None
+    for off in (0.0, 1e-6, -1e-6):
+        stated = StatedValue(value=fold * (1.0 + off), error=1e-9, extra=SimpleNamespace(sites=3))
+        check = breathers._check_threshold({"eta": 0.08}, stated)
+        assert check.uncertainty < 1e-12
+        assert check.distance == pytest.approx(abs(off) * fold, rel=1e-3, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "changed"),
+    [
+        # by roundings of u to either side: u where values stand alone, √u where two meet
+        (np.diag([1.0, 0.5, -0.2, 0.1]), 1e-8),
+        (np.diag([1.0, 1.0, 0.5, 0.1]) + np.diag([1.0, 0.0, 0.0], 1), 1e-4),
+    ],
+)
+def test_multipliers_are_as_uncertain_as_their_matrix_makes_them(
+    matrix: np.ndarray, changed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    orbit = SimpleNamespace(state=np.array([0.1, 0.2, 0.3, 0.4]), period=6.5)
+    polished = np.array([mp.mpf(x) for x in (0.5, 0.6, 0.7, 0.8, 6.25)], dtype=object)
+    asked: list[Any] = []
+
+    def precise(_: object, given: np.ndarray) -> PreciseState:
+        asked.append(given.tolist())
+        return PreciseState(value=polished, uncertainty=0.0)
+
+    def flow(_: object, state: Any, period: Any, __: object) -> PreciseState:
+        asked.append([*map(float, state), float(period)])
+        value = extended(np.column_stack([state, matrix]))
+        return PreciseState(value=value, uncertainty=1e-8)
+
+    monkeypatch.setattr(breathers, "_precise_orbit", precise)
+    monkeypatch.setattr(breathers, "_flow", flow)
+    values = np.diag(matrix).astype(complex)
+    for off in (0.0, 1e-3):
+        stated = StatedValue(value=values + off * np.eye(4)[2], error=0.0, extra=orbit)
+        check = breathers._check_multipliers({}, stated)
+        assert check.distance == pytest.approx(off, abs=1e-12)
+        assert check.uncertainty == pytest.approx(changed, rel=0.1)
+    assert asked[:2] == [[0.1, 0.2, 0.3, 0.4, 6.5], [0.5, 0.6, 0.7, 0.8, 6.25]]
+
+
+# ------------------------------------------------------------------------------ chains of any kind
+
+
+class _Drifting:
+    """Sites that swing and are pushed by the left neighbour alone: linear, so that e^{At} is known.
+
+    What `SmoothChain` has, of one's own; left and right are no mirror images here.
+    """
+
+    sites, kernel_rate = 3, 1.0
+
+    def __init__(self, **_: object) -> None: ...
+
+    def kernel(self) -> Any:
+        return lambda site, left, right, p: (
+            site[1], -site[0] + p[0] * left[0] - p[1] * (site[1] - right[1])
+        )  # fmt: skip
+
+    def kernel_parameters(self) -> tuple[float, float]:
+        return (0.3, 0.1)
+
+    def exactly(self, start: np.ndarray, t: float) -> np.ndarray:
+        push, drag, one = np.zeros((3, 3)), -0.1 * np.eye(3), np.eye(3)
+        for n in range(3):
+            push[n, max(n - 1, 0)] += 0.3
+            drag[n, min(n + 1, 2)] += 0.1
+        whole = np.block([[0.0 * one, one], [push - one, drag]])
+        found: np.ndarray = (expm(whole * t) @ start.ravel()).reshape(2, 3)
+        return found
+
+
+def test_a_run_of_any_chain_is_held_against_the_right_side_that_it_gives() -> None:
+    kind: type[SmoothChain] = _Drifting  # type: ignore[assignment]
+    start = np.array([[1.0, 0.0, 0.5], [0.0, -0.25, 0.0]])
+    true = _Drifting().exactly(start, chains._END)
+    for off in (0.0, 1e-6, -1e-6):
+        value = true + off * np.eye(3)[:2]
+        stated = StatedValue(value=value, error=1e-8, extra=start)
+        check = chains._check_run(kind, [], {"sites": 3.0}, stated)
+        assert check.uncertainty < 1e-8
+        assert check.distance == pytest.approx(abs(off), abs=1e-9)
+
+
+OWN = {
+    "k": 0.1, "far": 0.2, "d": 0.3, "spread": 0.1, "c": 2.0, "eps": 0.05, "sites": 6.0,
+    "displacement": 2.0, "tolerance": 1e-9, "force": 0.3,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", [{}, {"k": 0.0, "spread": 0.0, "sites": 4.0, "force": 0.0}])
+def test_a_run_of_ones_own_chain_is_that_of_the_equation_written_again(
+    change: Mapping[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Disordered, driven, with springs to second neighbours; and without all of it."""
+    monkeypatch.setattr(own_chains, "_END", 2.0)
+    at = OWN | change
+    stated = own_chains.own_run(at)
+    assert np.abs(stated.extra).max() == pytest.approx(at["displacement"])
+    check = own_chains.own_precisely(at, stated)
+    assert compared(stated.error, check) is Outcome.RIGHT, check
+    for off in (1e-3, -1e-3):
+        wrong = stated.value.copy()
+        wrong[0, -1] += off
+        check = own_chains.own_precisely(at, replace(stated, value=wrong))
+        assert check.distance == pytest.approx(1e-3, abs=2.0 * stated.error)
+
+
+def test_springs_do_not_act_on_equal_places_in_extended_precision_either() -> None:
+    """The sum of a row is zero to the last bit, also of 2 + 2·0.3 in long doubles."""
+    state = np.concatenate([np.full(6, np.longdouble(1.0)), np.zeros(6, dtype=np.longdouble)])
+    at = OWN | {"far": 0.3, "spread": 0.0, "d": 0.0}
+    weak, strong = (own_chains.rate_of(at | {"c": c})(0.0, state) for c in (0.0, 1e6))
+    assert np.abs(strong - weak).max() < 1e-12
+
+
+# ----------------------------------------------------------------------------------------- friction
+
+
+BELT = {
+    "c": 0.05, "v_d": 1.25, "v0": 0.5, "xi": 0.05, "mu_st": 1.0, "sites": 3.0, "displacement": 2.0,
+    "band": 1e-3, "step": 2e-3,
+}  # fmt: skip
+
+
+def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(friction, "_TAU", 4.0)
+    stated = friction.friction_state(BELT)
+    check = friction.friction_by_scipy(BELT, stated)
+    assert compared(stated.error, check) is Outcome.RIGHT, check
+    for off in (1e-3, -1e-3):
+        wrong = replace(stated, value=stated.value + off * np.eye(3)[1])
+        assert friction.friction_by_scipy(BELT, wrong).distance == pytest.approx(1e-3, rel=1e-3)
+
+
+def test_a_friction_run_states_its_own_error_and_none_where_rounding_decides(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = SimpleNamespace(
+        status=RunStatus.RESOLVED, error=1e-5, y=np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
+    )
+    monkeypatch.setattr("verification.runs.simulate.simulate", lambda *_, **__: made)
+    stated = friction.friction_state(BELT)
+    assert (stated.value.tolist(), stated.error) == ([1.0, 2.0, 3.0], 1e-5)
+    for status in set(RunStatus) - {RunStatus.RESOLVED}:
+        made.status = status
+        with pytest.raises(RunError, match="rounding decides"):
+            friction.friction_state(BELT)
+
+
+def test_the_switch_model_has_the_energy_of_the_run_with_events(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To the order of its step and band."""
+    monkeypatch.setattr(friction, "_SHORT", 4.0)
+    stated = friction.switch_energy(BELT)
+    chain = friction.friction_chain(BELT)
+    end = friction._events(chain, stated.extra, 4.0)
+    y, velocity = end.y[-1], end.velocity[-1]
+    stretched = sum((y[n + 1] - y[n]) ** 2 for n in range(2))
+    true = math.sqrt(float(y @ y + velocity @ velocity) + BELT["c"] * stretched)
+    assert stated.value == pytest.approx(true, rel=1e-2)
+    assert abs(friction._root_energy(chain.c, *stated.extra) - true) > 0.1 * true
+    assert stated.error == 0.0
+    assert friction.within_the_work_of_friction(BELT, stated).distance == 0.0
+
+
+def test_friction_can_add_its_work_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a start with √(2E) = 5, four sites and μ_st = 2 over three units of τ: 2·2·2·3 more."""
+    monkeypatch.setattr(friction, "_SHORT", 3.0)
+    start = np.array([[3.0, 3.0, 3.0, 3.0], [0.0, 0.0, 0.0, 0.0]])
+    start[0] /= 2.0
+    start[1, 0] = 4.0
+    at = BELT | {"mu_st": 2.0, "sites": 4.0}
+    for value, held in ((28.999, True), (29.0, True), (29.001, False), (0.0, True)):
+        stated = StatedValue(value=value, error=0.0, extra=start)
+        check = friction.within_the_work_of_friction(at, stated)
+        assert (check.distance == 0.0) is held
+
+
+# ------------------------------------------------------------------------ points and their table
+
+
+def test_whole_parameters_are_drawn_whole_and_special_ones_approached_from_both_sides() -> None:
+    rng = np.random.default_rng(5)
+    sites = Axis(name="sites", low=2.0, high=40.0, whole=True)
+    drawn = {sites.draw(rng) for _ in range(300)}
+    assert all(value == int(value) for value in drawn)
+    assert {2.0, 3.0, 40.0} <= drawn
+    near = Axis(name="eta", low=0.01, high=0.2, near=(0.125, 0.08), closest=1e-3)
+    low, high, *beside = near.ends()
+    assert (low, high) == (0.01, 0.2)
+    assert sorted(beside) == pytest.approx([0.07992, 0.08008, 0.124875, 0.125125], rel=1e-12)
+
+
+def test_a_quantity_has_no_more_points_than_are_asked_for() -> None:
+    """Twelve at least, where there are as many; of several quantities each by its share."""
+    for points in (1, 5, 12, 40):
+        assert len(robustness.points_of(["c-pin"], points)) == points
+    several = robustness.points_of(["c-pin", "eta-pin"], 10)
+    assert [point["quantity"] for point in several].count("c-pin") == 10
+
+
+def test_the_tightest_of_what_is_right_is_the_largest_share_of_what_was_allowed() -> None:
+    rows = [
+        ("c-pin", "right", 1.0, 0.5, 0.3), ("c-pin", "right", 1.0, 1.0, 1.5),
+        ("c-pin", "right", 0.0, 0.0, 0.0), ("c-pin", "exceeded", 1.0, 0.0, 9.0),
+        ("eta-pin", "right", 1.0, 0.0, 0.9), ("c-pin", "refused", math.nan, math.nan, math.nan),
+    ]  # fmt: skip
+    table: Table = table_of([
+        {"quantity": name, "number": number, "outcome": outcome, "stated": stated,
+         "uncertainty": uncertainty, "distance": distance, "seconds": float(number)}
+        for number, (name, outcome, stated, uncertainty, distance) in enumerate(rows)
+    ])  # fmt: skip
+    line = robustness._line(computation_named("c-pin"), table)
+    assert line.tightest == 0.75
+    assert (line.points, line.random, line.slowest) == (5, 3, 5.0)
+    assert (line.counts["right"], line.counts["exceeded"], line.counts["refused"]) == (3, 1, 1)
+    none = robustness._line(computation_named("c-retreat"), table)
+    assert (none.tightest, none.points, none.slowest) == (0.0, 0, 0.0)
+
+
+def test_a_test_problem_is_a_chain_of_its_own_length_or_of_another() -> None:
+    problem = PROBLEMS["chain"][0]
+    assert problem.vdp_chain() == VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=31)
+    assert problem.vdp_chain(5) == VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=5)

@@ -1,0 +1,475 @@
+"""Checks of sums, roots, shapes, velocities, runs and labels see what is made wrong.
+
+As in ``tests/test_stability_checks.py``: small problems, or results that are made up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from theory.piecewise.folds import fold_coupling, fold_eta
+from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.limits import ETA_PIN_END, pinning_coupling
+from theory.piecewise.roots import labelled_roots
+from verification.fronts.status import FrontStatus
+from verification.fronts.wave import front_wave
+from verification.maps.state import State
+from verification.quantities import fronts, roots, runs, states, sums
+from verification.quantities import kinetic_relation as relation
+from verification.quantities.judging import Outcome, compared, judge
+from verification.quantities.quantity import ReferenceCheck, StatedValue
+from verification.quantities.registry import computation_named
+from verification.quantities.scipy_states import moving_sites
+from verification.references.extrapolation import PreciseState
+from verification.references.pace import NoReferenceError
+
+# ------------------------------------------------------------------------------------------- sums
+
+
+def test_distances_are_of_as_many_digits_as_are_asked() -> None:
+    with mp.workdps(60):
+        one, other = mp.mpf(1), mp.mpf(1) + mp.mpf(10) ** -40
+    assert sums.distance(one, other, 45) == pytest.approx(1e-40, rel=1e-4)
+    assert sums.distance(other, one, 45) == sums.distance(one, other, 45)
+
+
+@pytest.mark.parametrize("name", ["integral", "series", "precise-integral", "bessel", "quadrature"])
+def test_no_method_of_the_sum_is_its_own_reference(name: str) -> None:
+    row = computation_named(f"sigma-{name}")
+    given = {"v": 0.3, "c": 0.5, "tolerance": 1e-8, "digits": 8.0}
+    at = {axis.name: given[axis.name] for axis in row.axes}
+    stated = row.compute(at)
+    check = row.check(at, stated)
+    assert compared(stated.error, check) is Outcome.RIGHT
+    assert check.method == ("integral in many digits" if name == "series" else "series")
+    for off in (1e-4, -1e-4j):
+        assert row.check(at, replace(stated, value=stated.value + off)).distance == pytest.approx(
+            1e-4, rel=1e-3
+        )
+
+
+# ------------------------------------------------------------------------------- roots and shapes
+
+
+@pytest.mark.parametrize("side", [1.0, 2.0, 3.0, 4.0])
+def test_a_root_is_as_far_off_as_it_is_relative_to_its_size(side: float) -> None:
+    row = computation_named("roots")
+    at = {"v": 0.3, "c": 0.5, "label": 10.0, "side": side}
+    stated = row.compute(at)
+    check = row.check(at, stated)
+    assert check.distance == 0.0
+    assert "argument principle" in check.method
+    for off in (1e-6, -1e-6, 1e-9j):
+        k = stated.extra.k.copy()
+        k[3] *= 1.0 + off
+        wrong = replace(stated, extra=replace(stated.extra, k=k))
+        assert row.check(at, wrong).distance == pytest.approx(abs(off), rel=1e-3)
+
+
+def test_far_ahead_of_a_front_is_rest_and_far_behind_it_the_excited_state() -> None:
+    at = {"v": 0.3, "c": 0.5, "distance": 60.0, "tolerance": 1e-9}
+    assert abs(roots._profile({**at, "side": 1.0}).value) < 1e-6
+    assert abs(roots._profile({**at, "side": 3.0}).value - 1.0) < 1e-6
+
+
+@pytest.mark.parametrize("side", [1.0, 3.0])
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (3.0, 0.05)])
+def test_a_shape_is_as_uncertain_as_its_roots_make_it(
+    side: float, v: float, c: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each moved by its radius in the worst direction, to first order."""
+    at = {"v": v, "c": c, "distance": 2.0, "tolerance": 1e-12, "side": side}
+    stated, radius = roots._profile(at), 1e-7
+
+    def rough(*given: Any) -> Any:
+        found = labelled_roots(*given)
+        return replace(found, radius=np.full(found.k.size, radius))
+
+    monkeypatch.setattr(roots, "labelled_roots", rough)
+    check = roots._check_profile(at, replace(stated, error=1e-3))
+    zeta = 2.0 if side < 2 else -2.0
+    k = labelled_roots(v, c, np.arange(-400, 401), zeta > 0).k
+
+    def terms(k: np.ndarray) -> np.ndarray:
+        found: np.ndarray = np.exp(1j * zeta * k) / (k * (v + c * np.sin(k)))
+        return found
+
+    slope = (terms(k + 1e-7) - terms(k - 1e-7)) / 2e-7
+    most = 0.5 * radius * float(np.abs(slope).sum())
+    assert 0.9 * most <= check.uncertainty < 100.0 * most
+    assert check.distance < 1e-9
+
+
+# -------------------------------------------------------------------------- the kinetic relation
+
+
+def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    true = kinetic_relation(0.5, 0.03125)
+    stated = relation._velocities({"c": 0.5, "eta": 0.03125})
+    assert stated.value.tolist() == [
+        *(branch.v for branch in true.branches),
+        *(x for x in (true.c_pin, true.c_fold, true.c_retreat) if x is not None),
+    ]
+    assert stated.error == max(branch.error / abs(branch.v) for branch in true.branches)
+    wrong = SimpleNamespace(
+        branches=true.branches, c_pin=math.nan, c_fold=true.c_fold, c_retreat=None
+    )
+    monkeypatch.setattr(relation, "kinetic_relation", lambda *_: wrong)
+    row = judge(computation_named("kinetic"), {"c": 0.5, "eta": 0.03125})
+    assert row["outcome"] == Outcome.NAN.value
+
+
+@pytest.mark.parametrize("v", [0.5, -0.5])
+@pytest.mark.parametrize(
+    ("ends", "error", "off"),
+    [
+        ((-1e-9, 1e-9), 1e-6, 0.0),  # a change of sign within the error
+        ((1e-9, -1e-9), 1e-6, 0.0),
+        ((1e-16, 3e-16), 1e-6, 0.0),  # a fold that is touched to within rounding
+        ((-3e-16, -1e-16), 1e-6, 0.0),
+        ((1e-16, 3e-16), 4e-10, 4e-10 + 1e-16 / (2e-16 / 8e-10)),  # too sure for a fold
+        ((1e-9, 3e-9), 1e-6, 1e-6 + 1e-9 / (2e-9 / 2e-6)),  # off by the line through both ends
+        ((-3e-9, -1e-9), 1e-6, 1e-6 + 1e-9 / (2e-9 / 2e-6)),
+    ],
+)
+def test_a_velocity_without_a_change_of_sign_is_off_unless_it_is_a_fold(
+    v: float, ends: tuple[float, float], error: float, off: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """|v| is what (54) has; a retreating front has another excess."""
+    shifts = []
+
+    def excess(speed: float, _: object, shift: int) -> float:
+        shifts.append(shift)
+        return ends[speed > 0.5]
+
+    monkeypatch.setattr(relation, "_excess", excess)
+    monkeypatch.setattr(relation, "_changes_of_sign", lambda _: 1)
+    found: Any = SimpleNamespace(branches=(SimpleNamespace(v=v, error=error),))
+    stated = StatedValue(value=np.array([v]), error=error, extra=found)
+    check = relation._check_velocities({"c": 0.5, "eta": 0.1}, stated)
+    assert check.distance == pytest.approx(off / 0.5, rel=1e-6)
+    assert set(shifts) == {0 if v > 0 else 2}
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (0.45, 0.03125), (2.0, 0.11)])
+def test_a_velocity_in_many_digits_is_a_root_of_the_relation(
+    c: float, eta: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of advancing and of retreating fronts: (54) is smaller there than beside it, by the step."""
+    monkeypatch.setattr(relation, "_DIGITS", 18)
+    at = {"c": c, "eta": eta}
+    branches = kinetic_relation(c, eta).branches
+    assert branches
+    for branch in branches:
+        v, uncertainty = relation.precise_velocity(branch.v * (1.0 + 1e-12), at)
+        assert abs(float(v) / branch.v - 1.0) < 1e-12 + branch.error / abs(branch.v)
+        assert uncertainty < 1e-16
+        shift = 2 if branch.v < 0 else 0
+        with mp.workdps(50):
+            here, beside = (
+                relation._defect(abs(v) * (1 + step), at, shift)[0] for step in (0, mp.mpf("1e-9"))
+            )
+            assert abs(here) < 1e-6 * abs(beside)
+
+
+def _pinned_fold(eta: float, off: float = 0.0) -> ReferenceCheck:
+    value = pinning_coupling(eta)
+    assert value is not None
+    stated = StatedValue(
+        value=value * (1.0 + off), error=1e-15, extra=SimpleNamespace(velocity=0.0)
+    )
+    return relation._check_fold({"eta": eta}, stated)
+
+
+@pytest.mark.parametrize("eta", [0.001, 0.03125, 0.07])
+def test_a_fold_at_pinning_is_as_far_off_as_it_is(eta: float) -> None:
+    """What a rounding of η changes is within what the check says of itself, and not far below."""
+    value = pinning_coupling(eta)
+    assert value is not None
+    for off in (0.0, 1e-9, -1e-9):
+        check = _pinned_fold(eta, off)
+        assert check.distance == pytest.approx(abs(off) * value, rel=1e-3, abs=check.uncertainty)
+    beside = pinning_coupling(eta * (1.0 + 1e-7))
+    assert beside is not None
+    rounding = abs(beside - value) * 1e-9  # of 1e-16
+    assert rounding <= check.uncertainty < 1e3 * rounding
+
+
+def test_where_no_front_is_pinned_there_is_no_fold_and_elsewhere_one() -> None:
+    below, above = 0.5 * ETA_PIN_END, 1.1 * ETA_PIN_END
+    for eta, value, held in (
+        (below, None, False), (above, None, True), (above, 0.5, False)
+    ):  # fmt: skip
+        stated = StatedValue(value=value, error=1e-9, extra=SimpleNamespace(velocity=0.0))
+        assert (relation._check_fold({"eta": eta}, stated).distance == 0.0) is held
+
+
+def test_a_fold_of_moving_fronts_holds_within_its_error_and_not_beyond(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(relation, "_DIGITS", 12)
+    coupling = fold_coupling(0.03125)
+    assert coupling is not None
+    assert coupling.velocity > 0.0
+    eta = fold_eta(coupling.value)
+    assert eta.value == pytest.approx(0.03125, rel=1e-9)
+    for off in (0.0, 1e-3, -1e-3):
+        stated = StatedValue(value=coupling.value * (1.0 + off), error=1e-6, extra=coupling)
+        held = relation._check_fold({"eta": 0.03125}, stated).distance == 0.0
+        assert held is (off == 0.0)
+        stated = StatedValue(value=eta.value * (1.0 + off), error=1e-6, extra=eta)
+        held = relation._check_eta_fold({"c": coupling.value}, stated).distance == 0.0
+        assert held is (off == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "etas"),
+    [
+        ("c-pin", (0.01, 0.05)), ("c-retreat", (0.1, 0.12)),
+        ("strong-coupling-velocity", (0.01, 0.05)),
+    ],
+)  # fmt: skip
+def test_a_limit_is_as_far_off_as_it_is_and_none_where_it_does_not_exist(
+    name: str, etas: tuple[float, float]
+) -> None:
+    row = computation_named(name)
+    for eta in etas:
+        stated = row.compute({"eta": eta})
+        for off in (0.0, 1e-7, -1e-7):
+            wrong = replace(stated, value=stated.value * (1.0 + off))
+            check = row.check({"eta": eta}, wrong)
+            assert check.distance == pytest.approx(
+                abs(off) * stated.value, rel=1e-4, abs=2.0 * stated.error
+            )
+        assert row.check({"eta": eta}, replace(stated, value=None)).distance == math.inf
+    elsewhere = {"eta": 0.05 if name == "c-retreat" else 0.1}
+    stated = row.compute(elsewhere)
+    assert stated.value is None
+    assert row.check(elsewhere, stated).distance == 0.0
+    assert row.check(elsewhere, replace(stated, value=0.5)).distance == math.inf
+
+
+# ----------------------------------------------------------------------------------------- fronts
+
+
+def _short_fronts(monkeypatch: pytest.MonkeyPatch, sites: int) -> None:
+    monkeypatch.setattr(fronts, "_FILLED", 8)
+    monkeypatch.setattr(fronts, "_FEWEST", sites)
+    monkeypatch.setattr(fronts, "_MOST", sites)
+
+
+def test_a_front_timed_by_scipy_has_the_velocity_of_the_wave(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _short_fronts(monkeypatch, 24)
+    at = {"c": 0.6, "eta": 0.03125}
+    v = front_wave(**at).v
+    check = fronts._by_scipy(at, StatedValue(value=v + 0.05, error=1e-9), full=False)
+    assert check.uncertainty < 0.02 * v
+    assert check.distance == pytest.approx(0.05, abs=check.uncertainty)
+
+
+def test_a_front_of_the_chain_is_timed_in_slow_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By (8) itself; (43), of which the velocity is known, is off by the order of ε."""
+    _short_fronts(monkeypatch, 20)
+    at = {"c": 2.0, "eta": 0.03125}
+    v = front_wave(**at).v
+    check = fronts._by_scipy({**at, "eps": 0.05}, StatedValue(value=v, error=1e-9), full=True)
+    assert check.distance < 0.1 * v
+    assert check.uncertainty < 0.1 * v
+
+
+def test_a_front_that_rests_reaches_no_site(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And one that travels, stated to rest, is off by the sites it reaches a unit of time."""
+    _short_fronts(monkeypatch, 24)
+    rest = StatedValue(value=0.0, error=0.0)
+    assert fronts._by_scipy({"c": 0.01, "eta": 0.05}, rest, full=False).distance == 0.0
+    monkeypatch.setattr(fronts, "_STALL_TIME", 20.0)
+    v = front_wave(0.6, 0.03125).v
+    off = fronts._by_scipy({"c": 0.6, "eta": 0.03125}, rest, full=False).distance
+    assert 0.0 < off < 1.2 * v
+
+
+def _arrivals(v: float, first: float = 0.0) -> np.ndarray:
+    """Return the arrivals of a front whose first half of sites is slower."""
+    n = np.arange(60.0)
+    return n / v + first * np.minimum(n, 30.0)
+
+
+def test_a_timed_front_has_the_pace_of_its_second_half() -> None:
+    for v in (0.25, 4.0):
+        check = fronts._timed(_arrivals(v), v, "a clock")
+        assert check.distance < 1e-12 * v
+        assert check.uncertainty == pytest.approx(1e-7 * v, rel=1e-6)
+        # A first half whose intervals are longer by d: six times as much of v is uncertain.
+        slower = fronts._timed(_arrivals(v, first=0.01 / v), 1.1 * v, "a clock")
+        assert slower.distance == pytest.approx(0.1 * v, rel=1e-9)
+        assert slower.uncertainty == pytest.approx(0.06 * v, rel=1e-3)
+        with pytest.raises(NoReferenceError, match="settle"):
+            fronts._timed(_arrivals(v, first=0.02 / v), v, "a clock")
+    missing = _arrivals(1.0)
+    missing[7] = math.nan
+    with pytest.raises(NoReferenceError, match="run through"):
+        fronts._timed(missing, 1.0, "a clock")
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "stated", "note"),
+    [
+        (FrontStatus.STEADY, 1e-9, 0.5, ""),
+        (FrontStatus.STEADY, None, None, "steady"),
+        (FrontStatus.CREEPING, 1e-9, None, "creeping"),
+    ],
+)
+def test_a_front_from_event_to_event_that_states_nothing_says_why(
+    status: FrontStatus, error: float | None, stated: float | None, note: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    made = SimpleNamespace(status=status, v=0.5, error=error)
+    monkeypatch.setattr("verification.piecewise.simulation.simulate_front", lambda *_: made)
+    found = fronts._piecewise_front({"c": 0.5, "eta": 0.03125})
+    assert (found.value, found.note) == (stated, note)
+
+
+# ------------------------------------------------------------------------------------------- runs
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_a_run_of_the_table_ends_at_time_thirty(full: bool) -> None:
+    """A small displacement without damping or springs turns, or dies off as e^{-T/2} by (43)."""
+    at = {
+        "a": 1.0, "eta": 0.05, "c": 1e-8, "eps": 1e-6 if full else 0.01, "sites": 2.0,
+        "displacement": 1e-3, "tolerance": 1e-10,
+    }  # fmt: skip
+    stated = runs._run(at, full)
+    assert abs(stated.extra[0]) == pytest.approx(1e-3)
+    turned = stated.value[0] / stated.extra[0]
+    expected = np.exp(30j) if full else np.exp(-15.0)
+    assert turned == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("displacement", "stiff"), [(1e-3, False), (1.0, False), (40.0, False), (80.0, True)]
+)
+def test_damping_is_stiff_by_the_height_of_the_start(
+    displacement: float, stiff: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Here ε a y² is 64 of the 30 that are stiff at y = 80, and ε b y⁴ far below it."""
+    at = {"a": 1.0, "eta": 1e-12, "c": 0.1, "eps": 0.01, "sites": 4.0, "displacement": displacement}
+    monkeypatch.setattr(runs, "_full_by_radau", lambda *_: "Radau")
+    monkeypatch.setattr(runs, "_where_it_moves", lambda *_: "explicit")
+    stated = StatedValue(value=np.zeros(4), error=0.0, extra=np.zeros(4))
+    found: Any = runs._full_precisely(at, stated)
+    assert found == ("Radau" if stiff else "explicit")
+
+
+def test_a_reference_follows_all_sites_that_move() -> None:
+    """Of 300 sites 130 move; the reference begins with thirty."""
+    true = np.where(np.arange(300) < 130, 1.0, 0.0).astype(complex)
+    followed: list[int] = []
+
+    def precise(part: int, tolerance: float) -> PreciseState:
+        followed.append(part)
+        value = true[:part] + 1.0 / part * (np.arange(part) == 0)
+        return PreciseState(value=value, uncertainty=1e-3)
+
+    stated = StatedValue(value=true, error=0.0, extra=np.array([1.0 + 0j]))
+    check = runs._where_it_moves(stated, precise, 0.0)
+    assert max(followed[:-1]) >= 132
+    tight, looser = max(followed[:-1]), followed[-1]
+    assert check.distance == pytest.approx(1.0 / tight)
+    # What is missing beyond its sites is seen by the looser run, which has more.
+    assert looser > tight
+    assert check.uncertainty == pytest.approx(1.0 / tight - 1.0 / looser + 1e-3)
+    with pytest.raises(NoReferenceError, match="Python follows"):
+        runs._where_it_moves(replace(stated, value=np.zeros(500)), precise, 1e4)
+
+
+def test_as_many_sites_are_followed_as_move() -> None:
+    asked: list[int] = []
+
+    def at_rest(part: int) -> bool:
+        asked.append(part)
+        return part >= 50
+
+    assert moving_sites(at_rest, 200, 30, 100) == 60
+    assert asked == [30, 60]
+    assert moving_sites(at_rest, 45, 30, 100) == 45  # all, which need not rest
+    assert moving_sites(at_rest, 20, 30, 100) == 20
+    assert asked == [30, 60, 30]
+    with pytest.raises(NoReferenceError, match="slow reference"):
+        moving_sites(lambda _: False, 200, 30, 100)
+
+
+# ----------------------------------------------------------------------------------------- labels
+
+
+@pytest.mark.parametrize("state", [State.FRONT, State.BREATHER, State.UNDECIDED])
+def test_a_label_is_stated_without_error_or_not_at_all(
+    state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = SimpleNamespace(state=state, time=17.0)
+    monkeypatch.setattr("verification.maps.vdp_rules.find_vdp_state", lambda *_: made)
+    found = states._label({"eta": 0.05, "c": 0.1, "displacement": 3.0}, full=False)
+    assert (found.value is None) is (state is State.UNDECIDED)
+    assert (found.error, found.note, found.extra[0]) == (0.0, str(state), 17.0)
+
+
+def _labelled(
+    note: str, amplitude: np.ndarray, full: bool, monkeypatch: pytest.MonkeyPatch
+) -> tuple[bool, np.ndarray]:
+    """Return whether a label holds in a run whose amplitudes are given, and the times asked."""
+    asked: list[np.ndarray] = []
+
+    def made_up(*_: object, t_eval: np.ndarray, **__: object) -> SimpleNamespace:
+        asked.append(t_eval)
+        heights = np.repeat(amplitude, t_eval.size // amplitude.shape[1], axis=1)
+        y = np.vstack([heights, 0.0 * heights]) if full else heights.astype(complex)
+        return SimpleNamespace(success=True, y=y)
+
+    monkeypatch.setattr("scipy.integrate.solve_ivp", made_up)
+    at = {"eta": 0.05, "c": 0.1, "displacement": 3.0, "eps": 0.01}
+    stated = StatedValue(value=1.0, error=0.0, note=note, extra=(100.0, np.zeros(16, complex)))
+    return states._label_holds(at, stated, full).distance == 0.0, asked[0]
+
+
+HIGH, LOW = 1.7, 0.1
+"""Above and below the unstable amplitude, √(8/(1 + √(1 - 8η))/a) = 1.06 at η = 0.05, a = 4."""
+
+
+@pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize(
+    ("note", "ends", "held"),
+    [
+        ("front", ((HIGH, HIGH), (HIGH, HIGH)), True),
+        ("front", ((HIGH, LOW), (HIGH, HIGH)), False),  # it must stay
+        ("breather", ((LOW, LOW), (HIGH, HIGH)), True),
+        ("breather", ((LOW, HIGH), (HIGH, HIGH)), False),  # it spreads
+        ("breather", ((LOW, LOW), (HIGH, LOW)), False),  # it dies
+        ("breather", ((LOW, LOW), (HIGH, HIGH + 0.5)), False),  # it swells by more than damping may
+        ("breather", ((LOW, LOW), (HIGH, HIGH + 0.04)), True),
+        ("fixed point", ((LOW, LOW), (LOW, 0.5 * LOW)), True),
+        ("fixed point", ((LOW, LOW), (LOW, LOW)), False),  # it must fall
+        ("fixed point", ((LOW, LOW), (HIGH, LOW)), False),
+    ],
+)
+def test_a_label_is_kept_until_twice_its_time_and_forty_more(
+    note: str, ends: tuple[tuple[float, float], ...], held: bool, full: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    amplitude = np.full((16, 2), LOW)
+    if note == "fixed point":
+        amplitude[:, 1] = 0.9 * LOW if ends[1][1] < LOW else LOW
+    amplitude[0], amplitude[-1] = ends
+    found, times = _labelled(note, amplitude, full, monkeypatch)
+    assert found is held
+    assert times[[0, -1]] * (0.01 if full else 1.0) == pytest.approx([120.0, 240.0])

@@ -23,6 +23,7 @@ from paper_checks import discover
 from paper_checks.claim import Verdict
 from paper_checks.report import measurements, render
 from paper_checks.run import sharing
+from verification.pictures import figures
 from verification.pictures.data_table import Curves, columns_as_csv, long_table
 from verification.pictures.figures import new_axes, picture
 
@@ -524,6 +525,18 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
     assert "<text" not in first.svg  # letters are paths: accents are in place everywhere
     assert 'xlink:href="#DejaVuSans' in first.svg
     assert first.data == f"n,x\n1,0.1\n2,{1 / 3!r}\n"
+
+
+def test_a_picture_that_is_too_large_is_named_and_one_of_pyplot_is_closed(monkeypatch, caplog):
+    from matplotlib import pyplot
+
+    monkeypatch.setattr(figures, "LARGE", 2_000)
+    drawn, axes = pyplot.subplots()
+    axes.plot([1.0, 2.0], [3.0, 5.0])
+    picture("many-points", drawn, {"x": [1.0, 2.0], "y": [3.0, 5.0]})
+    assert drawn.number not in pyplot.get_fignums()
+    (record,) = caplog.records
+    assert "many-points has 0.0 MB" in record.getMessage()
 
 
 @pytest.mark.parametrize(

@@ -82,6 +82,19 @@ def test_a_breather_that_is_denied_is_missed_below_its_fold_only() -> None:
         assert (denied.distance == 0.0) is right
 
 
+@pytest.mark.parametrize("reading", [1.0, 2.0])
+def test_a_fold_of_the_closed_form_is_as_far_off_as_it_is(reading: float) -> None:
+    row = computation_named("closed-form-fold")
+    for a, eta in ((2.5, 0.08), (1e-3, 0.11), (40.0, 0.01)):
+        at = {"a": a, "eta": eta, "reading": reading}
+        stated = row.compute(at)
+        for off in (0.0, 1e-9, -1e-9):
+            check = row.check(at, replace(stated, value=stated.value * (1.0 + off)))
+            assert check.distance == pytest.approx(
+                abs(off) * stated.value, rel=1e-3, abs=2.0 * stated.error
+            )
+
+
 def test_a_fold_of_the_averaged_chain_is_as_far_off_as_it_is() -> None:
     chain = VdpChain(a=1.0, b=0.08, c=1.0, eps=0.01, sites=3)
     fold = solve_envelope_breather(chain, Nucleus(1)).fold

@@ -10,6 +10,8 @@ import ast
 import os
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -18,6 +20,7 @@ import pytest
 from fronts.cli import main
 from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VanDerPolChain, VdpChain
+from theory.piecewise.folds import fold_coupling
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import SeriesScene, tail_sum
 from verification.execution.points import Point
@@ -173,7 +176,11 @@ def test_steps_left_out_of_a_period_change_less_than_the_error_of_the_orbit(eta:
 @pytest.mark.parametrize("eps", [0.003, 0.01, 0.03])
 def test_harmonics_not_solved_for_change_less_than_the_error_of_the_orbit(eps: float) -> None:
     # Only damping, of order eps, holds the orbit: that magnifies its rounding.
-    held(orbits.harmonics_not_solved_for(eps), 1e-13 / eps)
+    found = orbits.harmonics_not_solved_for(eps)
+    held(found, 1e-13 / eps)
+    # A state and a period; real and imaginary parts of the harmonics of three sites, and a period.
+    assert found.spent == 7
+    assert (found.whole - 1) % 6 == 0
 
 
 def process_of(_: Point) -> dict[str, int]:
@@ -213,7 +220,96 @@ def test_a_bound_that_is_exceeded_is_said_and_changes_the_exit_code(
 ) -> None:
     for changed, code in ((1e-13, 0), (1e-3, 1)):
         made_up = Comparison(1.0, 3.0, changed, 1e-12)
-        reduction = Reduction("x", "by y", "z", "u", lambda made_up=made_up: made_up, "t")
+        reduction = Reduction(
+            what="x", decided="by y", bound="z", unit="u", test="t",
+            compare=lambda made_up=made_up: made_up,
+        )  # fmt: skip
         monkeypatch.setattr(table, "REDUCTIONS", (reduction,))
         assert main(["stress", "--work-reduction"]) == code
         assert ("the bound is exceeded" in capsys.readouterr().out) == bool(code)
+
+
+def test_what_changes_is_said_beside_what_may_unless_neither_does() -> None:
+    said = [str(Comparison(1.0, 2.0, *pair)) for pair in ((0.0, 0.0), (0.0, 1e-12), (1e-9, 0.0))]
+    assert said[0] == "nothing"
+    assert "1e-12" in said[1]
+    assert "1e-09" in said[2]
+    assert "exceeded" in said[2]
+
+
+def test_a_window_is_held_to_the_errors_of_both_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = iter([(0.5, 1e-9), (0.5 + 3e-9, 4e-9)])
+
+    def front(*_: object) -> SimpleNamespace:
+        v, error = next(made)
+        return SimpleNamespace(v=v, error=error, window=30, crossing_times=np.zeros(70))
+
+    monkeypatch.setattr(runs, "simulate_front", front)
+    found = runs.sites_of_the_window(0.5, 0.03125)
+    assert (found.spent, found.whole) == (30, 100)
+    assert found.changed == pytest.approx(3e-9)
+    assert found.bound == pytest.approx(5e-9)
+
+
+def test_times_are_in_milliseconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is timed takes a quarter of a second and a half."""
+    seconds = iter([0.25, 0.5] * 3)
+
+    def timed(compute: Callable[[], Any], _: int = 2) -> tuple[Any, float]:
+        return compute(), next(seconds)
+
+    rows = np.array([[1.0, 3, 1, 1e-14], [2.0, 4, 1, 2e-14]])
+    result = SimpleNamespace(value=mp.mpc(1), error=1e-15)
+    for module in (runs, sums):
+        monkeypatch.setattr(module, "timed", timed)
+    monkeypatch.setattr(runs, "_switchings", lambda *_: rows)
+    monkeypatch.setattr(runs, "_stepped_switchings", lambda *_: rows)
+    monkeypatch.setattr(sums, "sum_by_roots", lambda *_: result)
+    monkeypatch.setattr(sums, "tail_sum", lambda *_: (mp.mpc(1), mp.mpf(10) ** -16))
+    for compare in (runs.steps_between_crossings, sums.few_tail_terms, sums.double_precision):
+        found = compare()
+        assert (found.spent, found.whole) == (250.0, 500.0)
+        assert found.changed == 0.0
+        assert 0.0 < found.bound < 1e-13
+
+
+def test_points_are_judged_where_most_of_what_is_allowed_is_used(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Not where the sum changes most: there an error is stated that allows it."""
+    error, off = np.full(200, 1e-12), np.zeros(200)
+    error[20], off[20] = 1.0, 1e-2
+    off[70] = 1e-3
+    velocities: list[float] = []
+
+    def made_up(v: np.ndarray, *_: object) -> SimpleNamespace:
+        velocities.extend(v.tolist())
+        return SimpleNamespace(value=off + 0j, error=error, points=np.full(200, 3))
+
+    monkeypatch.setattr(sums, "sums", made_up)
+    monkeypatch.setattr(sums, "plain_points", lambda *_: (10,))
+    monkeypatch.setattr(sums, "_plain_mean", lambda *_: 1.0 + 0j)
+    found = sums.few_points(100.0, 1e-13)
+    assert (found.spent, found.whole, found.changed) == (600.0, 1000.0, 1e-3)
+    assert not found.holds
+    # The stated error, the tolerance, and sixteen roundings of the plain sum and of one.
+    assert found.bound == pytest.approx(1e-12 + 1e-13 + 32.0 * np.finfo(float).eps, rel=1e-9)
+    assert (min(velocities), max(velocities)) == pytest.approx((0.05, 5.0))
+
+
+def test_a_search_is_compared_just_above_the_fold(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+
+    def velocities(c: np.ndarray, _: object) -> None:
+        asked.extend(c.tolist())
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sums, "all_velocities", velocities)
+    for above in (1e-8, 1e-2):
+        with pytest.raises(KeyboardInterrupt):
+            sums.few_values_in_a_search(0.03125, above)
+    near, far = asked
+    assert far / near - 1.0 == pytest.approx(0.01, rel=1e-5)
+    fold = fold_coupling(0.03125)
+    assert fold is not None
+    assert near / fold.value - 1.0 == pytest.approx(1e-8, rel=1e-5)

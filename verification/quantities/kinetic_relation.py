@@ -62,7 +62,7 @@ def _check_velocities(at: Mapping[str, float], stated: StatedValue) -> Reference
             slope = abs(ends[1] - ends[0]) / (2.0 * branch.error)
             off = min(abs(ends[0]), abs(ends[1]))
             # A fold touched to within rounding is one branch with no change of sign.
-            flat = abs(off) < 1e-15 * (1.0 + 2.0 * float(threshold_ratio(at["eta"])))
+            flat = off < 1e-15 * (1.0 + 2.0 * float(threshold_ratio(at["eta"])))
             if not (flat and branch.error / abs(branch.v) > 1e-9):
                 worst = max(worst, (branch.error + off / max(slope, 1e-300)) / abs(branch.v))
     if at["eta"] < ETA_END and _changes_of_sign(at) > len(found.branches):

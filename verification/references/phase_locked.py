@@ -330,7 +330,7 @@ def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBrea
 
 
 def outward_breather(size: int, c: float, a: float, b: float) -> Real:
-    """Return the unknowns of the mirror-symmetric breather of odd size, every step outwards -π/2.
+    """Return the unknowns of the mirror-symmetric breather of odd size, its steps outwards π/2.
 
     Raises
     ------

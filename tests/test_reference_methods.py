@@ -1,0 +1,492 @@
+"""References, each against a closed form, a scaling law, or a second method, on small problems."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from theory.averaged.front import strong_coupling_front
+from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VdpChain
+from theory.parameters import ParameterError
+from theory.piecewise.roots import labelled_roots
+from verification.fronts.wave import front_wave
+from verification.references import (
+    extrapolation,
+    friction_cell,
+    passages,
+    phase_locked,
+    piecewise,
+    precise_breather,
+    regularised,
+    strong_coupling,
+)
+from verification.references import (
+    front_wave as waves,
+)
+from verification.references.equations import regularised_rate
+from verification.references.friction_events import BEGINS, ENDS, EventRun, run_events
+from verification.references.pace import NoReferenceError
+from verification.references.switch_model import run_switch
+from verification.runs.simulate import simulate
+
+# ------------------------------------------------------------------- runs in extended precision
+
+
+def test_a_driven_run_in_extended_precision_knows_the_time() -> None:
+    """ẏ = cos t + (y - sin t)(1 - t²), y = sin t; and ẏ = t¹⁵, which order sixteen has exactly."""
+
+    def rate(t: Any, y: Any) -> Any:
+        return np.cos(t) + (y - np.sin(t)) * (1 - t * t)
+
+    found = extrapolation.precise_state(rate, np.zeros(1), 2.5)
+    assert abs(found.value[0] - np.sin(np.longdouble(2.5))) <= found.uncertainty < 1e-15
+    power = extrapolation.precise_state(lambda t, y: 0 * y + t**15, np.zeros(1), -1.5)
+    assert abs(power.value[0] - np.longdouble(1.5) ** 16 / 16) <= power.uncertainty < 1e-12
+
+
+def test_a_run_of_objects_is_as_exact_as_they_are_and_one_of_long_doubles_is_rounded() -> None:
+    with mp.workdps(30):
+        start = np.array([mp.mpf(1)], dtype=object)
+        exact = extrapolation.integrate(lambda _, y: -y, start, 1.0, 1e-24)
+        assert abs(exact.value[0] - mp.exp(-1)) < 1e-22
+    assert exact.uncertainty == 0.0  # of its roundings, which the caller sets
+    rounded = extrapolation.integrate(lambda _, y: -y, extrapolation.extended([1.0]), 1.0, 1e-17)
+    assert 1e-19 < rounded.uncertainty < 1e-15
+
+
+@pytest.mark.parametrize("end", [4.0, -4.0, 0.25])
+def test_the_pace_of_a_run_is_the_part_that_is_done(
+    end: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts: list[float] = []
+    monkeypatch.setattr(extrapolation, "Pace", lambda: SimpleNamespace(check=parts.append))
+    extrapolation.integrate(lambda _, y: 1j * y, np.array([1.0 + 0j]), end, 1e-12)
+    assert parts[0] == 0.0
+    assert parts == sorted(parts)
+    assert (parts[-1] > 0.5) is (abs(end) > 1.0)
+    assert parts[-1] < 1.0
+
+
+# ----------------------------------------------------------------------------- the friction cell
+
+
+@pytest.mark.parametrize("belt", [0.5, 1.25, 2.0, 4.0])
+def test_a_cell_rises_after_slip_as_high_as_in_the_chain(belt: float) -> None:
+    """A chain of one site; on fast belts it does not come back to the belt's speed."""
+    cell = FrictionCell(v_d=belt)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
+    start = np.array([[cell.release - 0.1 * belt], [belt]])
+    run = run_events(chain, start, 8.0, times=np.linspace(0.0, 8.0, 4001), tolerance=1e-11)
+    (release,) = run.when(ENDS)[:1]
+    late = run.times > release + 1.0
+    highest = float((run.velocity[late, 0] - belt).max())
+    assert friction_cell.highest_after_slip(belt) == pytest.approx(min(highest, 0.0), abs=1e-5)
+    assert (run.when(BEGINS).size > 0) is (highest > -1e-9)
+
+
+@pytest.mark.parametrize("belt", [0.8, 1.25])
+def test_the_averaged_damping_is_the_work_over_a_turn(belt: float) -> None:
+    """By scipy's quadrature of (6), split where the cell overtakes the belt."""
+    cell = friction_cell.CELL
+    amplitudes, damping = friction_cell.averaged_damping(belt)
+
+    def work(angle: float, R: float) -> float:
+        slip = R * math.cos(angle) - belt
+        size = cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp(-abs(slip) / cell.v0)
+        return -math.copysign(size, slip) * math.cos(angle)
+
+    for place in (300, 1000, 1300, 1500, 2900):
+        R = float(amplitudes[place])
+        turns = [0.0, math.acos(min(1.0, belt / R)), math.pi]
+        total = sum(quad(work, low, high, (R,), epsabs=1e-11)[0]
+                    for low, high in pairwise(turns))  # fmt: skip
+        assert damping[place] == pytest.approx(cell.xi * R - total / math.pi, abs=1e-7)
+
+
+def test_the_averaged_front_of_friction_has_the_velocity_of_steps_of_another_method() -> None:
+    """Classical Runge-Kutta with fixed steps, and arrivals by lines between them."""
+    belt, sites, h = 1.25, 60, 0.02
+    amplitudes, damping = friction_cell.averaged_damping(belt)
+    zeros = [
+        float(np.interp(0.0, [damping[i], damping[i + 1]], amplitudes[i : i + 2]))
+        if damping[i] < damping[i + 1]
+        else float(amplitudes[i + 1])
+        for i in range(1, amplitudes.size - 1)
+        if damping[i] * damping[i + 1] < 0.0
+    ]
+    level, cycle = zeros[0], zeros[-1]
+
+    def rate(r: np.ndarray) -> np.ndarray:
+        beside = np.concatenate([[cycle], r, [0.0]])
+        drag = np.sign(r) * np.interp(np.abs(r), amplitudes, damping)
+        found: np.ndarray = 0.5 * (beside[:-2] - beside[2:]) - drag
+        return found
+
+    r = np.where(np.arange(sites) < 15, cycle, 0.0)
+    arrivals = np.full(sites, np.nan)
+    for step in range(round(1.3 * sites / h)):
+        k1 = rate(r)
+        k2 = rate(r + 0.5 * h * k1)
+        k3 = rate(r + 0.5 * h * k2)
+        following = r + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + rate(r + h * k3))
+        for n in np.flatnonzero((r <= level) & (following > level) & np.isnan(arrivals)):
+            arrivals[n] = h * (step + (level - r[n]) / (following[n] - r[n]))
+        r = following
+    watched = arrivals[45:50]
+    v = 1.0 / np.polyfit(np.arange(5), watched, 1)[0]
+    assert friction_cell.averaged_front(belt, sites) == pytest.approx(v, abs=1e-3)
+
+
+# ----------------------------------------------------------------- friction with located events
+
+
+def _event_run(*log: tuple[float, int, int]) -> EventRun:
+    return EventRun(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)),
+                    np.array(log, dtype=float).reshape(-1, 3), 0, 0.0)  # fmt: skip
+
+
+def test_a_cycle_is_from_release_to_release_with_the_stick_before_the_last() -> None:
+    cycle = [(1.0, 1, ENDS), (4.0, 1, BEGINS), (4.5, 1, ENDS), (7.5, 1, BEGINS), (8.25, 1, ENDS)]
+    assert _event_run(*cycle).last_cycle == (3.75, 0.75)
+    assert _event_run(*cycle, (11.0, 1, BEGINS)).last_cycle == (3.75, 0.75)
+    for few in ([], cycle[:1], cycle[:2], cycle[1:3], [cycle[0], cycle[2]]):
+        assert _event_run(*few).last_cycle is None
+
+
+@pytest.mark.parametrize(
+    ("place", "sticks"), [(0.8, True), (-0.8, True), (1.5, False), (-1.5, False)]
+)
+def test_a_site_at_the_speed_of_the_belt_sticks_if_friction_can_hold_it(
+    place: float, sticks: bool
+) -> None:
+    """Else it slips to where it is pulled; here μ_st = 1 and damping adds 2ξv_d = 0.1."""
+    cell = FrictionCell(v_d=0.5, mu_st=1.0, xi=0.1)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
+    run = run_events(chain, np.array([[place], [0.5]]), 0.1, times=np.array([0.1]))
+    carried = place + 0.5 * 0.1
+    if sticks:
+        assert run.y[0, 0] == pytest.approx(carried, abs=1e-14)
+    else:
+        assert (run.y[0, 0] - carried) * place < -1e-4
+    assert run.evaluations > 10
+
+
+def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
+    cell = FrictionCell(v_d=1.0, mu_st=1.0, xi=0.25)
+    chain = FrictionChain.of(cell, c=0.0, sites=1)
+    with pytest.raises(NoReferenceError, match="starts on an event"):
+        run_events(chain, np.array([[0.5], [1.0]]), 1.0)  # y + 2ξv_d is μ_st
+
+
+@pytest.mark.parametrize("scale", [1e3, 1e-3])
+def test_a_friction_chain_with_all_forces_and_speeds_scaled_moves_alike(scale: float) -> None:
+    def run(times: float) -> EventRun:
+        cell = FrictionCell(
+            v_d=1.25 * times, mu_st=1.0 * times, mu_d=0.5 * times, v0=0.5 * times, xi=0.05
+        )
+        chain = FrictionChain.of(cell, c=0.05, sites=2)
+        start = times * np.array([[0.5, 0.2], [1.25, 1.25]])  # both are carried at first
+        return run_events(chain, start, 9.0, times=np.array([9.0]), tolerance=1e-11)
+
+    plain, scaled = run(1.0), run(scale)
+    assert plain.log.shape[0] >= 2
+    assert scaled.log == pytest.approx(plain.log, abs=1e-5)
+    assert scaled.y / scale == pytest.approx(plain.y, abs=1e-5)
+
+
+def test_the_pattern_of_regularised_friction_is_that_of_its_derivatives() -> None:
+    chain = FrictionChain.of(FrictionCell(), c=0.3, sites=4)
+    rate, z = regularised_rate(chain, 0.1), np.random.default_rng(4).normal(size=8)
+    slope = [(rate(0.0, z + 1e-6 * e) - rate(0.0, z - 1e-6 * e)) / 2e-6 for e in np.eye(8)]
+    found = regularised._sparsity(4).toarray() != 0
+    assert np.array_equal(found, np.abs(np.array(slope).T) > 1e-6)
+
+
+def test_steps_of_the_switch_model_are_bounded_and_their_refusals_counted() -> None:
+    """Fastest where all neighbours pull against each other: √(1 + 4c), and twice the damping."""
+    cell = FrictionCell(xi=0.3)
+    chain, start = FrictionChain.of(cell, c=2.0, sites=2), np.array([[2.0, 0.5], [0.0, 0.0]])
+    most = 1.0 / (3.0 + 0.6)
+    assert run_switch(chain, start, 4.0, step=0.999 * most).steps == math.ceil(4.0 / (0.999 * most))
+    with pytest.raises(ParameterError, match="step"):
+        run_switch(chain, start, 4.0, step=1.001 * most)
+    for absolute in (0.0, -1e-6, math.nan):
+        with pytest.raises(ParameterError, match="absolute tolerance"):
+            run_switch(chain, start, 4.0, absolute=absolute)
+    fixed = run_switch(chain, start, 4.0, step=0.01)
+    assert (fixed.steps, fixed.rejected, fixed.unconverged, fixed.reached) == (400, 0, 0, 4.0)
+    chosen = run_switch(chain, start, 4.0, band=1e-6, relative=1e-8, absolute=1e-10)
+    assert chosen.rejected > 0
+    assert chosen.unconverged == 0
+
+
+# -------------------------------------------------------------------------------- travelling waves
+
+
+def test_a_wave_by_differences_is_free_of_roundings_of_doubles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Newton's method ends at one v, wherever it starts, and it is that of the wave to 1e-4."""
+    given = {"per_site": 12, "behind": 8, "ahead": 14}
+    v = waves.front_velocity(0.6, 0.03125, **given)
+    assert float(v) == pytest.approx(front_wave(0.6, 0.03125).v, abs=1e-4)
+    guess = waves._guess
+
+    def other(*given: Any) -> Any:
+        R, v = guess(*given)
+        return R * (1.0 + 1e-3 * np.sin(np.arange(R.size))), 1.01 * v
+
+    monkeypatch.setattr(waves, "_guess", other)
+    assert abs(waves.front_velocity(0.6, 0.03125, **given) - v) < 2e-17
+
+
+@pytest.mark.parametrize("m", [10, 12])
+def test_the_matrix_of_a_wave_is_the_derivative_of_its_equation(m: int) -> None:
+    """Where a site has as many points as a difference reaches, both act on one diagonal."""
+    c, eta, v, size = 2.0, 0.05, 0.7, 60
+    R = 1.0 + 0.5 * np.sin(0.3 * np.arange(size))
+    weights = [float(w) for w in waves._CENTRAL]
+
+    def equation(R: np.ndarray) -> np.ndarray:
+        at = {i: R[i] if 0 <= i < size else 0.0 for i in range(-20, size + 20)}
+        return np.array([
+            v * m * sum(w * (at[i + k] - at[i - k]) for k, w in enumerate(weights, start=1))
+            + 0.5 * c * (at[i - m] - at[i + m])
+            - 0.5 * R[i] * (1.0 - R[i] ** 2 / 4.0 + eta * R[i] ** 4 / 8.0)
+            for i in range(size)
+        ])  # fmt: skip
+
+    slope = [(equation(R + 1e-5 * e) - equation(R - 1e-5 * e)) / 2e-5 for e in np.eye(size)]
+    assert np.abs(waves._matrix(R, v, c, eta, m).toarray() - np.array(slope).T).max() < 1e-8
+
+
+def test_sites_arrive_in_a_chain_as_they_do_by_the_engine() -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=5.0, eps=0.3, sites=5)
+    start = np.zeros((2, 5))
+    start[0, 0] = 3.0
+    level = 0.4
+    found = passages.arrivals_of_chain(chain, 60.0, level, 3.0)
+    run = simulate(chain, start, 60.0, samples=2, level=level, tolerance=1e-10)
+    assert np.isfinite(found).sum() == 5
+    assert found[1:] == pytest.approx(run.arrivals[1:], abs=1e-5)
+    assert found[0] == 0.0
+    never = passages.arrivals_of_chain(chain, 3.0, 50.0, 3.0)
+    assert np.isnan(never[1:]).all()
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.6, 0.03125), (0.3, 0.05)])
+def test_a_staggered_front_is_timed_until_it_has_run_through(c: float, eta: float) -> None:
+    """Also where it is slower than half of what the first run allows for."""
+    wave = front_wave(c, eta).v
+    found = passages.staggered_velocity(1.0, eta, c, 48)
+    assert found == pytest.approx(wave, abs=1e-6)
+
+
+def test_a_staggered_front_at_strong_coupling_obeys_the_law() -> None:
+    """v = c + κ (c/6)^{1/3}, to the next order; here the whole run is shorter than a unit of T."""
+    law = 100.0 + strong_coupling_front(0.03125).kappa * (100.0 / 6.0) ** (1.0 / 3.0)
+    assert passages.staggered_velocity(1.0, 0.03125, 100.0) == pytest.approx(law, rel=5e-3)
+
+
+@pytest.mark.parametrize("eta", [0.01, 0.03125])
+def test_the_front_of_strong_coupling_is_between_what_leaves_upwards_and_downwards(
+    eta: float,
+) -> None:
+    kappa = strong_coupling_front(eta).kappa
+    for off in (-1e-2, -1e-6, 1e-6, 1e-2):
+        assert strong_coupling._leaves_upwards(kappa + off, eta) is (off > 0.0)
+    low, high = strong_coupling.kappa_by_shooting(eta, kappa - 1e-10, kappa + 1e-10)
+    assert low - 1e-11 <= kappa <= high + 1e-11
+    assert 0.0 < high - low < 2e-12
+    for ends in ((kappa - 1e-2, kappa - 1e-3), (kappa + 1e-3, kappa + 1e-2)):
+        with pytest.raises(ArithmeticError, match="no front"):
+            strong_coupling.kappa_by_shooting(eta, *ends)
+
+
+# ------------------------------------------------------------------------------ phase-locked states
+
+A, B = 2.5, 0.5
+
+
+@pytest.fixture(name="short")
+def short_tails(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Few sites at rest beside the core: what is asked here does not depend on how many."""
+    monkeypatch.setattr(phase_locked, "MARGIN", 3)
+    return 3
+
+
+@pytest.mark.parametrize("size", [2, 4, 8])
+def test_a_family_is_of_quarter_turns_at_every_second_step(
+    size: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And of one step δ between them; either changes its sign at the middle or not at all."""
+    monkeypatch.setattr(phase_locked, "_distinct", lambda patterns, *_: list(patterns))
+    patterns: Any = phase_locked.family(size, A, B)
+    for steps in patterns:
+        assert steps.shape == (size - 1,)
+        assert np.abs(steps[1::2]) == pytest.approx(0.5 * np.pi)
+        assert np.ptp(np.abs(steps[::2])) == 0.0
+        right = steps[(size - 1) // 2 :]
+        assert all(np.ptp(right[begin::2]) == 0.0 for begin in range(min(2, right.size)))
+    deltas = sorted({float(abs(steps[0])) for steps in patterns})
+    assert deltas == pytest.approx(np.linspace(0.0, np.pi, 25).tolist())
+    signs = {tuple(np.sign(steps)) for steps in patterns if 0.1 < abs(steps[0]) < 3.0}
+    assert len(signs) == {2: 2, 4: 8, 8: 8}[size]
+
+
+def test_growth_of_mirrored_perturbations_is_that_of_eigenvectors_that_are_mirrored(
+    short: int,
+) -> None:
+    u = phase_locked.outward_breather(3, 0.05, A, B)
+    sites = 3 + 2 * short
+    rates, vectors = np.linalg.eig(phase_locked.jacobian(u, 0.05, A, B)[:-1, :-1])
+    both = vectors.reshape(2, sites, -1)
+    even = np.abs(both - both[:, ::-1]).max(axis=(0, 1)) < 1e-6
+    odd = np.abs(both + both[:, ::-1]).max(axis=(0, 1)) < 1e-6
+    assert (even.sum(), odd.sum()) == (2 * ((sites + 1) // 2), 2 * (sites // 2))
+    grows = [np.delete(each, np.argmin(np.abs(each))).real.max() for each in (rates, rates[even])]
+    assert phase_locked.growth_rate(u, 0.05, A, B) == pytest.approx(grows[0], abs=1e-10)
+    mirrored = phase_locked.growth_rate(u, 0.05, A, B, mirrored=True)
+    assert mirrored == pytest.approx(grows[1], abs=1e-10)
+    assert abs(grows[0] - grows[1]) > 1e-4
+
+
+def test_a_breather_is_followed_to_the_coupling_that_is_asked_for(short: int) -> None:
+    (one,) = phase_locked.locked_breathers(1, A, B)
+    for c in (0.06, 0.03, 0.02):
+        found = phase_locked.follow_to(one, c, A, B)
+        u = np.concatenate([found.phi.real, found.phi.imag, [found.omega]])
+        assert np.abs(phase_locked.residual(u, c, A, B)).max() < 1e-10
+        assert found.c == c
+    outward = phase_locked.outward_breather(5, 0.05, A, B)
+    assert np.abs(phase_locked.residual(outward, 0.05, A, B)).max() < 1e-10
+    phi = outward[: 5 + 2 * short] + 1j * outward[5 + 2 * short : -1]
+    assert np.abs(phi) == pytest.approx(np.abs(phi[::-1]), abs=1e-10)
+    steps = np.angle(phi[1:] / phi[:-1])[short:-short] / np.pi
+    assert steps == pytest.approx([-0.5, -0.5, 0.5, 0.5], abs=0.05)
+
+
+def test_a_branch_ends_where_its_last_breather_is(short: int) -> None:
+    """At a fold, where the distance to the breather of the other branch goes like a root."""
+    (one,) = phase_locked.locked_breathers(1, A, B)
+    branch = phase_locked.follow(one, A, B)
+    last = branch.last
+    u = np.concatenate([last.phi.real, last.phi.imag, [last.omega]])
+    assert np.abs(phase_locked.residual(u, last.c, A, B)).max() < 1e-9
+    assert 0.0 <= branch.c_end - last.c < 1e-6
+    assert last.growth == pytest.approx(phase_locked.growth_rate(u, last.c, A, B), abs=1e-12)
+    singular = np.linalg.svd(phase_locked.jacobian(u, last.c, A, B), compute_uv=False)
+    start = np.concatenate([one.phi.real, one.phi.imag, [one.omega]])
+    before = np.linalg.svd(phase_locked.jacobian(start, one.c, A, B), compute_uv=False)
+    assert singular[-1] < 0.02 * before[-1]
+
+
+def test_newton_finds_a_breather_from_far_off_too(short: int) -> None:
+    """Steps are shortened until the residual falls."""
+    (one,) = phase_locked.locked_breathers(1, A, B)
+    true = np.concatenate([one.phi.real, one.phi.imag, [one.omega]])
+    turned = true[: one.phi.size] + 1j * true[one.phi.size : -1]
+    turned *= np.exp(-1j * np.angle(turned[short]))
+    true[:-1] = np.concatenate([turned.real, turned.imag])
+    rng = np.random.default_rng(3)
+    reached = 0
+    for _ in range(12):
+        found = phase_locked.solve(true + 0.4 * rng.normal(size=true.size), one.c, A, B)
+        if found is not None:
+            assert np.linalg.norm(phase_locked.residual(found, one.c, A, B)) < 1e-10
+            reached += 1
+    assert reached >= 6
+
+
+@pytest.mark.parametrize(
+    ("growths", "ranges"),
+    [
+        ([], ()),
+        ([-1.0], ((0.0, 0.0),)),
+        ([1.0, 1.0], ()),
+        ([-1.0, -1.0, 1.0, -1.0, -1.0], ((0.0, 1.0), (3.0, 4.0))),
+        ([1.0, -1.0, 0.0, 1.0, -1.0], ((1.0, 2.0), (4.0, 4.0))),
+    ],
+)
+def test_ranges_of_stability_are_from_first_to_last_of_what_is_stable(
+    growths: list[float], ranges: tuple[tuple[float, float], ...]
+) -> None:
+    history = [(float(c), growth) for c, growth in enumerate(growths)]
+    assert phase_locked._ranges(history) == ranges
+
+
+# --------------------------------------------------------------------- the front of (44), and r
+
+
+@pytest.mark.parametrize("v", [0.01, 0.3])
+def test_the_error_of_the_quadrature_counts_what_is_beyond_its_end(v: float) -> None:
+    """At c = 0, where A = 1/2 and Σ = 0."""
+    value, error = piecewise.sum_on_the_line(v, 0.0)
+    assert abs(value) <= error < 1e-5
+
+
+def test_roots_are_zeros_of_the_dispersion_relation_and_its_slope_is_a_difference() -> None:
+    v, c = 0.3, 0.5
+    with mp.workdps(30):
+        for k in labelled_roots(v, c, np.arange(-3, 4), True).k.tolist():
+            assert abs(piecewise.dispersion(v, c, mp.mpc(k))) < 1e-13
+        for k in (mp.mpc(1, 2), mp.mpc(-3, 0.5)):
+            ahead, behind = (piecewise.dispersion(v, c, k + s * mp.mpf("1e-9")) for s in (1, -1))
+            slope = piecewise.dispersion_slope(v, c, k)
+            assert abs((ahead - behind) / mp.mpf("2e-9") - slope) < 1e-15
+
+
+@pytest.mark.parametrize("eta", [1e-30, 1e-12, 0.03125, 0.08, 0.125])
+def test_the_threshold_ratio_gives_eta_back_to_all_its_digits(eta: float) -> None:
+    """η = r²/2(1 + r²)², from sum and product of the squares of both cycles."""
+    with mp.workdps(30):
+        r = piecewise.threshold_ratio(eta)
+        assert abs(r**2 / (2 * (1 + r**2) ** 2) / mp.mpf(eta) - 1) < 1e-28
+
+
+# ----------------------------------------------------------------- breathers in extended precision
+
+
+def test_a_state_is_fixed_in_phase_at_its_largest_site_whatever_its_phase_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The largest of |φ|, not of its real part."""
+    asked: list[int] = []
+    defect = precise_breather._defect
+
+    def noted(x: Any, eta: float, c: Any, centre: int) -> Any:
+        asked.append(centre)
+        return defect(x, eta, c, centre)
+
+    monkeypatch.setattr(precise_breather, "_defect", noted)
+    phi = np.array([1.0 + 0j, -3.0 + 0j, 1.0 + 0j])
+    for find in (precise_breather.locked_state, precise_breather.locked_fold):
+        asked.clear()
+        with suppress(NoReferenceError):
+            find(0.05, 5.0, phi, 3.0)
+        assert set(asked) == {1}
+
+
+def test_roundings_of_a_state_are_larger_than_those_of_each_of_its_terms() -> None:
+    """Of doubles in place of long doubles, scaled: what one rounding of each operation changes."""
+    rng = np.random.default_rng(6)
+    ratio = float(np.finfo(float).eps / np.finfo(np.longdouble).eps)
+    for omega in (0.0, 0.3, -40.0):
+        x = np.array([*rng.normal(size=8), omega])
+        exact = precise_breather._defect(x.astype(np.longdouble), 0.05, 0.4, 2)
+        rounded = precise_breather._defect(x, 0.05, 0.4, 2)
+        bound = ratio * precise_breather._rounding(x, 0.05, 0.4)
+        assert np.all(np.abs(rounded - exact) <= bound)
+        # Terms that are turned into each other by Ω are as large as Ω.
+        phi = x[:4] + 1j * x[4:8]
+        assert np.all(bound[:4] >= np.finfo(float).eps * np.abs(omega * phi))

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from theory.averaged.breather import Reading, closed_form_fold
+from theory.cells.vdp import ETA_END
 from theory.parameters import ParameterError
 from theory.piecewise.dispersion import root_free_strip
+from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.limits import ETA_PIN_END
 from verification.quantities.problems import PROBLEMS, Problem, timed
 from verification.quantities.quantity import Quantity
 from verification.quantities.registry import all_computations, all_quantities, quantity_named
@@ -81,3 +85,30 @@ def test_problems_in_its_ranges_are_points_of_a_computation() -> None:
 def test_what_is_not_there_is_refused() -> None:
     with pytest.raises(ParameterError, match="quantity = nothing"):
         quantity_named("nothing")
+
+
+def test_a_problem_is_what_it_is_called() -> None:
+    """Fronts by the kinetic relation, breathers by the closed form."""
+    named = {problem.name: problem for problem in PROBLEMS["relation"]}
+    found = {
+        name: kinetic_relation(named[name].c, named[name]["eta"])
+        for name in ("ordinary", "hysteresis", "pinned", "retreat", "three-at-a-resonance")
+    }
+    folds = found["hysteresis"].c_fold, found["hysteresis"].c_pin
+    assert None not in folds
+    assert folds[0] < named["hysteresis"].c < folds[1] < named["ordinary"].c
+    assert named["pinned"].c < found["pinned"].c_fold
+    assert [branch.v < 0.0 for branch in found["retreat"].branches] == [True]
+    assert len(found["three-at-a-resonance"].branches) == 3
+    assert named["no-pinning-from-here"]["eta"] == ETA_PIN_END
+    assert named["cycles-gone"]["eta"] > ETA_END
+    for family in ("relation", "breather"):
+        (meeting,) = (each for each in PROBLEMS[family] if each.name == "cycles-meet")
+        assert 0.0 < 1.0 - meeting["eta"] / ETA_END < 1e-8
+    for family in ("breather", "multipliers"):
+        for problem in PROBLEMS[family]:
+            fold = closed_form_fold(problem.vdp_chain(), Reading.NEIGHBOUR).c
+            assert fold is not None
+            assert (0.0 < problem.c < fold) is (problem.name != "not-averageable")
+            if problem.name == "beside-the-fold":
+                assert problem.c > 0.95 * fold

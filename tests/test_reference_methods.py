@@ -11,7 +11,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 
 from theory.averaged.front import strong_coupling_front
 from theory.cells.friction import FrictionCell
@@ -33,7 +33,7 @@ from verification.references import (
 from verification.references import (
     front_wave as waves,
 )
-from verification.references.equations import regularised_rate
+from verification.references.equations import full_rate, regularised_rate
 from verification.references.friction_events import BEGINS, ENDS, EventRun, run_events
 from verification.references.pace import NoReferenceError
 from verification.references.switch_model import run_switch
@@ -284,12 +284,29 @@ def test_sites_arrive_in_a_chain_as_they_do_by_the_engine() -> None:
     assert np.isnan(never[1:]).all()
 
 
-@pytest.mark.parametrize(("c", "eta"), [(0.6, 0.03125), (0.3, 0.05)])
+def test_an_arrival_in_the_first_step_of_a_piece_is_found() -> None:
+    """A run goes on every half turn; here a site is higher just after it than ever before."""
+    start, when = np.array([3.0, 0.0, 0.0, 0.0, 0.0, 0.0]), np.pi + 1e-4
+    times = [*np.linspace(0.0, np.pi, 400), when]
+    tried = 0
+    for c in (0.5, 1.0, 1.5, 2.0):
+        chain = VdpChain(a=4.0, b=0.5, c=c, eps=0.3, sites=3)
+        run = solve_ivp(full_rate(chain), (0.0, when), start, "DOP853", t_eval=times, rtol=1e-10)
+        for site in (1, 2):
+            height = np.hypot(run.y[site], run.y[site + 3])
+            if height[-1] > height[:-1].max():
+                found = passages.arrivals_of_chain(chain, 2.0 * np.pi, float(height[-1]), 3.0)
+                assert found[site] == pytest.approx(when, abs=1e-5)
+                tried += 1
+    assert tried
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.6, 0.03125), (0.34, 0.07)])
 def test_a_staggered_front_is_timed_until_it_has_run_through(c: float, eta: float) -> None:
-    """Also where it is slower than half of what the first run allows for."""
+    """Also where it is slower than the first run allows for, v = 0.67 c."""
     wave = front_wave(c, eta).v
-    found = passages.staggered_velocity(1.0, eta, c, 48)
-    assert found == pytest.approx(wave, abs=1e-6)
+    found = passages.staggered_velocity(1.0, eta, c, 100)
+    assert found == pytest.approx(wave, abs=1e-8)
 
 
 def test_a_staggered_front_at_strong_coupling_obeys_the_law() -> None:
@@ -399,13 +416,44 @@ def test_newton_finds_a_breather_from_far_off_too(short: int) -> None:
     turned *= np.exp(-1j * np.angle(turned[short]))
     true[:-1] = np.concatenate([turned.real, turned.imag])
     rng = np.random.default_rng(3)
-    reached = 0
-    for _ in range(12):
-        found = phase_locked.solve(true + 0.4 * rng.normal(size=true.size), one.c, A, B)
-        if found is not None:
-            assert np.linalg.norm(phase_locked.residual(found, one.c, A, B)) < 1e-10
-            reached += 1
-    assert reached >= 6
+
+    def size(u: np.ndarray) -> float:
+        return float(np.linalg.norm(phase_locked.residual(u, one.c, A, B)))
+
+    reached = []
+    for _ in range(200):
+        guess = true + 0.5 * rng.normal(size=true.size)
+        step = np.linalg.solve(
+            phase_locked.jacobian(guess, one.c, A, B), phase_locked.residual(guess, one.c, A, B)
+        )
+        whole = guess - min(1.0, 0.5 / float(np.abs(step).max())) * step
+        if size(whole) > size(guess):  # the first step leads away
+            reached.append(phase_locked.solve(guess, one.c, A, B))
+    assert len(reached) >= 2
+    assert all(size(u) < 1e-10 for u in reached if u is not None)
+    assert any(u is not None for u in reached)
+
+
+def test_a_branch_is_followed_along_its_line_and_not_across_a_gap(
+    short: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Made-up solutions on a line in c, of which one unknown jumps at c = 0.1."""
+    (one,) = phase_locked.locked_breathers(1, A, B)
+    first = phase_locked._unknowns(one)
+    slope = 0.1 * np.cos(np.arange(first.size))
+    asked: list[float] = []
+
+    def on_the_line(guess: np.ndarray, c: float, *_: object) -> np.ndarray:
+        found: np.ndarray = first + slope * (c - one.c)
+        if c < 0.1:
+            asked.append(float(np.abs(guess - found).max()))
+            return found
+        return found + 0.2 * (np.arange(first.size) == 2)
+
+    monkeypatch.setattr(phase_locked, "solve", on_the_line)
+    branch = phase_locked.follow(one, A, B)
+    assert branch.c_end == pytest.approx(0.1, abs=1e-7)
+    assert max(asked[1:]) < 1e-12  # from the second step on each is where two before lead
 
 
 @pytest.mark.parametrize(

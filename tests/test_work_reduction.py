@@ -293,8 +293,29 @@ def test_points_are_judged_where_most_of_what_is_allowed_is_used(
     assert (found.spent, found.whole, found.changed) == (600.0, 1000.0, 1e-3)
     assert not found.holds
     # The stated error, the tolerance, and sixteen roundings of the plain sum and of one.
-    assert found.bound == pytest.approx(1e-12 + 1e-13 + 32.0 * np.finfo(float).eps, rel=1e-9)
+    assert found.bound == pytest.approx(
+        1e-12 + 1e-13 + 32.0 * np.finfo(float).eps, rel=1e-9, abs=0.0
+    )
     assert (min(velocities), max(velocities)) == pytest.approx((0.05, 5.0))
+
+
+@pytest.mark.parametrize("beyond", [(3, 9), (9, 3)])
+def test_the_shape_is_given_as_far_as_it_is_not_proven(
+    beyond: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ahead of the front or behind it, whichever is farther."""
+    asked: list[float] = []
+
+    def make(*given: Any) -> None:
+        asked.append(given[2])
+        raise KeyboardInterrupt
+
+    verdict = SimpleNamespace(proven_beyond=beyond, admissible=True, points=1)
+    monkeypatch.setattr(sums, "check_admissible", lambda *_: verdict)
+    monkeypatch.setattr(sums.ProfileGrid, "make", make)
+    with pytest.raises(KeyboardInterrupt):
+        sums.few_values_of_the_shape()
+    assert asked[0] >= 9
 
 
 def test_a_search_is_compared_just_above_the_fold(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -313,3 +334,8 @@ def test_a_search_is_compared_just_above_the_fold(monkeypatch: pytest.MonkeyPatc
     fold = fold_coupling(0.03125)
     assert fold is not None
     assert near / fold.value - 1.0 == pytest.approx(1e-8, rel=1e-5)
+
+
+def test_a_front_that_retreats_crosses_downwards_by_both_methods() -> None:
+    found = runs.steps_between_crossings(2.0, 0.115, 2)
+    assert found.changed <= found.bound < 1e-7

@@ -37,8 +37,41 @@ def test_a_run_of_the_envelope_is_that_of_scipy(ends: Ends) -> None:
     exact = solve_ivp(
         lambda _, x: envelope_rate(x, chain), (0, 20), phi, "DOP853", rtol=1e-11, atol=1e-12
     ).y[:, -1]
-    # Fourth order at step 0.04: (0.04)⁴ times the fast start's derivatives.
-    assert np.abs(run_envelope(chain, phi, 20.0).phi - exact).max() < 1e-5
+    # Eighth order at steps of a tenth, of rates of order one: what scipy's errors add up to.
+    assert np.abs(run_envelope(chain, phi, 20.0).phi - exact).max() < 1e-10
+
+
+def test_a_coupling_that_grows_is_that_of_its_time() -> None:
+    """c = c₀ + rate·T: held within a step, whose middle it is taken at, so of second order."""
+    chain, rate = VdpChain(a=2.5, b=0.5, c=0.05, sites=5), 0.01
+    rng = np.random.default_rng(SEED)
+    phi = 2.0 + rng.normal(size=5) + 1j * rng.normal(size=5)
+    exact = solve_ivp(
+        lambda t, x: envelope_rate(x, chain.replace(c=0.05 + rate * t)), (0, 10), phi, "DOP853",
+        rtol=1e-11, atol=1e-12,
+    ).y[:, -1]  # fmt: skip
+    run = run_envelope(chain, phi, 10.0, rate=rate)
+    assert run.coupling == pytest.approx(0.15, rel=1e-14)
+    assert np.abs(run.phi - exact).max() < 1e-4
+    assert np.abs(run_envelope(chain, phi, 10.0).phi - exact).max() > 1e-2
+
+
+def test_a_run_ends_when_a_watched_site_passes_the_limit() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.0, sites=3)
+    start = np.array([0.1, 1.5, 2.6], dtype=complex)  # the last two go to the cycle, at 2.83
+    assert chain.unstable_amplitude < 1.5
+    watched = np.array([True, True, False])
+    run = run_envelope(chain, start, 100.0, watched=watched, limit=2.0)
+    assert run.escaped
+    assert 2.0 < abs(run.phi[1]) < 2.2  # within a step
+    # Its rate alone, without coupling, from the start to the limit: dr/g(r).
+    r = np.linspace(1.5, 2.0, 20_001)
+    middle = 0.5 * (r[1:] + r[:-1])
+    needed = np.sum(np.diff(r) / (-0.5 * middle * (1 - 2.5 * middle**2 / 4 + 0.5 * middle**4 / 8)))
+    assert 0.0 <= run.time - needed < 0.11
+    assert run.coupling == 0.0
+    free = run_envelope(chain, start, 100.0, watched=watched, limit=3.0)
+    assert (free.escaped, free.time) == (False, 100.0)
 
 
 def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:

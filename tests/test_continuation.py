@@ -110,6 +110,22 @@ def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
         assert branches._length_to(start, end.u, end.c) == pytest.approx(length, rel=1e-11)
 
 
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
+def test_the_correction_of_a_step_is_how_far_its_end_still_is(tolerance: float) -> None:
+    """On a circle beside a coordinate that c alone decides, so that one has nothing to move."""
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([u[0] ** 2 + (c - 1.0) ** 2 - 0.49, 1e-3 * (u[1] - 2.0)])
+        return value, np.diag([2.0 * u[0], 1e-3]), np.array([2.0 * (c - 1.0), 0.0])
+
+    start = solve_at(system, np.array([0.5, 2.0]), 1.4)
+    exact, rough = (step_along(system, start, 0.5, each) for each in (1e-14, tolerance))
+    apart = max(np.abs(rough.u - exact.u).max(), COUPLING_WEIGHT * abs(rough.c - exact.c))
+    assert apart <= 2.0 * rough.correction + 1e-14
+    assert 0.0 <= rough.correction < 0.1
+    assert rough.iterations == round(rough.iterations) < exact.iterations
+
+
 # ------------------------------------------------------------------------------- branches, folds
 
 
@@ -191,6 +207,7 @@ def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> No
     assert found is not None
     assert not found.from_start
     assert abs(found.c - at) <= found.error < 1e-9
+    assert found.error > np.spacing(at)  # no search is better than rounding
     assert found.u[0] == pytest.approx(math.sqrt(0.49 - (at - 1.0) ** 2), abs=1e-9)
 
 

@@ -10,11 +10,13 @@ import itertools
 import math
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from theory.cells.friction import FrictionCell
+from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
@@ -27,8 +29,12 @@ from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.verdict import History
 from verification.piecewise.window import _RESERVE, ChainState, decay_rate, truncation_bound
 from verification.runs.averaging_error import AveragingError
+from verification.runs.ensemble import Ensemble, SeedTask
 from verification.runs.excite import excite
+from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers import stiff_stage
+from verification.steppers.friction_series import CLOCK
 from verification.thresholds import escape
 from verification.thresholds.preparation import Preparation
 
@@ -133,6 +139,74 @@ def test_a_clock_that_is_not_finite_in_any_part_is_refused(place: int) -> None:
     run._run.clock[place] = math.nan
     with pytest.raises(ValueError, match="clock"):
         run.check_state()
+
+
+def test_a_clock_of_a_friction_chain_that_is_not_finite_is_refused() -> None:
+    chain = FrictionChain(c=0.02, sites=4)
+    run = FrictionIntegration(chain, excite(chain, [1]), [10.0])
+    run.check_state()
+    run._run.numbers[CLOCK] = math.nan
+    with pytest.raises(ValueError, match="clock"):
+        run.check_state()
+
+
+def test_the_mean_over_seeds_errs_by_its_spread_and_by_the_errors_of_the_values() -> None:
+    """Equal values have the error of one; those that are missing do not count."""
+    rng = np.random.default_rng(0)
+    for values, errors in (
+        (np.ones(5), np.full(5, 1e-3)),
+        (rng.normal(size=400), np.zeros(400)),
+        (np.append(np.ones(4), math.nan), np.append(np.full(4, 2e-3), math.nan)),
+    ):
+        found = Ensemble(
+            chain=None, quantity="v", seeds=np.arange(values.size), values=values, errors=errors,
+            seconds=0.0,
+        )  # fmt: skip
+        known = values[np.isfinite(values)]
+        spread = math.sqrt(np.sum((known - known.mean()) ** 2) / (known.size - 1) / known.size)
+        assert found.mean_error == pytest.approx(spread + np.nanmax(errors))
+        assert found.missing == values.size - known.size
+
+
+@pytest.mark.parametrize(("value", "error"), [(0.5, 0.1), (0.5, None), (None, None)])
+def test_a_number_of_one_seed_has_its_error_where_there_is_one(
+    value: float | None, error: float | None
+) -> None:
+    chain = SimpleNamespace(replace=lambda seed: seed)
+    made: Any = SeedTask(
+        function=lambda seed, more: SimpleNamespace(c=value, error=error, seed=seed + more),
+        chain=chain,  # type: ignore[arg-type]
+        options={"more": 1},
+    )
+    found = made({"seed": 3})
+    for name, expected in (("value", value), ("error", error)):
+        assert found[name] == pytest.approx(math.nan if expected is None else expected, nan_ok=True)
+    assert found["quantity"] == "c"
+
+
+@pytest.mark.parametrize("tolerance", [1e-11, 1e-6])
+def test_a_run_through_a_stiff_stage_errs_by_a_tenth_of_its_tolerance_at_least(
+    tolerance: float,
+) -> None:
+    assert stiff_stage.least_error(tolerance, 30.0) == pytest.approx(3.0 * tolerance)
+
+
+def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ended = SimpleNamespace(
+        success=True, y=np.array([[1.0, math.nan], [0.0, 0.0]]), t=np.array([0.0, 0.3]), message="?"
+    )
+    asked: list[dict[str, Any]] = []
+    monkeypatch.setattr(
+        "scipy.integrate.solve_ivp", lambda *_, **given: asked.append(given) or ended
+    )
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=2)
+    gentle: Any = None
+    state = np.array([[1e3, 0.0], [0.0, 0.0]])
+    with pytest.raises(ArithmeticError, match=r"t = 0\.3"):
+        stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle)
+    assert asked[0]["atol"] < asked[0]["rtol"] * np.abs(state).max()
 
 
 @pytest.mark.parametrize("parity", [1, -1])

@@ -24,7 +24,7 @@ from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
-from verification.steppers.friction_series import _polish
+from verification.steppers.friction_series import HIGHEST, LOWEST, _polish
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -351,6 +351,89 @@ def test_what_cannot_be_run_is_refused() -> None:
         simulate(chain, np.zeros((2, 2)), -1.0)
     with pytest.raises(RunError):
         simulate(chain, np.array([[1e300, 0.0], [0.0, 0.0]]), 1.0)
+
+
+def test_a_run_goes_to_the_end_that_is_given() -> None:
+    """Or to its last sample, or for ever; and no further than its steps last."""
+    chain = FrictionChain(c=0.02, sites=3)
+    start = excite(chain, [1])
+    ends = [
+        FrictionIntegration(chain, start, times, end=end).end
+        for times, end in (([1.0, 2.0], 5.0), ([1.0, 2.0], None), ([], 5.0), ([], None))
+    ]
+    assert ends == [5.0, 2.0, 5.0, np.inf]
+    run = FrictionIntegration(chain, start, [1.0], end=1e3)
+    run.advance_to(1e3, max_steps=5)
+    assert run.counts["steps"] == 5
+    run.advance(chain.sites)
+    assert run.counts["steps"] <= 7  # a budget of one step
+
+
+@pytest.mark.parametrize(
+    ("ends", "window", "narrow"),
+    [
+        (Ends.FREE, True, True),
+        (Ends.FREE, False, False),
+        (Ends.LITERAL, True, False),
+        (Ends.LITERAL, False, False),
+    ],
+)
+def test_sites_at_rest_are_left_out_of_chains_with_free_ends_alone(
+    ends: Ends, window: bool, narrow: bool
+) -> None:
+    chain = FrictionChain(c=0.02, sites=41, ends=ends)
+    run = FrictionIntegration(chain, excite(chain, [21]), active_window=window)
+    low, high = (run._run.counters[n] for n in (friction.LO, friction.HI))
+    assert low - 1 == chain.sites + 1 - high  # as many on one side as on the other
+    run.advance_to(0.5)
+    assert (run.counts["site_steps"] < chain.sites * run.counts["steps"]) is narrow
+
+
+@pytest.mark.parametrize("ends", [Ends.FREE, Ends.LITERAL])
+def test_sites_that_start_with_the_belt_stick_if_the_force_can_be_held(ends: Ends) -> None:
+    chain = FrictionChain(c=0.3, sites=9, ends=ends)
+    y = np.random.default_rng(SEED).uniform(-1.0, 1.6, 9)
+    force = holding_force(chain, y[None])[0]
+    held = np.abs(force) <= chain.cell.mu_st
+    assert 2 < np.count_nonzero(held) < 7
+    run = FrictionIntegration(chain, np.array([y, np.full(9, chain.cell.v_d)]))
+    assert run.stuck.tolist() == held.tolist()
+    run.advance_to(1e-4)
+    backwards = run.state[1] < chain.cell.v_d
+    # A force that would have to push forwards is not there: the site falls behind the belt.
+    assert backwards[~held].tolist() == (force[~held] > 0.0).tolist()
+
+
+def test_an_amplitude_is_half_of_the_distance_of_its_turning_points() -> None:
+    chain = FrictionChain(c=0.02, sites=3)
+    run = FrictionIntegration(chain, excite(chain, [1]))
+    run._row(HIGHEST)[:] = 1.0, 3.0, np.nan
+    run._row(LOWEST)[:] = 3.0, 1.0, 0.0
+    assert run.amplitude.tolist() == [1.0, 1.0, 0.0]
+
+
+def test_a_perturbed_start_has_each_place_moved_by_its_own_last_digits() -> None:
+    chain = FrictionChain(c=0.02, sites=3)
+    start = np.array([[8.0, 0.0, -64.0], [1.0, 2.0, 3.0]])
+    moved = FrictionIntegration.perturbed(chain, start, 4) - start
+    rest = chain.rest_state.y
+    assert moved[0].tolist() == [4 * np.spacing(each) for each in (8.0, rest, 64.0)]
+    assert not moved[1].any()
+
+
+def test_what_goes_to_rest_has_no_energy_left_to_stick_with() -> None:
+    """Springs hold energy as well; ends that pull, or unstable sliding, never let it rest."""
+    small = 1e-4
+    for changes, rests in (
+        ({"c": 0.01}, True),
+        ({"c": 1e4}, False),  # ½c(Δy)² is ten thousand times the rest
+        ({"c": 0.01, "ends": Ends.LITERAL}, False),
+        ({"c": 0.01, "v_d": 1.0}, False),
+    ):
+        chain = FrictionChain(**{"sites": 2, "v_d": 1.6, **changes})  # type: ignore[arg-type]
+        y = chain.rest_state.y + small * np.array([1.0, -1.0])
+        run = FrictionIntegration(chain, np.array([y, np.zeros(2)]), active_window=False)
+        assert run.going_to_rest() is rests
 
 
 def test_a_run_can_be_taken_in_parts() -> None:

@@ -48,6 +48,14 @@ def test_the_averaged_chain_is_first_order_close_to_the_full_one(name: str) -> N
     assert found.slope == pytest.approx(1.0, abs=0.1)
 
 
+def test_the_average_of_a_cell_of_another_frequency_is_first_order_close_as_well() -> None:
+    """ω = 2: the turning frame, the velocities and the errors are those of the cell."""
+    chain = OscillatorChain(damping="v**2 - 1", stiffness="4*y", c=0.5, eps=0.02, sites=3)
+    found = averaging_error(chain, slow_time=2.0)
+    assert np.all(found.errors < 1e-3 * found.distances)
+    assert found.slope == pytest.approx(1.0, abs=0.1)
+
+
 def test_the_averaged_chain_of_the_paper_is_first_order_close_to_the_full_one() -> None:
     found = averaging_error(VdpChain(a=4, b=0.5, c=0.5, eps=0.01, sites=6), slow_time=2.0)
     assert np.all(found.errors < 1e-3 * found.distances)

@@ -294,6 +294,19 @@ def test_boundaries_are_bisected_to_a_sixteenth_of_the_spacing_if_nothing_else_i
     assert width == pytest.approx(0.04 / 16.0, rel=1e-9)
 
 
+def test_the_point_of_a_grid_that_the_table_has_not_is_named() -> None:
+    points = [{"x": x, "y": y} for x in (0.0, 1.0, 2.0) for y in (0.0, 1.0)]
+    for missing in range(1, 5):  # not at a corner whose values would be missing as well
+        table = sweep(
+            lambda p: {"label": "in" if p["x"] < 0.5 else "out"},
+            [each for at, each in enumerate(points) if at != missing],
+            workers=1,
+        )
+        here = (points[missing]["x"], points[missing]["y"])
+        with pytest.raises(ValueError, match=re.escape(f"the point {here} of the grid")):
+            boundary_lines(table, ["x", "y"])
+
+
 def test_bisection_finds_both_sides_of_a_third_label() -> None:
     def task(point: Point) -> dict[str, str]:
         x = point.number("x")

@@ -8,7 +8,9 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -67,6 +69,34 @@ def test_a_trajectory_becomes_json(model: str) -> None:
     assert found["model"] == model == run.chain.model
     assert found["amplitudes"] == run.amplitude[-1].tolist()
     assert isinstance(run.chain, CHAINS[model])
+
+
+def test_the_phase_is_that_of_the_envelope_and_stands_still_without_damping() -> None:
+    """y = sin(t + α), ẏ = cos(t + α) has Ψe^{-it} = e^{iα}; φ of (43) is taken as it is."""
+    times, at = np.linspace(0.0, 20.0, 7), np.array([0.3, -1.2, 2.0])
+    angle = times[:, None] + at
+    run = replace(
+        simulate(FRONT.replace(sites=3), np.zeros((2, 3)), 20.0, samples=7), times=times,
+        states=np.stack([np.sin(angle), np.cos(angle)], axis=1),
+    )  # fmt: skip
+    assert run.phase == pytest.approx(np.broadcast_to(at, (7, 3)), abs=1e-14)
+    turning = replace(run, chain=FRONT.averaged().replace(sites=3))
+    assert np.exp(1j * turning.phase) == pytest.approx(np.exp(1j * angle))
+
+
+def test_events_are_counted_of_chains_that_have_any() -> None:
+    smooth = simulate(FRONT, excite(FRONT, [1]), 5.0, samples=2)
+    assert smooth.event_count == 0
+    chain = FrictionChain(c=0.02, sites=4)
+    run = simulate(chain, excite(chain, [1]), 40.0, samples=2, logged_events=1000)
+    assert run.event_count == len(run.event_log) > 2
+
+
+def test_a_run_takes_no_longer_than_who_waits_for_it() -> None:
+    before = perf_counter()
+    seconds = [simulate(FRONT, excite(FRONT, [1]), 5.0, samples=2).seconds for _ in range(2)]
+    assert min(seconds) > 0.0
+    assert sum(seconds) <= perf_counter() - before
 
 
 def test_a_start_may_be_complex_or_a_pair_of_rows() -> None:

@@ -63,7 +63,7 @@ class Bisection:
     """
 
     task: Task
-    tolerance: float = 1.0 / 16.0
+    tolerance: float
     label: str = "label"
     predictor: Task | None = None
 

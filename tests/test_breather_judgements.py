@@ -20,6 +20,7 @@ from verification.breathers.envelope import RotatingWaves, solve_envelope_breath
 from verification.breathers.exponents import exponents, unpack
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
+from verification.continuation.branch import Fold
 from verification.continuation.newton import BranchPoint
 from verification.steppers.variational import Flow
 
@@ -128,6 +129,22 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
         assert found.stability is not None
         apart = [np.abs(found.multipliers - each).min() for each in known.multipliers]
         assert max(apart) <= found.stability.error + 1e-9
+
+
+def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
+    """F changes by δ ∂F/∂c where all its parts say that the coupling is off by δ."""
+    by_c, off = np.array([0.5, -2.0, 1.0]), -1e-5
+
+    class Made(Orbits):
+        def system(self, refinement: int = 1, centre: int | None = None) -> Any:
+            def system(u: Any, c: float) -> Any:
+                assert (u.tolist(), c, refinement) == ([1.0, 2.0, 3.0], 0.2, 2)
+                return off * by_c, np.eye(3), by_c
+
+            return system
+
+    fold = Fold(0.2, 1e-12, np.array([1.0, 2.0, 3.0]), 5)
+    assert Made(CHAIN, Nucleus(1)).step_error(fold) == pytest.approx(abs(off))
 
 
 def test_a_multiplier_has_its_rate_and_its_frequency_in_slow_time() -> None:

@@ -28,12 +28,13 @@ from verification.fronts.resting import pinning_eta, static_fold
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.verdict import History
 from verification.piecewise.window import _RESERVE, ChainState, decay_rate, truncation_bound
+from verification.runs import smooth_integration
 from verification.runs.averaging_error import AveragingError
 from verification.runs.ensemble import Ensemble, SeedTask
 from verification.runs.excite import excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import stiff_stage
+from verification.steppers import smooth, stiff_stage
 from verification.steppers.friction_series import CLOCK
 from verification.thresholds import escape
 from verification.thresholds.preparation import Preparation
@@ -189,6 +190,30 @@ def test_a_run_through_a_stiff_stage_errs_by_a_tenth_of_its_tolerance_at_least(
     tolerance: float,
 ) -> None:
     assert stiff_stage.least_error(tolerance, 30.0) == pytest.approx(3.0 * tolerance)
+
+
+@pytest.mark.parametrize(("left", "right"), [(9, 12), (2, 20), (14, 14), (35, 38)])
+def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
+    left: int, right: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up stage in which sites began to move that did not before."""
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=40)
+    start = np.zeros((2, 40))
+    start[0, 14] = 1e3
+    run = SmoothIntegration(chain, start, [10.0])
+    margin = smooth_integration.MARGIN
+    window = [int(run._run.counters[n]) for n in (smooth.LO, smooth.HI)]
+    assert window == [14 - margin, 14 + margin + 1]
+    after = np.zeros((2, 38))
+    after[0, left - 1 : right] = 1.0
+    piece = stiff_stage.StiffPiece(1, 39, np.array([0.0, 2.0]), lambda _: after.ravel())
+    monkeypatch.setattr(stiff_stage, "solve_stiff_piece", lambda *_: piece)
+    run._pass_stiff_stage()
+    low, high = (int(run._run.counters[n]) for n in (smooth.LO, smooth.HI))
+    assert low == min(window[0], max(0, left - margin))
+    assert high == max(window[1], min(40, right + margin + 1))
+    assert (run.time, run.counts["stiff_steps"]) == (2.0, 1)
+    assert run.state[0].nonzero()[0].tolist() == [*range(left, right + 1)]
 
 
 def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(

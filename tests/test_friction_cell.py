@@ -7,6 +7,7 @@ import math
 import shlex
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
@@ -19,6 +20,7 @@ from theory.cells.friction import FrictionCell, friction_coefficient, friction_f
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from verification.cells import friction_cycles
 from verification.cells.diagram import cell_diagram
 from verification.cells.friction import (
     _with_error,
@@ -31,6 +33,7 @@ from verification.cells.friction_cycles import grazing_slip, unstable_once
 from verification.cells.result import CellStatus
 from verification.cells.vdp import vdp_cell
 from verification.references.friction_events import run_events
+from verification.steppers import friction_cell_phase as phases
 
 CELL = FrictionCell()
 DIGITS = 20
@@ -346,6 +349,36 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
     ends = run.log[run.log[:, 2] == 1, 0]
     assert np.diff(ends)[-1] == pytest.approx(cycle.period, abs=1e-9)
     assert np.any(run.log[:, 2] == 2)
+
+
+def test_a_cell_that_reverses_before_it_sticks_turns_where_its_slips_back_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of made-up phases: back, forwards, back, until it sticks; the outermost turns count."""
+    backwards = iter([(-1.0, 2.0), (-3.0, 1.0)])
+    asked: list[float] = []
+
+    def phase(
+        _: FrictionCell, y: float, w: float, released: bool, end: int, **given: float
+    ) -> tuple[float, float, float]:
+        direction = given.get("direction", -1.0)
+        if end == phases.TOUCH:
+            asked.append(direction)
+            return 2.0, 0.5, 0.0
+        if end == phases.LOWEST:
+            turns[:] = next(backwards)
+        return 1.0, turns[0] if end == phases.LOWEST else turns[1], 0.25
+
+    turns = [0.0, 0.0]
+    sticks = iter([None, None, SimpleNamespace(duration=4.0)])
+    monkeypatch.setattr(friction_cycles, "_phase", phase)
+    monkeypatch.setattr(friction_cycles, "stick_phase", lambda *_: next(sticks))
+    found = friction_cycles.stick_slip_once(CELL, 1e-12)
+    assert found is not None
+    assert asked == [-1.0, 1.0, -1.0]
+    assert (found.min, found.max) == (-3.0, 2.0)
+    assert (found.slip_time, found.stick_time, found.period) == (6.0, 4.0, 10.0)
+    assert found.speed == CELL.v_d + 0.25
 
 
 def test_a_cell_that_never_sticks_is_refused() -> None:

@@ -755,6 +755,39 @@ def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.Monke
     assert tested.runs == len(made)
 
 
+@pytest.mark.parametrize("tests", [0, 4])
+def test_a_search_tells_after_each_run_what_part_is_done(
+    tests: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(spreading, "spreads", lambda chain, *_: chain.c > 0.0314)
+    seen: list[float] = []
+    found = spreading.spreading_threshold(
+        VdpChain(a=4, b=0.5, c=0.1), Spreading(), accuracy=1e-4, tests=tests, progress=seen.append
+    )
+    assert len(seen) == found.runs
+    assert all(0.0 < part < 1.0 for part in seen)
+    assert seen == sorted(seen)
+    assert seen[-1] > 0.4
+
+
+@pytest.mark.parametrize(
+    ("chain", "displacement", "point"),
+    [
+        (VdpChain(a=4, b=0.5, c=0.1), None, None),
+        (VdpChain(a=4, b=0.5, c=0.1), 2.0, None),
+        (FrictionChain(c=0.1), None, StartPoint.MINIMUM),
+        (FrictionChain(c=0.1), 2.0, None),
+    ],
+)
+def test_a_threshold_names_the_point_of_the_cycle_that_its_sites_start_from(
+    chain: Any, displacement: float | None, point: StartPoint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(spreading, "spreads", lambda chain, *_: chain.c > 0.0314)
+    asked = Spreading(displacement=displacement, point=StartPoint.MINIMUM)
+    found = spreading.spreading_threshold(chain, asked, accuracy=1e-3, tests=0)
+    assert found.start_point is point
+
+
 def test_what_is_usual_of_a_threshold_is_the_same_by_either_door() -> None:
     """Numbers that users rely on where they say nothing; `threshold` hands them on."""
     usual = {"final_time": 1000.0, "lowest": 1e-3, "highest": 0.5, "accuracy": 1e-6, "tests": 12}

@@ -392,6 +392,38 @@ def test_a_front_is_a_chain_that_stays_filled_for_as_long_again(
 
 
 @pytest.mark.parametrize(
+    ("lasting", "state"),
+    [
+        (-1.0, State.UNDECIDED),
+        (0.0, State.FRONT),
+        (0.1, State.FRONT),
+        (50.0, State.FRONT),
+        (50.1, State.UNDECIDED),
+    ],
+)
+def test_at_the_end_a_chain_that_has_stayed_half_filled_for_half_the_time_is_a_front(
+    lasting: float, state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the start on as well; -1 if it has not."""
+    chain = AveragedChain(a=4, b=0.5, c=0.6, sites=8)
+
+    def integration(_: object, start: Any, *__: object, memory: Any, **___: object) -> Any:
+        memory[state_run._LASTING] = lasting
+        return SimpleNamespace(
+            state=start, finished=True, outcome=0, time=1.0, counts={"steps": 1},
+            amplitude=np.ones(8),
+        )  # fmt: skip
+
+    monkeypatch.setattr(state_run, "SmoothIntegration", integration)
+    rules = state_run.Rules(
+        level=1.0, quiet=0.0, stiffness=0.0, hold=5.0, window=10.0, settled=1e-3
+    )
+    found = state_run.run_to_state(chain, np.full((2, 8), 2.0), rules, 100.0, 1e-6)
+    assert found.state is state
+    assert (found.reason is Reason.END_TIME) is (state is State.UNDECIDED)
+
+
+@pytest.mark.parametrize(
     ("ever", "now", "state"),
     [
         (6, 6, State.FRONT),

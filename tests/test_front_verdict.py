@@ -12,7 +12,7 @@ import pytest
 
 from verification.fronts.status import FrontStatus
 from verification.piecewise import verdict
-from verification.piecewise.chain import PiecewiseMotion, Switching
+from verification.piecewise.chain import PiecewiseMotion, Rest, Switching
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History
 from verification.piecewise.window import ChainState, travelling_state
@@ -213,3 +213,72 @@ def test_a_front_is_as_broad_as_the_sites_from_the_first_off_to_the_last_on() ->
     history = History(PiecewiseMotion(0.5, 0.4, ChainState(state.phi, 0, on)), 0.5)
     history._keep_wide()
     assert history.zone == 33 - 25 + 1
+
+
+def _judged(
+    spreads: npt.NDArray[np.float64], *, total: int = 100, events: int = 100, steady: bool = False
+) -> bool:
+    made: Any = SimpleNamespace(
+        _spreads=lambda: spreads, _total=lambda: total, events=events,
+        _is_steady=lambda *_: steady,
+    )  # fmt: skip
+    return History.decided(made, 1e-12, 200)
+
+
+def test_a_run_goes_on_while_more_periods_could_change_what_is_said() -> None:
+    constant, falling = np.full(25, 0.1), 0.1 * 0.8 ** np.arange(25)
+    assert _judged(falling, steady=True)
+    assert not _judged(falling)
+    assert not _judged(constant[:19])  # too early to call it unsteady
+    assert _judged(constant)
+    for total, enough in ((199, False), (200, True)):
+        assert _judged(falling, total=total) is enough
+    # Sites that cross and cross back for ever make events, and no periods.
+    assert _judged(falling, events=100 * 200)
+
+
+def test_a_front_at_rest_within_rounding_of_the_threshold_is_neither_pinned_nor_moving() -> None:
+    state = ChainState(np.where(np.arange(64) < 32, 1.0 + 0j, 0j))
+    history = History(PiecewiseMotion(0.1, 0.4, state), 0.1)
+    for margin, status, v in (
+        (1e-12, FrontStatus.PINNED, 0.0),
+        (1e-14, FrontStatus.MARGINAL, None),
+        (-1e-3, FrontStatus.MARGINAL, None),
+    ):
+        run = history.verdict(Rest(margin=margin, remainder=0.0), 1e-12, 0.0)
+        assert (run.status, run.v, run.error, run.period_spread) == (status, v, v, None)
+        assert run.margin == margin
+
+
+@pytest.mark.parametrize("unit", [0.5, 20.0])
+@pytest.mark.parametrize("decay", [0.9, 1.0])
+def test_a_front_in_another_unit_of_time_has_its_velocity_and_error_in_that(
+    unit: float, decay: float
+) -> None:
+    """Settling or not: spreads, and what is said, have no unit."""
+    rng = np.random.default_rng(4)
+    ripple = decay ** (np.arange(18 * BLOCK) / BLOCK) * rng.random(18 * BLOCK)
+    runs = []
+    for each in (1.0, unit):
+        history = _followed(_switch(each), *map(_switch, each * (1.0 + 0.05 * ripple)))
+        history.extend(ripple.size + 1)
+        runs.append(_run(history))
+    one, other = runs
+    assert one.status is other.status is not FrontStatus.STEADY
+    assert one.v is not None
+    assert one.error is not None
+    assert other.v == pytest.approx(one.v / unit, rel=1e-12)
+    assert other.error == pytest.approx(one.error / unit, rel=1e-9)
+    assert other.period_spread == pytest.approx(one.period_spread, rel=1e-9)
+
+
+def test_the_blur_of_a_crossing_is_forgotten_as_sharper_ones_follow() -> None:
+    blurred = Switching(1.0, 0, 1, False, jitter=1e-6)
+    history = _followed(*map(_switch, np.ones(30)), blurred, *map(_switch, np.ones(400)))
+    history.extend(31)
+    least = history._floor()
+    assert least > 1e-7
+    history.extend(20)
+    assert 1e-3 * least < history._floor() < least
+    history.extend(380)
+    assert history._floor() < 1e-12

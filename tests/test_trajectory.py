@@ -92,6 +92,17 @@ def test_events_are_counted_of_chains_that_have_any() -> None:
     assert run.event_count == len(run.event_log) > 2
 
 
+def test_sites_stick_that_go_with_the_belt_at_the_end() -> None:
+    """Of three without a coupling, one is carried on, one is released on the way, one slides."""
+    chain = FrictionChain(c=0.0, sites=3)
+    cell = chain.cell
+    start = np.array([[0.0, cell.release - 1e-3, cell.steady_sliding], [cell.v_d, cell.v_d, 0.0]])
+    run = simulate(chain, start, 0.01, samples=3)
+    assert run.stuck.tolist() == [True, False, False]
+    assert simulate(chain, start, 1e-4, samples=2).stuck.tolist() == [True, True, False]
+    assert run.counts["releases"] == 1
+
+
 def test_a_run_takes_no_longer_than_who_waits_for_it() -> None:
     before = perf_counter()
     seconds = [simulate(FRONT, excite(FRONT, [1]), 5.0, samples=2).seconds for _ in range(2)]

@@ -207,8 +207,21 @@ def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> No
     assert found is not None
     assert not found.from_start
     assert abs(found.c - at) <= found.error < 1e-9
-    assert found.error > np.spacing(at)  # no search is better than rounding
     assert found.u[0] == pytest.approx(math.sqrt(0.49 - (at - 1.0) ** 2), abs=1e-9)
+
+
+@pytest.mark.parametrize("at", [1.3, math.pi / 2, 1.7])
+def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(at: float) -> None:
+    """Along a straight branch, of a value that is linear."""
+
+    def monitor(u: Any, c: float) -> tuple[float]:
+        return (c - at,)
+
+    branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([1.0]), 1.0), 2.0, monitor)
+    found = first_crossing(_linear(1.0), branch, monitor, 0)
+    assert found is not None
+    assert abs(found.c - at) <= found.error
+    assert np.spacing(at) < found.error < 1e-9
 
 
 def test_what_is_positive_from_the_start_crosses_there() -> None:

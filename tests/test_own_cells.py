@@ -13,6 +13,7 @@ from fronts.cli import main
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from verification.cells import oscillator
 from verification.cells.cell import cell
 from verification.cells.result import CellStatus, OwnCell
 from verification.references.network import oscillator_rate, states_by_scipy
@@ -163,6 +164,15 @@ def test_cycles_are_found_on_either_side_of_their_limits(
         start = np.array([each.max, 0.0])
         back = states_by_scipy(rate, start, np.array([0.0, each.period]), 1e-12)[-1]
         assert np.abs(back - start).max() <= 3.0 * each.error  # what is off grows in the turn
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_a_cycle_is_looked_for_between_those_beside_it(at: int) -> None:
+    """On both sides of its limit, which here are smaller than the cycles, the middle one's too."""
+    chain = OscillatorChain(damping="0.005*v**6 - 0.144*v**4 + v**2 - 1", c=0.0, eps=0.1)
+    limits = [each.amplitude for each in chain.cell.cycles]
+    found = oscillator._fixed(chain, at, 1e-6)
+    assert limits[at] < found < 1.05 * limits[at]
 
 
 def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:

@@ -314,7 +314,7 @@ def first_crossing(system: System, branch: Branch, monitor: Monitor, entry: int)
         length = bracket.low + rise / (bracket.f_low - bracket.f_high)
         here = step_along(system, before, length)
         value = monitor(here.u, here.c)[entry]
-        if abs(here.c - last) < 1e-10 or value == 0.0:
+        if abs(here.c - last) < 1e-10:
             break
         last = here.c
         bracket.shrink(length, value)

@@ -275,7 +275,8 @@ def _ensemble(result: Any, axes: Axes, **style: Any) -> None:
     known = ~np.isnan(result.values)
     axes.plot(result.seeds[known], result.values[known], "o", **{"ms": 3.0, "color": BLUE, **style})
     axes.axhline(result.mean, color=VERMILION)
-    axes.axhspan(result.mean - result.spread, result.mean + result.spread, color="0.9", zorder=0)
+    spread = result.spread or 0.0
+    axes.axhspan(result.mean - spread, result.mean + spread, color="0.9", zorder=0)
     axes.set(xlabel="seed of the disorder", ylabel=result.quantity)
 
 

@@ -17,7 +17,7 @@ from fronts.cli import main
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, RunError
 from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
 from verification.maps.state_map import StateTask, state_map
@@ -178,6 +178,58 @@ def test_an_ensemble_is_the_same_on_two_processes() -> None:
     assert one.spread == pytest.approx(math.sqrt(np.sum((one.values - one.mean) ** 2) / 2.0))
     with pytest.raises(ParameterError, match="disorder = none"):
         ensemble(measure_front, chain.replace(disorder={}), [1])
+
+
+def _mean_threshold(chain: Any) -> float:
+    return float(chain.site_values["alpha"].mean())
+
+
+def _only_where_it_is_low(chain: Any) -> float:
+    mean = _mean_threshold(chain)
+    if mean > 0.2:
+        raise RunError("no front")
+    return mean
+
+
+def test_a_seed_without_the_number_says_why_and_does_not_lose_the_others() -> None:
+    chain = nagumo(c=1.0, sites=9, values={"alpha": 0.2}, disorder={"alpha": 0.1})
+    every = ensemble(_mean_threshold, chain, range(8), workers=1)
+    found = ensemble(_only_where_it_is_low, chain, range(8), workers=1)
+    low = every.values <= 0.2
+    assert 0 < found.missing == int(np.sum(~low)) < 8
+    assert np.array_equal(found.values[low], every.values[low])
+    assert [str(each) for each in found.reasons] == ["" if each else "no front" for each in low]
+    assert found.mean == pytest.approx(np.mean(every.values[low]))
+    assert found.columns()["reasons"].shape == (8,)
+
+
+def test_of_one_seed_there_is_no_spread_and_of_none_no_result() -> None:
+    chain = nagumo(c=1.0, sites=9, values={"alpha": 0.2}, disorder={"alpha": 0.1})
+    one = ensemble(_mean_threshold, chain, [3], workers=1)
+    assert (one.spread, one.mean_error) == (None, None)
+    assert one.to_dict()["mean"] == one.values[0]
+    for nothing in (lambda _: None, lambda _: math.inf):
+        with pytest.raises(RunError, match="at any seed"):
+            ensemble(nothing, chain, [1, 2], workers=1)
+
+
+@pytest.mark.parametrize(
+    ("seeds", "quantity"),
+    [([1.5], "seed"), ([-1], "seed"), (["a"], "seed"), ([True], "seed"), ([2**32], "seed"),
+     (5, "seeds"), ("12", "seeds"), ([], "seeds"), ([1, 2, 1], "seeds")],
+)  # fmt: skip
+def test_seeds_that_are_none_are_refused(seeds: Any, quantity: str) -> None:
+    chain = nagumo(c=1.0, sites=9, values={"alpha": 0.2}, disorder={"alpha": 0.1})
+    with pytest.raises(ParameterError) as refused:
+        ensemble(_mean_threshold, chain, seeds, workers=1)
+    assert refused.value.quantity == quantity
+
+
+def test_a_function_that_gives_no_number_is_refused() -> None:
+    chain = nagumo(c=1.0, sites=9, values={"alpha": 0.2}, disorder={"alpha": 0.1})
+    for wrong in (lambda _: "front", lambda _: True, lambda _: [0.5], "front"):
+        with pytest.raises(ParameterError):
+            ensemble(wrong, chain, [1, 2], workers=1)
 
 
 def test_the_map_of_an_own_chain_names_its_states_over_its_own_parameters() -> None:

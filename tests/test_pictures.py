@@ -107,6 +107,7 @@ def test_an_ensemble_is_drawn_about_its_mean() -> None:
     values = np.array([0.1, np.nan, 0.3])
     found = Ensemble(
         chain=None, quantity="v", seeds=np.array([3, 5, 7]), values=values, errors=np.zeros(3),
+        reasons=np.array(["", "none", ""]),
         seconds=0.0,
     )  # fmt: skip
     dots, mean = draw(found).lines

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+import numbers
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any, ClassVar
@@ -13,16 +14,17 @@ import numpy.typing as npt
 
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError, need_instance
+from theory.parameters import ParameterError, RunError, need_instance, whole_number
 from theory.result import Result
-from verification.execution.points import Point
+from verification.execution.pool import answers
 from verification.execution.progress import ProgressCallback
-from verification.execution.sweep import sweep
 
 FloatArray = npt.NDArray[np.float64]
 
 VALUES = ("v", "c", "frequency", "value")
 """Attributes of results that are the number asked for."""
+
+MAX_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +41,8 @@ class Ensemble(Result):
         Of the disorder.
     values, errors : float array, shape (K,)
         The number and its error for each seed; nan where it does not exist.
+    reasons : str array, shape (K,)
+        Why it does not exist; empty where it does.
     seconds : float
         Wall-clock time.
     """
@@ -50,25 +54,27 @@ class Ensemble(Result):
     seeds: npt.NDArray[np.int64] = field(metadata={"axis": "seed"})
     values: FloatArray = field(metadata={"dims": ("seed",)})
     errors: FloatArray = field(metadata={"dims": ("seed",)})
+    reasons: npt.NDArray[np.str_] = field(metadata={"dims": ("seed",)})
     seconds: float
 
     @property
     def mean(self) -> float:
-        """Mean over the seeds for which the number exists; nan if there is none."""
-        known = self._known
-        return float(known.mean()) if known.size else math.nan
+        """Mean of the numbers that exist."""
+        return float(self._known.mean())
 
     @property
-    def spread(self) -> float:
-        """Standard deviation over the seeds; nan below two."""
+    def spread(self) -> float | None:
+        """Their standard deviation; None of a single one."""
         known = self._known
-        return float(known.std(ddof=1)) if known.size > 1 else math.nan
+        return float(known.std(ddof=1)) if known.size > 1 else None
 
     @property
-    def mean_error(self) -> float:
-        """Standard error of the mean, with the largest error of a value added."""
-        known = self._known
-        return self.spread / math.sqrt(known.size) + float(np.nanmax(self.errors, initial=0.0))
+    def mean_error(self) -> float | None:
+        """Standard error of the mean, and the largest error of a number that states one."""
+        if self.spread is None:
+            return None
+        largest = float(np.nanmax(self.errors, initial=0.0))
+        return self.spread / math.sqrt(self._known.size) + largest
 
     @property
     def missing(self) -> int:
@@ -82,23 +88,44 @@ class Ensemble(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class SeedTask:
-    """The number at one seed: a task for ``verification.execution.sweep``."""
+    """The number at one seed, in this process or in another one."""
 
     function: Callable[..., Any]
     chain: OwnChain
     options: Mapping[str, Any]
 
-    def __call__(self, point: Point) -> dict[str, Any]:
-        """Return value, error and the name of the number."""
-        found = self.function(self.chain.replace(seed=int(point["seed"])), **self.options)
+    def __call__(self, point: Mapping[str, int]) -> dict[str, Any]:
+        """Return value, error and name of the number, or the reason why there is none."""
+        try:
+            found = self.function(self.chain.replace(seed=point["seed"]), **self.options)
+        except (ParameterError, ArithmeticError) as refusal:
+            return _MISSING | {"reason": str(refusal)}
         name = next((each for each in VALUES if hasattr(found, each)), "")
         value = getattr(found, name) if name else found
-        error = getattr(found, "error", None)
+        if value is None:
+            status = getattr(found, "status", None)
+            return _MISSING | {"reason": getattr(status, "sentence", "there is no such number.")}
+        value, error = _number(name or "value", value), getattr(found, "error", None)
+        if not math.isfinite(value):
+            return _MISSING | {"reason": "the number is not finite."}
         return {
             "quantity": name or "value",
-            "value": math.nan if value is None else float(value),
-            "error": math.nan if error is None else float(error),
+            "value": value,
+            "error": math.nan if error is None else _number("error", error),
+            "reason": "",
         }
+
+
+_MISSING = {"quantity": "", "value": math.nan, "error": math.nan}
+
+
+def _number(quantity: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise ParameterError(
+            f"{quantity} that the function gives", type(value).__name__, "a real number",
+            "let the function return one, or a result that has one",
+        )  # fmt: skip
+    return float(value)
 
 
 def ensemble(
@@ -135,7 +162,10 @@ def ensemble(
     Raises
     ------
     ParameterError
-        If the chain has no disorder, or no seed is given.
+        If the chain has no disorder, a seed is no whole number or stands twice, none is given, or
+        the function gives no number.
+    RunError
+        If there is no such number at any seed.
 
     Examples
     --------
@@ -152,16 +182,39 @@ def ensemble(
     need_instance("chain", chain, kinds, "write the cell as text: it takes disorder")
     if not chain.disorder:
         raise ParameterError("disorder", "none", "a spread", "give one, as disorder={'a': 0.1}")
-    if not len(seeds):
-        raise ParameterError("seeds", "none", "at least one", "give range(16)")
+    if not callable(function):
+        raise ParameterError("function", function, "a function of a chain", "give measure_front")
+    given = _distinct(seeds)
     task = SeedTask(function=function, chain=chain, options=options)
-    points = [{"seed": int(seed)} for seed in seeds]
-    table = sweep(task, points, workers=workers, progress=progress)
+    rows: dict[int, dict[str, Any]] = {}
+    for index, row in answers(task, [{"seed": seed} for seed in given], workers=workers):
+        if isinstance(row, Exception):
+            raise row
+        rows[index] = row
+        if progress is not None:
+            progress(len(rows) / len(given))
+    table = {name: [rows[i][name] for i in range(len(given))] for name in rows[0]}
+    names = [name for name in table["quantity"] if name]
+    if not names:
+        raise RunError(f"there is no such number at any seed: {table['reason'][0]}")
     return Ensemble(
         chain=chain,
-        quantity=str(table["quantity"][0]),
-        seeds=np.asarray(table["seed"], dtype=np.int64),
+        quantity=names[0],
+        seeds=np.array(given),
         values=np.asarray(table["value"], dtype=float),
         errors=np.asarray(table["error"], dtype=float),
+        reasons=np.asarray(table["reason"], dtype=str),
         seconds=perf_counter() - begin,
     )
+
+
+def _distinct(seeds: Sequence[int]) -> list[int]:
+    """Return the seeds as whole numbers, none of them twice."""
+    if not isinstance(seeds, Iterable) or isinstance(seeds, str):
+        raise ParameterError("seeds", seeds, "a sequence of whole numbers", "give range(16)")
+    given = [whole_number("seed", seed, 0, MAX_SEED) for seed in seeds]
+    if not given:
+        raise ParameterError("seeds", "none", "at least one", "give range(16)")
+    if len({*given}) < len(given):
+        raise ParameterError("seeds", given, "all different", "give each once")
+    return given

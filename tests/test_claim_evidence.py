@@ -12,8 +12,10 @@ from copy import deepcopy
 
 import pytest
 
+from paper_checks import shipped
 from paper_checks.claims.fig09 import Escape
 from paper_checks.claims.fig14 import Collapse
+from paper_checks.discover import find_entries
 from tests.behaviour.evidence import (
     SMALLER,
     apart,
@@ -42,6 +44,12 @@ def test_shipped_evidence_says_what_was_recorded(root: str) -> None:
 
 def test_all_evidence_is_computed_here_or_shipped() -> None:
     assert {*SMALLER, *shipped_roots()} == set(claims_by_evidence())
+
+
+def test_evidence_is_shipped_of_the_claims_that_take_long_and_of_no_others() -> None:
+    long = {entry.claim.evidence for entry in find_entries() if entry.claim.expensive}
+    folder = shipped.Shipped(shipped.FOLDER, ())
+    assert {folder.path(each) for each in long} == set(shipped.FOLDER.glob("*.json"))
 
 
 def test_of_several_distances_the_largest_is_told() -> None:

@@ -39,6 +39,7 @@ from paper_checks.claims import (
     text_vdp,
 )
 from paper_checks.claims._friction import SITES
+from paper_checks.prose import template
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import eta_from_damping
 from verification.breathers.outcome import Evolution, Outcome
@@ -87,6 +88,12 @@ def test_maps_are_sampled_evenly_and_checked_at_their_own_points() -> None:
 def test_nuclei_are_enumerated_size_by_size_and_a_family_has_even_ones_beyond() -> None:
     assert list(fig11.RANGE) == list(range(1, len(fig11.RANGE) + 1))
     assert all(n % 2 == 0 and n > fig11.RANGE[-1] for n in fig11.FAMILY)
+
+
+def test_the_text_names_the_coupling_at_which_the_exponent_is_taken() -> None:
+    power = str(round(math.log10(fig17.LAST))).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    assert 10.0 ** round(math.log10(fig17.LAST)) == fig17.LAST
+    assert f"at c = 10{power}\n" in template(fig17.__name__, "fig17-linear")
 
 
 def test_the_phases_are_followed_up_to_the_end_at_which_they_are_judged() -> None:
@@ -144,6 +151,63 @@ def test_the_two_sides_of_the_edge_of_the_basin_are_both_run(monkeypatch: Patch)
         assert found.unstable.end == 6.0
 
 
+def test_the_switch_model_is_judged_at_the_band_of_the_paper_and_at_either_tolerance(
+    monkeypatch: Patch,
+) -> None:
+    from verification.references.switch_model import PAPER_BAND
+
+    orbits = made_up_orbits(EDGE)
+    orbits.cell = FrictionCell(v_d=fig02.V_D)
+    period = orbits.stable.period
+
+    def run(chain: Any, start: Any, end: float, *, band: float, relative: float, **__: Any) -> Any:
+        assert start.tolist() == [[orbits.stable.max], [0.0]]
+        assert end > 10.0 * period
+        return SimpleNamespace(period=period * (1.0 + 3.0 * band**2 + relative))
+
+    monkeypatch.setattr(fig02, "_orbits", lambda: orbits)
+    monkeypatch.setattr("verification.references.switch_model.run_switch", run)
+    found = fig02.switch_model()
+    assert found.defaults == pytest.approx(3.0 * PAPER_BAND**2 + 1e-3)
+    assert found.tight == pytest.approx(3.0 * PAPER_BAND**2 + 1e-9)
+    assert found.order == pytest.approx(2.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("off", [0.25, -0.25])
+def test_the_force_at_release_is_off_by_as_much_below_as_above(
+    off: float, monkeypatch: Patch
+) -> None:
+    """In one of two runs of a cell that sticks from 1 to 3 and from 5 to 7."""
+    cell = FrictionCell(v_d=fig02.V_D)
+    log = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.0, 0, 0], [7.0, 0, 1]])
+    later = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.0, 0, 0], [7.125, 0, 1]])
+
+    def run(release: float = 0.0) -> Any:
+        def made(_: Any, __: Any, end: float, *, times: Any = None, **___: Any) -> Any:
+            assert end == 40.0
+            at = np.arange(0.0, 8.0) if times is None else np.asarray(times)
+            sticks = ((at >= 1) & (at <= 3)) | (at >= 5)
+            force = 0.75 * cell.mu_st if times is None else cell.mu_st + release
+            y = np.where(sticks, force - 2.0 * cell.xi * fig02.V_D, -9.0)
+            velocity = np.where(sticks, fig02.V_D, 0.0)
+            return SimpleNamespace(
+                y=y[:, None], velocity=velocity[:, None], log=log, event_log=later
+            )
+
+        return made
+
+    monkeypatch.setattr(fig02, "_orbits", lambda: SimpleNamespace(cell=cell))
+    monkeypatch.setattr(fig02, "_scipy", lambda _, y, end: run()(None, y, end))
+    for first, second in ((off, 0.0), (0.0, off)):
+        monkeypatch.setattr("verification.references.friction_events.run_events", run(first))
+        monkeypatch.setattr("verification.runs.simulate.simulate", run(second))
+        found = fig02.stick()
+        assert found.at_release == pytest.approx(0.25)
+        assert found.largest == pytest.approx(0.75)
+        assert found.releases == 2
+        assert found.gap == pytest.approx(0.125)
+
+
 @pytest.mark.parametrize(("period", "stick"), [(7.25, 2.0), (7.0, 1.75)])
 def test_the_gap_of_the_cycle_is_of_its_period_or_of_its_stick(
     period: float, stick: float, monkeypatch: Patch
@@ -167,7 +231,11 @@ def test_a_start_that_stuck_once_and_then_slides_slides(monkeypatch: Patch) -> N
     def slope(cell: Any) -> Any:
         return SimpleNamespace(amplitude=1.0, stick_time=cell.v_d)
 
-    monkeypatch.setattr(fig02, "_scipy", made_up_run)
+    def run(cell: Any, y: float, *given: Any, **options: Any) -> Any:
+        assert y > EDGE or abs(y - cell.steady_sliding) < 0.2
+        return made_up_run(cell, y, *given, **options)
+
+    monkeypatch.setattr(fig02, "_scipy", run)
     monkeypatch.setattr("verification.cells.diagram.cell_diagram", diagram)
     monkeypatch.setattr("verification.cells.friction.stick_slip_cycle", slope)
     orbits = SimpleNamespace(cycle_end_velocity=1.8, cycle_end_error=1e-9)
@@ -346,6 +414,37 @@ def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> Non
             fig13._belt(1.25)
 
 
+def test_below_the_threshold_sites_are_counted_and_the_worse_comparison_counts(
+    monkeypatch: Patch,
+) -> None:
+    single, wide = 0.0106, 0.008
+
+    def threshold(_: Any, spreading: Any, **__: Any) -> Any:
+        return SimpleNamespace(c=single if spreading.size == 1 else wide)
+
+    def run(chain: Any, _: Any, end: float, **__: Any) -> Any:
+        assert end == 4000.0  # as the evidence states
+        joined = np.full(chain.sites, np.nan)
+        joined[: 1 + fig06.BELOW.index(chain.c)] = 0.0
+        return SimpleNamespace(arrivals=joined)
+
+    def disagreement(chain: Any, *_: Any) -> float:
+        compared.append(chain.c / single)
+        return gaps.pop()
+
+    monkeypatch.setattr("verification.thresholds.spreading.spreading_threshold", threshold)
+    monkeypatch.setattr("verification.runs.simulate.simulate", run)
+    monkeypatch.setattr(fig06, "disagreement", disagreement)
+    for order in ([1e-9, 1e-3], [1e-3, 1e-9]):
+        compared: list[float] = []
+        gaps = list(order)
+        found = fig06.no_propagation.__wrapped__()
+        assert found.gap == 1e-3
+        assert min(compared) < 1.0 < max(compared)
+    assert found.arrived == tuple(range(1, 1 + len(fig06.BELOW)))
+    assert (found.threshold, found.wide_threshold) == (single, wide)
+
+
 def test_patterns_that_persist_are_those_that_are_as_they_were() -> None:
     kept = list(text_friction.PATTERNS)
     kept[1] = (15, 16)
@@ -496,6 +595,66 @@ def test_folds_agree_with_runs_up_to_the_brackets_of_these_and_rounding() -> Non
     assert not folds(2e-8, 0.0).agree
 
 
+@pytest.mark.parametrize("stable", [None, 0.125])
+def test_a_breather_that_does_not_lose_stability_is_stable_up_to_its_fold(
+    stable: float | None, monkeypatch: Patch
+) -> None:
+    def threshold(_: Any, nucleus: Any, by: Any) -> Any:
+        c = 0.5 + nucleus.size / 64 + (by.value == "envelope")
+        return SimpleNamespace(c=c, c_stable=stable, error=nucleus.size / 64)
+
+    def escape(_: Any, preparation: Any, tolerance: float) -> Any:
+        size = preparation.size
+        return SimpleNamespace(c=1.5 + size / 64 - (size == 3) / 32, error=tolerance * size)
+
+    monkeypatch.setattr("verification.thresholds.continuation.breather_threshold", threshold)
+    monkeypatch.setattr("verification.thresholds.escape.escape_threshold", escape)
+    found = fig11.folds.__wrapped__()
+    assert found.stable_to == (0.5 + 1 / 64 if stable is None else stable)
+    assert found.orbit == {n: 0.5 + n / 64 for n in fig11.ODD}
+    assert found.averaged == {n: 1.5 + n / 64 for n in fig11.ODD}
+    assert found.error == 9 / 64
+    assert found.gap == 1 / 32
+    assert found.run_error == pytest.approx(5e-4)
+    orbit = SimpleNamespace(state=np.zeros(4), period=1.0,
+                            stability=SimpleNamespace(values=np.ones(4)))  # fmt: skip
+    monkeypatch.setattr(fig09, "orbit_of", lambda _: orbit)
+    monkeypatch.setattr(fig09, "monodromy_by_differences", lambda *_: np.diag([1.0, 1, 1, 1.25]))
+    monkeypatch.setattr(fig09, "_crossing", lambda *_, **__: 0.19)
+    along = SimpleNamespace(values=np.ones(4), trivial=0.0)
+    monkeypatch.setattr(fig09, "_approximate", lambda _: along)
+    multipliers = fig09.multipliers()
+    assert (multipliers.true_odd, multipliers.true_fold) == (found.stable_to, 0.5 + 1 / 64)
+    assert multipliers.gap == 0.25
+
+
+def test_nuclei_are_followed_without_noise_and_with_that_of_each_seed(monkeypatch: Patch) -> None:
+    asked = []
+
+    def follow(chain: Any, *, perturbation: float, seed: int) -> Any:
+        asked.append((chain.c, perturbation, seed))
+        evolution = SimpleNamespace(outcome=SimpleNamespace(value="larger nucleus"), size=seed + 3,
+                                    size_at=lambda at: seed + at)  # fmt: skip
+        run = SimpleNamespace(chain=chain)
+        return SimpleNamespace(evolution=evolution, confirmed=chain.c != bad, run=run, c=chain.c)
+
+    def distance(found: Any) -> Any:
+        return SimpleNamespace(gap=found.c)
+
+    monkeypatch.setattr("verification.breathers.outcome.follow_nucleus", follow)
+    monkeypatch.setattr("verification.breathers.outcome.distance_from_breather", distance)
+    for bad in (None, text_nuclei.COUPLINGS[3]):
+        asked.clear()
+        found = text_nuclei.to_larger()
+        assert found.confirmed is (bad is None)
+    runs = [(0.0, 0), *((text_nuclei.NOISE, seed) for seed in text_nuclei.SEEDS)]
+    assert sorted(asked) == sorted((c, *run) for c in text_nuclei.COUPLINGS for run in runs)
+    assert found.gap == max(text_nuclei.COUPLINGS)
+    for seed in (None, *text_nuclei.SEEDS):
+        assert set(found.sizes[seed].values()) == {(seed or 0) + 3}
+    assert found.histories[None, text_nuclei.DRAWN[0]][-1] == 1000.0
+
+
 def test_the_spread_of_folds_is_of_the_larger_sizes_and_the_step_between_three_and_five() -> None:
     orbit = {1: 0.1, 3: 0.4, 5: 0.3125, 7: 0.25, 9: 0.28125}
     found = evidence(fig11.Folds, orbit=orbit)
@@ -570,7 +729,7 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     monkeypatch.setattr(models + "outward_breather", lambda n, c, a, b: (n, c))
     monkeypatch.setattr(
         models + "growth_rate",
-        lambda u, c, a, b, mirrored=False: -u[0] - c if mirrored else u[0] + c,
+        lambda u, c, a, b, mirrored=False: -u[0] - abs(c - 0.15) if mirrored else u[0] + c,
     )
     other = "verification.breathers.envelope.solve_envelope_breather"
     monkeypatch.setattr(other, lambda chain, nucleus: SimpleNamespace(growth=nucleus.size + 0.3))
@@ -581,8 +740,49 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     assert counts == {n: [0.1] for n in fig11.RANGE} | {n: [0.2, 0.3] for n in fig11.FAMILY}
     assert found.orbit_growth == (0.1,)
     assert found.solvers_apart == pytest.approx(0.2)
-    # The least negative of each is at the smallest coupling.
-    assert found.growth_mirrored == {n: -n - fig11.MIRRORED_AT[0] for n in (3, 5, 7)}
+    assert 0.15 in fig11.MIRRORED_AT[1:-1]  # where the largest of each is
+    assert found.growth_mirrored == {3: -3.0, 5: -5.0, 7: -7.0}
+
+
+def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_rest(
+    monkeypatch: Patch,
+) -> None:
+    """And its growth rate is that of the largest multiplier but the trivial one."""
+    frequency, period, growth = 0.25, 6.5, 0.125
+    waves = np.array([0.5, 2.0 * np.exp(0.75j), 0.5j, 0.0])
+    eps, seen = fig11.EPS, []
+
+    def follow_to(first: Any, c: float, *_: float) -> Any:
+        assert (first, c) == ("first", fig11.ORBIT_AT)
+        return SimpleNamespace(phi=waves, omega=frequency)
+
+    def solve_at(system: int, guess: Any, c: float) -> Any:
+        assert (system, c) == (1, fig11.ORBIT_AT)  # the site of the largest amplitude
+        seen.append(guess)
+        return SimpleNamespace(u=np.array([*guess[:-1], period]))
+
+    def monodromy(_: Any, c: float, time: float) -> Any:
+        assert (c, time) == (fig11.ORBIT_AT, period)
+        return np.diag([0.5, 1.0, -np.exp(growth * eps * period)])
+
+    class Shooting:
+        def __init__(self, *_: Any) -> None: ...
+
+        def system(self, *, centre: int) -> int:
+            return centre
+
+    monkeypatch.setattr("verification.references.phase_locked.follow_to", follow_to)
+    monkeypatch.setattr("verification.continuation.newton.solve_at", solve_at)
+    monkeypatch.setattr("verification.breathers.orbits.Orbits", Shooting)
+    monkeypatch.setattr(fig11, "monodromy_by_differences", monodromy)
+    stable, lost = ((0.0, fig11.ORBIT_AT + 0.001),), ((0.0, fig11.ORBIT_AT - 0.001),)
+    branches: Any = [SimpleNamespace(stable=each, first="first") for each in (stable, lost, ())]
+    assert fig11._orbit_growth(branches) == pytest.approx((growth,))
+    ((*state, time),) = seen
+    start = np.array(state[4:]) + 1j * np.array(state[:4])
+    assert start == pytest.approx(waves * np.exp(-0.75j))
+    # One turn of a wave that gains ε times its frequency.
+    assert (1.0 + eps * frequency) * time == pytest.approx(2.0 * math.pi)
 
 
 @pytest.mark.parametrize(
@@ -674,7 +874,8 @@ def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
             amplitude=2 * times[:, None] * ones,
         )
 
-    def by_scipy(chain: Any, end: float, *_: float) -> Any:
+    def by_scipy(chain: Any, end: float, level: float, excited: float) -> Any:
+        assert (level, excited) == (1.0, chain.stable_amplitude)
         assert end > delay * fig12.COMPARED
         return delay * np.arange(chain.sites) + apart
 
@@ -725,10 +926,11 @@ def test_maps_are_alike_by_their_columns_and_the_first_forcing_of_each(monkeypat
 
     def sweep(task: Any, points: Any, **_: Any) -> Table:
         name = "v_d" if "v_d" in points[0] else "eta"
-        forcings = sorted({point[name] for point in points})
+        forcings = list(dict.fromkeys(point[name] for point in points))
         asked.append((name, forcings))
         rank = {x: 3.0 * k / len(forcings) for k, x in enumerate(forcings)}
-        couplings = sorted({point["c"] for point in points})
+        couplings = list(dict.fromkeys(point["c"] for point in points))
+        assert all(grid == sorted(grid) for grid in (forcings, couplings))
         middle = couplings[len(couplings) // 2]
         return table(
             **{name: [point[name] for point in points], "c": [point["c"] for point in points]},
@@ -749,6 +951,27 @@ def test_maps_are_alike_by_their_columns_and_the_first_forcing_of_each(monkeypat
         assert found.first_at[model] == tuple(first)
     assert asked[0][1][0] > 1.0
     assert asked[0][1][-1] < 2.0  # the range of Fig. 5
+
+
+def test_sites_on_the_cycle_by_scipy_are_those_beyond_the_inner_one(monkeypatch: Patch) -> None:
+    counts = iter((16, 3, 0))
+
+    def last_state(rate: Any, end: float, start: Any, *_: float) -> Any:
+        n, sites = next(counts), start.size // 2
+        assert np.flatnonzero(start).tolist() == [sites - 1]
+        a = chains[0].a
+        root = math.sqrt(max(1.0 - 8.0 * chains[0].b / a**2, 0.0))
+        outer, inner = (math.sqrt(a / chains[0].b * (1.0 + sign * root)) for sign in (1.0, -1.0))
+        size = np.where(np.arange(sites) < n, outer, inner if n else 0.0)
+        return np.concatenate([0.6 * size, 0.8 * size])
+
+    def rate(chain: Any) -> None:
+        chains[:] = [chain]
+
+    chains: list[Any] = []
+    monkeypatch.setattr("verification.references.equations.full_rate", rate)
+    monkeypatch.setattr("verification.references.pace.last_state", last_state)
+    assert fig15.labels_by_scipy.__wrapped__() == ("front", "breather", "fixed point")
 
 
 def test_a_chain_is_watched_after_the_front_has_filled_it(monkeypatch: Patch) -> None:
@@ -833,6 +1056,49 @@ def test_the_exponent_from_sums_is_that_of_the_curve_on_which_they_are_constant(
 
         monkeypatch.setattr("theory.piecewise.sums.series.sum_by_roots", total)
         assert fig17._exponent_by_series(4.0, 0.7) == pytest.approx(power, rel=1e-6)
+
+
+def test_where_no_front_of_the_averaged_chain_runs_its_velocity_is_zero(
+    monkeypatch: Patch,
+) -> None:
+    fold, pin = 0.0625, 0.03125
+
+    def front(chain: Any, **_: Any) -> Any:
+        return SimpleNamespace(v=None if chain.b > last else 0.5)
+
+    def branches(c: float, eta: Any) -> Any:
+        found = [SimpleNamespace(v=0.25, admissible=True)]
+        return SimpleNamespace(c=c, eta=eta, branches=found)
+
+    def trace(c: float, etas: Any) -> list[Any]:
+        assert np.all(np.diff(etas) > 0.0)
+        return [branches(c, eta) for eta in etas]
+
+    def run(_: float, __: float, start: str = "") -> Any:
+        return SimpleNamespace(v={"": 0.5, "moving": 0.75, "resting": None}[start], steady=True)
+
+    monkeypatch.setattr("verification.fronts.measure.measure_front", front)
+    monkeypatch.setattr("theory.piecewise.folds.fold_eta", lambda _: SimpleNamespace(value=fold))
+    monkeypatch.setattr("theory.piecewise.limits.pinning_eta", lambda _: pin)
+    monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", branches)
+    monkeypatch.setattr("theory.piecewise.kinetic_relation.trace_kinetic_relation", trace)
+    monkeypatch.setattr("verification.piecewise.simulation.simulate_front", run)
+    velocity = "verification.references.passages.staggered_velocity"
+    monkeypatch.setattr(velocity, lambda *_: 0.625)
+    for last in (fig18.ETAS[-2], 9.0):
+        found = fig18.alike()
+        every = last > 1.0
+        assert found.averaged == (*(0.5,) * (len(fig18.ETAS) - 1), 0.5 * every)
+        assert found.averaged_reaches == (2.0 * fold if every else fold)
+    assert found.scipy_gap == pytest.approx(0.25)
+    assert found.gap == 0.25
+    assert (found.fold, found.pin) == (fold, pin)
+    assert set(found.moving) == {0.75}
+    assert set(found.resting) == {None}
+    # Every solution is drawn up to beyond the fold, and near the thresholds from below pinning.
+    assert found.solutions.x[0] < fig18.ETAS[0]
+    assert fold < found.solutions.x[-1] == found.near.x[-1] < 1.1 * fold
+    assert 0.9 * pin < found.near.x[0] < pin
 
 
 def test_slopes_of_both_chains_are_told_from_one_eta_to_the_next() -> None:

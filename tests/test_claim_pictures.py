@@ -55,6 +55,7 @@ class Panel:
     bands: tuple[tuple[float, float], ...]
     """Left and right end of shaded bands."""
     legend: bool
+    texts: tuple[str, ...]
     width: tuple[float, float]
     height: tuple[float, float]
 
@@ -98,6 +99,7 @@ def read(axes: Any) -> Panel:
         title=axes.get_title(loc="left"), across=axes.get_xlabel(), up=axes.get_ylabel(),
         lines=lines, levels=levels, bands=tuple((each.x0, each.x1) for each in bands),
         legend=bool(axes.get_legend() or axes.figure.legends),
+        texts=tuple(each.get_text() for each in axes.texts),
         width=axes.get_xlim(), height=axes.get_ylim(),
     )  # fmt: skip
 
@@ -290,6 +292,7 @@ def test_phase_steps_are_drawn_below_the_shapes_of_their_nuclei(drawn: Any) -> N
     for size in fig10.SIZES:
         tabled = {int(name) for name in re.findall(rf"size {size}, .*, step (\d+)", picture.data)}
         assert tabled == set(range(1, size))
+    assert len(panels) == 2 * len(fig10.SIZES)
     for k, size in enumerate(fig10.SIZES):
         shape, below = panels[k], panels[2 + k]
         assert dict(shape.lines["bars"])[0] == shapes[size][15]
@@ -315,6 +318,7 @@ def test_sweeps_are_drawn_over_the_power_of_their_rate_beside_fold_and_print(dra
         assert shown == pytest.approx(np.array([(4e-4, found[0]), (1e-4, found[1])]))
     assert panel.lines["fold"] == [(0.0, 0.19), (0.0, 0.2)]
     assert panel.levels == {f"paper, {text}": float(text) for text in fig11.PRINTED.values()}
+    assert stated(panel.title) == {"A": fig11.A, "B": fig11.B}
 
 
 def test_ends_of_breathers_are_drawn_over_their_sizes(drawn: Any) -> None:
@@ -322,6 +326,7 @@ def test_ends_of_breathers_are_drawn_over_their_sizes(drawn: Any) -> None:
     (panel,) = drawn(fig11.draw_thresholds, known(fig11.Folds, orbit=orbit, averaged=averaged))
     assert panel.lines["end of the breather in (8)"] == list(orbit.items())
     assert panel.lines["the same, ε → 0"] == list(averaged.items())
+    assert panel.texts == tuple(fig11.PRINTED.values())
     assert panel.lines["paper"] == [(n, float(text)) for n, text in fig11.PRINTED.items()]
     branches = {1: (fig11.Ended(c_end=0.19, stable=((0.0, 0.18),)),),
                 3: (fig11.Ended(c_end=0.2, stable=()),)}  # fmt: skip

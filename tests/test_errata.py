@@ -227,6 +227,18 @@ def test_of_one_equation_the_whole_is_shown_and_of_a_long_one_what_it_lacks() ->
     assert shown == "add to the left side $x y$"
 
 
+def test_of_an_expression_without_a_sign_of_equality_that_is_what_is_missing() -> None:
+    assert correction(made_up(X - Y, sp.Eq(X, Y))) == "add $= 0$ at the end"
+    assert correction(made_up(X - 2 * Y, sp.Eq(X, Y))) == "$whole$"
+
+
+def test_what_cannot_be_evaluated_is_said_to_be_so_and_the_rest_as_it_is() -> None:
+    said = equations._said("both sides could not be evaluated: TypeError")
+    assert "could not be evaluated" not in said
+    assert "taken literally" in said
+    assert equations._said("eps is small") == "ε is small"
+
+
 def test_a_term_that_is_wrong_must_be_all_that_is() -> None:
     printed, derived = sp.Eq(X + 2 * Y, 0), sp.Eq(X + 3 * Y, 0)
     slip = (2 * Y, 3 * Y, sp.Eq(3 * Y, -X))

@@ -22,7 +22,9 @@ from paper_checks.finding import Finding, Picture
 from paper_checks.outcome import Judgement, Outcome
 from paper_checks.report import measurements, state_picture
 from paper_checks.report.document import make_report, to_json
+from paper_checks.report.inline_svg import width_of
 from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
+from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.terminal import report_as_text
 from paper_checks.ruling import holds
 
@@ -96,6 +98,20 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     assert [one.pictures for one in found] == [(PICTURE,), (), (PICTURE,)]
 
 
+def test_another_process_finds_its_claims_by_their_keys(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def find(package: str) -> tuple[Entry, ...]:
+        asked.append(package)
+        return tuple(Entry("fig16", claim(key)) for key in ("a", "b", "c"))
+
+    monkeypatch.setattr(run, "find_entries", find)
+    monkeypatch.setattr(run, "judge", lambda one: Judgement(None, one.key, 1.0, ""))
+    found = run._ByKey("some.claims")(("c", "a"))
+    assert [one.failure for one in found] == ["c", "a"]
+    assert asked == ["some.claims"]
+
+
 def test_shipped_evidence_goes_into_a_folder_that_may_not_be_there(tmp_path: Path) -> None:
     folder = tmp_path / "deep" / "findings"
     entry = Entry("fig16", claim("a", evidence=_evidence, expensive=True))
@@ -156,6 +172,12 @@ def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> Non
     assert held["pictures"][0]["svg"] == "fig16-speed.svg"
 
 
+def test_the_schema_is_of_the_version_that_is_written() -> None:
+    schema = (Path(__file__).parents[1] / "docs" / "report_schema.md").read_text("utf-8")
+    written = to_json(report_of())["format"]
+    assert f"`format` | integer | version of this document, now {written} |" in schema
+
+
 def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_own() -> None:
     width = 60
     long = replace(FINDING, explanation="Many words. " * 30)
@@ -169,6 +191,9 @@ def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_
         assert shown in lines
     # A failure is no change of the verdict: it is named by itself.
     assert second.splitlines()[0] == "b (Fig. 16): failed"
+    methods = (Method("one", "a:f"), Method("other", "b:f", covers="one half"))
+    covered = report_as_text(report_of(outcome("a", methods=methods)))
+    assert "  By: one [a:f]\n  And by: other [b:f], for one half\n" in covered
     kept = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="", pictures=())
     assert "(changed)" not in report_as_text(report_of(outcome("a", kept)))
     assert "Figure" not in report_as_text(report_of(outcome("a", kept)))
@@ -263,6 +288,27 @@ def test_brackets_are_taken_apart_where_more_is_in_them_than_a_line_holds() -> N
         sizes.add(size := len(list(bracket.iter())))
         assert (len(_opened(row)) > 1) is (size > WIDE)
     assert {WIDE, WIDE + 1} <= sizes
+
+
+def test_what_is_no_bracket_stays_whole_however_wide_it_is() -> None:
+    row = ElementTree.fromstring(f"<mrow><mrow>{'<mi>x</mi>' * 2 * WIDE}</mrow></mrow>")
+    assert [node.tag for node in _opened(row)] == ["mrow"]
+
+
+def test_a_picture_is_as_wide_as_it_says_in_points_or_pixels() -> None:
+    widths = {'width="12pt"': 12.0, 'width="12px"': 9.0, 'width="12"': 9.0, "": None}
+    assert {text: width_of(f"<svg {text}></svg>") for text in widths} == widths
+
+
+def test_what_ends_as_a_document_of_svg_and_begins_as_none_holds_none() -> None:
+    for text in ("<p/></svg>", "<svg>", "</svg><svg>"):
+        with pytest.raises(ValueError, match="holds no SVG"):
+            safe_svg(text)
+
+
+def test_rows_of_several_things_and_of_one_are_written() -> None:
+    assert prose.rows_written([(1, "ab"), (2, "c")], "{}{}") == "1ab, 2c"
+    assert prose.rows_written(["ab", 3], "<{}>", "; ") == "<ab>; <3>"
 
 
 def test_an_empty_group_is_no_bracket() -> None:

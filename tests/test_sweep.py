@@ -667,3 +667,30 @@ def test_arrays_of_a_zarr_store_are_read_back_however_they_are_cut(
     assert read is not None
     assert np.array_equal(read["wave"], cells)
     assert np.array_equal(read["c"], np.arange(5))
+
+
+@pytest.mark.parametrize("ending", [".npz", ".zarr"])
+def test_a_damaged_table_is_none_or_what_it_was(ending: str, tmp_path: Path) -> None:
+    """Every part of the file cut, emptied, overwritten or with one bit changed."""
+    pytest.importorskip("zarr" if ending == ".zarr" else "numpy")
+    rows = [{"c": float(n), "word": "front", "n": n, "wave": n * np.arange(4.0)} for n in range(20)]
+    path, table, rng = tmp_path / f"x{ending}", table_of(rows), np.random.default_rng(5)
+    table.save(path)
+    parts = sorted(each for each in path.rglob("*") if each.is_file()) or [path]
+    refused = 0
+    for part in parts:
+        content = part.read_bytes()
+        place = int(rng.integers(len(content)))
+        flipped = bytearray(content)
+        flipped[place] ^= 1
+        for damaged in (b"", content[:place], bytes(flipped), rng.bytes(len(content))):
+            part.write_bytes(damaged)
+            found = load_table(path)
+            refused += found is None
+            if found is not None:
+                assert all(
+                    np.array_equal(found.arrays[name], table.arrays[name]) for name in rows[0]
+                )
+        part.write_bytes(content)
+    assert refused > len(parts)
+    assert load_table(path) is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from theory.parameters import ParameterError
+from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result, optional_package
 from verification.execution.columns import (
     Array,
@@ -248,7 +249,9 @@ def load_table(path: Path) -> Table | None:
             dims={name: tuple(names) for name, names in about["dims"].items()},
         )
         return table if about["digest"] == digest_of_arrays(table.arrays) else None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (MemoryError, MissingPackageError):
+        raise
+    except Exception:  # of a damaged file each format and codec raises what it likes
         return None
 
 
@@ -257,9 +260,12 @@ def _read(
 ) -> dict[str, Array]:
     """Return the columns in a file."""
     if path.suffix == ".zarr":
-        return _columns_of_zarr(path, columns, count, axes)
+        xarray = optional_package("xarray")
+        with warnings.catch_warnings(action="ignore"), xarray.open_zarr(path) as data:
+            return _columns_of_zarr(data, path.parent, columns, count, axes)
     if path.suffix == ".npz":
-        with np.load(path, allow_pickle=False) as file:
+        # np.load leaves a file open that it opened itself and cannot read.
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             return {name: read_only(file[name]) for name in columns}
     reads: dict[str, Callable[[str], Scalar]] = {
         "f": float,
@@ -283,21 +289,20 @@ def _read(
 
 
 def _columns_of_zarr(
-    path: Path, columns: Iterable[str], count: int, axes: Sequence[str]
+    data: xr.Dataset, folder: Path, columns: Iterable[str], count: int, axes: Sequence[str]
 ) -> dict[str, Array]:
-    with optional_package("xarray").open_zarr(path) as data:
-        shape = tuple(data.sizes[name] for name in axes) or (count,)
-        found = {}
-        for name in columns:
-            if data[name].ndim > len(shape):
-                found[name] = read_only(_from_chunks(data[name], path.parent, len(shape)))
-                continue
-            values = data[name].values
-            if name in axes:
-                place = [-1 if other == name else 1 for other in axes]
-                values = np.broadcast_to(values.reshape(place), shape)
-            values = values.reshape(count)
-            found[name] = read_only(values.astype(str) if values.dtype.kind == "O" else values)
+    shape = tuple(data.sizes[name] for name in axes) or (count,)
+    found = {}
+    for name in columns:
+        if data[name].ndim > len(shape):
+            found[name] = read_only(_from_chunks(data[name], folder, len(shape)))
+            continue
+        values = data[name].values
+        if name in axes:
+            place = [-1 if other == name else 1 for other in axes]
+            values = np.broadcast_to(values.reshape(place), shape)
+        values = values.reshape(count)
+        found[name] = read_only(values.astype(str) if values.dtype.kind == "O" else values)
     return found
 
 

@@ -153,6 +153,25 @@ def test_a_front_is_steady_by_its_error_over_v_in_whatever_unit_of_time(
     assert found.error == pytest.approx(part * accuracy * v)
 
 
+@pytest.mark.parametrize(
+    ("stopped", "v", "error"),
+    [(FrontStatus.PINNED, 0.0, 0.02), (FrontStatus.CREEPING, None, None)],
+)
+def test_a_front_that_stopped_has_no_velocity_but_those_that_could_not_be_seen(
+    stopped: FrontStatus, v: float | None, error: float | None
+) -> None:
+    trials = iter(
+        [
+            Trial(None, np.arange(32) ** 1.5, np.arange(32) ** 1.5, 3),  # not settled: a longer one
+            Trial(stopped, np.array([0.0, 1.0, NAN, 3.0, NAN]), np.empty(0), 4),
+        ]
+    )
+    found = settle(lambda _: next(trials), sites=32, max_sites=99, accuracy=1e-6, seen=0.02)
+    assert (found.status, found.v, found.error) == (stopped, v, error)
+    assert found.arrivals.tolist() == [0.0, 1.0, 3.0]
+    assert (found.sites, found.steps) == (64, 7)
+
+
 def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -92,6 +92,7 @@ def test_the_error_of_an_unsteady_front_is_half_the_range_of_five_means() -> Non
     periods = np.repeat([1.0, 2.0, 4.0, 5.0, 10.0], 8)
     assert verdict._spread_of_means(periods) == pytest.approx((1.0 - 0.1) / 2.0)
     assert verdict._spread_of_means(periods[::-1]) == pytest.approx((1.0 - 0.1) / 2.0)
+    assert verdict._spread_of_means(np.array([1.0, 2.0])) == 0.25
     # of a single period nothing is known but itself
     assert verdict._spread_of_means(np.array([2.0])) == 0.5
 
@@ -163,6 +164,24 @@ def test_the_same_front_the_other_way_round_has_the_opposite_velocity_and_the_sa
     assert floors[0] == floors[1] > 1e-8  # 1e-7 of a time in periods of 2
 
 
+def test_the_time_to_the_first_site_is_no_period() -> None:
+    history = _followed(*map(_switch, (70.0, 1.0, 2.0, 3.0)))
+    history.extend(4)
+    assert history._periods().tolist() == [1.0, 2.0, 3.0]
+    assert history._mean_velocity() == 0.5
+    assert _run(history).crossing_times[0] == 70.0
+
+
+def test_the_ends_of_a_window_disturb_a_faster_front_more() -> None:
+    truncations = []
+    for wait in (50.0, 1.0, 0.2):
+        history = _followed(*(_switch(wait) for _ in range(4 * BLOCK + 1)))
+        history.extend(4 * BLOCK + 1)
+        truncations.append(_run(history).truncation)
+    at_rest = _followed(_switch(1.0)).verdict(Rest(margin=0.1, remainder=0.0), 1e-12, 0.0)
+    assert 0.0 <= at_rest.truncation <= truncations[0] <= truncations[1] < truncations[2]
+
+
 def test_a_front_that_shuttles_between_two_sites_gets_no_velocity() -> None:
     history = _followed(*(_switch(1.0, (-1) ** k) for k in range(5000)))
     history.extend(BLOCK)
@@ -204,6 +223,7 @@ def test_the_mean_of_a_repeating_front_is_over_whole_repeats() -> None:
     run = _run(history)
     assert (run.status, run.repeat) == (FrontStatus.UNSTEADY, once.size)
     assert run.v == pytest.approx(1.0 / once.mean(), rel=1e-14)
+    assert run.error == pytest.approx(1e-9 * run.v)  # to which they are asked to repeat
 
 
 def test_a_front_is_as_broad_as_the_sites_from_the_first_off_to_the_last_on() -> None:
@@ -230,6 +250,7 @@ def test_a_run_goes_on_while_more_periods_could_change_what_is_said() -> None:
     assert _judged(falling, steady=True)
     assert not _judged(falling)
     assert not _judged(constant[:19])  # too early to call it unsteady
+    assert _judged(constant[:20])
     assert _judged(constant)
     for total, enough in ((199, False), (200, True)):
         assert _judged(falling, total=total) is enough

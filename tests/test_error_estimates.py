@@ -34,7 +34,7 @@ from verification.runs.ensemble import Ensemble, SeedTask
 from verification.runs.excite import excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import smooth, stiff_stage
+from verification.steppers import friction, smooth, stiff_stage
 from verification.steppers.friction_series import CLOCK
 from verification.thresholds import escape
 from verification.thresholds.preparation import Preparation
@@ -149,6 +149,30 @@ def test_a_clock_of_a_friction_chain_that_is_not_finite_is_refused() -> None:
     run._run.numbers[CLOCK] = math.nan
     with pytest.raises(ValueError, match="clock"):
         run.check_state()
+
+
+@pytest.mark.parametrize(
+    ("counter", "least", "most"),
+    [(friction.LO, 1, 5), (friction.HI, 1, 5), (friction.SAMPLED, 0, 2), (friction.LOGGED, 0, 3)],
+)
+def test_counters_of_a_friction_chain_beyond_what_they_count_are_refused(
+    counter: int, least: int, most: int
+) -> None:
+    """Of four sites, two samples and three events."""
+    chain = FrictionChain(c=0.02, sites=4)
+    start = excite(chain, [1])
+    run = FrictionIntegration(chain, start, [5.0, 10.0], active_window=False, logged_events=3)
+    counters = run._run.counters
+    counters[friction.LO], counters[friction.HI] = (5, 5) if counter == friction.LO else (1, 5)
+    if counter == friction.HI:
+        counters[friction.LO] = 1
+    for value in (least, most):
+        counters[counter] = value
+        run.check_state()
+    for value in (least - 1, most + 1):
+        counters[counter] = value
+        with pytest.raises(ValueError, match="counters"):
+            run.check_state()
 
 
 def test_the_mean_over_seeds_errs_by_its_spread_and_by_the_errors_of_the_values() -> None:

@@ -90,6 +90,7 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     slip, touch = precise_phase(CELL, CELL.release, CELL.v_d, CELL.v_d)
     stick = (CELL.release - touch) / CELL.v_d
     assert cycle.error < 1e-9
+    assert cycle.multiplier == 0.0  # stick forgets every deviation
     assert abs(cycle.slip_time - slip) <= cycle.error
     assert abs(cycle.stick_time - stick) <= cycle.error
     assert abs(cycle.period - slip - stick) <= cycle.error
@@ -224,6 +225,12 @@ def test_the_error_of_the_expanded_cycle_covers_the_next_order_in_its_amplitude(
     assert found is not None
     gap = abs(found.amplitude - float(amplitude))
     assert 1e-13 < gap <= found.error < 1e-7
+    # Without damping it turns in 2π; a deviation of a cycle of the root of δ grows by e^{2πδ}.
+    assert abs(found.period - 2.0 * math.pi) <= found.error
+    assert found.slip_time == found.period
+    assert found.multiplier is not None
+    delta = 2.0 * xi - math.exp(-v_d / CELL.v0) * 0.5 / CELL.v0
+    assert found.multiplier - 1.0 == pytest.approx(2.0 * math.pi * delta, rel=1e-3)
 
 
 def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:

@@ -389,6 +389,18 @@ def test_sites_at_rest_are_left_out_of_chains_with_free_ends_alone(
     assert (run.counts["site_steps"] < chain.sites * run.counts["steps"]) is narrow
 
 
+def test_sites_outside_of_the_window_slide_steadily_to_the_last_bit() -> None:
+    chain = FrictionChain(c=0.02, sites=41)
+    start = excite(chain, [21])
+    start[:, :8] += 1e-13  # nearer to sliding than is looked at
+    start[:, -8:] -= 1e-13
+    state = FrictionIntegration(chain, start).state
+    for part in (slice(0, 8), slice(-8, None)):
+        assert (state[0, part] == chain.cell.steady_sliding).all()
+        assert np.abs(state[1, part]).max() == 0.0
+    assert not np.array_equal(FrictionIntegration(chain, start, active_window=False).state, state)
+
+
 @pytest.mark.parametrize("ends", [Ends.FREE, Ends.LITERAL])
 def test_sites_that_start_with_the_belt_stick_if_the_force_can_be_held(ends: Ends) -> None:
     chain = FrictionChain(c=0.3, sites=9, ends=ends)

@@ -80,6 +80,7 @@ def test_maps_are_sampled_evenly_and_checked_at_their_own_points() -> None:
     for grid in (fig05.COUPLINGS, fig05.VELOCITIES, fig15.ETAS, fig15.COUPLINGS):
         assert np.ptp(np.diff(grid)) == pytest.approx(0.0, abs=1e-12)
     assert {c for c, _, _ in fig05.CHECKED} <= set(fig05.COUPLINGS)
+    assert max(fig05.COUPLINGS) == fig05.STRONG
     assert set(fig15.CHECKED) <= {(eta, c) for eta in fig15.ETAS for c in fig15.COUPLINGS}
     assert set(fig13.CHECKED) <= set(fig13.AVERAGED)
     assert set(text_nuclei.DRAWN) <= set(text_nuclei.COUPLINGS)

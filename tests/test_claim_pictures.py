@@ -327,6 +327,7 @@ def test_ends_of_breathers_are_drawn_over_their_sizes(drawn: Any) -> None:
     assert panel.lines["end of the breather in (8)"] == list(orbit.items())
     assert panel.lines["the same, ε → 0"] == list(averaged.items())
     assert panel.texts == tuple(fig11.PRINTED.values())
+    assert panel.reaches(orbit, (*orbit.values(), *averaged.values()))
     assert panel.lines["paper"] == [(n, float(text)) for n, text in fig11.PRINTED.items()]
     branches = {1: (fig11.Ended(c_end=0.19, stable=((0.0, 0.18),)),),
                 3: (fig11.Ended(c_end=0.2, stable=()),)}  # fmt: skip

@@ -256,6 +256,39 @@ def test_the_proof_of_a_misprint_has_both_checks_and_the_step_and_what_differs()
     assert (one.printed, one.corrected) == ("$x = 3$", "$x = 4$")
 
 
+def test_of_an_equation_with_several_readings_those_that_hold_are_named_and_all_are_proved() -> (
+    None
+):
+    def read(verdict: printed_lines.Verdict) -> Any:
+        found = made_up(sp.Eq(X, 3), sp.Eq(X, 4), verdict=verdict)
+        found.printed.readings = [
+            SimpleNamespace(meaning=name) for name in ("one", "other", "third")
+        ]
+        found.on_readings = [
+            SimpleNamespace(holds=name != "one", statement=f"{name} is tried")
+            for name in ("one", "other", "third")
+        ]
+        return erratum_of(found, "two-scales")
+
+    either = read(printed_lines.Verdict.AMBIGUOUS)
+    assert either.fault is Fault.AMBIGUOUS
+    assert either.corrected == "$x = 3$; read: other; or read: third"
+    for said in ("“one” fails: one is tried.", "“other” holds: other is tried."):
+        assert f"The reading {said}" in either.proof
+    assert "print is off" not in either.proof
+    against = read(printed_lines.Verdict.INCONSISTENT)
+    assert against.fault is Fault.INCONSISTENT
+    assert against.corrected == "other; or third"
+    assert "By itself the print passes: print is off. “one” fails: one is tried." in against.proof
+    assert read(printed_lines.Verdict.HOLDS) is None
+
+
+def test_of_several_roots_the_one_that_fails_most_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = iter((1e-15, 0.25, 0.5, 1e-3, 0.0, 0.0, 0.0))
+    monkeypatch.setattr(_equation_numbers, "_off", lambda *_: next(known))
+    assert _equation_numbers.residual(50) == 0.5
+
+
 # ------------------------------------------------------------ what a claim says of an equation
 
 
@@ -327,6 +360,13 @@ def test_the_printed_equations_with_a_remark_on_writing_fail_their_literal_check
     failing = {n for n, found in judgements.items() if not found.on_print.holds}
     assert failing >= MISPRINTED
     assert failing - MISPRINTED <= set(equations.STYLE)
+
+
+def test_the_remark_on_a_bound_stands_at_the_equations_that_bound_the_force() -> None:
+    lines = {n: printed_module.printed(n).latex for n in range(1, 55)}
+    bounded = {n for n, line in lines.items() if re.search(r"\|(\\tilde\{)?F\}?\| <", line)}
+    assert {n for n, said in equations.STYLE.items() if "< stands for ≤" in said} == bounded
+    assert bounded == {3, 6}
 
 
 def test_the_remark_on_a_ring_stands_at_the_equations_whose_last_site_is_beside_the_first() -> None:

@@ -27,6 +27,7 @@ from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.terminal import report_as_text
 from paper_checks.ruling import holds
+from verification.quantities.registry import all_quantities
 
 PICTURE = Picture("fig16-speed", "Speed.", "<svg/>", "")
 FINDING = Finding(
@@ -95,6 +96,7 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     assert told == ["holds", "dies", "other", "holds", "dies"]
     assert [one.judgement.failure for one in found] == [None, "its process died.", None]
     assert [one.finding for one in found] == [FINDING, None, FINDING]
+    assert [one.judgement.seconds for one in found] == [1.0, 0.0, 1.0]
     assert [one.pictures for one in found] == [(PICTURE,), (), (PICTURE,)]
 
 
@@ -170,6 +172,35 @@ def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> Non
     assert (held["verdict"], failed["verdict"]) == ("holds only in part", None)
     assert (held["failure"], failed["failure"]) == (None, "ArithmeticError: no root.")
     assert held["pictures"][0]["svg"] == "fig16-speed.svg"
+
+
+def test_pictures_of_the_gallery_are_captioned_with_their_figure_or_else_the_first() -> None:
+    def shown(group: str, **captions: str) -> Outcome:
+        pictures = tuple(Picture(*each, "<svg/>", "") for each in captions.items())
+        found = replace(FINDING, pictures=pictures)
+        return replace(outcome(group, found), entry=Entry(group, claim(group)))
+
+    report = report_of(
+        shown("fig03", a="Fig. 3a.", b="Fig. 33.", c="Fig. 3."), shown("fig03", d="More."),
+        shown("fig04", e="Without.", f="Another."), shown("fig04", g="And more."),
+        shown("equations", h="Fig. 5."),
+    )  # fmt: skip
+    assert report.in_gallery == {"a": "fig03", "c": "fig03", "e": "fig04"}
+
+
+def test_test_problems_stand_with_the_reference_of_their_quantity(tmp_path: Path) -> None:
+    quantity = all_quantities()[0]
+    problem = quantity.test_problems[0]
+    record = {"agreement": {problem.name: 2e-13}, "command": "c", "date": "d", "versions": {},
+              "machine": {"processor": "made up", "cores": 2}}  # fmt: skip
+    found = measurements._problems({quantity.name: record}, tmp_path)
+    assert found is not None
+    row = dict(zip(found.head, found.rows[0], strict=True))
+    assert (row["Quantity"], row["Problem"]) == (quantity.name, problem.name)
+    assert row["Reference"] == quantity.reference
+    assert float(row["To within"]) == pytest.approx(quantity.accuracy, rel=0.5)
+    assert row["Measured apart"] == "2e-13"
+    assert len(found.rows) == sum(len(each.test_problems) for each in all_quantities())
 
 
 def test_the_schema_is_of_the_version_that_is_written() -> None:

@@ -11,7 +11,7 @@ from derivations.algebra.equations import equation
 from derivations.algebra.steps import Step
 from derivations.algebra.sums import SumOver
 
-MOST_OF_A_KIND = 3
+MAX_OF_A_KIND = 3
 """Perturbations of each kind a step; long equations are sampled evenly to keep the run short."""
 FACTOR = sp.Rational(101, 100)
 COARSE = frozenset(
@@ -132,6 +132,6 @@ def sampled(step: Step) -> list[tuple[str, sp.Basic]]:
             kinds.setdefault(name.split()[0], []).append((name, changed))
     kept = []
     for found in kinds.values():
-        stride = max(1, -(-len(found) // MOST_OF_A_KIND))
+        stride = max(1, -(-len(found) // MAX_OF_A_KIND))
         kept += found[::stride]
     return kept

@@ -263,8 +263,8 @@ def test_a_limit_is_as_far_off_as_it_is_and_none_where_it_does_not_exist(
 
 def _short_fronts(monkeypatch: pytest.MonkeyPatch, sites: int) -> None:
     monkeypatch.setattr(fronts, "_FILLED", 8)
-    monkeypatch.setattr(fronts, "_FEWEST", sites)
-    monkeypatch.setattr(fronts, "_MOST", sites)
+    monkeypatch.setattr(fronts, "_MIN_SITES", sites)
+    monkeypatch.setattr(fronts, "_MAX_SITES", sites)
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.6, 0.03125), (0.3, 0.05)])

@@ -20,7 +20,7 @@ DEEPEST = 20
 """Nested brackets and signs."""
 HIGHEST = 40
 """Exponent, and degree of the result."""
-MOST_TERMS = 500
+MAX_TERMS = 500
 """Terms of any intermediate result."""
 RESERVED = frozenset({"I", "E", "pi", "T", "n", "r", "s", "t", "i", "phi", "eps", "epsilon",
                       "omega", "lambda"})  # fmt: skip
@@ -183,8 +183,8 @@ def _atom(reader: _Reader) -> dict[Monomial, Fraction]:
 
 
 def _multiply(reader: _Reader, left: Terms, right: Terms) -> dict[Monomial, Fraction]:
-    if len(left) * len(right) > 20 * MOST_TERMS:
-        raise reader.refuse(f"it expands to more than {MOST_TERMS} terms")
+    if len(left) * len(right) > 20 * MAX_TERMS:
+        raise reader.refuse(f"it expands to more than {MAX_TERMS} terms")
     total: dict[Monomial, Fraction] = {}
     for first, one in left.items():
         for second, other in right.items():
@@ -198,6 +198,6 @@ def _multiply(reader: _Reader, left: Terms, right: Terms) -> dict[Monomial, Frac
             if number.numerator.bit_length() + number.denominator.bit_length() > 4000:
                 raise reader.refuse("its numbers are too long")
             total[key] = number
-    if len(total) > MOST_TERMS:
-        raise reader.refuse(f"it expands to more than {MOST_TERMS} terms")
+    if len(total) > MAX_TERMS:
+        raise reader.refuse(f"it expands to more than {MAX_TERMS} terms")
     return total

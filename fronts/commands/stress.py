@@ -32,7 +32,7 @@ least twelve a quantity: those whose references are costly get fewer.
 
 Exit code 1: a stated error was exceeded, or a point gave NaN, crashed or was too slow."""
 
-_MOST_SHOWN = 20
+_MAX_SHOWN = 20
 RESUMABLE = (".csv", ".npz", ".zarr")
 """Tables with every point, which a killed run leaves to go on from."""
 STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
@@ -181,13 +181,13 @@ def _text(found: Stability) -> str:
         )
     counts = "".join(f"{found.counts[head]:10}" for head in heads)
     lines.append(f"{'all':26}{len(found.table):7}{counts}")
-    for row in found.bad[:_MOST_SHOWN]:
+    for row in found.bad[:_MAX_SHOWN]:
         lines.append(
             f"{row['outcome']}: {row['quantity']} at {row['values']}: {row['said']}"
             f" (stated {row['stated']:.2g}, distance {row['distance']:.2g}, {row['by']})"
         )
-    if len(found.bad) > _MOST_SHOWN:
-        lines.append(f"and {len(found.bad) - _MOST_SHOWN} more; --json or --out has them all.")
+    if len(found.bad) > _MAX_SHOWN:
+        lines.append(f"and {len(found.bad) - _MAX_SHOWN} more; --json or --out has them all.")
     return "\n".join(lines)
 
 

@@ -25,7 +25,7 @@ from verification.steppers.friction_series import V_D, law_of, new_numbers, new_
 from verification.steppers.taylor import taylor_order
 
 _LONGEST = 1e4
-_MOST_TURNS = 100
+_MAX_TURNS = 100
 ROUND_OFF = 1e-14
 _FINEST = 1e-17
 _TRIED = 60
@@ -106,7 +106,7 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     """
     y, slip, speed, direction, released = cell.release, 0.0, cell.v_d, -1.0, True
     lows, highs = [], []
-    for _ in range(_MOST_TURNS):
+    for _ in range(_MAX_TURNS):
         t, end, _ = _phase(
             cell, y, 0.0, released, phases.TOUCH, tolerance=tolerance, direction=direction
         )

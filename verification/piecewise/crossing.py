@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 _ROUND_OFF = 4e-16
-_MOST_STEPS = 400
+_MAX_STEPS = 400
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def first_zero(coefficients: Sequence[float], end: float) -> FirstZero:
     curvature = max(curvature, 1e-300)
     floor = _ROUND_OFF * size
     x, grazes = 0.0, 0
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MAX_STEPS):
         value, slope = _value_and_slope(coefficients, x)
         if value <= floor:
             if value < -4 * floor:

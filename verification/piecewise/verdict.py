@@ -22,7 +22,7 @@ _FLOOR = 2e-14  # relative; periods of about one, from times carrying a few unit
 _PATIENCE = 120.0  # slow time without a switching: the linear relaxation is over, exp(-60)
 _LONG = 20  # blocks after which a motion that does not decay is called unsteady
 _GROUP = 5  # blocks whose largest spreads are compared to see a geometric decay
-_MOST_EVENTS_PER_SITE = 60
+_MAX_EVENTS_PER_SITE = 60
 _SLIDING_ERROR = 1e-4  # relative, as wide as the relay; the tests vary the relay
 
 
@@ -46,7 +46,7 @@ class History:
     def extend(self, records: int) -> Rest | None:
         """Follow the front over ``records`` further sites; return early if it comes to rest."""
         goal = self._total() + records
-        most = self.events + _MOST_EVENTS_PER_SITE * records
+        most = self.events + _MAX_EVENTS_PER_SITE * records
         while self._total() < goal and self.events < most:
             step = self.chain.advance(_PATIENCE)
             if isinstance(step, Rest):

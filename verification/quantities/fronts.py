@@ -36,7 +36,7 @@ from verification.references.pace import NoReferenceError, Pace
 FloatArray = npt.NDArray[np.float64]
 
 _FILLED, _END = 24, 8
-_FEWEST, _MOST = 64, 352
+_MIN_SITES, _MAX_SITES = 64, 352
 """Sites beyond those filled at the start that a front is timed at: as many as it passes in `_TIME`,
 since a longer chain costs little more a step."""
 
@@ -74,7 +74,7 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     if stated.value is None:
         raise NoReferenceError(f"the front is {stated.note} and states no velocity.")
     scale = vdp_chain({**_GIVEN, **at}).eps if full else 1.0  # from times of the run to slow ones
-    timed = round(min(max(_TIME * scale * abs(stated.value), _FEWEST), _MOST))
+    timed = round(min(max(_TIME * scale * abs(stated.value), _MIN_SITES), _MAX_SITES))
     sites = _FILLED + timed + _END
     chain = vdp_chain({**_GIVEN, **at, "sites": sites})
     end = 2.0 * _STALL_TIME if stated.value == 0.0 else 1.5 * sites / stated.value

@@ -27,10 +27,10 @@ _PIECE = 2.0
 """Longest time passed in one call, so that a run can be watched, stopped and resumed, and so that
 the part that moves is small for as long as it can be."""
 
-MOST_STEPS = 20_000
+MAX_STEPS = 20_000
 """Steps of Radau in one run, at most: about a minute."""
 
-_MOST_DENSE = 100
+_MAX_DENSE = 100
 _PAD = 4
 """Margins of sites at rest that are solved for at first, on either side."""
 
@@ -85,7 +85,7 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
     damping = -chain.eps * (1.0 - chain.a * square + chain.b * square**2)
     blocks: Any = [[None, identity(n)], [lower_left, diags(damping)]]
     jacobian: Any = bmat(blocks, format="csc")
-    return jacobian if n > _MOST_DENSE else jacobian.toarray()
+    return jacobian if n > _MAX_DENSE else jacobian.toarray()
 
 
 @dataclass
@@ -103,7 +103,7 @@ class _Gentle:
             size = float(np.abs(state[: self.chain.sites]).max())
             raise RunError(
                 f"the run at t = {time:.6g}, |y| = {size:.3g} is so stiff that it needs more than "
-                f"{MOST_STEPS} implicit steps: take a larger tolerance, or a smaller displacement."
+                f"{MAX_STEPS} implicit steps: take a larger tolerance, or a smaller displacement."
             )
         square = state[: self.chain.sites] ** 2
         largest = np.max(np.abs(1.0 - self.chain.a * square + self.chain.b * square**2))
@@ -191,7 +191,7 @@ def solve_stiff_piece(
     Raises
     ------
     RunError
-        If the run needs more than ``MOST_STEPS`` of them.
+        If the run needs more than ``MAX_STEPS`` of them.
     ArithmeticError
         If scipy's Radau gives up.
     """
@@ -199,7 +199,7 @@ def solve_stiff_piece(
     while True:
         lo, hi = max(0, moving[0] - pad), min(chain.sites, moving[1] + pad)
         part = replace(chain, sites=hi - lo)
-        gentle = _Gentle(part, MOST_STEPS - steps_taken)
+        gentle = _Gentle(part, MAX_STEPS - steps_taken)
         solved = _radau(part, state[:, lo:hi], begin, min(begin + _PIECE, end), tolerance, gentle)
         sizes = np.hypot(*np.split(solved.y, 2)).max(axis=1)
         left = sizes[:margin].max() if lo > 0 else 0.0

@@ -95,6 +95,30 @@ def test_a_fold_of_the_closed_form_is_as_far_off_as_it_is(reading: float) -> Non
             )
 
 
+def test_what_is_stated_of_a_fold_is_held_against_whether_it_exists(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    at = {"a": 1.0, "eta": 0.08, "reading": 1.0}
+    for start, value, held in (
+        (None, None, True), (None, 0.2, False), ((19.0, 0.09), None, False)
+    ):  # fmt: skip
+        monkeypatch.setattr(breathers, "_scan", lambda _, start=start: start)
+        check = breathers._check_fold(at, StatedValue(value=value, error=1e-9))
+        assert (check.distance == 0.0) is held
+
+
+def test_a_breather_may_be_missing_below_a_fold_by_as_much_as_that_is_off(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fold = SimpleNamespace(c=0.2, error=1e-9)
+    made = ReferenceCheck(distance=0.01, method="made up")
+    monkeypatch.setattr(breathers, "_check_fold", lambda *_: made)
+    none = StatedValue(value=None, error=0.0, extra=SimpleNamespace(fold=fold))
+    for c, held in ((0.18, False), (0.195, True), (0.25, True)):
+        check = breathers._check_breather({"a": 1.0, "eta": 0.08, "c": c, "reading": 1.0}, none)
+        assert (check.distance == 0.0) is held
+
+
 def test_a_fold_of_the_averaged_chain_is_as_far_off_as_it_is() -> None:
     chain = VdpChain(a=1.0, b=0.08, c=1.0, eps=0.01, sites=3)
     fold = solve_envelope_breather(chain, Nucleus(1)).fold
@@ -235,6 +259,19 @@ def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.Monkey
         assert friction.friction_by_scipy(BELT, wrong).distance == pytest.approx(1e-3, rel=1e-3)
 
 
+def test_of_a_long_friction_chain_only_the_sites_that_move_are_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The others slide steadily, and are known."""
+    monkeypatch.setattr(friction, "_TAU", 3.0)
+    at = BELT | {"c": 1e-5, "sites": 500.0}
+    stated = friction.friction_state(at)
+    check = friction.friction_by_scipy(at, stated)
+    assert compared(stated.error, check) is Outcome.RIGHT, check
+    far = replace(stated, value=stated.value + 1e-3 * (np.arange(500) == 400))
+    assert friction.friction_by_scipy(at, far).distance == pytest.approx(1e-3, rel=1e-6)
+
+
 def test_a_friction_run_states_its_own_error_and_none_where_rounding_decides(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -293,6 +330,26 @@ def test_whole_parameters_are_drawn_whole_and_special_ones_approached_from_both_
     low, high, *beside = near.ends()
     assert (low, high) == (0.01, 0.2)
     assert sorted(beside) == pytest.approx([0.07992, 0.08008, 0.124875, 0.125125], rel=1e-12)
+
+
+def test_corners_are_all_combinations_of_ends_and_of_many_some_from_first_to_last() -> None:
+    def corners(*axes: Axis) -> list[Any]:
+        made = replace(computation_named("c-pin"), axes=axes, problems="")
+        return [tuple(point.values()) for point in made.fixed_points]
+
+    c, v = Axis(name="c", low=1.0, high=2.0), Axis(name="v", low=3.0, high=5.0, near=(4.0,))
+    ends = v.ends()
+    assert corners(c, v) == [(x, y) for x in (1.0, 2.0) for y in ends]
+    many = [Axis(name=f"x{i}", low=1.0, high=2.0) for i in range(8)]
+    found = corners(*many)
+    assert len(found) == len(set(found)) == 64
+    assert (found[0], found[-1]) == ((1.0,) * 8, (2.0,) * 8)
+
+
+def test_what_is_not_there_has_no_error() -> None:
+    found = SimpleNamespace(error=1e-3)
+    assert StatedValue.of(found, 0.5).error == 1e-3
+    assert StatedValue.of(SimpleNamespace(error=None), None).error == 0.0
 
 
 def test_a_quantity_has_no_more_points_than_are_asked_for() -> None:

@@ -83,7 +83,7 @@ def _check_profile(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
     rest = float(max(waves[0], waves[-1])) * reach * 4.0
     slope = v + c * np.sin(roots.k)
     moved = abs(zeta) + 1.0 / np.abs(roots.k) + c * np.abs(np.cos(roots.k) / slope)
-    rounding = float(np.sum(waves * (roots.radius * moved + 1e-15))) + 1e-15
+    rounding = 0.5 * float(np.sum(waves * (roots.radius * moved + 1e-15))) + 1e-15
     terms = np.exp(1j * zeta * roots.k) / (-1j * roots.k * slope)
     total = complex(np.sum(terms[np.argsort(np.abs(terms))]))
     value = -0.5 * total if upper else 1.0 + 0.5 * total

@@ -19,7 +19,7 @@ from verification.piecewise.window import (
 BLOCK = 20
 """Periods in a block; blocks are compared to tell transient from steady motion."""
 _FLOOR = 2e-14  # relative; periods of about one, from times carrying a few units of round-off
-_PATIENCE = 120.0  # slow time without a switching: the linear relaxation is over, exp(-60)
+_STALL_TIME = 120.0  # slow time without a switching: the linear relaxation is over, exp(-60)
 _LONG = 20  # blocks after which a motion that does not decay is called unsteady
 _GROUP = 5  # blocks whose largest spreads are compared to see a geometric decay
 _MAX_EVENTS_PER_SITE = 60
@@ -48,7 +48,7 @@ class History:
         goal = self._total() + records
         most = self.events + _MAX_EVENTS_PER_SITE * records
         while self._total() < goal and self.events < most:
-            step = self.chain.advance(_PATIENCE)
+            step = self.chain.advance(_STALL_TIME)
             if isinstance(step, Rest):
                 return step
             self.events += 1

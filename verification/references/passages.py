@@ -118,7 +118,7 @@ def staggered_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
             break
         end *= 2.0
         if end > 100.0 * sites / c:
-            raise ArithmeticError(f"the front of quarter-turn phase step at c = {c:g} does not come to its end")
+            raise ArithmeticError(f"the front of quarter-turn phase step at c = {c:g} does not end")
     return passage_velocity(run, watched, level)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
 from types import SimpleNamespace
@@ -10,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib import pyplot
 from matplotlib.figure import Figure
 
 import fronts as fr
@@ -19,6 +21,14 @@ from fronts.pictures import BLUE, VERMILION, draw
 from theory.result import Result
 
 mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def _closed() -> Iterator[None]:
+    """Close the figures that a test has drawn."""
+    yield
+    pyplot.close("all")
+
 
 needs_explorer = pytest.mark.skipif(
     any(find_spec(name) is None for name in ("panel", "bokeh")), reason="extra explore is missing"

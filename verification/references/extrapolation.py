@@ -36,7 +36,7 @@ _ENLARGED = sum(
 )
 """Sum of the weights, without their signs, that the last of the scheme gives to its rows."""
 
-_SAFETY, _LEAST, _MAX_SITES = 0.8, 0.1, 3.0
+_SAFETY, _MIN_FACTOR, _MAX_FACTOR = 0.8, 0.1, 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,10 +142,10 @@ def _as_time(start: AnyArray, t: float) -> Any:
 def _change(error: float, allowed: float) -> float:
     """Return by what the next step is longer than the one that had this error."""
     if error == 0.0:
-        return _MAX_SITES
+        return _MAX_FACTOR
     share = allowed / error if math.isfinite(error) else 0.0
     required: float = _SAFETY * share ** (1.0 / (2 * COLUMNS - 1)) if math.isfinite(share) else 0.0
-    return min(_MAX_SITES, max(_LEAST, required))
+    return min(_MAX_FACTOR, max(_MIN_FACTOR, required))
 
 
 def _step(rate: Rate, t: Any, state: AnyArray, step: Any) -> tuple[AnyArray, float]:

@@ -279,6 +279,13 @@ def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None
     picture.show(Settings(), {"breather": breather})
     assert "trivial one is 0.5;" in picture.caption.text
     assert np.array_equal(picture.points.data["x"], multipliers.real)
+    unstable = SimpleNamespace(
+        multipliers=np.array([2.2, 1.0, 0.2 + 0.0j]), stable=False, trivial=1e-9
+    )
+    picture.show(Settings(), {"breather": unstable})
+    assert picture.caption.text.startswith(
+        "not stable: the largest |μ| but the trivial one is 2.2;"
+    )
     circle = picture.figure.renderers[0].data_source.data
     assert np.allclose(np.hypot(circle["x"], circle["y"]), 1.0)
     assert circle["x"][0] == pytest.approx(circle["x"][-1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -51,7 +51,7 @@ class Curve(Result):
     is_curve = True
 
     along: str
-    values: FloatArray = field(metadata={"axis": "value"})
+    values: FloatArray
     points: tuple[Result, ...]
     seconds: float
 
@@ -139,14 +139,11 @@ def curve(
     ParameterError
         If it refuses every one of them.
     """
+    from verification.execution.pool import answers_in_order
+
     begin = perf_counter()
     task = _Task(function, dict(arguments))
-    found: dict[int, Result] = {}
-    for index, answer in _answers(task, chains, workers):
-        found[index] = answer
-        if progress is not None:
-            progress(len(found) / len(chains))
-    points = tuple(found[index] for index in range(len(chains)))
+    points = tuple(answers_in_order(task, chains, workers=workers, progress=progress))
     if all(isinstance(point, Refusal) for point in points):
         # One sentence, as for a single point.
         function(chains[0], **arguments)
@@ -170,15 +167,3 @@ class _Task:
             return self.function(chain, **self.arguments)
         except (ParameterError, ArithmeticError) as refusal:
             return Refusal(reason=str(refusal))
-
-
-def _answers(task: _Task, chains: Sequence[Any], workers: int | None) -> Any:
-    if workers == 1 or len(chains) == 1:
-        yield from enumerate(map(task, chains))
-        return
-    from verification.execution.pool import answers
-
-    for index, answer in answers(task, chains, workers=workers):
-        if isinstance(answer, Exception):
-            raise answer
-        yield index, answer

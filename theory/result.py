@@ -224,10 +224,8 @@ class Result:
         """
         described = {each.name: each.metadata for each in _fields(self)}
         try:
-            dims = {} if self.is_curve else _dimensions(self)
+            dims = _dimensions(self)
         except TypeError:
-            dims = {}
-        if not dims:
             columns = self.columns()  # of its own, or refused in the same words
             listed: xr.Dataset = optional_package("xarray").Dataset(
                 {name: ("row", values) for name, values in columns.items()}

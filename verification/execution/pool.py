@@ -248,6 +248,42 @@ def answers(
                     break
 
 
+def answers_in_order(
+    function: Callable[[Item], Answer],
+    items: Sequence[Item],
+    *,
+    workers: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> list[Answer]:
+    """Compute a function of every item, and raise what it raises for one.
+
+    Parameters
+    ----------
+    function, items, workers
+        As of `answers`.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    list
+        In the order of the items.
+
+    Examples
+    --------
+    >>> answers_in_order(abs, [-1, 2], workers=1)
+    [1, 2]
+    """
+    found: dict[int, Answer] = {}
+    for index, answer in answers(function, items, workers=workers):
+        if isinstance(answer, Exception):
+            raise answer
+        found[index] = answer
+        if progress is not None:
+            progress(len(found) / len(items))
+    return [found[index] for index in range(len(items))]
+
+
 def _here(
     function: Callable[[Item], Answer],
     items: Sequence[Item],

@@ -16,7 +16,7 @@ from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, RunError, need_instance, whole_number
 from theory.result import Result
-from verification.execution.pool import answers
+from verification.execution.pool import answers_in_order
 from verification.execution.progress import ProgressCallback
 
 FloatArray = npt.NDArray[np.float64]
@@ -186,14 +186,9 @@ def ensemble(
         raise ParameterError("function", function, "a function of a chain", "give measure_front")
     given = _distinct(seeds)
     task = SeedTask(function=function, chain=chain, options=options)
-    rows: dict[int, dict[str, Any]] = {}
-    for index, row in answers(task, [{"seed": seed} for seed in given], workers=workers):
-        if isinstance(row, Exception):
-            raise row
-        rows[index] = row
-        if progress is not None:
-            progress(len(rows) / len(given))
-    table = {name: [rows[i][name] for i in range(len(given))] for name in rows[0]}
+    points = [{"seed": seed} for seed in given]
+    rows = answers_in_order(task, points, workers=workers, progress=progress)
+    table = {name: [row[name] for row in rows] for name in rows[0]}
     names = [name for name in table["quantity"] if name]
     if not names:
         raise RunError(f"there is no such number at any seed: {table['reason'][0]}")

@@ -49,7 +49,7 @@ FloatArray = npt.NDArray[np.float64]
 Rate = Callable[[float, FloatArray], FloatArray]
 
 OURS, WAVE, REDUCED, WHOLE, SHORTCUT = (
-    "measured front", "solved wave", "scipy, staggered chain", "scipy, chain (8)",
+    "measured front", "solved wave", "scipy, real averaged chain", "scipy, chain (8)",
     "averaged, for (8)",
 )  # fmt: skip
 FILLED, MARGIN = 24, 8

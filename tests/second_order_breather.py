@@ -76,7 +76,7 @@ def breather(
         If no steady breather was found.
     """
     ring = modulation.ring
-    # A route in phi gives y = Im(phi e^{it}): phi itself is staggered. In A it is 2 i A.
+    # A route in phi gives y = Im(phi e^{it}): phi itself turns by -pi/2 a site. In A it is 2 i A.
     by_phi = ring.amplitudes[0].name.startswith(r"\varphi")
     scale = 1.0 if by_phi else -0.5j
     phases = scale * (-1j) ** np.arange(sites)

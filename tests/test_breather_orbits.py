@@ -17,8 +17,8 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.envelope import (
     RotatingWaves,
+    quarter_turn_branch,
     solve_envelope_breather,
-    staggered_branch,
 )
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.orbits import Orbits, solve_orbit
@@ -212,7 +212,7 @@ def test_the_stated_error_of_an_averaged_breather_bounds_its_error() -> None:
 def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: str) -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0, sites=size + 20)
     full = RotatingWaves(chain, Nucleus(size, pattern)).branch().fold
-    real = staggered_branch(chain, Nucleus(size, pattern)).fold
+    real = quarter_turn_branch(chain, Nucleus(size, pattern)).fold
     assert full is not None
     assert real is not None
     assert full.c == pytest.approx(real.c, abs=2e-11)

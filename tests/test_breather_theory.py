@@ -13,10 +13,10 @@ from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, 
 from theory.averaged.envelope import (
     envelope_jacobian,
     envelope_rate,
-    staggered_defect,
-    staggered_jacobian,
-    staggered_phase,
-    staggered_rate,
+    quarter_turn_defect,
+    quarter_turn_jacobian,
+    quarter_turn_phase,
+    quarter_turn_rate,
 )
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
@@ -58,32 +58,33 @@ def test_the_jacobian_is_the_derivative_of_the_rate(ends: Ends) -> None:
     assert np.abs(envelope_jacobian(phi, chain) - np.array(columns).T).max() < 1e-8
 
 
-def test_the_staggered_reduction_is_exact_on_a_ring() -> None:
+def test_the_quarter_turn_reduction_is_exact_on_a_ring() -> None:
     chain = replace(CHAIN, ends=Ends.PERIODIC)
     r = noise().real
-    phi = staggered_phase(8) * r
-    full = (envelope_rate(phi, chain) - 1j * chain.c * phi) / staggered_phase(8)
+    phi = quarter_turn_phase(8) * r
+    full = (envelope_rate(phi, chain) - 1j * chain.c * phi) / quarter_turn_phase(8)
     assert np.abs(full.imag).max() < 1e-15
-    assert np.abs(full.real - staggered_rate(r, chain)).max() < 1e-15
+    assert np.abs(full.real - quarter_turn_rate(r, chain)).max() < 1e-15
 
 
-def test_the_staggered_reduction_fails_at_free_ends_by_what_it_says() -> None:
+def test_the_quarter_turn_reduction_fails_at_free_ends_by_what_it_says() -> None:
     r = noise().real
-    phi = staggered_phase(8) * r
-    full = (envelope_rate(phi, CHAIN) - 1j * CHAIN.c * phi) / staggered_phase(8)
-    left_out = np.abs(full - staggered_rate(r, CHAIN))
-    assert left_out.max() == pytest.approx(staggered_defect(r, CHAIN), rel=1e-12)
+    phi = quarter_turn_phase(8) * r
+    full = (envelope_rate(phi, CHAIN) - 1j * CHAIN.c * phi) / quarter_turn_phase(8)
+    left_out = np.abs(full - quarter_turn_rate(r, CHAIN))
+    assert left_out.max() == pytest.approx(quarter_turn_defect(r, CHAIN), rel=1e-12)
     assert left_out[1:-1].max() < 1e-15
 
 
 @pytest.mark.parametrize("ends", VdpChain.allowed_ends)
-def test_the_staggered_jacobian_is_the_derivative(ends: Ends) -> None:
+def test_the_quarter_turn_jacobian_is_the_derivative(ends: Ends) -> None:
     chain, r, step = replace(CHAIN, ends=ends), noise().real, 1e-6
     columns = [
-        (staggered_rate(r + step * e, chain) - staggered_rate(r - step * e, chain)) / (2 * step)
+        (quarter_turn_rate(r + step * e, chain) - quarter_turn_rate(r - step * e, chain))
+        / (2 * step)
         for e in np.eye(8)
     ]
-    assert np.abs(staggered_jacobian(r, chain) - np.array(columns).T).max() < 1e-8
+    assert np.abs(quarter_turn_jacobian(r, chain) - np.array(columns).T).max() < 1e-8
 
 
 def test_the_envelope_depends_on_a_and_b_through_eta_only() -> None:
@@ -160,4 +161,4 @@ def test_bad_chains_are_refused() -> None:
     with pytest.raises(ParameterError, match="c > 0"):
         solve_breather(VdpChain(a=2.5, b=0.5, c=0))
     with pytest.raises(ParameterError, match="multiple of 4"):
-        staggered_rate(np.zeros(6), VdpChain(a=2.5, b=0.5, c=0.1, sites=6, ends=Ends.PERIODIC))
+        quarter_turn_rate(np.zeros(6), VdpChain(a=2.5, b=0.5, c=0.1, sites=6, ends=Ends.PERIODIC))

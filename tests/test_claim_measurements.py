@@ -1084,7 +1084,7 @@ def test_where_no_front_of_the_averaged_chain_runs_its_velocity_is_zero(
     monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", branches)
     monkeypatch.setattr("theory.piecewise.kinetic_relation.trace_kinetic_relation", trace)
     monkeypatch.setattr("verification.piecewise.simulation.simulate_front", run)
-    velocity = "verification.references.passages.staggered_velocity"
+    velocity = "verification.references.passages.quarter_turn_velocity"
     monkeypatch.setattr(velocity, lambda *_: 0.625)
     for last in (fig18.ETAS[-2], 9.0):
         found = fig18.alike()

@@ -302,17 +302,17 @@ def test_an_arrival_in_the_first_step_of_a_piece_is_found() -> None:
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.6, 0.03125), (0.34, 0.07)])
-def test_a_staggered_front_is_timed_until_it_has_run_through(c: float, eta: float) -> None:
+def test_a_front_of_quarter_turns_is_timed_until_it_has_run_through(c: float, eta: float) -> None:
     """Also where it is slower than the first run allows for, v = 0.67 c."""
     wave = front_wave(c, eta).v
-    found = passages.staggered_velocity(1.0, eta, c, 100)
+    found = passages.quarter_turn_velocity(1.0, eta, c, 100)
     assert found == pytest.approx(wave, abs=1e-8)
 
 
-def test_a_staggered_front_at_strong_coupling_obeys_the_law() -> None:
+def test_a_front_of_quarter_turns_at_strong_coupling_obeys_the_law() -> None:
     """v = c + κ (c/6)^{1/3}, to the next order; here the whole run is shorter than a unit of T."""
     law = 100.0 + strong_coupling_front(0.03125).kappa * (100.0 / 6.0) ** (1.0 / 3.0)
-    assert passages.staggered_velocity(1.0, 0.03125, 100.0) == pytest.approx(law, rel=5e-3)
+    assert passages.quarter_turn_velocity(1.0, 0.03125, 100.0) == pytest.approx(law, rel=5e-3)
 
 
 @pytest.mark.parametrize("eta", [0.01, 0.03125])

@@ -364,7 +364,7 @@ class Checks:
         return -direct_average(field, spin * field[0], p, 1.0)
 
     @equals(_DIRECT)
-    def staggered(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    def quarter_turn(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw amplitudes in phase steps of -π/2, away from site 0."""
         p, sizes = drawn(self.model, rng), self._field(rng)
         moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
@@ -373,7 +373,7 @@ class Checks:
         return {**names, **point}, [moving - self._quarter_turns(sizes, p, False)]
 
     @equals(_DIRECT)
-    def staggered_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
+    def quarter_turn_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw the same about site 0, from which phases fall on both sides."""
         p, sizes = drawn(self.model, rng), self._field(rng)
         sizes |= {-at: sizes[at] for at in range(1, p.reach + 1)}

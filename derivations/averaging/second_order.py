@@ -131,5 +131,5 @@ def _chain(draft: Draft, given: ChainModel, chain: str) -> None:
                   (Substitute(index=n, at=sites), Divide(-i / 2 * spin),
                    SolveFor(rho(n, t).diff(t))),
                   "modulation by multiple scales, chain", "quarter turns to second order",
-                  check=checks.staggered,
+                  check=checks.quarter_turn,
                   note="What is not real turns the phases and shifts the frequency")

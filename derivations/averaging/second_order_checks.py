@@ -101,7 +101,7 @@ class SecondOrderChecks:
                   for e in _STEPS]  # fmt: skip
         return _slope(errors, 3, _ALONG)
 
-    def staggered(self, candidate: sp.Basic) -> Evidence:
+    def quarter_turn(self, candidate: sp.Basic) -> Evidence:
         """Project on e^{it} along the flow in quarter turns, at t = 0 and n = 0."""
         sizes = {at: 2 * q for at, q in self._sites.items()}
         values = {at: -0.5j * (-1j) ** at * q for at, q in sizes.items()}

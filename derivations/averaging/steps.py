@@ -48,7 +48,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     _to_average(draft, model, checks)
     _decaying(draft, model, checks)
     _at_sites(draft, model, checks)
-    _staggered(draft, model, checks)
+    _quarter_turn(draft, model, checks)
     title = "Averaging of the chain and its decaying solution (31)-(38), (43)"
     return draft.finished("averaging", title)
 
@@ -139,7 +139,7 @@ def _at_sites(draft: Draft, model: ChainModel, checks: Checks) -> None:
                        "cannot: no decaying wave with constant k₁ solves (34)")
 
 
-def _staggered(draft: Draft, model: ChainModel, checks: Checks) -> None:
+def _quarter_turn(draft: Draft, model: ChainModel, checks: Checks) -> None:
     turn = sp.exp(-i * sp.pi * n / 2) * sp.exp(i * epsilon * model.total_coupling * t)
     draft.ansatz("quarter-turn phase steps", equation(phi(n, t), r(n, t) * turn),
                  "what is true instead: phase steps of -π/2 from site to site, n ≥ 0",
@@ -148,7 +148,7 @@ def _staggered(draft: Draft, model: ChainModel, checks: Checks) -> None:
     draft.derived("amplitudes in quarter turns",
                   (Substitute(index=n, at=_sites(model)), Divide(turn), SolveFor(unknown)),
                   "averaged chain at unit frequency", "quarter-turn phase steps",
-                  check=checks.staggered,
+                  check=checks.quarter_turn,
                   note="Springs to odd neighbours have real coefficients: real r stay real")
     draft.derived("averaged centre", (Substitute({n: 0}), mirrored(phi, t, model.reach)),
                   "averaged chain at unit frequency",
@@ -158,7 +158,7 @@ def _staggered(draft: Draft, model: ChainModel, checks: Checks) -> None:
                   (Substitute(index=n, at=places), Divide(turn.subs(n, 0)),
                    SolveFor(unknown.subs(n, 0))),
                   "averaged centre", "quarter-turn phase steps",
-                  check=checks.staggered_centre)
+                  check=checks.quarter_turn_centre)
     draft.ansatz("tail", equation(r(n, t), alpha_0 * sp.exp(k_1 * n)), "a small steady tail",
                  check=checks.tail_wave)
     draft.derived("decay of the tail",

@@ -96,7 +96,7 @@ def scaling() -> Scaling:
     from theory.averaged.front import strong_coupling_front
     from theory.chains.vdp import VdpChain
     from verification.fronts.measure import measure_front
-    from verification.references.passages import staggered_velocity
+    from verification.references.passages import quarter_turn_velocity
 
     averaged = [
         measure_front(
@@ -118,7 +118,7 @@ def scaling() -> Scaling:
         full_v=tuple(each.v or 0.0 for each in full),
         full_error=tuple(each.error or 0.0 for each in full),
         kappa=strong_coupling_front(ETA).kappa,
-        gap=max(abs(at[c] / staggered_velocity(A, B, c) - 1.0) for c in CHECKED),
+        gap=max(abs(at[c] / quarter_turn_velocity(A, B, c) - 1.0) for c in CHECKED),
     )
 
 

@@ -61,7 +61,7 @@ def collapse() -> Collapse:
     """Measure the front of (8) at equal η and different (a, b), and along the curve."""
     from theory.chains.vdp import VdpChain
     from verification.fronts.measure import measure_front
-    from verification.references.passages import staggered_velocity
+    from verification.references.passages import quarter_turn_velocity
 
     def full(a: float, eta: float) -> float:
         chain = VdpChain(a=a, b=eta * a**2, c=C, eps=EPS)
@@ -74,7 +74,7 @@ def collapse() -> Collapse:
         full={a: tuple(full(a, eta) for eta in FULL) for a in SHARES},
         averaged=tuple(v or 0.0 for v in curve),
         scipy={
-            a: tuple(staggered_velocity(a, eta * a**2, C, 40) for eta in (0.01, 0.03))
+            a: tuple(quarter_turn_velocity(a, eta * a**2, C, 40) for eta in (0.01, 0.03))
             for a in SHARES
         },
     )

@@ -78,7 +78,7 @@ def alike() -> Alike:
     from theory.piecewise.limits import pinning_eta
     from verification.fronts.measure import measure_front
     from verification.piecewise.simulation import simulate_front
-    from verification.references.passages import staggered_velocity
+    from verification.references.passages import quarter_turn_velocity
 
     fold, pin = fold_eta(C).value, pinning_eta(C)
     etas = np.concatenate([np.geomspace(2e-4, 2e-3, 40), np.linspace(2.2e-3, 1.005 * fold, 160)])
@@ -94,7 +94,7 @@ def alike() -> Alike:
         pin=pin,
         averaged_reaches=2.0 * fold if beyond is not None else fold,
         runs=tuple((eta, simulate_front(C, eta)) for eta in ETAS),
-        scipy_gap=abs(staggered_velocity(1.0, ETAS[0], C, 40) / averaged[0] - 1.0),
+        scipy_gap=abs(quarter_turn_velocity(1.0, ETAS[0], C, 40) / averaged[0] - 1.0),
         solutions=curve_of(trace_kinetic_relation(C, etas), "eta"),
         near=curve_of(trace_kinetic_relation(C, np.linspace(0.95 * pin, 1.005 * fold, 200)), "eta"),
         moving=tuple(simulate_front(C, eta, "moving").v for eta in CROSSING),

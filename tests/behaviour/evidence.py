@@ -44,7 +44,7 @@ from verification.fronts.result import Front
 from verification.piecewise.simulation import hysteresis
 from verification.references.friction_cell import averaged_front
 from verification.references.friction_events import run_events
-from verification.references.passages import staggered_velocity, velocity_on_few_sites
+from verification.references.passages import quarter_turn_velocity, velocity_on_few_sites
 from verification.references.switch_model import run_switch
 from verification.thresholds.result import ThresholdMethod
 
@@ -94,11 +94,11 @@ def _with(function: Callable[..., Any], **changed: Any) -> Callable[..., Any]:
 _cell_run = fig02._scipy.__wrapped__
 
 
-def _staggered(sites: int) -> dict[str, Any]:
+def _quarter_turn(sites: int) -> dict[str, Any]:
     def shorter(a: float, b: float, c: float, _: int = 0) -> float:
-        return staggered_velocity(a, b, c, sites)
+        return quarter_turn_velocity(a, b, c, sites)
 
-    return {"verification.references.passages.staggered_velocity": shorter}
+    return {"verification.references.passages.quarter_turn_velocity": shorter}
 
 
 def _short(chain: Any, excited: tuple[int, ...], end: float) -> float:
@@ -160,7 +160,7 @@ SMALLER: Mapping[str, Mapping[str, Any]] = {
                      "COMPARED": 1},
     "fig13:scaling": {**FRONTS, "AVERAGED": (0.3, 1.0, 2.0), "FULL": (0.4, 0.6, 1.0),
                       "CHECKED": (0.3,),
-                      **_staggered(24)},
+                      **_quarter_turn(24)},
     "fig13:velocity_law": {"verification.fronts.measure.measure_front": _made_up_front,
                            "LAW_COUPLINGS": (100.0, 300.0),
                            "verification.references.passages.velocity_on_few_sites":
@@ -168,7 +168,7 @@ SMALLER: Mapping[str, Mapping[str, Any]] = {
                            "verification.references.friction_cell.averaged_front":
                            _with(averaged_front, sites=60)},
     "fig14:collapse": {**FRONTS, "C": 1.0, "ETAS": (0.005, 0.03), "FULL": (0.02,),
-                       **_staggered(13)},
+                       **_quarter_turn(13)},
     "fig15:state_map": {"ETAS": (0.03, 0.14), "COUPLINGS": (0.05, 0.5), "CHECKED": ((0.03, 0.5),),
                         "EMPTIED": 0.03, "EMPTIED_AT": (0.5,), "WATCHED": 60.0, "SCIPY_END": 4.0},
     "fig16:profile": {},
@@ -178,7 +178,7 @@ SMALLER: Mapping[str, Mapping[str, Any]] = {
     "fig17:implicit": {},
     "fig17:admissibility": {},
     "fig18:alike": {**FRONTS, **TRACE, "ETAS": (0.01, 0.015, 0.02), "CROSSING": (0.0211, 0.0217),
-                    **_staggered(20)},
+                    **_quarter_turn(20)},
     "fig18:any_set": {},
     "fig18:explicit": {},
     "text_friction:spring": {},

@@ -10,7 +10,7 @@ At a free end the site has one neighbour: φ_1' = (ic/2)(φ_1 - φ_2) - φ_1 g(|
 
 so real r_n (of either sign) stay real: every pattern of phase steps ±π/2 is inside it. At a free
 end the frequency shift of the site is c/2 instead of c, and -(ic/2) r_1 remains: there the
-reduction is *not* exact. `staggered_defect` measures it; it is as small as the breather's tail.
+reduction is *not* exact. `quarter_turn_defect` measures it; it is as small as the breather's tail.
 """
 
 from __future__ import annotations
@@ -126,22 +126,22 @@ def envelope_jacobian(phi: Complex, chain: VanDerPolChain) -> Real:
     )
 
 
-def staggered_phase(sites: int) -> Complex:
+def quarter_turn_phase(sites: int) -> Complex:
     """Return (-i)^n for n = 0 … N-1, so that φ_n = (-i)^n r_n e^{icT}.
 
     Examples
     --------
-    >>> [int(value) for value in (staggered_phase(4) * [1, 1j, -1, -1j]).real]
+    >>> [int(value) for value in (quarter_turn_phase(4) * [1, 1j, -1, -1j]).real]
     [1, 1, 1, 1]
     """
     return np.array([1, -1j, -1, 1j])[np.arange(sites) % 4]
 
 
-def staggered_rate(r: Real, chain: VanDerPolChain) -> Real:
-    """Return r' of the staggered reduction of (43), per unit T.
+def quarter_turn_rate(r: Real, chain: VanDerPolChain) -> Real:
+    """Return r' of the reduction of (43) to quarter-turn phase steps, per unit T.
 
     Beyond a free end the chain is taken as at rest with the end's frequency that of the bulk; see
-    `staggered_defect` for what this leaves out.
+    `quarter_turn_defect` for what this leaves out.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def staggered_rate(r: Real, chain: VanDerPolChain) -> Real:
     Examples
     --------
     >>> from theory.chains.vdp import VdpChain
-    >>> float(staggered_rate(np.array([0.0, 0.0, 1.0]), VdpChain(a=2, b=0.5, c=0.2, sites=3))[1])
+    >>> float(quarter_turn_rate(np.array([0.0, 0.0, 1.0]), VdpChain(a=2, b=0.5, c=0.2, sites=3))[1])
     -0.1
     """
     _need_closed(len(r), chain)
@@ -159,8 +159,8 @@ def staggered_rate(r: Real, chain: VanDerPolChain) -> Real:
     return 0.5 * chain.c * (left - right) - r * damping(r**2, chain)
 
 
-def staggered_jacobian(r: Real, chain: VanDerPolChain) -> Real:
-    """Return the Jacobian of `staggered_rate`, shape (N, N)."""
+def quarter_turn_jacobian(r: Real, chain: VanDerPolChain) -> Real:
+    """Return the Jacobian of `quarter_turn_rate`, shape (N, N)."""
     _need_closed(len(r), chain)
     sites = len(r)
     matrix = 0.5 * chain.c * (np.eye(sites, k=-1) - np.eye(sites, k=1))
@@ -171,15 +171,15 @@ def staggered_jacobian(r: Real, chain: VanDerPolChain) -> Real:
     return matrix - np.diag(damping(square, chain) + 2.0 * square * damping_slope(square, chain))
 
 
-def staggered_defect(r: Real, chain: VanDerPolChain) -> float:
-    """Return the largest rate of (43) that the staggered reduction leaves out at free ends.
+def quarter_turn_defect(r: Real, chain: VanDerPolChain) -> float:
+    """Return the largest rate of (43) that the quarter-turn reduction leaves out at free ends.
 
     It is (c/2) max(|r_1|, |r_N|), and zero for periodic ends.
 
     Examples
     --------
     >>> from theory.chains.vdp import VdpChain
-    >>> staggered_defect(np.array([0.1, 1.0, 0.2]), VdpChain(a=2, b=0.5, c=0.2, sites=3))
+    >>> quarter_turn_defect(np.array([0.1, 1.0, 0.2]), VdpChain(a=2, b=0.5, c=0.2, sites=3))
     0.020000000000000004
     """
     if chain.ends is Ends.PERIODIC:

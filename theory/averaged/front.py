@@ -14,7 +14,8 @@ At r = 0 one root of λ³ - κλ + ½ = 0 has negative real part, at r_s two roo
 isolated κ. Since v - c grows more slowly than c, v is asymptotically linear in c, with slope one.
 
 Where κ < 0 (η above 0.05667, `wave_fast_eta`) the front is slower than c and overtaken by phase
-waves from behind; the law is then that of a front with the staggered wave behind it for ever.
+waves from behind; the law is then that of a front with a wave of quarter-turn phase steps behind
+it for ever.
 """
 
 from __future__ import annotations

@@ -19,9 +19,9 @@ from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import (
     coupling_matrix,
     envelope_rate,
-    staggered_jacobian,
-    staggered_phase,
-    staggered_rate,
+    quarter_turn_jacobian,
+    quarter_turn_phase,
+    quarter_turn_rate,
 )
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
@@ -171,10 +171,11 @@ def _rounding(phi: Complex, chain: VanDerPolChain) -> float:
     return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
 
-def staggered_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Branch:
-    """Follow the same branch in the real staggered reduction (patterns of ``+`` and ``-`` only).
+def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Branch:
+    """Follow the same branch in the real reduction to quarter-turn phase steps.
 
-    Half the unknowns, no frequency and no phase condition: an independent computation of the fold.
+    For patterns of ``+`` and ``-`` only. Half the unknowns, no frequency and no phase condition:
+    an independent computation of the fold.
 
     Raises
     ------
@@ -185,19 +186,20 @@ def staggered_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Branch:
         raise ParameterError(
             "pattern",
             repr(nucleus.pattern),
-            "of steps + and - in the bulk for the staggered reduction",
+            "of steps + and - in the bulk for the reduction of quarter-turn phase steps",
             "use the full envelope",
         )
     free = replace(chain, ends=Ends.FREE)
 
     def system(r: Real, c: float) -> tuple[Real, Real, Real]:
         here = replace(free, c=abs(c))
-        unit = staggered_rate(r, replace(free, c=1.0)) - staggered_rate(r, replace(free, c=0.0))
-        return staggered_rate(r, here), staggered_jacobian(r, here), unit
+        uncoupled = quarter_turn_rate(r, replace(free, c=0.0))
+        unit = quarter_turn_rate(r, replace(free, c=1.0)) - uncoupled
+        return quarter_turn_rate(r, here), quarter_turn_jacobian(r, here), unit
 
-    # Real at the centre in the frame of `envelope`; turned so that it is real in the staggered one.
-    turned = nucleus.envelope(chain) / staggered_phase(chain.sites)
-    r = (turned / staggered_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
+    # Real at the centre in the frame of `envelope`; turned so that r is real too.
+    turned = nucleus.envelope(chain) / quarter_turn_phase(chain.sites)
+    r = (turned / quarter_turn_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
     return trace(system, solve_at(system, r, START), 2.0)
 
 

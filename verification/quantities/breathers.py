@@ -14,7 +14,7 @@ from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, 
 from theory.cells.vdp import ETA_END
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from verification.breathers.envelope import solve_envelope_breather, staggered_branch
+from verification.breathers.envelope import quarter_turn_branch, solve_envelope_breather
 from verification.breathers.orbits import solve_orbit
 from verification.quantities.chains import vdp_chain
 from verification.quantities.quantity import (
@@ -177,7 +177,7 @@ def _envelope(at: Mapping[str, float]) -> StatedValue:
 def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Newton on (34) in the rotating frame, its residual in extended precision."""
     if stated.value is None:
-        fold = staggered_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
+        fold = quarter_turn_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
         if fold is None:
             raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain: their folds differ by the tail.

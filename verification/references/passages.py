@@ -92,7 +92,7 @@ def wave_velocity(c: float, eps: float) -> float:
     return float(2.0 * c / (np.sqrt(1.0 + 4.0 * eps * c) + 1.0))
 
 
-def staggered_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
+def quarter_turn_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
     """Return v̂ of the front of r_n' = (c/2)(r_{n-1} - r_{n+1}) - (r_n/2)(1 - ar²/4 + br⁴/8).
 
     This is (43) on φ_n = (-i)^n r_n e^{icT}, r real, with the cycle before the first site: half of

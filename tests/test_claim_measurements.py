@@ -396,7 +396,7 @@ def test_the_residual_is_the_largest_on_either_side_over_the_largest_velocity(si
 
 
 def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> None:
-    chain = SimpleNamespace(largest_group_velocity=0.1)
+    chain = SimpleNamespace(c=0.3, largest_group_velocity=0.1)
     monkeypatch.setattr(fig06, "no_propagation", lambda: SimpleNamespace(threshold=0.0106))
     monkeypatch.setattr(fig06, "disagreement", lambda *_: 1e-9)
     monkeypatch.setattr("verification.references.friction_cell.averaged_front", lambda _: 1.5)
@@ -409,9 +409,10 @@ def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> Non
             assert set(fig06.velocities.__wrapped__().v) == {v}
             assert fig13._belt(1.25) == pytest.approx((1.25, 5.0, 0.01, 1.5))
             continue
-        with pytest.raises(ArithmeticError, match="no velocity"):
+        missing = "velocity" if v is None else "error"
+        with pytest.raises(ArithmeticError, match=f"there is no {missing}"):
             fig06.velocities.__wrapped__()
-        with pytest.raises(ArithmeticError, match="no front"):
+        with pytest.raises(ArithmeticError, match=f"there is no {missing}"):
             fig13._belt(1.25)
 
 
@@ -838,6 +839,9 @@ def test_a_law_is_off_by_what_the_error_of_the_run_does_not_explain(side: float)
     assert found.outrun
     assert not evidence(fig13.Law, rows=rows, turning=0.005).outrun
     assert not evidence(fig13.Law, rows=rows, turning=0.09).outrun
+    unknown = (*rows, (0.08, 2000.0, 5.0, None, 5.0, 6.0))
+    with pytest.raises(ArithmeticError, match="there is no error at c = 2000"):
+        _ = evidence(fig13.Law, rows=unknown).worst
 
 
 def test_averaged_cells_agree_if_they_are_on_the_same_side_of_one() -> None:
@@ -1059,13 +1063,13 @@ def test_the_exponent_from_sums_is_that_of_the_curve_on_which_they_are_constant(
         assert fig17._exponent_by_series(4.0, 0.7) == pytest.approx(power, rel=1e-6)
 
 
-def test_where_no_front_of_the_averaged_chain_runs_its_velocity_is_zero(
+def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_beyond_the_fold(
     monkeypatch: Patch,
 ) -> None:
     fold, pin = 0.0625, 0.03125
 
     def front(chain: Any, **_: Any) -> Any:
-        return SimpleNamespace(v=None if chain.b > last else 0.5)
+        return SimpleNamespace(v=None if chain.b > end["eta"] else 0.5)
 
     def branches(c: float, eta: Any) -> Any:
         found = [SimpleNamespace(v=0.25, admissible=True)]
@@ -1086,11 +1090,13 @@ def test_where_no_front_of_the_averaged_chain_runs_its_velocity_is_zero(
     monkeypatch.setattr("verification.piecewise.simulation.simulate_front", run)
     velocity = "verification.references.passages.quarter_turn_velocity"
     monkeypatch.setattr(velocity, lambda *_: 0.625)
-    for last in (fig18.ETAS[-2], 9.0):
+    end = {"eta": fig18.ETAS[-2]}
+    with pytest.raises(ArithmeticError, match=rf"no front of \(43\) at η = {fig18.ETAS[-1]:g}"):
+        fig18.alike()
+    for end["eta"], reaches in ((fig18.ETAS[-1], fold), (9.0, 2.0 * fold)):
         found = fig18.alike()
-        every = last > 1.0
-        assert found.averaged == (*(0.5,) * (len(fig18.ETAS) - 1), 0.5 * every)
-        assert found.averaged_reaches == (2.0 * fold if every else fold)
+        assert found.averaged == (0.5,) * len(fig18.ETAS)
+        assert found.averaged_reaches == reaches
     assert found.scipy_gap == pytest.approx(0.25)
     assert found.gap == 0.25
     assert (found.fold, found.pin) == (fold, pin)

@@ -9,6 +9,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
+from paper_checks.claims._required import required
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
@@ -94,9 +95,9 @@ def velocities() -> Velocities:
     for c in (*COUPLINGS, *LARGE):
         sites = LARGE_SITES if c in LARGE else SITES if c < LINEAR_FROM else FAST_SITES
         front = measure_front(chain_of(c, sites), max_sites=2 * sites, accuracy=0.02)
-        if front.v is None or front.error is None:
-            raise ArithmeticError(f"no velocity at c = {c:g}: {front.status}")
-        rows.append((c, front.v, front.error, front.chain.largest_group_velocity))
+        v = required(front.v, f"velocity at c = {c:g}: {front.status}")
+        error = required(front.error, f"error of the velocity at c = {c:g}: {front.status}")
+        rows.append((c, v, error, front.chain.largest_group_velocity))
     columns = list(zip(*rows, strict=True))
     return Velocities(
         c=columns[0], v=columns[1], error=columns[2], waves=columns[3],

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
 from paper_checks.claims._orbits import SITES, orbit_of
+from paper_checks.claims._required import required
 from paper_checks.ruling import agrees, fails, holds, partly
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
@@ -38,7 +39,8 @@ def _crossing(parity: str, *, misprinted: bool = False) -> float:
     from scipy.optimize import brentq
 
     def growth(c: float) -> float:
-        return getattr(_approximate(c, misprinted=misprinted), parity) or 0.0
+        found: float | None = getattr(_approximate(c, misprinted=misprinted), parity)
+        return required(found, f"{parity} multiplier at c = {c:g}")
 
     return float(brentq(growth, 0.19, 0.1973, xtol=1e-9))
 

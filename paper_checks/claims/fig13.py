@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, A, B
+from paper_checks.claims._required import required
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
+
+if TYPE_CHECKING:
+    from verification.fronts.result import Front
 
 ETA = B / A**2
 AVERAGED = (0.115, 0.12, 0.135, 0.15, 0.175, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4, 2.0,
@@ -90,6 +95,15 @@ def local_exponents(c: Sequence[float], v: Sequence[float]) -> tuple[np.ndarray,
     return np.sqrt(couplings[1:] * couplings[:-1]), slopes
 
 
+def _measured(fronts: Sequence[Front]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the velocities and their errors; an `ArithmeticError` if one is missing."""
+    at = [f"c = {each.chain.c:g}: {each.status}" for each in fronts]
+    return (
+        tuple(required(each.v, f"velocity at {a}") for a, each in zip(at, fronts, strict=True)),
+        tuple(required(each.error, f"error at {a}") for a, each in zip(at, fronts, strict=True)),
+    )
+
+
 @lru_cache(maxsize=1)
 def scaling() -> Scaling:
     """Measure v̂ of (43) and of (8), and compare with scipy and with the law for large c."""
@@ -107,16 +121,15 @@ def scaling() -> Scaling:
     full = [
         measure_front(VdpChain(a=A, b=B, c=c, eps=EPS), accuracy=1e-3, max_sites=250) for c in FULL
     ]
-    if any(each.v is None or each.error is None for each in (*averaged, *full)):
-        raise ArithmeticError("a front did not run")
-    at = {each.chain.c: each.v or 0.0 for each in averaged}
+    (v, error), (full_v, full_error) = _measured(averaged), _measured(full)
+    at = dict(zip(AVERAGED, v, strict=True))
     return Scaling(
         c=AVERAGED,
-        v=tuple(each.v or 0.0 for each in averaged),
-        error=tuple(each.error or 0.0 for each in averaged),
+        v=v,
+        error=error,
         full_c=FULL,
-        full_v=tuple(each.v or 0.0 for each in full),
-        full_error=tuple(each.error or 0.0 for each in full),
+        full_v=full_v,
+        full_error=full_error,
         kappa=strong_coupling_front(ETA).kappa,
         gap=max(abs(at[c] / quarter_turn_velocity(A, B, c) - 1.0) for c in CHECKED),
     )
@@ -162,7 +175,7 @@ def draw(e: Scaling) -> tuple[Picture, ...]:
 class Law:
     """One velocity law, v̂ = v_g/ε + κ(η) (|ω'''|/(6ε))^(1/3), against runs of (8)."""
 
-    rows: tuple[tuple[float, float, float | None, float, float, float], ...]
+    rows: tuple[tuple[float, float, float | None, float | None, float, float], ...]
     """η, c, v̂ of (8) if the run settled, its error, v̂ by the law, and v̂ of the fastest waves."""
     turning: float
     """η at which κ changes sign."""
@@ -178,7 +191,11 @@ class Law:
     @property
     def settled(self) -> list[tuple[float, float, float, float, float, float]]:
         """Rows with a steady front."""
-        return [(r[0], r[1], r[2], r[3], r[4], r[5]) for r in self.rows if r[2] is not None]
+        return [
+            (eta, c, v, required(error, f"error at c = {c:g}"), law, waves)
+            for eta, c, v, error, law, waves in self.rows
+            if v is not None
+        ]
 
     @property
     def worst(self) -> float:
@@ -215,13 +232,13 @@ def velocity_law() -> Law:
             waves, bend = fastest_waves(c)
             law = waves + kappa * bend
             v = run.v if run.steady else None
-            rows.append((eta, c, v, run.error or 0.0, law, waves))
+            rows.append((eta, c, v, run.error, law, waves))
     one = measure_front(VdpChain(a=A, b=B, c=ONE, eps=EPS, sites=31), accuracy=1e-5, max_sites=2000)
     return Law(
         rows=tuple(rows),
         turning=wave_fast_eta()[0],
-        one=one.v or 0.0,
-        one_error=one.error or 0.0,
+        one=required(one.v, "front of (8) at c = 1"),
+        one_error=required(one.error, "error of the front of (8) at c = 1"),
         by_scipy=velocity_on_few_sites(VdpChain(a=A, b=B, c=100.0, eps=EPS, sites=160)),
         belt=tuple(_belt(v_d) for v_d in BELTS),
     )
@@ -234,10 +251,9 @@ def _belt(v_d: float) -> tuple[float, float, float, float]:
     from verification.references.friction_cell import averaged_front
 
     run = measure_front(chain_of(BELT_COUPLING, 101, v_d), max_sites=400, accuracy=5e-3)
-    if run.v is None or run.error is None:
-        raise ArithmeticError(f"no front at v_d = {v_d:g}")
+    (v,), (error,) = _measured([run])
     waves = run.chain.largest_group_velocity
-    return v_d, run.v / waves, run.error / waves, averaged_front(v_d)
+    return v_d, v / waves, error / waves, averaged_front(v_d)
 
 
 def fastest_waves(c: float) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS
+from paper_checks.claims._required import required
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
@@ -65,14 +66,16 @@ def collapse() -> Collapse:
 
     def full(a: float, eta: float) -> float:
         chain = VdpChain(a=a, b=eta * a**2, c=C, eps=EPS)
-        return measure_front(chain, accuracy=ACCURACY, max_sites=250).v or np.nan
+        run = measure_front(chain, accuracy=ACCURACY, max_sites=250)
+        return required(run.v, f"front of (8) at a = {a:g}, η = {eta:g}")
 
-    curve = [measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v for eta in ETAS]
-    if any(v is None for v in curve):
-        raise ArithmeticError("a front did not run")
+    def averaged(eta: float) -> float:
+        run = measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250)
+        return required(run.v, f"front of (43) at η = {eta:g}")
+
     return Collapse(
         full={a: tuple(full(a, eta) for eta in FULL) for a in SHARES},
-        averaged=tuple(v or 0.0 for v in curve),
+        averaged=tuple(averaged(eta) for eta in ETAS),
         scipy={
             a: tuple(quarter_turn_velocity(a, eta * a**2, C, 40) for eta in (0.01, 0.03))
             for a in SHARES

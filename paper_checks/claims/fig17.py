@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
+from paper_checks.claims._required import required
 from paper_checks.report.velocity_plot import (
     Curve,
     curve_of,
@@ -66,7 +68,7 @@ class Scaling:
     def gap(self) -> float:
         """Largest difference of a steady run from theory."""
         pairs = zip(self.runs, self.theory, strict=True)
-        return max(abs((run.v or 0.0) - v) for run, v in pairs if run.steady)
+        return max(abs(required(run.v, "velocity") - v) for run, v in pairs if run.steady)
 
     @property
     def series_gap(self) -> float:
@@ -102,7 +104,7 @@ def scaling() -> Scaling:
         v=tuple(branch.v for _, branch in fastest),
         exponent=tuple(branch.by_coupling * each / branch.v for each, branch in fastest),
         by_series=_exponent_by_series(c, v),
-        limit=strong_coupling_velocity(ETA) or 0.0,
+        limit=required(strong_coupling_velocity(ETA), "law for strong coupling"),
         runs=tuple(simulate_front(each, ETA) for each in RUNS),
         theory=tuple(admissible),
         solutions=curve_of(drawn, "c"),
@@ -200,8 +202,8 @@ class Implicit:
 
     @property
     def gap(self) -> float:
-        """Fastest solution against the chain started moving, at c = 0.445."""
-        return abs((self.moving or 0.0) - self.theory)
+        """Fastest solution against the chain started moving, at c = 0.445; ∞ if its front stops."""
+        return math.inf if self.moving is None else abs(self.moving - self.theory)
 
 
 def implicit() -> Implicit:
@@ -214,8 +216,8 @@ def implicit() -> Implicit:
     return Implicit(
         below=len(below.branches),
         above=len(above.branches),
-        c_fold=below.c_fold or 0.0,
-        c_pin=below.c_pin or 0.0,
+        c_fold=required(below.c_fold, "c_fold"),
+        c_pin=required(below.c_pin, "c_pin"),
         moving=both.moving[1].v,
         resting=str(both.resting[1].status.value),
         theory=below.branches[-1].v,
@@ -264,13 +266,14 @@ def admissibility() -> Admissibility:
         branches = kinetic_relation(c, eta).branches
         run = simulate_front(c, eta)
         good = [branch.v for branch in branches if branch.admissible]
-        if run.steady and run.v is not None:
-            rows.append((c, eta, run.v))
-            nearest.append(min((abs(run.v - v) for v in good), default=np.inf))
+        v = run.v if run.steady else None
+        if v is not None:
+            rows.append((c, eta, v))
+            nearest.append(min((abs(v - each) for each in good), default=np.inf))
         for branch in branches:
             if branch.admissible is False:
                 bad.append((c, eta, branch.v))
-                reached.append(bool(run.steady and abs((run.v or 0.0) - branch.v) < AGREE))
+                reached.append(v is not None and abs(v - branch.v) < AGREE)
     return Admissibility(
         rows=tuple(rows), nearest=tuple(nearest), inadmissible=tuple(bad), reached=tuple(reached)
     )

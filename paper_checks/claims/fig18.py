@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
+from paper_checks.claims._required import required
 from paper_checks.report.velocity_plot import (
     Curve,
     curve_of,
@@ -57,7 +58,8 @@ class Alike:
     def gap(self) -> float:
         """Largest difference of a steady run of (44) from (54)."""
         found = dict(zip(ETAS, self.simplified, strict=True))
-        return max(abs((run.v or 0.0) - found[eta]) for eta, run in self.runs if run.steady)
+        steady = ((eta, required(run.v, "velocity")) for eta, run in self.runs if run.steady)
+        return max(abs(v - found[eta]) for eta, v in steady)
 
     @property
     def slopes(self) -> str:
@@ -83,7 +85,10 @@ def alike() -> Alike:
     fold, pin = fold_eta(C).value, pinning_eta(C)
     etas = np.concatenate([np.geomspace(2e-4, 2e-3, 40), np.linspace(2.2e-3, 1.005 * fold, 160)])
     averaged = [
-        measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v or 0.0
+        required(
+            measure_front(VdpChain(a=1.0, b=eta, c=C).averaged(), max_sites=250).v,
+            f"front of (43) at η = {eta:g}",
+        )
         for eta in ETAS
     ]
     beyond = measure_front(VdpChain(a=1.0, b=2.0 * fold, c=C).averaged(), max_sites=250).v
@@ -218,14 +223,14 @@ def explicit() -> Explicit:
     from verification.references.piecewise import sum_on_the_line
 
     integral, (plain, plain_error) = sum_by_integral(0.3, 0.5), sum_on_the_line(0.3, 0.5)
-    pin = pinning_coupling(0.03125) or 0.0
+    pin = required(pinning_coupling(0.03125), "pinning coupling")
     far = kinetic_relation(1e6, 0.03125).branches[-1].v / 1e3
     weak = kinetic_relation(0.3, 1e-12).branches[-1].v / weak_threshold_velocity(0.3, 1e-12)
     return Explicit(
         terms=integral.terms,
         gap=abs(integral.value - plain),
         bound=integral.error + plain_error,
-        strong=(far, strong_coupling_velocity(0.03125) or 0.0),
+        strong=(far, required(strong_coupling_velocity(0.03125), "law for strong coupling")),
         weak=weak,
         pin=pin,
         rest=abs(abs(sum_by_integral(1e-3, pin).value) - 2.0 * threshold_ratio(0.03125)),

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from paper_checks.claim import Claim, Ruling
+from paper_checks.claims._required import required
 from paper_checks.ruling import corrected, fails, holds
 
 A, B = 4.0, 0.5
@@ -141,10 +142,10 @@ def velocities() -> Velocities:
 
     front = measure_front(VdpChain(a=A, b=B, c=0.6).averaged())
     return Velocities(
-        averaged=front.v or 0.0,
-        averaged_error=front.error or 0.0,
+        averaged=required(front.v, "front of (43)"),
+        averaged_error=required(front.error, "error of the front of (43)"),
         kinetic=kinetic_relation(0.6, ETA).branches[-1].v,
-        chain=simulate_front(0.6, ETA).v or 0.0,
+        chain=required(simulate_front(0.6, ETA).v, "front of (44)"),
     )
 
 

@@ -215,6 +215,39 @@ def test_c_retreat_is_where_the_slow_retreat_meets_the_threshold(eta: float) -> 
     assert retreat_coupling(0.05) is None
 
 
+TO_THE_END = [0.5, 1e-3, 1e-7, 1e-11, 1e-15]
+ROUNDINGS = 8 * 2.3e-16
+"""Some eight operations, whose condition at a given binary η is at most one."""
+
+
+@pytest.mark.parametrize("beside", TO_THE_END)
+def test_thresholds_are_right_to_rounding_up_to_where_they_end(beside: float) -> None:
+    with mp.workdps(60):
+        for eta in (0.08 * (1.0 - beside), 0.08 * (1.0 + beside), 0.125 - beside / 32):
+            r, c = exact_ratio(eta), pinning_coupling(eta)
+            side = -1 if c is None else 1
+            gap = side * (1 - 4 * r**2)
+            p = (1 + mp.sqrt(1 - side * 8 * r**2 * gap)) / (2 * gap)
+            found = retreat_coupling(eta) if c is None else c
+            assert found is not None
+            assert abs(found / (p * mp.sqrt(p**2 - 1) / 2) - 1) < ROUNDINGS
+
+
+@pytest.mark.parametrize("beside", TO_THE_END)
+def test_the_strong_coupling_velocity_is_right_to_rounding_up_to_its_end(beside: float) -> None:
+    eta = 0.08 * (1.0 - beside)
+    found = strong_coupling_velocity(eta)
+    assert found is not None
+    with mp.workdps(60):
+
+        def defect(x: mp.mpf) -> mp.mpf:
+            q = mp.sqrt(mp.mpc(-(x**2), 1))
+            return abs(q * (x - 1j * q)) - 1 / (2 * exact_ratio(eta))
+
+        near = mp.mpf(found)
+        assert abs(found / mp.findroot(defect, (near, near * 1.001)) - 1) < ROUNDINGS
+
+
 def test_the_distance_from_the_static_sum_is_bounded() -> None:
     for v in (0.02, 0.05, 0.1, 0.3, 1.0, 10.0):
         for c in (1e-3, 0.1, 0.5, 2.0, 50.0):

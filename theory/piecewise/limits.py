@@ -122,8 +122,10 @@ def retreat_coupling(eta: float) -> float | None:
     r2, gap = threshold_ratio(eta) ** 2, -_ratio_gap(eta)
     if eta <= ETA_PIN_END or gap <= 0.0:
         return None
-    p = (1.0 + math.sqrt(1.0 + 8.0 * r2 * gap)) / (2.0 * gap)
-    return 0.5 * p * math.sqrt(max(p * p - 1.0, 0.0))
+    # p - 1 with 1 - r² = 2s/(1 + s), s = √(1 - 8η), so that r near 1 does not cancel.
+    s, root = math.sqrt(1.0 - 8.0 * eta), math.sqrt(1.0 + 8.0 * r2 * gap)
+    excess = 4.0 * s / ((1.0 + s) * gap * (1.0 + 4.0 * r2 / (1.0 + root)))
+    return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
 
 
 def pinning_eta(c: float) -> float:
@@ -156,6 +158,9 @@ def strong_coupling_sum(x: npt.ArrayLike) -> npt.NDArray[np.complex128]:
 def strong_coupling_velocity(eta: float) -> float | None:
     """Return V(η) with v ≈ V √c as c → ∞: |q (x - iq)| = 1/(2r), q = √(i - x²), at x = V.
 
+    With Q = |q|² = √(1 + x⁴) its square is 1 + x⁴ + Q(x² + 2x Im q) = 1/(4r²), whose terms beyond
+    one are positive and grow with x: V is right to rounding up to η = 2/25, where it is zero.
+
     Parameters
     ----------
     eta : float
@@ -173,20 +178,25 @@ def strong_coupling_velocity(eta: float) -> float | None:
     True
     """
     eta = bistable_eta(eta)
-    target = 2.0 * threshold_ratio(eta)
-    if eta >= ETA_PIN_END or target >= 1.0:
+    twice_r, gap = 2.0 * threshold_ratio(eta), _ratio_gap(eta)
+    if eta >= ETA_PIN_END or gap <= 0.0:
         return None
+
+    def beyond(x: float) -> bool:
+        square = x * x
+        modulus = math.hypot(1.0, square)
+        linear = square + 2.0 * x * math.sqrt(0.5 * (modulus + square))
+        # 4r² times the terms beyond one, each product of moderate size where r is tiny.
+        return (twice_r * square) ** 2 + (twice_r * modulus) * (twice_r * linear) > gap
+
     low, high = 0.0, 1.0
-    while abs(strong_coupling_sum(high)) > target:
+    while not beyond(high):
         high *= 2.0
     while high - low > 4.0 * np.finfo(float).eps * high:
         middle = 0.5 * (low + high)
         if middle in (low, high):
             break
-        if abs(strong_coupling_sum(middle)) > target:
-            low = middle
-        else:
-            high = middle
+        low, high = (low, middle) if beyond(middle) else (middle, high)
     return 0.5 * (low + high)
 
 

@@ -33,7 +33,8 @@ from verification.references.piecewise import static_sum, threshold_ratio
 
 (C,) = axes(c=(1e-8, 1e8))
 ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END, ETA_PIN_END))
-EPS = float(np.finfo(float).eps)
+ROUNDING = 16.0 * float(np.finfo(float).eps)
+"""Relative error of a closed form in double precision."""
 _DIGITS = 30
 
 
@@ -113,14 +114,13 @@ def _changes_of_sign(at: Mapping[str, float]) -> int:
 
 
 def _closed(
-    value: Callable[[float], float | None], name: str, condition: Callable[[float], float]
+    value: Callable[[float], float | None], name: str
 ) -> Callable[[Mapping[str, float]], StatedValue]:
-    """Return how a closed form is stated: right to rounding, of its argument as well."""
+    """Return how a closed form is stated: right to rounding at the argument as it is stored."""
 
     def compute(at: Mapping[str, float]) -> StatedValue:
         found = value(at[name])
-        error = 16.0 * EPS * found * (1.0 + condition(at[name])) if found else 0.0
-        return StatedValue(value=found, error=error)
+        return StatedValue(value=found, error=ROUNDING * found if found else 0.0)
 
     return compute
 
@@ -164,11 +164,6 @@ def _static_eta(eta: Any, c: Any) -> Any:
     return _pinned(c, eta)
 
 
-def _near_pin_end(eta: float) -> float:
-    """Beside |d ln r/d ln η| = 1/(2s), s = √(1 - 8η), what the end of pinning adds."""
-    return eta / abs(ETA_PIN_END - eta) + 1.0 / math.sqrt(max(1.0 - 8.0 * eta, EPS))
-
-
 def _fold(at: Mapping[str, float]) -> StatedValue:
     found = fold_coupling(at["eta"])
     return StatedValue.of(found, None if found is None else found.value)
@@ -183,9 +178,10 @@ def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
         with mp.workdps(60):
             h = mp.mpf(stated.value) * mp.mpf(10) ** -25
             slope = (_pinned(stated.value + h, eta) - _pinned(stated.value - h, eta)) / (2 * h)
-            rounding = 16.0 * EPS * stated.value * (1.0 + _near_pin_end(eta))
             off = float(abs(_pinned(mp.mpf(stated.value), eta) / slope))
-        return ReferenceCheck(distance=off, uncertainty=rounding, method="Newton in 60 digits")
+        return ReferenceCheck(
+            distance=off, uncertainty=ROUNDING * stated.value, method="Newton in 60 digits"
+        )
     return _check_height(stated.value, stated.extra.velocity, eta, stated.error, 0.0)
 
 
@@ -237,25 +233,25 @@ QUANTITIES = (
         computations=(
             Computation(
                 name="c-pin", title="the coupling up to which static fronts exist",
-                compute=_closed(pinning_coupling, "eta", _near_pin_end),
+                compute=_closed(pinning_coupling, "eta"),
                 check=_by_newton(_pinned, lambda eta: eta < ETA_PIN_END, "eta"),
                 seconds=0.01, **_OF_ETA,
             ),
             Computation(
                 name="c-retreat", title="the coupling above which the excited state retreats",
-                compute=_closed(retreat_coupling, "eta", _near_pin_end),
+                compute=_closed(retreat_coupling, "eta"),
                 check=_by_newton(_retreats, lambda eta: eta > ETA_PIN_END, "eta"),
                 seconds=0.01, **_OF_ETA,
             ),
             Computation(
                 name="strong-coupling-velocity", title="V of v = V sqrt(c) as c grows",
-                compute=_closed(strong_coupling_velocity, "eta", _near_pin_end),
+                compute=_closed(strong_coupling_velocity, "eta"),
                 check=_by_newton(_strong, lambda eta: eta < ETA_PIN_END, "eta"),
                 seconds=0.05, **_OF_ETA,
             ),
             Computation(
                 name="eta-pin", title="the eta above which static fronts exist", axes=(C,),
-                compute=_closed(pinning_eta, "c", lambda _: 0.0),
+                compute=_closed(pinning_eta, "c"),
                 check=_by_newton(_static_eta, lambda _: True, "c"), seconds=0.01,
             ),
             Computation(

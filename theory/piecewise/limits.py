@@ -67,7 +67,7 @@ def pinning_coupling(eta: float) -> float | None:
     """
     eta = bistable_eta(eta)
     r2, gap = threshold_ratio(eta) ** 2, _ratio_gap(eta)
-    if eta >= ETA_PIN_END or gap <= 0.0:
+    if eta >= ETA_PIN_END:
         return None
     # p - 1 written so that neither small r nor r near ½ cancels.
     root = math.sqrt(1.0 - 8.0 * r2 * gap)
@@ -120,7 +120,7 @@ def retreat_coupling(eta: float) -> float | None:
     """
     eta = bistable_eta(eta)
     r2, gap = threshold_ratio(eta) ** 2, -_ratio_gap(eta)
-    if eta <= ETA_PIN_END or gap <= 0.0:
+    if eta <= ETA_PIN_END:  # 0.08 stands for 2/25, though as a binary number it lies above
         return None
     # p - 1 with 1 - r² = 2s/(1 + s), s = √(1 - 8η), so that r near 1 does not cancel.
     s, root = math.sqrt(1.0 - 8.0 * eta), math.sqrt(1.0 + 8.0 * r2 * gap)
@@ -179,7 +179,7 @@ def strong_coupling_velocity(eta: float) -> float | None:
     """
     eta = bistable_eta(eta)
     twice_r, gap = 2.0 * threshold_ratio(eta), _ratio_gap(eta)
-    if eta >= ETA_PIN_END or gap <= 0.0:
+    if eta >= ETA_PIN_END:
         return None
 
     def beyond(x: float) -> bool:
@@ -194,8 +194,6 @@ def strong_coupling_velocity(eta: float) -> float | None:
         high *= 2.0
     while high - low > 4.0 * np.finfo(float).eps * high:
         middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
         low, high = (low, middle) if beyond(middle) else (middle, high)
     return 0.5 * (low + high)
 

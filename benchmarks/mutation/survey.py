@@ -85,42 +85,18 @@ def test_files(root: Path) -> list[str]:
 
 
 def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
-    """Return by file the files of the project that it imports, directly or not, itself included.
+    """Return by file the files of the project that it imports, directly or not, itself included."""
+    from verification.execution.imports import Imported, closure
 
-    As `verification.execution.imports.closure` of each, but no module is looked for twice, and what
-    a test imports by a computed name is none of the other test files.
-    """
-    from verification.execution.imports import imports_of, source_of
-
-    place: dict[str, str] = {}
-    direct: dict[str, tuple[str, ...]] = {}
-
-    def read(name: str) -> None:
-        top = name.partition(".")[0]
-        path = source_of(name) if top in (*PACKAGES, "benchmarks", "tests") else None
-        direct[name] = ()
-        if path is not None:
-            place[name] = path.relative_to(root).as_posix()
-            parent = name.rpartition(".")[0]
-            names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
-            whole = (root / top).rglob("*.py") if computed and source_of(top) else ()
-            helpers = (each for each in whole if not each.match("tests/test_*.py"))
-            below = (dotted(each.relative_to(root).as_posix()) for each in helpers)
-            direct[name] = (parent, *names, *below)
-
-    def reached(file: str) -> frozenset[str]:
-        found: set[str] = set()
-        waiting = [dotted(file)]
-        while waiting:
-            name = waiting.pop()
-            if name not in found:
-                found.add(name)
-                if name not in direct:
-                    read(name)
-                waiting.extend(direct[name])
-        return frozenset(place[name] for name in found if name in place)
-
-    return {file: reached(file) for file in files}
+    packages = (*PACKAGES, "benchmarks", "tests")
+    known: dict[str, Imported] = {}
+    return {
+        file: frozenset(
+            path.relative_to(root).as_posix()
+            for path in closure(dotted(file), packages, known=known).values()
+        )
+        for file in files
+    }
 
 
 def survey(

@@ -13,16 +13,22 @@ from pathlib import Path
 SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
 """Packages whose code a result may depend on; ``fronts``, which only shows it, is not one."""
 
+Imported = tuple[Path | None, tuple[str, ...]]
+"""The file of a module, if it has one, and what it may import directly, its package included."""
+
 _NO_CODE = ("ctx", "kind", "type_comment")
 
 
 def closure(
-    module: str, packages: Collection[str] = SOURCES, without: Collection[str] = ()
+    module: str,
+    packages: Collection[str] = SOURCES,
+    without: Collection[str] = (),
+    known: dict[str, Imported] | None = None,
 ) -> dict[str, Path]:
     """Return the files that a module imports, itself included, directly or through others.
 
     Imports inside functions count; those under ``if TYPE_CHECKING`` do not. A module that
-    imports by computed names counts as importing all of its package.
+    imports by computed names counts as importing all of its package, except tests.
 
     Parameters
     ----------
@@ -32,6 +38,8 @@ def closure(
         Top-level packages that are followed; all others are left out.
     without : collection of str, optional
         Modules that are left out, and not followed.
+    known : dict, optional
+        What modules import directly, filled by one call and read by the next: for many modules.
 
     Returns
     -------
@@ -44,23 +52,29 @@ def closure(
     ['theory', 'theory.cells', 'theory.cells.vdp', 'theory.parameters']
     """
     found: dict[str, Path] = {}
+    known = {} if known is None else known
     waiting = [module]
     while waiting:
         name = waiting.pop()
         if name in found or name in without or name.partition(".")[0] not in packages:
             continue
-        path = source_of(name)
-        if path is None:
-            continue
-        found[name] = path
-        parent = name.rpartition(".")[0]
-        if parent:
-            waiting.append(parent)
-        names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
-        waiting.extend(names)
-        if computed:
-            waiting.extend(_modules_below(name.partition(".")[0]))
+        if name not in known:
+            known[name] = _imported(name)
+        path, names = known[name]
+        if path is not None:
+            found[name] = path
+            waiting.extend(names)
     return dict(sorted(found.items()))
+
+
+def _imported(name: str) -> Imported:
+    path = source_of(name)
+    if path is None:
+        return None, ()
+    parent = name.rpartition(".")[0]
+    names, computed = imports_of(path, name if path.name == "__init__.py" else parent)
+    below = _modules_below(name.partition(".")[0]) if computed else ()
+    return path, (*filter(None, [parent]), *names, *below)
 
 
 def source_of(name: str) -> Path | None:
@@ -211,10 +225,12 @@ def _is_text(node: object) -> bool:
 
 
 def _modules_below(package: str) -> Iterator[str]:
-    """Yield the dotted names of all modules of a package."""
+    """Yield the dotted names of all modules of a package but tests, which none imports so."""
     home = source_of(package)
     if home is None:
         return
     for path in home.parent.rglob("*.py"):
+        if path.match("test_*.py"):
+            continue
         parts = [package, *path.relative_to(home.parent).with_suffix("").parts]
         yield ".".join(part for part in parts if part != "__init__")

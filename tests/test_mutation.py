@@ -131,7 +131,7 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
     assert record["explained"] == {mutants[0].name: "because"}
 
 
-def test_a_record_is_known_again_but_for_what_was_open_not_run_or_has_changed(
+def test_a_record_is_known_again_but_for_what_was_open_not_run_withdrawn_or_has_changed(
     tmp_path: Path,
 ) -> None:
     mutants = [m for name in ("m.py", "n.py") for m in mutants_of(name, JUDGEMENT)]
@@ -145,10 +145,14 @@ def test_a_record_is_known_again_but_for_what_was_open_not_run_or_has_changed(
         outcome = Outcome(mutants, found, {mutants[0].name: "because"})
         outcome.write(path, tmp_path, {"left_out": left_out}, [])
         (tmp_path / "m.py").write_text(now, encoding="utf-8")
-        return still_known(json.loads(path.read_text(encoding="utf-8")), mutants, tmp_path)
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return still_known(record, mutants, tmp_path, explained)
 
-    now, left_out = JUDGEMENT, list[str]()
+    now, left_out, explained = JUDGEMENT, list[str](), [mutants[0].name]
     assert known() == {name: found[name] for name in found if name != mutants[1].name}
+    explained.clear()  # the explanation has been withdrawn
+    assert set(found) - set(known()) == {mutants[0].name, mutants[1].name}
+    explained.append(mutants[0].name)
     now = JUDGEMENT + "\n"
     others = [mutant.name for mutant in mutants if mutant.module == "n.py"]
     assert list(known()) == others

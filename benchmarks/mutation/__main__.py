@@ -55,7 +55,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"mutation: {error.filename} is not a module or package here.", file=sys.stderr)
         return 2
-    known = still_known(before, every, ROOT) if before else {}
+    explained = read_explained()
+    known = still_known(before, every, ROOT, explained) if before else {}
     mutants = [mutant for mutant in every if mutant.name not in known]
     if options.list:
         print("\n".join(f"{mutant.line:5} {mutant.name}" for mutant in mutants))
@@ -65,7 +66,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"seed {seed}", file=sys.stderr)
         random.Random(seed).shuffle(mutants)
     mutants, found = run(mutants, options)
-    explained = read_explained()
     left = {mutant.name for mutant in mutants} | known.keys()
     outcome = Outcome([m for m in every if m.name in left], found | known, explained)
     print(outcome)

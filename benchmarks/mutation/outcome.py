@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import subprocess
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -40,10 +40,13 @@ def source_digest(root: Path, module: str) -> str:
     return digest_of_files(root, [root / module])
 
 
-def still_known(record: Mapping[str, Any], mutants: Sequence[Mutant], root: Path) -> dict[str, str]:
+def still_known(
+    record: Mapping[str, Any], mutants: Sequence[Mutant], root: Path, explained: Collection[str]
+) -> dict[str, str]:
     """Return what became of changes by an earlier record, where their module is as it was.
 
-    Not of those that were left open or left out, nor where not all of a module was run.
+    Not of those that were left open or left out, nor where not all of a module was run, nor of
+    those whose explanation has been withdrawn since.
     """
     sources, counts = record.get("sources", {}), record["counts"]
     same = {
@@ -52,7 +55,8 @@ def still_known(record: Mapping[str, Any], mutants: Sequence[Mutant], root: Path
         if sources.get(module) == source_digest(root, module)
         and counts[module]["run"] == counts[module]["chosen"]
     }
-    unknown = {*record["open"], *record["selection"].get("left_out", ())}
+    withdrawn = (n for n in record["explained"] if not any(matches(form, n) for form in explained))
+    unknown = {*record["open"], *record["selection"].get("left_out", ()), *withdrawn}
     return {
         mutant.name: SURVIVED if mutant.name in record["explained"] else KILLED
         for mutant in mutants

@@ -85,7 +85,8 @@ def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
     velocities = sp.Tuple(equation(v_rel, omega_n * y_0 * v_tilde_rel),
                           equation(v_0, omega_n * y_0 * v_tilde_0),
                           equation(F, F_N * F_tilde))
-    draft.model("newton", chain.newton(), "Newton's law for site n between its neighbours",
+    draft.model("equation of motion", chain.newton(),
+                "Newton's law for site n between its neighbours",
                 check=checks.newton, number=1)
     draft.model("falling friction", equation(mu(v_rel), falling),
                 "friction falls with speed from one value to another, with reference velocity v₀",
@@ -114,8 +115,8 @@ def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
 def _scaled(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
     draft.derived("friction coefficient", SolveLimits(v_rel, (mu_far, mu_fall)), "falling friction",
                   "friction at rest and at speed", check=checks.coefficient, number=2)
-    draft.derived("newton in the scales", (ChangeVariables(t, tau), Divide(F_N)), "newton",
-                  "scales", check=checks.in_scales)
+    draft.derived("scaled equation of motion", (ChangeVariables(t, tau), Divide(F_N)),
+                  "equation of motion", "scales", check=checks.in_scales)
     here = y_tilde(n, tau)
     sites = tuple(y_tilde(n + sign * distance, tau)
                   for distance in chain.springs for sign in (1, -1))
@@ -126,14 +127,14 @@ def _scaled(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
         ((y_tilde(n + 1, tau),), -c),
     )
     draft.derived("unit coefficients", PrescribeCoefficients(demands, (omega_n, y_0, c, xi)),
-                  "newton in the scales", check=checks.units,
+                  "scaled equation of motion", check=checks.units,
                   note="inertia and stiffness become one; c and 2ξ are the "
                        "coefficients left of coupling and damping")
     draft.derived("scaled time", Take(1), "scales", check=checks.clock)
     draft.derived("scaling", Join(), "unit coefficients", "scaled time", check=checks.scaling,
                   number=4)
     draft.derived("dimensionless chain", (Eliminate((d, eta_c)), Rewrite(Form.SIMPLIFIED)),
-                  "newton in the scales", "unit coefficients", check=checks.dimensionless,
+                  "scaled equation of motion", "unit coefficients", check=checks.dimensionless,
                   number=5)
     draft.derived("dimensionless law",
                   (Substitute(), Divide((F_N, omega_n * y_0, F_N, omega_n * y_0))), "friction law",

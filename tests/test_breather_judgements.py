@@ -21,7 +21,7 @@ from verification.breathers.exponents import exponents, unpack
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
 from verification.continuation.branch import Fold
-from verification.continuation.newton import BranchPoint
+from verification.continuation.newton import BranchPoint, NotConvergedError
 from verification.steppers.variational import Flow
 
 AVERAGED = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
@@ -105,6 +105,51 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     family.stability(point.u, 0.2, split=False)
     assert [each[2]["parity"] for each in asked] == [1, 1, 0, 0]
     assert len(parities) == 2
+    assert (found.fold, found.fold_error) == (None, None)
+    folded = family.measured(point, 0.0, Fold(0.3, 1e-7, point.u, 5))
+    assert (folded.fold, folded.fold_error) == (0.3, 1e-7)
+    flows.clear()
+    Made(family.chain, family.nucleus, 45).measured(point, 0.0)
+    assert [steps for _, _, _, steps in flows] == [45, 90, 45]
+
+
+def _solved_up_to(eps: float, monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
+    """Let Newton's method lead from ε of the start to ε of the chain where both are so small.
+
+    From an orbit at half its own ε it leads anywhere. Returns where what was asked is noted.
+    """
+    tried: list[tuple[float, float]] = []
+
+    def solve(system: float, guess: Any, c: float) -> BranchPoint:
+        tried.append((system, float(guess[0])))
+        if guess[0] != 0.5 * system and system > eps:
+            raise NotConvergedError("too far")
+        return BranchPoint(np.array([system]), c, np.zeros(2), 0.0, 0.0, 1)
+
+    monkeypatch.setattr(orbits, "orbit_guess", lambda chain, _: np.array([chain.eps]))
+    monkeypatch.setattr(Orbits, "system", lambda self: self.chain.eps)
+    monkeypatch.setattr(orbits, "solve_at", solve)
+    return tried
+
+
+def test_an_orbit_too_far_from_the_averaged_one_is_begun_at_half_its_small_parameter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried = _solved_up_to(0.1, monkeypatch)
+    family = Orbits(replace(CHAIN, eps=0.4), Nucleus(1))
+    assert family._from_small_eps().u == [0.4]
+    assert tried == [(0.4, 0.4), (0.2, 0.2), (0.1, 0.1), (0.2, 0.1), (0.4, 0.2)]
+
+
+def test_the_small_parameter_is_halved_five_times_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = _solved_up_to(0.0, monkeypatch)
+    with pytest.raises(NotConvergedError, match="too far"):
+        Orbits(replace(CHAIN, eps=0.4), Nucleus(1))._from_small_eps()
+    assert tried == [(0.4 / 2**k, 0.4 / 2**k) for k in range(6)]
+    tried.clear()
+    with pytest.raises(ParameterError, match=r"small parameter eps = 0\.4") as refusal:
+        Orbits(replace(CHAIN, eps=0.4), Nucleus(1)).start(0.5)
+    assert refusal.value.remedy == "take a smaller one, or another pattern"
 
 
 def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -> None:
@@ -356,6 +401,7 @@ def test_only_what_is_its_own_mirror_image_is_split() -> None:
     u = solve_envelope_breather(AVERAGED, Nucleus(1)).unknowns
     assert family.stability(u, 0.1).symmetric is not None
     assert family.stability(u, 0.1, split=False).symmetric is None
+    assert exponents(*unpack(u), AVERAGED).symmetric is None
     edge = RotatingWaves(AVERAGED, Nucleus(1, place=Place.EDGE))
     assert edge.stability(edge.solve().unknowns, 0.1).symmetric is None
 
@@ -416,6 +462,70 @@ def test_a_run_that_escapes_shows_that_there_is_no_breather_only_beyond_a_known_
     monkeypatch.setattr(breathers, "_fold_below", lambda *_: (fold, fold))
     found = breathers.breather(chain, method="simulation")
     assert (found.status, found.fold) == (status, fold)
+
+
+@pytest.mark.parametrize(
+    ("c", "known"), [(0.099, False), (0.105, False), (0.109, False), (0.111, True), (0.3, True)]
+)
+def test_a_fold_is_known_to_be_below_what_lies_beyond_its_error(
+    c: float, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        breathers, "breather_threshold", lambda *_: SimpleNamespace(c=0.1, error=0.01)
+    )
+    found = breathers._fold_below(replace(CHAIN, c=c), Nucleus(1))
+    assert found == ((0.1, 0.01) if known else (None, None))
+
+
+def test_a_fold_that_is_not_found_is_not_known_to_be_below(monkeypatch: pytest.MonkeyPatch) -> None:
+    for error in (NotConvergedError("lost"), ParameterError("nucleus", 1, "wider", "widen it")):
+
+        def lost(*_: object, error: Exception = error) -> Any:
+            raise error
+
+        monkeypatch.setattr(breathers, "breather_threshold", lost)
+        assert breathers._fold_below(CHAIN, Nucleus(1)) == (None, None)
+
+
+def test_an_averaged_breather_is_compared_with_the_chain_it_stands_for_and_if_it_exists(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the averaged chain it is the breather itself."""
+    compared: list[Any] = []
+
+    def distance(chain: Any, nucleus: Nucleus, *_: Any) -> Any:
+        compared.append(chain)
+        return breathers._Distance(0.5, 0.25, "")
+
+    monkeypatch.setattr(breathers, "_distance", distance)
+    own = solve_envelope_breather(AVERAGED, Nucleus(1))
+    assert breathers.breather(AVERAGED, method="envelope").error == own.error
+    beyond = breathers.breather(replace(CHAIN, c=0.3), method="envelope")
+    assert (beyond.status, beyond.error, compared) == (BreatherStatus.NONE, None, [])
+    found = breathers.breather(CHAIN, method="envelope")
+    assert (found.error, found.frequency_error, compared) == (0.5, 0.25, [CHAIN])
+
+
+def test_beyond_its_fold_the_averaged_breather_is_none_and_the_fold_has_an_error() -> None:
+    """The fold by the real reduction, which has half of the unknowns and no ends."""
+    for size, pattern in ((1, ""), (3, "-+")):
+        nucleus = Nucleus(size, pattern)
+        found = RotatingWaves(replace(AVERAGED, c=0.3, sites=size + 20), nucleus).solve()
+        fold = envelope.quarter_turn_branch(found.chain, nucleus).fold
+        assert fold is not None
+        assert found.status is BreatherStatus.NONE
+        assert found.fold is not None
+        assert found.fold_error is not None
+        assert found.fold == pytest.approx(fold.c, abs=2e-11)
+        assert 0.0 < found.fold_error < 2e-11
+
+
+@pytest.mark.parametrize(
+    "nucleus", [Nucleus(2, "0"), Nucleus(3, "+0"), Nucleus(3, "xx"), Nucleus(1, place=Place.EDGE)]
+)
+def test_the_real_reduction_is_of_quarter_turns_in_the_bulk(nucleus: Nucleus) -> None:
+    with pytest.raises(ParameterError, match="use the full envelope"):
+        envelope.quarter_turn_branch(AVERAGED, nucleus)
 
 
 # --------------------------------------------------------------------------------- its result
@@ -504,6 +614,8 @@ def test_a_run_of_the_averaged_chain_ends_when_its_drift_is_small(
     assert found.time == pytest.approx(3.0 * run.BLOCK / chain.eps)
     assert found.frequency == pytest.approx(1.0 + 0.25 * chain.eps)
     assert found.drift == pytest.approx(0.99 * run.TOLERANCE)
+    assert (found.error_unknown, found.stable) == ("", True)
+    assert found.amplitudes == pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0])
     assert found.error == pytest.approx(run._still_to_come([1e-6, 0.99 * run.TOLERANCE]))
     noise = made.starts[0] - Nucleus(1).envelope(chain)
     parts = np.random.default_rng(0).normal(size=(2, 5))
@@ -531,6 +643,7 @@ def test_a_run_that_does_not_settle_ends_when_it_escapes_or_its_time_is_over(
         ([1e-2, 0.9e-8], 0, BreatherStatus.SETTLED, 2),
         ([1.1e-8], 0, BreatherStatus.UNSETTLED, 295),  # eight rounds of 6.5 are 5.1 of slow time
         ([1e-2], 3, BreatherStatus.ESCAPED, 3),
+        ([], 1, BreatherStatus.ESCAPED, 1),
     ],
 )
 def test_a_run_of_the_chain_ends_as_one_of_its_average_does(

@@ -334,3 +334,17 @@ def test_two_runs_do_not_write_one_checkpoint(tmp_path: Path) -> None:
 
     run_to_end([Logistic()], 3.0, 1, path, second)
     assert path.exists()
+
+
+@pytest.mark.parametrize("version", [(1, 0), (2, 0)])
+def test_arrays_are_read_with_a_short_header_and_with_a_long_one(
+    version: tuple[int, int], tmp_path: Path
+) -> None:
+    """As numpy writes them, by the number of bytes that tell the length of the header."""
+    array, file = np.arange(6.0).reshape(2, 3), tmp_path / "run.npz"
+    with zipfile.ZipFile(file, "w") as box, box.open("state.npy", "w") as entry:
+        npy.write_array(entry, array, version=version)
+    with zipfile.ZipFile(file) as box:
+        assert np.array_equal(checkpoint._read(box, "state.npy", array), array)
+        with pytest.raises(ValueError, match="shape"):
+            checkpoint._read(box, "state.npy", array.T)

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -88,3 +89,30 @@ def test_a_cluster_without_the_package_names_the_extra(
 def test_workers_beside_a_scheduler_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["map", "averaged", "--workers", "2", "--scheduler", "tcp://host:8786"]) == 2
     assert "--workers" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("there", [0, 1])
+def test_one_worker_makes_a_cluster(there: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Client:
+        def __init__(self, address: str, **_: object) -> None:
+            assert address == "tcp://host:8786"
+
+        def __enter__(self) -> Any:
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def wait_for_workers(self, count: int, timeout: float) -> None:
+            if there < count:
+                raise TimeoutError
+
+        def get_executor(self, *, pure: bool) -> str:
+            return "executor" if not pure else "one that answers equal tasks once"
+
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=Client))
+    if not there:
+        with pytest.raises(ParameterError, match="at least one worker"):
+            cluster("tcp://host:8786").__enter__()
+        return
+    with cluster("tcp://host:8786") as executor:
+        assert executor == "executor"  # type: ignore[comparison-overlap]

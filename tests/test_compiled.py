@@ -11,12 +11,14 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from numba.core import config
+from numba.core import config, types
 from numba.core.dispatcher import Dispatcher
+from numba.core.typing.templates import AbstractTemplate
 
 import verification
 from verification.execution import compiled
@@ -265,3 +267,33 @@ def test_places_for_compiled_code_are_tried_and_left_as_they_were(
     assert not last.exists()
     monkeypatch.setattr(config, "CACHE_DIR", str(home))
     assert next(iter(compiled._places())) == home
+
+
+def test_what_an_operation_gives_is_looked_up_once_but_with_named_arguments_each_time() -> None:
+    asked: list[Any] = []
+
+    class Typed(AbstractTemplate):  # type: ignore[misc]
+        key = "typed"
+
+    def resolve(function: Any, given: Any, named: Any) -> Any:
+        asked.append((function, tuple(given), dict(named)))
+        return len(asked)
+
+    context, whole = SimpleNamespace(resolve_function_type=resolve), types.Function(Typed)
+    with compiled._operations_resolved_once(context):
+        found = [
+            context.resolve_function_type(function, given, named)
+            for function, given, named in (
+                (whole, (1,), {}), (whole, (1,), {}), (whole, (2,), {}), (whole, (1,), {"n": 3}),
+                (whole, (1,), {"n": 4}), ("no operation", (1,), {}), ("no operation", (1,), {}),
+            )
+        ]  # fmt: skip
+    assert found == [1, 1, 2, 3, 4, 5, 6]
+    assert context.resolve_function_type is resolve
+
+
+def test_options_of_a_compilation_are_those_with_the_same_values() -> None:
+    one, same, other = compiled._Flags(), compiled._Flags(), compiled._Flags()
+    other.nrt = True
+    assert (one == same, hash(one) == hash(same)) == (True, True)
+    assert (one == other, one == "options") == (False, False)

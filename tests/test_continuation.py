@@ -44,7 +44,10 @@ def cubic(u: Any, c: float) -> tuple[Any, Any, Any]:
 
 
 def _linear(factor: float) -> Any:
-    return lambda u, c: (factor * (u - c), np.diag(np.full(u.size, factor)), np.full(1, -factor))
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return factor * (u - c), np.diag(np.full(u.size, factor)), np.full(u.size, -factor)
+
+    return system
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -54,6 +57,8 @@ def test_a_solution_has_a_small_residual_and_has_been_reached_by_a_small_step(si
     assert (flat.u[0], flat.iterations) == (pytest.approx(1.0, abs=1e-15), 2)
     far = solve_at(_linear(1e-12), np.array([1.0 + side]), 1.0)
     assert (far.u[0], far.iterations) == (pytest.approx(1.0, abs=1e-15), 3)
+    one_of_two = solve_at(_linear(1e-12), np.array([1.0 + side, 1.0]), 1.0)
+    assert one_of_two.iterations == 3  # a step is as long as its longest part
 
     def steep(u: Any, c: float) -> tuple[Any, Any, Any]:
         return 1e3 * (u * u - c), np.diag(2e3 * u), np.array([-1e3])
@@ -89,6 +94,7 @@ def test_of_a_step_five_parts_are_tried() -> None:
     with pytest.raises(NotConvergedError, match=r"at c = 0\.25") as raised:
         solve_at(walled, np.array([1.0]), 0.25)
     assert raised.value.at == 0.25
+    assert str(raised.value).startswith("no solution was found")
     assert tried == pytest.approx([1.0, 0.0, 0.5, 0.75, 0.9, 0.97])
 
 
@@ -124,6 +130,45 @@ def test_the_correction_of_a_step_is_how_far_its_end_still_is(tolerance: float) 
     assert apart <= 2.0 * rough.correction + 1e-14
     assert 0.0 <= rough.correction < 0.1
     assert rough.iterations == round(rough.iterations) < exact.iterations
+    assert rough.residual == np.abs(system(rough.u, rough.c)[0]).max() > rough.correction
+
+
+def test_a_short_correction_of_a_steep_function_is_no_solution_yet() -> None:
+    """Of 1000 (u² - c) a step ends 2e-6 beside the branch; after one correction F is still 4e-9."""
+
+    def steep(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return 1e3 * (u * u - c), np.diag(2e3 * u), np.array([-1e3])
+
+    start = solve_at(steep, np.array([1.0]), 1.0)
+    end = step_along(steep, start, 0.04)
+    assert end.residual < 1e-11
+    assert end.u[0] == pytest.approx(math.sqrt(end.c), rel=1e-14)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e7])
+def test_a_step_into_what_is_no_solution_by_far_is_given_up_at_once(value: float) -> None:
+    tried: list[float] = []
+
+    def walled(u: Any, c: float) -> tuple[Any, Any, Any]:
+        tried.append(c)
+        return np.full(1, value), np.diag(np.full(1, value)), np.zeros(1)
+
+    start = BranchPoint(np.zeros(1), 1.0, np.array([0.0, 1.0]), 0.0, 0.0, 1)
+    with pytest.raises(NotConvergedError, match=r"leads on from c = 1") as raised:
+        step_along(walled, start, 0.1)
+    assert (tried, raised.value.at) == ([1.01], 1.0)
+
+
+@pytest.mark.parametrize(("apart", "same"), [(0.2, True), (0.5, False)])
+def test_a_step_that_ends_far_beside_its_tangent_is_halved(apart: float, same: bool) -> None:
+    """Of two parallel lines, of which the second takes over half a step ahead."""
+
+    def two_lines(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u - (0.0 if c < 0.05 else apart), np.eye(1), np.zeros(1)
+
+    start = solve_at(two_lines, np.zeros(1), 0.0)
+    new, length = branches._next(two_lines, start, 1.0, 1e-11)
+    assert (new.u[0], length) == ((apart, 1.0) if same else (0.0, 0.25))
 
 
 # ------------------------------------------------------------------------------- branches, folds

@@ -84,6 +84,7 @@ def test_a_record_that_names_no_code_is_stale():
         ("f(a, b)", "f(a, *b)", False),
         ("x = f(\n    a,  # one\n    b,\n)", "x = f(a, b)", True),
         ("class A:\n    'Say.'\n    n = 1\n    'Of n.'", "class A:\n    n = (1)", True),
+        ("x = u'a'", "x = 'a'", True),
     ],
 )
 def test_the_shape_of_code_keeps_what_it_does_and_nothing_else(one, other, alike):

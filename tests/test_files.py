@@ -177,3 +177,25 @@ def test_writing_leaves_no_file_open_and_a_lock_that_nobody_executes(tmp_path: P
         assert not (tmp_path / "out.lock").stat().st_mode & 0o111
     assert lowest_free() == before
     assert [each.name for each in tmp_path.iterdir()] == ["out"]
+
+
+def test_an_error_that_is_not_the_system_s_is_one_of_input_and_output() -> None:
+    assert file_error(Path("run.npz"), OSError("odd")).errno == errno.EIO
+
+
+def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, synced = tmp_path / "out", []
+
+    def sync(handle: int) -> None:
+        if stat.S_ISREG(os.fstat(handle).st_mode):
+            synced.append((os.fstat(handle).st_size, path.exists()))
+
+    monkeypatch.setattr("verification.execution.files.os.fsync", sync)
+    write_by(path, lambda part: part.write_bytes(b"by path"))
+    assert synced == [(len(b"by path"), False)]
+    path.unlink()
+    write_bytes(path, b"bytes")
+    assert synced[1:] == [(len(b"bytes"), False)]
+    assert path.read_bytes() == b"bytes"

@@ -17,6 +17,7 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
 from verification.continuation.branch import Crossing
 from verification.fronts import follow, measure, network, resting, wave
 from verification.fronts.arrival_fit import Settled, Trial, settle
@@ -25,7 +26,7 @@ from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Watch
 from verification.runs.excite import StartPoint
-from verification.thresholds import continuation, escape, spreading
+from verification.thresholds import continuation, escape, slow_sweep, spreading
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.result import Mechanism, RunThreshold, ThresholdMethod
 from verification.thresholds.spreading import Spreading
@@ -736,6 +737,48 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
     assert found.runs == len(set(tried)) == len(tried)
 
 
+@pytest.mark.parametrize(
+    "escape_after", [lambda _: math.inf, lambda _: 0.1, lambda c: 0.75 if c > 0.1 else math.inf]
+)
+def test_a_nucleus_that_always_holds_or_always_escapes_or_never_soon_is_refused(
+    escape_after: Callable[[float], float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def hold(_: object, __: object, c: float, duration: float) -> Any:
+        share = escape_after(c)
+        return SimpleNamespace(escaped=share < math.inf, time=share * duration)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    with pytest.raises(ParameterError, match="take another size") as refusal:
+        escape._Runs(AVERAGED, escape.Preparation(3), 100.0).bracket()
+    assert (refusal.value.quantity, refusal.value.value) == ("nucleus", 3)
+
+
+def test_escapes_are_monotone_where_none_lies_below_a_run_that_held() -> None:
+    for escapes, monotone in (
+        ({0.1: math.inf, 0.2: 10.0, 0.3: 5.0}, True),
+        ({0.1: math.inf, 0.2: 10.0, 0.3: math.inf, 0.4: 5.0}, False),
+    ):
+        runs = escape._Runs(AVERAGED, escape.Preparation(1), 100.0, escapes)
+        assert runs.monotone() is monotone
+
+
+def test_an_escape_apart_that_only_a_run_around_the_range_shows_is_bisected_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Escapes from 0.19 on, and between 0.1885 and 0.189, about a run made beside the range."""
+    apart, tolerance = 0.1885, 1e-6
+
+    def hold(_: object, __: object, c: float, duration: float) -> Any:
+        return SimpleNamespace(escaped=c > 0.19 or apart < c < 0.189, time=0.25 * duration)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    found = escape.escape_range(AVERAGED, escape.Preparation(1), 100.0, tolerance)
+    assert not found.monotone
+    pad = (found.high - found.low) * escape.PAD / (1.0 + 2.0 * escape.PAD)
+    assert apart - tolerance <= found.low + pad <= apart
+    assert 0.19 <= found.high - pad <= 0.19 + tolerance
+
+
 def test_every_run_of_a_bisection_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     made = _made_up_holds(monkeypatch, 0.19, lambda _: 1.0)
     found = escape.escape_threshold(AVERAGED, escape.Preparation(1), tolerance=1e-3)
@@ -816,3 +859,46 @@ def test_what_is_usual_of_a_threshold_is_the_same_by_either_door() -> None:
     given = {name: search[name].default for name in usual if name in search}
     assert given == {name: usual[name] for name in given}
     assert Spreading().final_time == usual["final_time"]
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+def test_a_coarser_run_has_no_coarser_tolerance_than_any_run_may_have(
+    tolerance: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[tuple[float, float]] = []
+
+    def spreads(_: object, how: Spreading, final: float) -> bool:
+        made.append((how.tolerance, final))
+        return True
+
+    monkeypatch.setattr(spreading, "spreads", spreads)
+    search = spreading._Search(AVERAGED, Spreading(tolerance=tolerance), 1e-4, 0.1, 0.2)
+    assert search.spreads(0.1, longer=2.0, coarser=10.0)
+    assert made == [(pytest.approx(min(1e-4, 10.0 * tolerance)), 2000.0)]
+
+
+def test_a_threshold_is_looked_for_in_one_range_whoever_asks() -> None:
+    """What is not given is the same for any chain's threshold and for that of runs that spread."""
+    asked, runs = (
+        inspect.signature(each).parameters
+        for each in (thresholds.threshold, spreading.spreading_threshold)
+    )
+    shared = {name for name in runs if name in asked and runs[name].kind is runs[name].KEYWORD_ONLY}
+    assert {"lowest", "highest", "accuracy", "tests"} <= shared
+    assert {name: asked[name].default for name in shared} == {
+        name: runs[name].default for name in shared
+    }
+
+
+@pytest.mark.parametrize(("off", "extrapolated"), [(0.0, True), (0.09, False), (-0.09, False)])
+def test_sweeps_have_a_limit_of_rate_zero_where_the_delay_is_that_of_a_fold(
+    off: float, extrapolated: bool
+) -> None:
+    """A delay K rate^{2/3}; the next term, of first order, is a cube root of the rate beside it."""
+    exponent = 2.0 / 3.0 + off
+    delay = slow_sweep.fit_delay(
+        slow_sweep.RATES, [0.2 + 0.5 * rate**exponent for rate in slow_sweep.RATES]
+    )
+    assert delay.exponent == pytest.approx(exponent, abs=1e-9)
+    assert (delay.c_0 is not None) is extrapolated
+    assert pytest.approx(2.0 * math.cbrt(min(slow_sweep.RATES)), rel=0.1) == slow_sweep.LAW

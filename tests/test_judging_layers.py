@@ -889,7 +889,8 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
 
 def test_the_closed_form_is_of_one_site_in_the_bulk() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.6)
-    assert closed_form_threshold(chain, Nucleus(1)).c > 0.0
+    found = closed_form_threshold(chain, Nucleus(1))
+    assert 0.0 < found.error < 1e-9 < found.c
     for other in (Nucleus(1, place=Place.EDGE), Nucleus(2, "0")):
         with pytest.raises(ParameterError, match="one centre"):
             closed_form_threshold(chain, other)

@@ -153,3 +153,18 @@ def test_the_verdict_follows_what_the_runs_show() -> None:
     assert not text_nuclei.succession({0.193: "creep", 0.203: "front"})
     assert not text_nuclei.succession({0.193: "larger nucleus", 0.203: "creep"})
     assert not text_nuclei.succession({0.193: "front", 0.203: "larger nucleus"})
+
+
+@pytest.mark.parametrize(
+    ("joined", "longest"),
+    [
+        ([NAN, NAN, 0, NAN, NAN], None),
+        ([NAN, 30, 0, NAN, NAN], None),
+        ([NAN, 30, 0, 75, NAN], 45.0),
+        ([NAN, 30, 0, 50, 90, NAN, NAN], 40.0),
+    ],
+)
+def test_the_longest_pause_is_between_two_sites_that_join(
+    joined: list[float], longest: float | None
+) -> None:
+    assert evolution(np.array(joined), 100.0, len(joined)).longest_pause == longest

@@ -13,7 +13,9 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from verification.breathers import own
 from verification.breathers.breather import breather
+from verification.breathers.orbits import STARTS
 from verification.breathers.own import (
     OwnOrbits,
     _rate_of,
@@ -21,7 +23,7 @@ from verification.breathers.own import (
     integrate_with_tangents,
 )
 from verification.breathers.periodic_motion import largest_displacements
-from verification.continuation.newton import solve_at
+from verification.continuation.newton import NotConvergedError, solve_at
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, states_by_scipy
 from verification.thresholds.continuation import breather_threshold
@@ -165,6 +167,34 @@ def test_a_settled_nucleus_is_taken_as_its_centre_rises_through_rest() -> None:
     )
     after = states_by_scipy(rate, start[:-1], np.array([0.0, period]))[-1]
     assert np.abs(after - start[:-1]).max() < 0.02  # it has settled, to what interpolation leaves
+
+
+def test_a_branch_begins_at_the_first_of_the_couplings_where_a_nucleus_settles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    solved: list[float] = []
+
+    def settled(chain: OscillatorChain, nucleus: Nucleus) -> np.ndarray:
+        if chain.c == STARTS[0]:
+            raise ParameterError("coupling c", chain.c, "smaller", "take a smaller one")
+        return np.full(7, chain.c)
+
+    def solve(system: Any, guess: np.ndarray, c: float) -> float:
+        solved.append(c)
+        assert callable(system)
+        assert np.all(guess == c)
+        if c != STARTS[-1]:
+            raise NotConvergedError("lost")
+        return c
+
+    monkeypatch.setattr(own, "_settled_start", settled)
+    monkeypatch.setattr(own, "solve_at", solve)
+    orbits = OwnOrbits(OscillatorChain(**PAPER, c=0.1, eps=0.3, sites=3), Nucleus(1))
+    assert orbits.start(0.5) == STARTS[-1]
+    assert solved == [*STARTS[1:]]
+    monkeypatch.setattr(own, "STARTS", STARTS[:-1])
+    with pytest.raises(ParameterError, match="stable at small couplings"):
+        orbits.start(0.5)
 
 
 def test_the_branch_of_a_rayleigh_chain_ends_where_that_of_van_der_pol_does() -> None:

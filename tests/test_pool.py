@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -149,6 +150,38 @@ def test_a_pool_is_begun_where_several_are_to_compute_several_items(
     assert made == [2]
 
 
+def test_a_function_without_a_name_may_go_to_an_executor_that_is_given() -> None:
+    with ThreadPoolExecutor(2) as threads:
+        found = answers(lambda item: item + 1, [1, 2, 3], workers=2, executor=threads)
+        assert dict(found) == {0: 2, 1: 3, 2: 4}
+
+
+class _Timed(Executor):
+    """A pool in this process in which each item takes so long; it notes how many come at once."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds, self.sizes = seconds, list[int]()
+
+    def submit(self, function: Callable[..., Any], *given: Any, **_: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        (items,) = given
+        self.sizes.append(len(items))
+        found, _ = function(items)
+        future.set_result((found, self.seconds * len(items)))
+        return future
+
+
+@pytest.mark.parametrize("count", [2, 5, 10])
+def test_quick_items_are_handed_over_by_as_many_as_take_the_time_of_a_batch(count: int) -> None:
+    """One by one until the first answer tells how long they take, then always as many."""
+    timed = _Timed(pool.BATCH_SECONDS / (count + 0.5))
+    found = dict(answers(pool_example.inverse, range(1, 2001), executor=timed))
+    assert found == {index: 1 / (index + 1) for index in range(2000)}
+    unknown = pool.MAX_PENDING // pool.MAX_BATCH
+    assert set(timed.sizes[:unknown]) == {1}
+    assert set(timed.sizes[unknown:-1]) == {count}
+
+
 def test_of_a_pool_that_breaks_only_the_item_that_is_alone_in_another_has_died(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -169,3 +202,67 @@ def test_where_cores_are_not_given_to_processes_those_of_the_machine_are_allowed
     for cores, allowed in ((6, 6), (None, 1)):
         monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
         assert cores_allowed() == allowed
+
+
+def test_the_cores_that_count_are_those_of_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = {0: {3}, os.getpid(): {3}}
+    monkeypatch.setattr(
+        os, "sched_getaffinity", lambda number: given.get(number, {0, 1, 2, 3}), raising=False
+    )
+    assert cores_allowed() == 1
+
+
+def test_a_pool_that_is_left_by_an_error_ends_its_own_processes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ended: list[str] = []
+
+    class Child:
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+        def terminate(self) -> None:
+            ended.append(f"{self.name} told")
+
+        def join(self) -> None:
+            ended.append(f"{self.name} ended")
+
+    other, own = Child("other"), Child("own")
+    children = [other]
+    monkeypatch.setattr(pool.multiprocessing, "active_children", lambda: list(children))
+
+    def work() -> None:
+        with pool.worker_pool(1):
+            children.append(own)
+            raise KeyError("work")
+
+    with pytest.raises(KeyError, match="work"):
+        work()
+    assert ended == ["own told", "own ended"]
+
+
+def test_a_worker_ends_with_its_parent_where_the_system_does_not_see_to_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    parent, ended = threading.Event(), threading.Event()
+    answers_: list[int] = []
+
+    class Parent:
+        def join(self) -> None:
+            parent.wait(60.0)
+
+    def leave(code: int) -> None:
+        answers_.append(code)
+        ended.set()
+
+    signals: dict[int, Any] = {}
+    monkeypatch.setattr(pool.signal, "signal", signals.__setitem__)
+    monkeypatch.setattr(sys, "platform", "other")
+    monkeypatch.setattr(pool.multiprocessing, "parent_process", Parent)
+    monkeypatch.setattr(os, "_exit", leave)
+    pool._begin_worker(os.getppid())
+    assert signals == {signal.SIGINT: signal.SIG_IGN, signal.SIGTERM: signal.SIG_DFL}
+    assert not ended.is_set()
+    parent.set()
+    assert ended.wait(60.0)
+    assert answers_ == [1]

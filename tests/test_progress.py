@@ -56,6 +56,17 @@ def test_a_clock_that_goes_back_says_nothing() -> None:
     assert left.seconds is None
 
 
+def test_a_fraction_that_is_told_twice_says_nothing_new() -> None:
+    clock = _Clock()
+    left = Remaining(clock)
+    for _ in range(3):
+        left.add(0.5)
+        clock.now += 100.0
+    assert left.seconds is None
+    left.add(0.75)
+    assert left.seconds == pytest.approx(300.0)
+
+
 def logged(where: TextIO, monkeypatch: pytest.MonkeyPatch, *, quiet: bool = False) -> None:
     """Report 181 of 240 seconds of work, one a second."""
     clock = _Clock()
@@ -182,3 +193,35 @@ def test_in_a_terminal_a_long_line_is_printed_as_it_is(monkeypatch: pytest.Monke
         seen = all_of(master)
     os.close(master)
     assert f"fig9: {said}" in seen
+
+
+def test_steps_are_told_on_standard_error_unless_another_stream_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Progress("claims", steps=1).end("fig9", "reproduced")
+    assert "fig9: reproduced" in capsys.readouterr().err
+    monkeypatch.setattr(progress.sys, "stderr", None)
+    Progress("claims", steps=1).end("fig9", "reproduced")  # as without a console
+
+
+def test_a_line_names_the_first_step_that_runs_and_how_many_run_beside_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    shown: list[str] = []
+
+    class Line:
+        def add_task(self, name: str, **_: object) -> int:
+            return 0
+
+        def update(self, _: int, *, description: str = "", **__: object) -> None:
+            shown.append(description)
+
+        def start(self) -> None: ...
+        def stop(self) -> None: ...
+
+    monkeypatch.setattr(progress, "_in_notebook", lambda: True)
+    monkeypatch.setattr(progress, "_live_line", lambda _: Line())
+    with Progress("claims", steps=9, at_once=2, stream=io.StringIO()) as told:
+        for step in ("fig9", "fig16", "fig17"):
+            told.begin(step)
+    assert shown == ["fig9", "fig9 and 1 more", "fig9 and 1 more"]  # of two at once

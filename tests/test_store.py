@@ -171,6 +171,17 @@ def test_a_store_that_is_removed_leaves_no_file(path: Path) -> None:
         assert store.results == {}
 
 
+def test_a_store_is_removed_while_it_is_still_locked(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else another run could open it between the two, and what it adds would be lost."""
+    store, there = Store(path, IDENTITY, resume=True), []
+    close = store.close
+    monkeypatch.setattr(store, "close", lambda: (there.append(path.exists()), close()))
+    store.remove()
+    assert there == [False]
+
+
 def test_refusals_name_the_file_what_is_wrong_and_what_to_do(path: Path) -> None:
     change(path, "UPDATE identity SET text = '{}'")
     with pytest.raises(ParameterError) as refusal:
@@ -187,3 +198,11 @@ def test_a_damaged_row_is_named(path: Path, caplog: pytest.LogCaptureFixture) ->
     change(path, "UPDATE results SET checksum = 'x' WHERE key = '7'")
     found(path)
     assert caplog.messages == [f"the result '7' in {path} is damaged and is computed again"]
+
+
+def test_a_file_that_cannot_be_read_is_said_to_be_so(path: Path) -> None:
+    path.write_bytes(b"no table of results" * 100)
+    with pytest.raises(ParameterError) as refusal:
+        found(path)
+    assert str(refusal.value.value).startswith("unreadable (")
+    assert refusal.value.allowed == "a file of finished results"

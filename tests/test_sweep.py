@@ -30,7 +30,7 @@ from verification.execution.files import FileError
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
 from verification.execution.sweep import SweepError, part_path, sweep
-from verification.execution.table import Table, load_table, record_path, table_of
+from verification.execution.table import Table, load_table, record_path, table_of, zarr_writer
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
@@ -320,6 +320,14 @@ def test_the_points_of_axes_are_those_asked_for_one_by_one() -> None:
     assert digest_of_points(Grid({"c": []})) == digest_of_points([])
 
 
+def test_a_point_by_itself_is_one_row_and_no_grid() -> None:
+    axes = {"x": [2.0], "word": ["a"]}
+    (point,) = Grid(axes)
+    one, grid = (sweep(lambda p: 2 * p["x"], points, workers=1) for points in (point, axes))
+    assert (one["value"].tolist(), grid["value"].tolist()) == ([4.0], [4.0])
+    assert (one.axes, grid.axes) == ((), ("x", "word"))
+
+
 def test_a_function_without_a_name_is_computed_here_unless_more_workers_are_asked_for() -> None:
     assert len(sweep(lambda p: p["x"], {"x": range(4)})) == 4
     with pytest.raises(ParameterError, match="importable by its name") as caught:
@@ -547,7 +555,10 @@ def test_what_no_column_holds_is_one_sentence(value: object, said: str) -> None:
 @pytest.mark.parametrize(
     ("dims", "said"),
     [({"profile": ("a", "b")}, "1 different"), ({"label": "site"}, "dims = label"),
-     ({"profile": "x"}, "no column"), ({"profile": "n", "counts": ("n", "m")}, "of one length")],
+     ({"profile": "x"}, "no column"), ({"profile": "row"}, "no column"),
+     ({"profile": "my site"}, "letters, digits"), ({"profile": ("a", "a")}, "1 different"),
+     ({"counts": ("n", "m", "n")}, "2 different"),
+     ({"profile": "n", "counts": ("n", "m")}, "of one length")],
 )  # fmt: skip
 def test_dimensions_that_do_not_fit_are_refused(
     dims: dict[str, Any], said: str, tmp_path: Path
@@ -694,3 +705,37 @@ def test_a_damaged_table_is_none_or_what_it_was(ending: str, tmp_path: Path) -> 
         part.write_bytes(content)
     assert refused > len(parts)
     assert load_table(path) is not None
+
+
+def test_a_store_that_was_resumed_stays_where_a_later_result_fits_no_table(tmp_path: Path) -> None:
+    """One result of an earlier run, one more, and then one of other names."""
+    out = tmp_path / "out.csv"
+
+    def stopped(fraction: float) -> None:
+        if fraction >= 0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(_other_names_at_the_end, {"x": [0, 1, 2]}, out=out, workers=1, progress=stopped)
+    assert _stored(out) == ["0"]
+    with pytest.raises(ParameterError):
+        sweep(_other_names_at_the_end, {"x": [0, 1, 2]}, out=out, workers=1, resume=True)
+    assert sorted(_stored(out)) == ["0", "1"]
+
+
+def _other_names_at_the_end(point: Point) -> dict[str, float]:
+    return {"there" if point["x"] == 2 else "here": 1.0}
+
+
+def test_the_columns_of_a_table_cannot_be_written_to() -> None:
+    table = sweep(lambda point: {"square": point["x"] ** 2}, {"x": [1, 2]}, workers=1)
+    for name in ("x", "square"):
+        with pytest.raises(ValueError, match="read-only"):
+            table[name][0] = 7
+
+
+def test_a_zarr_store_may_be_put_where_nothing_is(tmp_path: Path) -> None:
+    xr = pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    zarr_writer(xr.Dataset({"c": ("n", [1.0, 2.0])}), {})(tmp_path / "out.zarr")
+    assert xr.open_zarr(tmp_path / "out.zarr", consolidated=False)["c"].values.tolist() == [1, 2]

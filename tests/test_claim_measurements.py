@@ -7,6 +7,7 @@ edge.
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable
 from dataclasses import fields
@@ -16,6 +17,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from scipy.integrate import RK45
 
 from paper_checks.claims import (
     fig02,
@@ -31,6 +33,7 @@ from paper_checks.claims import (
     fig13,
     fig14,
     fig15,
+    fig16,
     fig17,
     fig18,
     text_friction,
@@ -160,10 +163,13 @@ def test_the_switch_model_is_judged_at_the_band_of_the_paper_and_at_either_toler
     orbits = made_up_orbits(EDGE)
     orbits.cell = FrictionCell(v_d=fig02.V_D)
     period = orbits.stable.period
+    tolerances: set[tuple[float, float]] = set()
 
-    def run(chain: Any, start: Any, end: float, *, band: float, relative: float, **__: Any) -> Any:
+    def run(chain: Any, start: Any, end: float, *, band: float, relative: float, absolute: float,
+            samples: int) -> Any:  # fmt: skip
         assert start.tolist() == [[orbits.stable.max], [0.0]]
         assert end > 10.0 * period
+        tolerances.add((relative, absolute))
         return SimpleNamespace(period=period * (1.0 + 3.0 * band**2 + relative))
 
     monkeypatch.setattr(fig02, "_orbits", lambda: orbits)
@@ -172,13 +178,21 @@ def test_the_switch_model_is_judged_at_the_band_of_the_paper_and_at_either_toler
     assert found.defaults == pytest.approx(3.0 * PAPER_BAND**2 + 1e-3)
     assert found.tight == pytest.approx(3.0 * PAPER_BAND**2 + 1e-9)
     assert found.order == pytest.approx(2.0, abs=1e-3)
+    # scipy has the defaults of the solvers that the paper used; the others are far below both.
+    defaults = inspect.signature(RK45).parameters
+    assert max(tolerances) == (defaults["rtol"].default, defaults["atol"].default)
+    assert min(tolerances) < (1e-8, 1e-8)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("off", [0.25, -0.25])
 def test_the_force_at_release_is_off_by_as_much_below_as_above(
-    off: float, monkeypatch: Patch
+    off: float, side: float, monkeypatch: Patch
 ) -> None:
-    """In one of two runs of a cell that sticks from 1 to 3 and from 5 to 7."""
+    """In one of two runs of a cell that sticks from 1 to 3 and from 5 to 7.
+
+    Of a force in either direction the size counts.
+    """
     cell = FrictionCell(v_d=fig02.V_D)
     log = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.0, 0, 0], [7.0, 0, 1]])
     later = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.0, 0, 0], [7.125, 0, 1]])
@@ -189,7 +203,7 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
             at = np.arange(0.0, 8.0) if times is None else np.asarray(times)
             sticks = ((at >= 1) & (at <= 3)) | (at >= 5)
             force = 0.75 * cell.mu_st if times is None else cell.mu_st + release
-            y = np.where(sticks, force - 2.0 * cell.xi * fig02.V_D, -9.0)
+            y = np.where(sticks, side * force - 2.0 * cell.xi * fig02.V_D, -9.0)
             velocity = np.where(sticks, fig02.V_D, 0.0)
             return SimpleNamespace(
                 y=y[:, None], velocity=velocity[:, None], log=log, event_log=later
@@ -350,15 +364,47 @@ def test_a_front_that_does_not_fill_the_chain_is_run_in_one_twice_as_long(
         assert abs(side) == pytest.approx(fig04.ASIDE)
         return size if side < 0.0 else sites - 2 * ((place, size) == stops)
 
+    def disagreement(chain: Any, excited: tuple[int, ...], _: float) -> float:
+        assert excited == (1,)  # of the first threshold, one site at the edge
+        return float(chain.c)
+
     monkeypatch.setattr(fig04, "_threshold", threshold_of)
     monkeypatch.setattr(fig04, "_reached", reached)
-    monkeypatch.setattr(fig04, "disagreement", lambda chain, *_: chain.c)
+    monkeypatch.setattr(fig04, "disagreement", disagreement)
     found = fig04.long_runs()
     assert found.below == tuple(size for _, size in fig04.KINDS)
     assert found.above == tuple(SITES - 2 * (kind == stops) for kind in fig04.KINDS)
     assert found.longer == {"bulk 3": 2 * SITES - 2}
     assert found.left == 2
     assert found.gap == pytest.approx((1.0 + fig04.ASIDE) * threshold_of(1, "edge"))
+
+
+@pytest.mark.parametrize(
+    ("pauses", "reached"),
+    [([0.9] * 5, 6), ([0.9, 0.9, 1.6, 0.1, 0.1], 3), ([1.6] * 5, 1), ([0.01] * 5, 6)],
+)
+def test_sites_are_counted_until_all_have_stuck_or_none_does_for_the_stall_time(
+    pauses: list[float], reached: int, monkeypatch: Patch
+) -> None:
+    stall = 40.0
+    at = np.array([0.0, *np.cumsum(pauses)]) * stall
+
+    class Running:
+        def __init__(self, chain: Any, state: Any, **_: Any) -> None:
+            assert chain.sites == at.size
+            assert np.shape(state)[-1] == at.size
+            self.time = 0.0
+
+        @property
+        def arrivals(self) -> Any:
+            return np.where(at <= self.time, at, np.nan)
+
+        def advance_to(self, time: float) -> None:
+            assert time > self.time
+            self.time = time
+
+    monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
+    assert fig04._reached(0.01, 1, "edge", at.size, stall) == reached
 
 
 def friction_velocities(v: Callable[[float], float], error: float = 0.0) -> fig06.Velocities:
@@ -422,7 +468,7 @@ def test_below_the_threshold_sites_are_counted_and_the_worse_comparison_counts(
     single, wide = 0.0106, 0.008
 
     def threshold(_: Any, spreading: Any, **__: Any) -> Any:
-        return SimpleNamespace(c=single if spreading.size == 1 else wide)
+        return SimpleNamespace(c={1: single, 6: wide}[spreading.size])  # six, as the text says
 
     def run(chain: Any, _: Any, end: float, **__: Any) -> Any:
         assert end == 4000.0  # as the evidence states
@@ -454,6 +500,23 @@ def test_patterns_that_persist_are_those_that_are_as_they_were() -> None:
     found = evidence(text_friction.Patterns, late=late)
     assert found.kept == len(kept) - 1
     assert found.ends == {text_friction.BISTABLE: len(set(kept)), 1.05: 1, 1.95: 2}
+
+
+def test_a_uniform_chain_is_pulled_by_its_literal_ends_only() -> None:
+    """There the missing neighbour counts as zero, so that all of the coupling pulls."""
+    found = text_friction.ends()
+    assert found.free < 1e-15
+    assert found.literal == pytest.approx(0.02 * FrictionCell(v_d=1.25).steady_sliding)
+
+
+def test_the_trapezoidal_rule_is_followed_for_two_hundred_turns(monkeypatch: Patch) -> None:
+    """A rule that damps by a part in 1e7 a step has lost that part in each step of 0.1."""
+    damped = (1.0 - 1e-7) * np.eye(2)
+    monkeypatch.setattr(np.linalg, "solve", lambda *_: damped)
+    found = text_friction.trapezoid()
+    steps = 200.0 * 2.0 * math.pi / 0.1
+    assert found.drift == pytest.approx(1.0 - math.exp(-1e-7 * steps), rel=1e-3)
+    assert found.factor < 1e-12
 
 
 AWAY = np.abs(np.arange(SITES) - SITES // 2).astype(float)
@@ -532,7 +595,98 @@ def text_vdp_centre() -> float:
     return CELL.steady_sliding
 
 
+class Off:
+    """NumPy with a sine that is wrong at one of the numbers that it is asked for."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(np, name)
+
+    def sin(self, x: Any) -> Any:
+        wrong = np.sin(x)
+        wrong[7] += 0.25
+        return wrong
+
+
+def test_a_display_that_fails_at_one_of_its_random_values_fails(monkeypatch: Patch) -> None:
+    assert text_vdp.displays().wave < 1e-14
+    monkeypatch.setattr(text_vdp, "np", Off())
+    assert text_vdp.displays().wave == pytest.approx(0.25)
+
+
 # ------------------------------------------------------------------- breathers and their thresholds
+
+
+def test_the_breather_of_a_run_is_its_first_harmonic_and_its_error_that_of_the_orbit(
+    monkeypatch: Patch,
+) -> None:
+    period, sizes = 6.5, 3.0 * 0.25 ** np.abs(np.arange(fig07.SITES) - fig07.CENTRE)
+    waves = sizes * np.exp(0.7j)
+    clock = [0.0]
+
+    def orbit(c: float) -> Any:
+        steep = 1.0 if c == fig07.C else 0.5
+        return SimpleNamespace(amplitudes=sizes**steep, waves=-waves, frequency=c, error=3e-9,
+                               period=period, stable=c == fig07.C)  # fmt: skip
+
+    def flow(state: Any, c: float, duration: float, _: float) -> Any:
+        if not clock[0]:
+            # From one site, on the cycle of the averaged cell, until all else has decayed.
+            assert np.flatnonzero(state).tolist() == [fig07.SITES + fig07.CENTRE]
+            assert duration * fig07.EPS > 30.0
+        assert c == fig07.C
+        clock[0] += duration
+        turn = 2.0 * np.pi * clock[0] / period
+        y = (waves * np.exp(1j * turn)).imag + 0.01 * sizes * np.cos(2.0 * turn + 0.4)
+        return np.concatenate([y, np.zeros(fig07.SITES)])
+
+    monkeypatch.setattr(fig07, "orbit_of", orbit)
+    monkeypatch.setattr(fig07, "flow", flow)
+    found = fig07.localised.__wrapped__()
+    assert found.run == pytest.approx(sizes)
+    assert found.gap == pytest.approx(0.0, abs=1e-12)
+    assert found.orbit == pytest.approx(sizes)
+    assert (found.stable, found.frequency, found.error) == (True, fig07.C, 3e-9)
+    # In the tail of a chain of springs c every wave below its band has 2c sinh k = -1.
+    first, tail = found.stronger
+    assert first == pytest.approx(0.5)
+    assert fig07.STRONGER * (1.0 / tail - tail) == pytest.approx(1.0)
+
+
+def test_phase_steps_are_followed_along_the_run_and_shapes_are_those_without_noise(
+    monkeypatch: Patch,
+) -> None:
+    """In a chain in which each site turns faster than the one before, by half a turn in 1000."""
+    from verification.thresholds.preparation import Preparation
+
+    starts = {}
+
+    def run(chain: Any, phi: Any, time: float) -> Any:
+        return SimpleNamespace(phi=phi * np.exp(1j * np.pi * np.arange(phi.size) * time / 1000.0))
+
+    def held(_: Any, preparation: Any, __: float, time: float) -> Any:
+        starts.setdefault((preparation.size, preparation.perturbation), time)
+        return SimpleNamespace(escaped=preparation.perturbation > 0.0 and lost)
+
+    monkeypatch.setattr("verification.runs.envelope_run.run_envelope", run)
+    monkeypatch.setattr("verification.thresholds.preparation.hold", held)
+    steps = np.array([0.25, -0.5])
+    monkeypatch.setattr("verification.thresholds.preparation.phase_steps", lambda *_: steps)
+    monkeypatch.setattr(fig10, "flow", lambda state, *_: state)
+    for lost in (False, True):
+        found = fig10.in_phase.__wrapped__()
+        assert found.localised is not lost
+    for (size, noise), rows in found.steps.items():
+        off = np.abs(rows - fig10.TIMES[:, None] / 1000.0)
+        assert rows.shape == (fig10.TIMES.size, size - 1)
+        assert off.max() < (1e-4 if noise else 1e-12)
+        assert bool(off.max() > 1e-9) is bool(noise)
+    from theory.chains.vdp import VdpChain
+
+    for size, shape in found.shapes.items():
+        preparation = Preparation(size)
+        chain = preparation.chain(VdpChain(a=fig10.A, b=fig10.B, c=fig10.C, eps=fig10.EPS), fig10.C)
+        assert shape == pytest.approx(np.abs(preparation.start(chain)), abs=1e-13)
+    assert found.gap == 0.5  # all in phase at first, as the start is
 
 
 def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> None:
@@ -562,7 +716,8 @@ def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> N
 def test_a_crossing_is_where_the_growth_of_its_own_parity_changes_sign(monkeypatch: Patch) -> None:
     def along(c: float, *, misprinted: bool = False) -> Any:
         at = (0.196, 0.197) if misprinted else (0.194, 0.195)
-        return SimpleNamespace(symmetric=c - at[0], antisymmetric=c - at[1])
+        growth = [math.tanh(300.0 * (c - each)) for each in at]
+        return SimpleNamespace(symmetric=growth[0], antisymmetric=growth[1])
 
     monkeypatch.setattr(fig09, "_approximate", along)
     found = [fig09._crossing(parity, misprinted=wrong)
@@ -1106,6 +1261,58 @@ def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_b
     assert found.solutions.x[0] < fig18.ETAS[0]
     assert fold < found.solutions.x[-1] == found.near.x[-1] < 1.1 * fold
     assert 0.9 * pin < found.near.x[0] < pin
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_profiles_of_three_methods_are_apart_by_their_largest_difference(
+    side: float, monkeypatch: Patch
+) -> None:
+    """Of a wave 1/(1 + e^ζ) that moves over a chain, with one site and one sum off."""
+
+    def wave(zeta: Any) -> Any:
+        return 1.0 / (1.0 + np.exp(np.asarray(zeta, dtype=float))) + 0j
+
+    def by_roots(zeta: Any, v: float, c: float, terms: int) -> Any:
+        assert (v, c) == (0.5, fig16.C)
+        assert terms >= 1000
+        phi = wave(zeta)
+        phi[3] -= 0.125 * side
+        return SimpleNamespace(phi=phi, error=1e-6)
+
+    def simulated(c: float, eta: float) -> Any:
+        assert (c, eta) == (fig16.C, eta_from_damping(fig16.A, fig16.B))
+        phi = wave(np.arange(101) - latest)
+        phi[latest + 4] += 0.25 * side
+        phi[latest + 15] += 9.0  # beyond what is compared
+        return SimpleNamespace(final=SimpleNamespace(latest=latest, phi=phi))
+
+    latest = 60
+    branch = SimpleNamespace(v=0.5, error=1e-12)
+    at = "theory.piecewise."
+    monkeypatch.setattr(
+        at + "kinetic_relation.kinetic_relation", lambda *_: SimpleNamespace(branches=(branch,))
+    )
+    monkeypatch.setattr(
+        at + "profile.front_profile", lambda z, *_: SimpleNamespace(phi=wave(z), error=2e-12)
+    )
+    monkeypatch.setattr(at + "profile.front_profile_by_roots", by_roots)
+    monkeypatch.setattr(at + "profile.tail_bound", lambda v, c, way: (2.0 if way else 1.0, 3.0))
+    verdict = SimpleNamespace(admissible=True, proven_beyond=(-9.0, 9.0))
+    monkeypatch.setattr(at + "admissibility.check_admissible", lambda *_: verdict)
+    monkeypatch.setattr("verification.piecewise.simulation.simulate_front", simulated)
+    found = fig16.profile.__wrapped__()
+    assert (found.chain_gap, found.series_gap) == pytest.approx((0.25, 0.125))
+    assert (found.v_error, found.error, found.series_error) == (1e-12, 2e-12, 1e-6)
+    far = fig16.FAR
+    assert found.bounds == pytest.approx((3.0 * math.exp(-far), 3.0 * math.exp(-2.0 * far)))
+    # Such a wave is as far from one behind as it is from zero ahead.
+    assert found.behind == pytest.approx(found.ahead)
+    assert found.chain_behind == pytest.approx(math.exp(-far), rel=1e-3)
+    assert found.chain[found.sites == 0.0] == pytest.approx(0.5)
+    # |φ_s| and |φ_us| are the roots of the damping of the averaged cell: 1 - a R²/4 + b R⁴/8.
+    for amplitude in (found.amplitude, found.amplitude * found.threshold):
+        r2 = amplitude**2
+        assert 1.0 - fig16.A * r2 / 4.0 + fig16.B * r2**2 / 8.0 == pytest.approx(0.0, abs=1e-12)
 
 
 def test_slopes_of_both_chains_are_told_from_one_eta_to_the_next() -> None:

@@ -32,6 +32,7 @@ from paper_checks.claims import (
     fig16,
     fig17,
     fig18,
+    text_nuclei,
 )
 from paper_checks.report.cell_picture import draw_bifurcation
 from paper_checks.report.velocity_plot import Curve, curve_of
@@ -64,6 +65,14 @@ class Panel:
         return all(
             low <= min(values, default=low) and max(values, default=high) <= high
             for (low, high), values in ((self.width, across), (self.height, up))
+        )
+
+    def fills(self, across: Any, up: Any = ()) -> bool:
+        """Whether some numbers are on the axes and take most of their width and height."""
+        return self.reaches(across, up) and all(
+            max(values) - min(values) > 0.7 * (high - low)
+            for (low, high), values in ((self.width, across), (self.height, up))
+            if len(values)
         )
 
 
@@ -106,11 +115,14 @@ def read(axes: Any) -> Panel:
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Panel]]:
-    """Draw evidence, and return the panels of its pictures."""
+    """Draw evidence, and return the panels of its pictures; what has a name is in a legend."""
     panels: list[Panel] = []
 
     def render(_: str, figure: Any) -> str:
         panels.extend(read(axes) for axes in figure.axes)
+        legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes)]
+        shown = {text.get_text() for each in legends if each for text in each.get_texts()}
+        assert shown >= {x for axes in figure.axes for x in axes.get_legend_handles_labels()[1]}
         return ""
 
     monkeypatch.setattr("verification.pictures.figures._render", render)
@@ -162,6 +174,7 @@ def test_the_two_states_are_drawn_in_time_and_in_the_plane(drawn: Any) -> None:
     for panel, name in ((top, "cycle"), (bottom, "rest")):
         assert points(runs[name].times, runs[name].y[:, 0]) in panel.lines.values()
     assert right.levels == {r"stick, $\tilde{v}_d$ = 1.25": fig02.V_D}
+    assert right.reaches((), (-fig02.V_D, fig02.V_D))
     assert all(panel.across and panel.up for panel in (top, right, bottom))
 
 
@@ -242,7 +255,7 @@ def test_maps_are_drawn_with_each_label_at_its_points(
     levels = {0.125} if module is fig15 else {1.15, 1.8}
     assert set(panel.levels.values()) == levels
     if module is fig05:
-        assert panel.reaches(fig05.COUPLINGS, fig05.VELOCITIES)
+        assert panel.fills(fig05.COUPLINGS, fig05.VELOCITIES)
     letters = {"c": "coupling c", "eta": "η = b/a²", "v_d": r"belt velocity $\tilde{v}_d$"}
     assert (panel.across, panel.up) == (letters[across], letters[up])
     assert panel.title
@@ -257,7 +270,8 @@ def test_measured_velocities_are_drawn_over_their_couplings(drawn: Any) -> None:
     ))  # fmt: skip
     inside = len(fig06.COUPLINGS)
     assert panel.lines["measured"] == points(c[:inside], v[:inside])
-    assert panel.reaches(fig06.COUPLINGS, v[:inside])
+    assert panel.fills(fig06.COUPLINGS)
+    assert panel.reaches((), v[:inside])
     assert panel.lines["no propagation"] == points(fig06.BELOW, np.zeros(len(fig06.BELOW)))
     (line,) = (found for name, found in panel.lines.items() if name.startswith("line"))
     assert np.array(line)[:, 1] == pytest.approx(0.25 + 3.0 * np.array(line)[:, 0])
@@ -318,6 +332,7 @@ def test_sweeps_are_drawn_over_the_power_of_their_rate_beside_fold_and_print(dra
         assert shown == pytest.approx(np.array([(4e-4, found[0]), (1e-4, found[1])]))
     assert panel.lines["fold"] == [(0.0, 0.19), (0.0, 0.2)]
     assert panel.levels == {f"paper, {text}": float(text) for text in fig11.PRINTED.values()}
+    assert panel.reaches((0.0, 4e-4), (0.19, *panel.levels.values(), *escapes[3]))
     assert stated(panel.title) == {"A": fig11.A, "B": fig11.B}
 
 
@@ -365,7 +380,8 @@ def test_amplitudes_are_drawn_over_coupling_beside_the_closed_form(
             "periodic orbit of (8)", "paper: (29), (37), (38)"))  # fmt: skip
         assert orbit == points(fig08.COUPLINGS, exact[:, n])
         assert np.array(theory)[:, 1] == pytest.approx(2.0 * (n == 0) + np.array(theory)[:, 0])
-        assert panel.reaches([x for x, _ in orbit + theory], [y for _, y in orbit + theory])
+        assert panel.fills([x for x, _ in orbit + theory])
+        assert panel.reaches((), [y for _, y in orbit + theory])
     assert stated(panel.title) == {"A": fig08.A, "B": fig08.B, "EPS": fig08.EPS}
 
 
@@ -421,6 +437,50 @@ def test_velocity_and_its_exponent_are_drawn_over_coupling(drawn: Any) -> None:
     assert left.reaches((0.0, *fig13.FULL))
     assert right.reaches((), (1.0,))
     assert all(panel.across == "coupling c" and panel.up for panel in (left, right))
+
+
+def test_velocities_of_the_law_are_drawn_over_those_of_the_fastest_waves(drawn: Any) -> None:
+    """Each with the κ that its rows imply; a run that has not settled is not drawn."""
+    kappas = dict(zip(fig13.LAW_ETAS, (1.5, 0.5, -0.75), strict=True))
+    rows = []
+    for eta, kappa in kappas.items():
+        for c, v in ((10.0, 12.0), (100.0, 110.0), (1000.0, None)):
+            waves, bend = fig13.fastest_waves(c)
+            rows.append((eta, c, v, 1e-3, waves + kappa * bend, waves))
+    (panel,) = drawn(fig13.draw_law, known(fig13.Law, rows=tuple(rows)))
+    for eta, kappa in kappas.items():
+        (runs,) = (found for name, found in panel.lines.items()
+                   if name == f"η = {eta:g}, κ = {kappa:.2f}")  # fmt: skip
+        ratios = [(c, v / fig13.fastest_waves(c)[0]) for c, v in ((10.0, 12.0), (100.0, 110.0))]
+        assert np.array(runs) == pytest.approx(np.array(ratios))
+    laws = [np.array(found) for name, found in panel.lines.items() if name.startswith("_")]
+    for law, kappa in zip(laws, kappas.values(), strict=True):
+        for c, ratio in law[:: len(law) - 1]:
+            waves, bend = fig13.fastest_waves(c)
+            assert (ratio - 1.0) * waves == pytest.approx(kappa * bend)
+        assert law[0, 0] < min(fig13.LAW_COUPLINGS)
+        assert law[-1, 0] > max(fig13.LAW_COUPLINGS)
+    assert list(panel.levels.values()) == [1.0]
+    assert panel.across
+    assert panel.up
+
+
+def test_the_size_of_a_nucleus_is_drawn_over_slow_time(drawn: Any) -> None:
+    histories = {
+        (seed, c): tuple(k + 0.5 * (seed is None) + np.linspace(0.0, 5.0, 201))
+        for seed in (None, text_nuclei.SEEDS[0])
+        for k, c in enumerate(text_nuclei.DRAWN)
+    }
+    (panel,) = drawn(text_nuclei.draw_to_larger, known(text_nuclei.ToLarger, histories=histories))
+    times = np.linspace(0.0, 1000.0, 201)
+    for k, c in enumerate(text_nuclei.DRAWN):
+        assert panel.lines[f"c = {c:g}"] == points(times, histories[None, c])
+        perturbed = points(times, histories[text_nuclei.SEEDS[0], c])
+        (found,) = (name for name, each in panel.lines.items() if each == perturbed)
+        assert found.startswith("_"), k
+    assert panel.reaches((0.0, 1000.0), (1.0, text_nuclei.CHAIN_SITES))
+    held = {name: getattr(text_nuclei, name) for name in ("A", "B", "EPS")}
+    assert stated(panel.title) == held
 
 
 def test_velocities_of_several_a_are_drawn_over_eta(drawn: Any) -> None:

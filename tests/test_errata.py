@@ -17,10 +17,11 @@ from derivations import printing as printed_lines
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi
 from derivations.judgement import Judgement
+from derivations.printing import Verdict as Verdict_
 from derivations.symbols import a, b, c, epsilon, n, omega, t
 from paper_checks.claim import Fault, Finding, Formula, Verdict
 from paper_checks.claims import _equation_numbers, equations
-from paper_checks.claims._equation_errata import correction, erratum_of, readable
+from paper_checks.claims._equation_errata import LONG, _entry, correction, erratum_of, readable
 from paper_checks.report.inline_math import typeset
 from paper_checks.report.mathml import LatexError, mathml
 
@@ -77,6 +78,56 @@ def test_a_correction_shows_what_differs_and_nothing_else(
     shown = correction(judgements[number])
     assert right in shown
     assert wrong not in shown.replace(r"\overline", "")
+
+
+@pytest.mark.parametrize(
+    ("corrected", "shown"),
+    [("x = 1", "x = 1"), (None, ""), ("x" * LONG, "x" * LONG), ("x" * (LONG + 1), "")],
+)
+def test_the_derived_form_is_shown_unless_it_is_long(
+    corrected: str | None, shown: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = SimpleNamespace(verdict=SimpleNamespace(value="holds"), note="", readings=(), latex="x",
+                           affects="")  # fmt: skip
+    said = SimpleNamespace(holds=True, statement="")
+    found = SimpleNamespace(printed=line, on_print=said, on_derived=said, confirmed=True,
+                            corrected=corrected, on_readings=())  # fmt: skip
+    monkeypatch.setattr(equations, "judgements", lambda: {1: found})
+    assert equations.printed(1).derived == shown
+
+
+def test_of_a_matrix_the_first_entry_that_differs_is_shown_and_the_others_counted() -> None:
+    printed = sp.Matrix([[1, 2, 3, 4]] * 4)
+    derived = printed.copy()
+    derived[1, 2], derived[3, 0], derived[3, 3] = 7, 8, 9
+    entry = _entry(printed, derived)
+    assert entry.startswith("the entry (2, 3) for N = 2 is $7$")
+    assert "2 others" in entry
+
+
+@pytest.mark.parametrize("line", ["x = 2", None])
+def test_of_a_changed_line_the_last_reading_that_holds_is_the_correction(line: str | None) -> None:
+    """And of one that stays as it is, each that holds."""
+    holding, failing = (SimpleNamespace(holds=x, statement="s") for x in (True, False))
+    printed = SimpleNamespace(
+        verdict=Verdict_.AMBIGUOUS, amended_latex=line, latex="x", note="", affects="",
+        readings=tuple(SimpleNamespace(meaning=word) for word in ("one", "other", "third")),
+    )  # fmt: skip
+    step = SimpleNamespace(name="step", operation="add")
+    found: Any = SimpleNamespace(printed=printed, step=step, on_print=failing, on_derived=holding,
+                                 on_readings=(holding, failing, holding))  # fmt: skip
+    erratum = erratum_of(found, "averaging")
+    assert erratum is not None
+    assert erratum.fault is Fault.AMBIGUOUS
+    assert erratum.corrected == (
+        "$x = 2$; read: third" if line else "$x$; read: one; or read: third"
+    )
+    assert "“other” fails" in erratum.proof
+
+
+def test_the_remark_on_the_derivative_stands_at_the_equation_that_prints_it() -> None:
+    about = {number for number, text in equations.STYLE.items() if "It is the derivative" in text}
+    assert about == {n for n in range(49, 55) if printed_module.printed(n).latex.startswith("L_")}
 
 
 def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(

@@ -20,7 +20,7 @@ from paper_checks.claim import Claim, Method, Verdict
 from paper_checks.discover import Entry
 from paper_checks.finding import Finding, Picture
 from paper_checks.outcome import Judgement, Outcome
-from paper_checks.report import measurements, state_picture
+from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
 from paper_checks.report.inline_svg import width_of
 from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
@@ -79,7 +79,9 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     told: list[str] = []
     tried: list[tuple[str, ...]] = []
 
-    def answers(_: Any, keys: Any, *, begun: Any, **__: Any) -> Any:
+    def answers(judges: Any, keys: Any, *, workers: int, begun: Any) -> Any:
+        assert isinstance(judges, run._ByKey)
+        assert workers == 2
         for index, group in enumerate(keys):
             begun(index)
             tried.append(group)
@@ -329,6 +331,23 @@ def test_what_is_no_bracket_stays_whole_however_wide_it_is() -> None:
 def test_a_picture_is_as_wide_as_it_says_in_points_or_pixels() -> None:
     widths = {'width="12pt"': 12.0, 'width="12px"': 9.0, 'width="12"': 9.0, "": None}
     assert {text: width_of(f"<svg {text}></svg>") for text in widths} == widths
+
+
+@pytest.mark.parametrize(
+    ("width", "wide"),
+    [("", False), ('width="300pt"', False), ('width="301pt"', True), ('width="400px"', False),
+     ('width="404px"', True)],
+)  # fmt: skip
+def test_a_picture_that_a_phone_does_not_hold_is_scrolled_sideways(width: str, wide: bool) -> None:
+    is_wide = render._environment().filters["is_wide"]
+    assert is_wide(f"<svg {width}></svg>") is wide
+
+
+def test_a_document_cut_out_of_a_page_is_the_one_that_declares_its_prefix() -> None:
+    picture = '<svg{} width="8pt"><path id="a"/><use xlink:href="#a"/></svg>'
+    declared = safe_svg(picture.format(' xmlns:xlink="http://www.w3.org/1999/xlink"'))
+    assert safe_svg(picture.format("")) == declared
+    assert 'xlink:href="#a"' in declared
 
 
 def test_what_ends_as_a_document_of_svg_and_begins_as_none_holds_none() -> None:

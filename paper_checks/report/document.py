@@ -146,7 +146,7 @@ class Report:
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
 
         def rank(outcome: Outcome) -> tuple[bool, bool, int, int]:
-            plain = outcome.finding is None or not outcome.finding.headline
+            plain = not (outcome.finding and outcome.finding.headline)
             agrees = outcome.status == slug(Verdict.REPRODUCED)
             return plain, agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
 

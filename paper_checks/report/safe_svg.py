@@ -85,7 +85,7 @@ xmlns:xlink="http://www.w3.org/1999/xlink" width="8pt"><path id="a"/></svg>'
 def _with_namespaces(body: str) -> str:
     """Return the document with its prefixes declared, as where it was cut out of a page."""
     head, _, rest = body.partition(">")
-    if "xmlns:xlink" not in head and "xlink:" in body:
+    if "xmlns:xlink" not in head:
         head = head.replace("<svg", '<svg xmlns:xlink="http://www.w3.org/1999/xlink"', 1)
     return f"{head}>{rest}"
 

@@ -120,5 +120,5 @@ def _origin(outcome: Outcome) -> list[str]:
 
 
 def _filled(text: str, width: int, indent: str = "") -> str:
-    lines = textwrap.wrap(" ".join(text.split()), width) or [""]
+    lines = textwrap.wrap(" ".join(text.split()), width)
     return "\n".join(indent + line for line in lines)

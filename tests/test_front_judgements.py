@@ -184,7 +184,7 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
         angles=np.zeros(1), velocities=np.full(1, NAN), errors=np.full(1, NAN),
         distances=np.zeros(144), arrivals=np.full(144, NAN),
     )  # fmt: skip
-    stands = network.SpreadRun(status=FrontStatus.PINNED, spread=never, steps=3)
+    stands = network.SpreadRun(stopped=FrontStatus.PINNED, spread=never, steps=3)
     asked: list[Any] = []
     monkeypatch.setattr(measure, "planar", lambda *_, **given: asked.append(given) or stands)
     monkeypatch.setattr(measure, "spread", lambda *_, **given: asked.append(given) or stands)
@@ -202,6 +202,26 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
     prepared = measure._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
     found = measure._settled(prepared, None)
     assert measure._front(prepared, found, None, False).error == pytest.approx(1.0 / 10.0)
+
+
+@pytest.mark.parametrize(("accuracy", "limit"), [(None, 0.1), (1e-3, 1e-3)])
+@pytest.mark.parametrize("v", [1e-3, 0.4, 1e3])
+def test_a_front_on_a_lattice_is_steady_if_its_velocity_is_known_as_well_as_is_asked(
+    accuracy: float | None, limit: float, v: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lattice = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(12, 12)
+    )
+    for part, status in ((0.99, FrontStatus.STEADY), (1.01, FrontStatus.UNSTEADY)):
+        error = part * limit * v
+        spread = network.Spread(
+            angles=np.zeros(1), velocities=np.full(1, v), errors=np.full(1, error),
+            distances=np.zeros(144), arrivals=np.arange(144.0),
+        )  # fmt: skip
+        run = network.SpreadRun(stopped=None, spread=spread, steps=3)
+        monkeypatch.setattr(measure, "planar", lambda *_, run=run, **__: run)
+        front = measure._spreading_front(lattice, _request(accuracy=accuracy))
+        assert (front.status, front.v, front.error) == (status, v, error)
 
 
 def test_a_network_is_followed_in_four_directions_if_none_are_given(
@@ -560,7 +580,7 @@ class _Lattice:
         ended: list[Any] = [
             SimpleNamespace(arrivals=each, counts={"steps": 5}) for each in self.courses
         ]
-        return network._Runs(FrontStatus.STEADY, ended)
+        return network._Runs(None, ended)
 
 
 def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
@@ -630,7 +650,7 @@ def test_a_lattice_is_run_until_all_sites_in_reach_are_reached_or_none_is_for_lo
     seen: list[float] = []
     reach = np.array([True, True, True, False])
     for reached, status in (
-        ([1, 2, 3], FrontStatus.STEADY),
+        ([1, 2, 3], None),
         ([1, 2, 2, 2, 2, 2], FrontStatus.PINNED),
     ):
         made: Any = Made(reached)

@@ -112,6 +112,14 @@ def test_a_pinned_front_is_pinned_on_a_lattice_too() -> None:
     assert (front.status, front.v) == (FrontStatus.PINNED, 0.0)
 
 
+def test_a_front_on_a_lattice_that_is_too_short_for_the_accuracy_asked_is_unsteady() -> None:
+    """Of 25 rows v is not known to a part in a thousand; what is known of it does not change."""
+    lattice = nagumo(c=1.0, coupling="square", sites=(25, 3))
+    usual, fine = measure_front(lattice), measure_front(lattice, accuracy=1e-3)
+    assert (usual.status, fine.status) == (FrontStatus.STEADY, FrontStatus.UNSTEADY)
+    assert (fine.v, fine.error) == (usual.v, usual.error)
+
+
 def test_the_front_of_a_duffing_cell_is_that_of_its_averaged_chain() -> None:
     """The cell of ``examples/own_cell.py``: derived, averaged, and integrated by scipy."""
     full = OscillatorChain(

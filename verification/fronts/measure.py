@@ -59,6 +59,9 @@ OUTRUNS = 1.01
 
 EXCITED, MAX_EXCITED = 24, 1000
 
+SPREAD_ACCURACY = 0.1
+"""On a lattice or network, by default: it is not made longer when v is known less well."""
+
 
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     chain: Chain,
@@ -86,7 +89,8 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         solved for, with its multipliers; all other options are for runs.
     accuracy : float, optional
         Relative error of v below which the front counts as steady, from 1e-10 to 0.1; by default
-        1e-3, and 1e-2 for the friction chain. Of (44) the relative spread of the period, 1e-12.
+        1e-3, 1e-2 for the friction chain, and 0.1 on a lattice or network. Of (44) the relative
+        spread of the period, 1e-12.
     tolerance : float, optional
         Local error of the integrator, by default 1e-8.
     excited : int, optional
@@ -409,13 +413,21 @@ def _spreading_front(chain: OwnChain, request: Request) -> Front:
         found = planar(chain, **options)
     else:
         found = spread(chain, directions=request.directions or 4, **options)
-    v, error = velocity_of(found, chain)
-    pinned = found.status is FrontStatus.PINNED
+    v: float | None = None
+    error: float | None = None
+    if found.stopped is None:
+        v, error = velocity_of(found, chain)
+        accuracy = SPREAD_ACCURACY if request.accuracy is None else request.accuracy
+        status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
+    else:
+        status = found.stopped
+        if status is FrontStatus.PINNED:
+            v, error = 0.0, 1.0 / stall
     return Front(
         chain=chain,
-        status=found.status,
-        v=0.0 if pinned else v,
-        error=1.0 / stall if pinned else error,
+        status=status,
+        v=v,
+        error=error,
         excited=int(np.count_nonzero(found.spread.arrivals == 0.0)),
         left_boundary=None,
         outruns_waves=False,

@@ -77,9 +77,9 @@ class Spread(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class SpreadRun:
-    """What became of a motion that was to spread, and the steps taken."""
+    """What became of a motion that did not spread (None if it did), arrivals, and steps taken."""
 
-    status: FrontStatus
+    stopped: FrontStatus | None
     spread: Spread
     steps: int
 
@@ -164,9 +164,9 @@ def spread(
 
 
 class _Runs(NamedTuple):
-    """What became of the motion, and its runs at two tolerances."""
+    """What became of a motion that stopped, and its runs at two tolerances."""
 
-    status: FrontStatus
+    stopped: FrontStatus | None
     ended: list[SmoothIntegration]
 
 
@@ -182,11 +182,11 @@ def _runs(
     ended: list[SmoothIntegration] = []
     for each in (tolerance, coarser_tolerance(tolerance)):
         run = SmoothIntegration(chain, start, [_NEVER], tolerance=each)
-        status = _follow(run, stall, within_reach, progress)
+        stopped = _follow(run, stall, within_reach, progress)
         ended.append(run)
-        if status is not FrontStatus.STEADY:
+        if stopped is not None:
             break
-    return _Runs(status, ended)
+    return _Runs(stopped, ended)
 
 
 def _found(
@@ -207,7 +207,7 @@ def _found(
         positions=chain.links.positions,
     )
     steps = sum(run.counts["steps"] for run in runs.ended)
-    return SpreadRun(status=runs.status, spread=found, steps=steps)
+    return SpreadRun(stopped=runs.stopped, spread=found, steps=steps)
 
 
 def _follow(
@@ -215,14 +215,14 @@ def _follow(
     stall: float,
     within_reach: npt.NDArray[np.bool_],
     progress: ProgressCallback | None,
-) -> FrontStatus:
-    """Step until all sites in reach are reached (STEADY), or until the motion has stopped."""
+) -> FrontStatus | None:
+    """Step until all sites in reach are reached (None), or until the motion has stopped."""
     watch = Stall(run, stall, 1e-3 * run.chain.stable_amplitude)
     while True:
         run.advance(_BUDGET)
         reached = int(np.count_nonzero(~np.isnan(run.arrivals)))
         if reached == np.count_nonzero(within_reach):
-            return FrontStatus.STEADY
+            return None
         if progress is not None:
             progress(reached / within_reach.size)
         watch.note(reached)
@@ -353,11 +353,9 @@ def planar(
     )
 
 
-def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float | None, float | None]:
-    """Return v in the first direction and its error; None where the motion did not spread."""
+def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float, float]:
+    """Return v in the first direction, and its error, of a motion that did spread."""
     v, error = float(found.spread.velocities[0]), float(found.spread.errors[0])
-    if found.status is not FrontStatus.STEADY:
-        return None, None
     if not math.isfinite(v):
         raise ParameterError(
             "number of sites n", chain.sites, f"so many that {2 * LEAST} distances lie between the "

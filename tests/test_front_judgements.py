@@ -25,7 +25,9 @@ from verification.fronts.measure import wave_front
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Watch
-from verification.runs.excite import StartPoint
+from verification.piecewise import simulation
+from verification.piecewise.simulation import simulate_front
+from verification.runs.excite import StartPoint, excite
 from verification.thresholds import continuation, escape, slow_sweep, spreading
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.result import Mechanism, RunThreshold, ThresholdMethod
@@ -171,6 +173,88 @@ def test_a_front_that_stopped_has_no_velocity_but_those_that_could_not_be_seen(
     assert (found.status, found.v, found.error) == (stopped, v, error)
     assert found.arrivals.tolist() == [0.0, 1.0, 3.0]
     assert (found.sites, found.steps) == (64, 7)
+
+
+@pytest.mark.parametrize("displacement", [0.25, -1.5])
+def test_a_friction_front_may_begin_from_a_displacement(
+    displacement: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Any] = []
+
+    def settled(prepared: Any, _: object) -> Settled:
+        begun.append(prepared.begin(prepared.sized(20), 1e-6))
+        return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
+
+    monkeypatch.setattr(measure, "_settled", settled)
+    chain = FrictionChain(c=0.02, sites=40)
+    measure._friction_front(chain, _request(point=displacement, excited=2))
+    (run,) = begun
+    start = excite(chain.replace(sites=20), [3])  # of the others, at rest
+    assert run.chain.sites == 20
+    assert run.state[0, :2].tolist() == [displacement] * 2
+    assert run.state[:, 3:].tolist() == start[:, 3:].tolist()
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"accuracy": 0.2}, "accuracy"),
+        ({"accuracy": 1e-7}, "accuracy"),
+        ({"tolerance": 1e-3}, "tolerance"),
+        ({"tolerance": 1e-13}, "tolerance"),
+        ({"excited": 0}, "excited sites"),
+        ({"max_sites": 39}, "number of sites n"),
+    ],
+)
+def test_a_friction_front_is_asked_for_within_ranges(given: dict[str, Any], named: str) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        measure._friction_front(FrictionChain(c=0.02, sites=40), _request(**given))
+    assert refusal.value.quantity == named
+
+
+@pytest.mark.parametrize(
+    ("given", "asked"),
+    [
+        ({"max_sites": 250, "accuracy": 1e-9}, {"max_periods": 250, "tolerance": 1e-9}),
+        ({"max_sites": 9000}, {"max_periods": 9000}),
+    ],
+)
+def test_a_piecewise_front_is_followed_over_so_many_sites_as_are_asked_for(
+    given: dict[str, Any], asked: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[dict[str, Any]] = []
+    monkeypatch.setattr(simulation, "simulate_front", lambda *_, **how: made.append(how))
+    monkeypatch.setattr(measure, "front_of_switchings", lambda *_: "front")
+    chain = PiecewiseChain(c=0.5, eta=0.03)
+    assert measure._piecewise_front(chain, _request(**given)) == "front"
+    measure._piecewise_front(chain, _request())
+    usual = inspect.signature(simulate_front).parameters
+    assert made[0] == made[1] | asked
+    assert made[1] == {name: usual[name].default for name in ("tolerance", "max_periods")}
+
+
+def test_a_motion_over_a_lattice_has_what_was_excited_and_when_others_were_reached(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    lattice = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(3, 4)
+    )
+    arrivals = np.array([0.0, 0.0, 3.0, 1.0, NAN, 0.0, 2.0, 1.0, NAN, 5.0, 4.0, 6.0])
+    found = network.Spread(
+        angles=np.zeros(1), velocities=np.full(1, 0.5), errors=np.full(1, 0.01),
+        distances=np.zeros(12), arrivals=arrivals,
+    )  # fmt: skip
+    asked: list[dict[str, Any]] = []
+    steady = network.SpreadRun(stopped=None, spread=found, steps=3)
+    for name in ("planar", "spread"):
+        monkeypatch.setattr(measure, name, lambda *_, **given: asked.append(given) or steady)
+    monkeypatch.setattr(measure, "velocity_of", lambda *_: (0.5, 0.01))
+    for directions in (None, 4):
+        front = measure._spreading_front(lattice, _request(directions=directions))
+        assert (front.v, front.error, front.excited) == (0.5, 0.01, 3)
+        assert front.arrivals.tolist() == [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    usual = [inspect.signature(each).parameters for each in (network.planar, network.spread)]
+    assert [each["tolerance"] for each in asked] == [each["tolerance"].default for each in usual]
 
 
 def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
@@ -501,6 +585,9 @@ def test_distances_on_a_lattice_are_in_the_plane_from_its_middle_site() -> None:
     chain = _lattice(5, 9)
     middle = network.middle_site(chain)
     assert middle == 2 * 9 + 4
+    for rows, columns in ((4, 9), (9, 4), (6, 6), (2, 3)):
+        row, column = divmod(network.middle_site(_lattice(rows, columns)), columns)
+        assert max(abs(2 * row + 1 - rows), abs(2 * column + 1 - columns)) <= 1
     away = network.distances_from(chain, middle).reshape(5, 9)
     assert away[0, 0] == pytest.approx(math.hypot(2.0, 4.0))
     assert away[2].tolist() == [4.0, 3.0, 2.0, 1.0, 0.0, 1.0, 2.0, 3.0, 4.0]
@@ -530,6 +617,44 @@ def test_the_velocity_in_a_direction_is_that_along_its_ray() -> None:
     assert v[[0, 2]] == pytest.approx([4.0, 2.0])
     assert error[[0, 2]] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert all(2.0 - 1e-9 < each < 3.0 for each in v[[1, 3]])  # of sites on both sides of the ray
+
+
+def test_rays_begin_beyond_the_farthest_of_the_excited_sites() -> None:
+    """One site alone: from it on; what is among the excited sites was not reached by a front."""
+    chain = _lattice(41, 41)
+    middle = network.middle_site(chain)
+    away = network.distances_from(chain, middle)
+    for excited, beyond in ((1, 0.0), (49, 4.0)):
+        arrivals = away / 2.0
+        arrivals[away <= beyond] = 0.0
+        _, v, error = network._fitted(
+            chain, away, middle=middle, arrivals=arrivals, directions=4, excited=excited
+        )
+        assert np.sort(away)[excited - 1] == beyond
+        assert v == pytest.approx([2.0] * 4, rel=0.03)  # sites beside a ray are farther off
+        assert np.all(error < 0.1)
+
+
+@pytest.mark.parametrize("sites", [2, 7, 8, 31])
+def test_the_middle_of_a_network_is_that_of_its_numbers(sites: int) -> None:
+    chain: Any = SimpleNamespace(links=SimpleNamespace(positions=None), sites=sites)
+    middle = network.middle_site(chain)
+    assert abs(middle - (sites - 1 - middle)) <= 1
+
+
+def test_distances_in_a_network_are_in_links() -> None:
+    links = SimpleNamespace(positions=None, distances=lambda sites: np.arange(5.0) + sites[0])
+    chain: Any = SimpleNamespace(links=links, sites=5)
+    assert network.distances_from(chain, 3).tolist() == [3.0, 4.0, 5.0, 6.0, 7.0]
+
+
+@pytest.mark.parametrize("excited", [0, 9, 10])
+def test_some_sites_of_a_lattice_are_excited_and_not_all(excited: int) -> None:
+    lattice = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(3, 3)
+    )
+    with pytest.raises(ParameterError, match="excited sites"):
+        network.spread(lattice, excited=excited, stall=1.0)
 
 
 def test_of_a_network_each_distance_in_links_counts_once() -> None:

@@ -63,6 +63,27 @@ def test_a_block_that_is_quiet_by_chance_is_not_steady_yet() -> None:
     assert History._is_steady(_history(), np.array([1e-9, 1e-9, 1e-9]), 1e-3)
 
 
+def test_the_last_block_but_one_must_be_nearly_steady_already() -> None:
+    quiet, loud = 1e-13, 1e-6
+    history = _history(1e-14)
+    for spreads, steady in (
+        ((loud, quiet, quiet), True),
+        ((quiet, loud, quiet), False),
+        ((loud, 0.1 * loud, quiet, quiet), True),
+        ((quiet, quiet, loud, quiet), False),
+    ):
+        assert History._is_steady(history, np.array(spreads), 1e-12) is steady
+
+
+def test_a_decay_is_that_of_the_last_two_groups_of_blocks() -> None:
+    """Not of groups before, in which it may have been faster."""
+    first, second = [1e-2, *[1e-3] * (GROUP - 1)], [5e-3, *[1e-3] * (GROUP - 2), 1e-4]
+    expected = second[-1] / (1.0 - (second[0] / first[0]) ** (1 / GROUP))
+    for before in ([], [1.0] * GROUP, [1e3] * 3 * GROUP):
+        error = History._relative_error(_history(), np.array([*before, *first, *second]))
+        assert error == pytest.approx(expected)
+
+
 def _groups(*largest: float) -> npt.NDArray[np.float64]:
     """Return spreads in groups of five, of each of which one is large."""
     return np.concatenate([[0.01 * each] * (GROUP - 1) + [each] for each in largest])
@@ -76,6 +97,8 @@ def _groups(*largest: float) -> npt.NDArray[np.float64]:
         ((1.0, 0.9, 0.9), False),
         ((0.9, 0.9, 0.8), False),
         ((1.0, 0.995, 0.99), False),  # by less than a hundredth
+        ((1.0, 0.985, 0.97), True),  # by more than that, twice
+        ((1.0, 0.995, 0.9), False),
         ((1.0, 0.9), False),
     ],
 )
@@ -105,6 +128,11 @@ def test_a_repeat_is_the_smallest_number_of_sites_after_which_periods_come_again
     assert verdict._repeat(periods) == lag
     periods[-1] *= 1.0 + 1e-6
     assert verdict._repeat(periods) is None
+
+
+@pytest.mark.parametrize("step", [1e-3, -1e-3])
+def test_periods_that_become_longer_or_shorter_do_not_repeat(step: float) -> None:
+    assert verdict._repeat(1.0 + step * np.arange(150)) is None
 
 
 SITES = 2048
@@ -200,6 +228,48 @@ def test_a_front_slides_if_it_slid_in_the_block_that_is_judged(
     history = _followed(*waits)
     history.extend(len(waits))
     assert _run(history).status is status
+
+
+@pytest.mark.parametrize("on", [1, -1])
+def test_a_front_that_slides_is_as_sure_whichever_way_it_goes(on: int) -> None:
+    waits = [_switch(1.0, on) for _ in range(4 * BLOCK + 1)]
+    steady, sliding = _followed(*waits), _followed(*waits[:-1], _switch(1.0, on, sliding=True))
+    steady.extend(len(waits))
+    sliding.extend(len(waits))
+    sure, less = _run(steady), _run(sliding)
+    assert (sure.v, less.v) == (on, on)
+    assert sure.error is not None
+    assert less.error is not None
+    assert less.error - sure.error == pytest.approx(verdict._SLIDING_ERROR)
+
+
+@pytest.mark.parametrize(
+    ("slot", "zone", "becomes"),
+    [
+        (32, (40, 39), None),  # a switching in the middle says nothing
+        (45, (46, 45), ("moved", 13)),
+        (18, (19, 18), ("moved", -14)),
+        (41, (20, 50), None),
+        (45, (20, 50), ("moved", 3)),
+        (7, (8, 7), ("widened", 128)),  # beside either end
+        (57, (58, 57), ("widened", 128)),
+        (45, (10, 41), ("moved", -7)),
+        (45, (10, 42), ("widened", 128)),  # broader than half of the window
+    ],
+)
+def test_a_window_is_moved_after_the_front_and_widened_where_it_is_too_narrow(
+    slot: int, zone: tuple[int, int], becomes: tuple[str, int] | None
+) -> None:
+    """A window of 64 sites whose first one has the number 100."""
+    done: list[tuple[str, int]] = []
+    chain = SimpleNamespace(
+        sites=64, origin=100, zone=lambda: zone, shift=lambda sites: done.append(("moved", sites))
+    )
+    made: Any = SimpleNamespace(
+        chain=chain, zone=0, _widen=lambda sites: done.append(("widened", sites))
+    )
+    History._keep_in_window(made, 100 + slot)
+    assert done == ([] if becomes is None or abs(becomes[1]) < 8 else [becomes])
 
 
 def test_a_front_that_settles_is_judged_by_its_last_block() -> None:

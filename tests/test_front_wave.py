@@ -492,3 +492,20 @@ def test_a_search_that_ends_names_the_parameter_that_was_followed(along, monkeyp
     other, values = (0.03125, [0.6]) if along == "c" else (0.6, [0.03125])
     with pytest.raises(NoFrontError, match=rf"{along} = {values[0]}: take a value farther"):
         follow_front_wave(values, other, along)
+
+
+@pytest.mark.parametrize("v", [1e-3, 0.8, 50.0])
+def test_rounding_is_a_part_of_the_velocity(v: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two solutions that agree to the last bit, and nothing left by Newton's method."""
+    window = replace(wave.Window.started(1.0, ETA), left=12, right=12)
+    window = replace(window, guess=np.append(np.linspace(1.0, 0.0, 24), v))
+    point = BranchPoint(window.guess, 1.0, np.ones(26), 0.0, 0.0, 5)
+    monkeypatch.setattr(
+        wave, "solve_at",
+        lambda _, guess, c: BranchPoint(guess, c, np.ones(guess.size + 1), 0.0, 0.0, 3),
+    )  # fmt: skip
+    monkeypatch.setattr(
+        wave, "with_disturbances", lambda rho, *_: (rho, rho, np.eye(rho.size, k=-1))
+    )
+    error = window.described(point, 0.0).error
+    assert np.finfo(float).eps * v < error < 1e-13 * v

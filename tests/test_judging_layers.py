@@ -71,7 +71,7 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
-from verification.runs.excite import StartPoint
+from verification.runs.excite import StartPoint, excite
 from verification.thresholds import escape
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
@@ -321,6 +321,66 @@ def test_of_a_filled_chain_every_site_is_above_and_of_a_breather_some() -> None:
 def test_rest_is_a_fall_in_every_window(heights: list[float], state: State) -> None:
     windows = [smooth_rules._Window(np.full(3, high), np.zeros(3)) for high in heights]
     assert smooth_rules._named(windows, 1.0, True) is state
+
+
+def test_a_window_differs_from_the_one_before_by_the_larger_change_of_either_end() -> None:
+    before = smooth_rules._Window(np.array([2.0, 2.0]), np.array([1.0, 1.0]))
+    for high, low, change in (
+        ([2.0, 2.0], [1.0, 1.0], 0.0),
+        ([2.0, 2.0], [1.0, 0.75], 0.25),
+        ([2.5, 2.0], [1.0, 1.0], 0.5),
+        ([2.5, 2.0], [1.0, 0.25], 0.75),
+    ):
+        after = smooth_rules._Window(np.array(high), np.array(low))
+        assert smooth_rules._change(before, after) == smooth_rules._change(after, before) == change
+
+
+UNSTABLE = AveragedChain(a=4, b=0.5, c=0.1, sites=4)
+
+
+@pytest.mark.parametrize(
+    ("third", "state"),
+    [((0.1, 0.2), State.BREATHER), ((1.5, 2.0), State.BREATHER), ((0.5, 2.0), State.UNDECIDED)],
+)
+def test_what_passes_the_level_again_and_again_is_not_steady(
+    third: tuple[float, float], state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of four sites in windows that are alike: one above, two below, and the third."""
+    level = UNSTABLE.unstable_amplitude
+    low, high = np.array([(1.5, 2.0), (0.1, 0.2), third, (0.1, 0.2)]).T * level
+    window = smooth_rules._Window(high, low)
+    monkeypatch.setattr(smooth_rules, "_through_window", lambda _, at, __: (at, window, 7))
+    found = smooth_rules.find_smooth_state(UNSTABLE, np.zeros((2, 4)), end=1000.0)
+    assert found.state is state
+    assert found.steps == 7 * round(found.time / smooth_rules.WINDOW)
+    assert found.above == np.count_nonzero(high > level)
+
+
+@pytest.mark.parametrize("hold", [3.0, 8.0])
+def test_a_filled_chain_is_a_front_when_it_has_been_filled_for_so_long(hold: float) -> None:
+    chain = UNSTABLE
+    rules = state_run.Rules(
+        level=chain.unstable_amplitude, quiet=1e-3, stiffness=0.0, hold=hold, window=5.0,
+        settled=1e-5,
+    )  # fmt: skip
+    found = state_run.run_to_state(chain, excite(chain, range(1, 5)), rules, 100.0, 1e-8)
+    assert found.state is State.FRONT
+    assert hold <= found.time < hold + 1.5
+
+
+def test_a_breather_is_named_the_later_the_less_its_amplitudes_may_still_change() -> None:
+    """They tend to theirs at a rate r: a hundredth of the change is left after log(100)/r."""
+    chain = AveragedChain(a=4, b=0.5, c=0.05, sites=6)
+    times = []
+    for settled in (1e-2, 1e-4, 1e-6):
+        rules = state_run.Rules(
+            level=chain.unstable_amplitude, quiet=1e-3, stiffness=0.0, hold=10.0, window=2.0,
+            settled=settled,
+        )  # fmt: skip
+        found = state_run.run_to_state(chain, excite(chain, [3]), rules, 400.0, 1e-10)
+        assert found.state is State.BREATHER
+        times.append(found.time)
+    assert times[0] < times[1] < times[2]
 
 
 def _memory(*sites: tuple[float, float]) -> np.ndarray:

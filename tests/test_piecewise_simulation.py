@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 
 import numpy as np
 import pytest
@@ -544,3 +545,67 @@ def test_the_command_refuses_bad_input_with_exit_code_2(capsys, options):
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("tolerance", [1e-14, 0.02, math.nan])
+def test_a_tolerance_that_no_spread_can_have_is_refused(tolerance):
+    with pytest.raises(ParameterError, match="tolerance"):
+        simulate_front(0.5, 0.03125, tolerance=tolerance)
+
+
+def test_a_front_is_judged_by_the_tolerance_that_was_asked_for(monkeypatch):
+    asked = []
+
+    class Made:
+        def __init__(self, *_):
+            self.blocks = 0
+
+        def extend(self, records):
+            self.blocks += 1
+
+        def decided(self, tolerance, periods):
+            asked.append((tolerance, periods))
+            return self.blocks == 3
+
+        def verdict(self, rest, tolerance, began):
+            asked.append((tolerance, rest))
+            return time.perf_counter() - began
+
+    monkeypatch.setattr(simulation, "History", Made)
+    seconds = simulate_front(0.5, 0.03125, tolerance=1e-5, max_periods=500)
+    assert asked == [(1e-5, 500)] * 3 + [(1e-5, None)]
+    assert 0.0 <= seconds < 600.0
+
+
+@pytest.mark.parametrize("size", [0.06, 600.0, 1400.0])
+def test_a_start_may_be_far_slower_or_faster_than_any_front(size, monkeypatch):
+    """From c/10000 to 1000 (1 + c)."""
+    made = []
+    monkeypatch.setattr(simulation, "window_length", lambda *_: 64)
+    monkeypatch.setattr(simulation, "travelling_state", lambda *given: made.append(given))
+    for v in (size, -size):
+        simulation._start_state(0.5, ratio(0.03125), "moving", v)
+    assert made == [(0.5, size, 64), (0.5, -size, 64)]
+    for v in (0.4e-4, -1600.0):
+        with pytest.raises(ParameterError, match="start velocity"):
+            simulation._start_state(0.5, ratio(0.03125), "moving", v)
+
+
+@pytest.mark.parametrize("mode", [3, 16, 32])
+def test_the_bound_on_the_second_derivative_is_reached_by_a_single_mode(mode):
+    """|φ|² of e + d exp(λT), with |φ| as large as it becomes in a step and φ* λ² d positive."""
+    sites, c, r, d = 64, 2.0, 0.3, 0.05
+    motion = PiecewiseMotion(c, r, static_state(c, sites))
+    rate = -0.5 + 1j * c * (1 - math.cos(2 * math.pi * mode / sites))
+    motion._deviation = np.zeros(sites, dtype=complex)
+    motion._deviation[mode] = d * sites
+    step, bound, _ = motion._sampling_step()
+    size = r + step * abs(rate) * d
+    rest = size * np.exp(1j * np.angle(rate**2 * d)) - d
+
+    def square(at):
+        return abs(rest + d * np.exp(rate * at)) ** 2
+
+    h = 1e-4
+    second = (square(h) - 2 * square(0.0) + square(-h)) / h**2
+    assert 0.999 * bound < second < 1.001 * bound

@@ -7,6 +7,7 @@ import math
 import re
 import shlex
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
+from verification.maps import state_map as state_map_module
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import State
@@ -601,3 +603,44 @@ def test_amplitudes_of_every_site_are_those_of_an_independent_run(tmp_path: Path
         alone = _chain_by_scipy(ENVELOPE, eta, c, np.array([times[n]]))[0]
         # Steps of the map err by 1e-8 of the largest value, 6 at first, and contract.
         assert found[n] == pytest.approx(alone, abs=1e-8 * DISPLACEMENT)
+
+
+def test_a_map_has_its_executor_and_is_resumed_only_if_that_is_asked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[dict[str, Any]] = []
+
+    def swept(*_: Any, **how: Any) -> Any:
+        asked.append(how)
+        raise KeyboardInterrupt
+
+    def pool(count: int) -> Any:
+        return nullcontext(f"pool of {count}")
+
+    monkeypatch.setattr(state_map_module, "sweep", swept)
+    monkeypatch.setattr(state_map_module, "worker_pool", pool)
+    given: Any = object()
+    for options, executor, resume in (
+        ({"workers": 2, "executor": given}, given, False),
+        ({"workers": 2}, "pool of 2", False),
+        ({"workers": 7, "resume": True}, "pool of 3", True),
+        ({"workers": 1}, None, False),
+    ):
+        with pytest.raises(KeyboardInterrupt):
+            state_map(FIGURE_15.averaged(), eta=[0.05], c=[0.1, 0.2, 0.3], **options)
+        assert (asked[-1]["executor"], asked[-1]["resume"]) == (executor, resume)
+
+
+def test_a_task_alone_is_of_one_run_and_keeps_no_amplitudes() -> None:
+    task = StateTask(chain=FIGURE_15, perturbation=1e-3, amplitudes=True, end=500.0)
+    one_run = StateTask(chain=FIGURE_15, perturbation=0.0, end=500.0)
+    assert task.alone() == one_run
+    assert task.average() == replace(one_run, chain=FIGURE_15.averaged())
+
+
+@pytest.mark.parametrize("held", ["a", "b"])
+def test_eta_is_b_over_the_square_of_a_whichever_is_held(held: str) -> None:
+    task = StateTask(chain=FIGURE_15.replace(a=3.0, b=0.7), held=held)
+    chain = task.at({"eta": 0.04, "c": 0.2})
+    assert chain.b / chain.a**2 == pytest.approx(0.04, rel=1e-14)
+    assert (chain.c, getattr(chain, held)) == (0.2, getattr(task.chain, held))

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -154,6 +154,19 @@ def test_a_front_is_steady_by_its_error_over_v_in_whatever_unit_of_time(
     found = settle(trial, sites=64, max_sites=64, accuracy=accuracy, seen=0.0)
     assert found.status is (FrontStatus.STEADY if part < 1.0 else FrontStatus.UNSTEADY)
     assert found.error == pytest.approx(part * accuracy * v)
+
+
+def test_a_front_that_stops_at_a_coarser_tolerance_is_as_uncertain_as_it_is_fast() -> None:
+    """And is tried on longer chains: there the other may arrive, or this one stop."""
+    asked: list[int] = []
+
+    def trial(sites: int) -> Trial:
+        asked.append(sites)
+        return Trial(None, np.arange(sites) / 2.0, np.empty(0), 3)
+
+    found = settle(trial, sites=32, max_sites=99, accuracy=0.1, seen=0.02)
+    assert asked == [32, 64]
+    assert (found.status, found.v, found.error) == (FrontStatus.UNSTEADY, 2.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -697,15 +710,16 @@ def test_the_halves_of_a_slope_may_differ_to_either_side() -> None:
 class _Lattice:
     """Runs on a lattice that are made up: when each row or site is reached at each tolerance."""
 
-    def __init__(self, *courses: Any) -> None:
-        self.courses = list(courses)
+    def __init__(self, *courses: Any, stopped: FrontStatus | None = None) -> None:
+        self.courses, self.stopped = courses, stopped
 
     def __call__(self, chain: Any, start: Any, **given: Any) -> network._Runs:
         self.start, self.given = start, given
-        ended: list[Any] = [
-            SimpleNamespace(arrivals=each, counts={"steps": 5}) for each in self.courses
-        ]
-        return network._Runs(None, ended)
+        run, coarser = (
+            None if each is None else SimpleNamespace(arrivals=each) for each in self.courses
+        )
+        made: Any = network._Runs(self.stopped, run, coarser, 10)  # type: ignore[arg-type]
+        return made
 
 
 def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
@@ -725,8 +739,13 @@ def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
         return "start"
 
     monkeypatch.setattr(network, "excite", excite)
-    for courses, apart in (((fine, coarse), 0.5), ((coarse, fine), 0.5), ((fine,), 0.0)):
-        runs = _Lattice(*courses)
+    for courses, stopped, apart in (
+        ((fine, coarse), None, 0.5),
+        ((coarse, fine), None, 0.5),
+        ((fine, None), None, 2.0),  # the other one stopped: nothing is known of v
+        ((fine, None), FrontStatus.CREEPING, 0.0),  # and was not run
+    ):
+        runs = _Lattice(*courses, stopped=stopped)
         monkeypatch.setattr(network, "_runs", runs)
         found = network.planar(chain, stall=1.0)
         assert found.spread.velocities == pytest.approx(
@@ -736,7 +755,7 @@ def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
         assert found.spread.angles.tolist() == [0.5 * math.pi]
         assert found.spread.arrivals is not courses[0]
         assert found.spread.arrivals.tolist() == courses[0].tolist()
-        assert found.steps == 5 * len(courses)
+        assert (found.steps, found.stopped) == (10, stopped)
         assert runs.given["within_reach"].all()
     assert turned[:2] == [[*range(1, 13)], [0, 0, 0, -1, -1, -1, -2, -2, -2, -3, -3, -3]]
 
@@ -755,6 +774,43 @@ def test_a_motion_from_the_middle_is_as_sure_as_its_run_at_a_coarser_tolerance(
         # Twice as much in slow time; sites beside a ray are farther than along it.
         assert found.velocities == pytest.approx([2.0 * v] * 4, rel=0.02)
         assert found.errors == pytest.approx([2.0 * 0.5] * 4, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("ends", "stopped", "steps", "compared"),
+    [
+        ([None, None], None, 12, True),
+        ([None, FrontStatus.PINNED], None, 12, False),
+        ([FrontStatus.PINNED], FrontStatus.PINNED, 5, False),
+    ],
+)
+def test_what_becomes_of_a_motion_is_said_by_its_run_at_the_tolerance_asked(
+    ends: list[Any], stopped: Any, steps: int, compared: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a lattice and along a chain; that at the coarser tolerance is there to be compared."""
+    asked: list[float] = []
+
+    def begun(*_: Any, tolerance: float) -> Any:
+        asked.append(tolerance)
+        return SimpleNamespace(
+            counts={"steps": 3 + 2 * len(asked)}, state=np.zeros((2, 40)),
+            arrivals=np.arange(40.0),
+        )  # fmt: skip
+
+    left = iter(ends)
+    monkeypatch.setattr(network, "SmoothIntegration", begun)
+    monkeypatch.setattr(network, "_follow", lambda *_: next(left))
+    given: dict[str, Any] = {"stall": 1.0, "within_reach": np.ones(1, dtype=bool), "progress": None}
+    runs = network._runs(cast("Any", None), np.zeros(2), tolerance=1e-8, **given)
+    assert (runs.stopped, runs.steps, runs.coarser is not None) == (stopped, steps, compared)
+    assert asked == pytest.approx([1e-8, 1e-6][: len(ends)])
+    asked.clear()
+    left = iter(ends)
+    monkeypatch.setattr(Watch, "follow", lambda *_: next(left))
+    watch = Watch(stall_time=1.0, settling_tolerance=1e-3, first=5)
+    trial = watch.trial(lambda each: begun(tolerance=each), 1e-8)
+    assert (trial.stopped, trial.steps, trial.coarser.size) == (stopped, steps, 27 * compared)
+    assert trial.arrivals.tolist() == [*range(5, 32)]
 
 
 def test_a_lattice_is_run_until_all_sites_in_reach_are_reached_or_none_is_for_long() -> None:

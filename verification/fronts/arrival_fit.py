@@ -8,7 +8,7 @@ It is the same for every chain. The rule:
 * v is the slope of the regression line of the rest;
 * its error is the largest of three times the standard error of that slope, the difference between
   the slopes of the third and the fourth quarter, and the difference from a run at a hundred times
-  the tolerance;
+  the tolerance, which is all of v if the front stops there;
 * a difference between the quarters beyond what their standard errors explain is a drift, and counts
   six times: the velocity of a front that drifts like n^{-2/3}, as the head of a wave does, is still
   4.5 times that difference away from its limit;
@@ -41,10 +41,10 @@ class Trial:
     Attributes
     ----------
     stopped : FrontStatus or None
-        What became of a front that did not reach the end; None if it did.
+        What became of a front that did not reach the end in the first run; None if it did.
     arrivals, coarser : ndarray, shape (m,)
         Arrival times by site, nan where there was none; the second at a hundred times the
-        tolerance, empty if the first run stopped.
+        tolerance, empty if a front did not reach the end.
     steps : int
         Steps of both runs.
     """
@@ -127,9 +127,9 @@ def settle(
             v, error = (0.0, seen) if runs.stopped is FrontStatus.PINNED else (None, None)
             return Settled(runs.stopped, v, error, arrivals, sites, steps)
         reached, beside = leading(runs.arrivals), leading(runs.coarser)
-        both = min(reached.size, beside.size)
+        both = min(reached.size, beside.size) or reached.size
         v, error = velocity_of_arrivals(reached[:both])
-        other, _ = velocity_of_arrivals(beside[:both])
+        other = velocity_of_arrivals(beside[:both])[0] if beside.size else 0.0
         error = max(error, abs(v - other))
         long, longest = enough(sites, v), 2 * sites > max_sites
         if longest and not long and doubt is not None:

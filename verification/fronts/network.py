@@ -10,6 +10,7 @@ it is at most as fast as a planar one. On any other network the distance is the 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
@@ -147,27 +148,34 @@ def spread(
         within_reach=np.isfinite(away),
         progress=progress,
     )
-    fits = [
-        _fitted(
+
+    def fit(arrivals: FloatArray) -> _Fit:
+        return _fitted(
             chain,
             away,
             middle=middle,
-            arrivals=run.arrivals,
+            arrivals=arrivals,
             directions=directions,
             excited=excited,
         )
-        for run in runs.ended
-    ]
-    angles, v, error = fits[0]
-    error = np.maximum(error, np.abs(v - fits[-1][1]))
-    return _found(chain, runs, angles=angles, v=v, error=error, distances=away)
+
+    return _found(chain, runs, fit, away)
+
+
+_Fit = tuple[FloatArray, FloatArray, FloatArray]
+"""Directions, velocities per unit t, and their uncertainties."""
 
 
 class _Runs(NamedTuple):
-    """What became of a motion that stopped, and its runs at two tolerances."""
+    """What became of a motion that stopped, its run, and one at a coarser tolerance that did not.
+
+    Velocities are then as uncertain as they differ; all of them if only the second run stopped.
+    """
 
     stopped: FrontStatus | None
-    ended: list[SmoothIntegration]
+    run: SmoothIntegration
+    coarser: SmoothIntegration | None
+    steps: int
 
 
 def _runs(
@@ -179,35 +187,35 @@ def _runs(
     within_reach: npt.NDArray[np.bool_],
     progress: ProgressCallback | None,
 ) -> _Runs:
-    ended: list[SmoothIntegration] = []
-    for each in (tolerance, coarser_tolerance(tolerance)):
-        run = SmoothIntegration(chain, start, [_NEVER], tolerance=each)
-        stopped = _follow(run, stall, within_reach, progress)
-        ended.append(run)
-        if stopped is not None:
-            break
-    return _Runs(stopped, ended)
+    run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
+    stopped = _follow(run, stall, within_reach, progress)
+    if stopped is not None:
+        return _Runs(stopped, run, None, run.counts["steps"])
+    other = SmoothIntegration(chain, start, [_NEVER], tolerance=coarser_tolerance(tolerance))
+    arrived = _follow(other, stall, within_reach, progress) is None
+    steps = run.counts["steps"] + other.counts["steps"]
+    return _Runs(None, run, other if arrived else None, steps)
 
 
 def _found(
     chain: OwnChain,
     runs: _Runs,
-    *,
-    angles: FloatArray,
-    v: FloatArray,
-    error: FloatArray,
+    fit: Callable[[FloatArray], _Fit],
     distances: npt.NDArray[Any],
 ) -> SpreadRun:
+    angles, v, error = fit(runs.run.arrivals)
+    if runs.stopped is None:
+        other = np.zeros(v.size) if runs.coarser is None else fit(runs.coarser.arrivals)[1]
+        error = np.maximum(error, np.abs(v - other))
     found = Spread(
         angles=angles,
         velocities=v * chain.time_unit,
         errors=error * chain.time_unit,
         distances=np.asarray(distances, dtype=float),
-        arrivals=runs.ended[0].arrivals.copy(),
+        arrivals=runs.run.arrivals.copy(),
         positions=chain.links.positions,
     )
-    steps = sum(run.counts["steps"] for run in runs.ended)
-    return SpreadRun(stopped=runs.stopped, spread=found, steps=steps)
+    return SpreadRun(stopped=runs.stopped, spread=found, steps=runs.steps)
 
 
 def _follow(
@@ -239,8 +247,7 @@ def _fitted(
     arrivals: FloatArray,
     directions: int,
     excited: int,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return directions, velocities per unit t, and their uncertainties."""
+) -> _Fit:
     positions = chain.links.positions
     first = np.sort(away)[excited - 1]
     if positions is None or positions.ndim == 1:
@@ -337,20 +344,13 @@ def planar(
         progress=progress,
     )
     used = (row >= excited) & (row < rows - math.ceil(EDGE))
-    fits = []
-    for run in runs.ended:
-        part = used & ~np.isnan(run.arrivals)
-        fits.append(_slope(row[part].astype(float), run.arrivals[part]))
-    v, error = fits[0]
-    error = max(error, abs(v - fits[-1][0]))
-    return _found(
-        chain,
-        runs,
-        angles=np.full(1, 0.5 * math.pi),
-        v=np.full(1, v),
-        error=np.full(1, error),
-        distances=row,
-    )
+
+    def fit(arrivals: FloatArray) -> _Fit:
+        part = used & ~np.isnan(arrivals)
+        v, error = _slope(row[part].astype(float), arrivals[part])
+        return np.full(1, 0.5 * math.pi), np.full(1, v), np.full(1, error)
+
+    return _found(chain, runs, fit, row)
 
 
 def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float, float]:

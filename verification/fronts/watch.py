@@ -117,12 +117,13 @@ class Watch:
 
     def trial(self, begin: Callable[[float], Integration], tolerance: float) -> Trial:
         """Follow a front at a tolerance and, if it reaches the far end, at a hundred times it."""
-        runs: list[Integration] = []
-        for each in (tolerance, coarser_tolerance(tolerance)):
-            runs.append(begin(each))
-            stopped = self.follow(runs[-1])
-            if stopped is not None:
-                break
-        used = slice(self.first, runs[0].state.shape[1] - MARGIN)
-        steps = sum(run.counts["steps"] for run in runs)
-        return Trial(stopped, runs[0].arrivals[used], runs[-1].arrivals[used], steps)
+        run = begin(tolerance)
+        stopped = self.follow(run)
+        used, steps = slice(self.first, run.state.shape[1] - MARGIN), run.counts["steps"]
+        coarser = np.empty(0)
+        if stopped is None:
+            other = begin(coarser_tolerance(tolerance))
+            if self.follow(other) is None:
+                coarser = other.arrivals[used]
+            steps += other.counts["steps"]
+        return Trial(stopped, run.arrivals[used], coarser, steps)

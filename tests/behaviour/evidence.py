@@ -41,6 +41,7 @@ from verification.execution.imports import SOURCES
 from verification.execution.record import Record
 from verification.fronts.measure import measure_front
 from verification.fronts.result import Front
+from verification.fronts.status import FrontStatus
 from verification.piecewise.simulation import hysteresis
 from verification.references.friction_cell import averaged_front
 from verification.references.friction_events import run_events
@@ -57,7 +58,8 @@ def _shorter_fronts(chain: Any, **options: Any) -> Front:
 
 def _made_up_front(chain: Any, **_: Any) -> Any:
     """Return a steady front that is a tenth faster than the square root of its coupling."""
-    return SimpleNamespace(chain=chain, v=1.1 * chain.c**0.5, error=1e-3, steady=True)
+    v = 1.1 * chain.c**0.5
+    return SimpleNamespace(chain=chain, v=v, error=1e-3, steady=True, status=FrontStatus.STEADY)
 
 
 def _threshold(chain: Any, spreading: Any, **options: Any) -> Any:

@@ -353,6 +353,61 @@ def test_a_front_of_a_network_along_a_line_outruns_its_waves_or_not(
     assert measure._own_front(chain, _request()).outruns_waves is outruns
 
 
+class _BegunError(Exception):
+    """Nothing that was asked has been refused."""
+
+
+def _lengths(kind: str) -> Any:
+    smooth = {"damping": "1 - 4*y**2 + 0.5*y**4", "c": 0.1}
+    return {
+        "smooth": AVERAGED,
+        "friction": FrictionChain(c=0.02, sites=400),
+        "piecewise": PiecewiseChain(c=0.5, eta=0.03125),
+        "lattice": OscillatorChain(**smooth, coupling="square", sites=(40, 3)),
+        "network": OscillatorChain(**smooth, coupling=np.ones((60, 60)) - np.eye(60)),
+    }[kind]
+
+
+@pytest.mark.parametrize(
+    ("kind", "option", "low", "high"),
+    [
+        ("smooth", "accuracy", 1e-13, 0.1),
+        ("smooth", "tolerance", 1e-14, 0.01),
+        ("smooth", "excited", 4, 1000),
+        ("friction", "accuracy", 1e-6, 0.1),
+        ("friction", "tolerance", 1e-12, 1e-4),
+        ("friction", "excited", 1, 100),
+        ("piecewise", "accuracy", 1e-13, 0.01),
+        ("piecewise", "max_sites", 80, 1_000_000),
+        ("lattice", "accuracy", 1e-13, 0.1),
+        ("lattice", "excited", 1, 40 - 12),
+        ("network", "excited", 1, 59),
+    ],
+)
+def test_options_of_a_front_have_the_ranges_that_are_documented(
+    kind: str, option: str, low: Any, high: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And are refused by their names, whatever runs the chain."""
+
+    def begun(*_: Any, **__: Any) -> Any:
+        raise _BegunError
+
+    monkeypatch.setattr(measure, "_settled", begun)
+    monkeypatch.setattr(network, "_runs", begun)
+    monkeypatch.setattr(simulation, "_start_state", begun)
+    chain = _lengths(kind)
+    for inside in (low, high):
+        with pytest.raises(_BegunError):
+            measure.measure_front(chain, **{option: inside})
+    step = 1 if isinstance(low, int) else 0.0
+    for outside in (0.99 * low - step, 1.01 * high + step):
+        with pytest.raises(ParameterError, match=option):
+            measure.measure_front(
+                chain,
+                **{option: round(outside) if step else outside},  # type: ignore[arg-type]
+            )
+
+
 def test_the_infinite_chain_has_no_left_end_whose_waves_could_be_outrun() -> None:
     front = measure.measure_front(PiecewiseChain(c=0.5, eta=0.03125))
     assert (front.outruns_waves, front.left_boundary, front.excited) == (False, None, None)

@@ -88,17 +88,21 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         ``run``: arrivals on a running chain. ``wave``, of (43) only: the travelling wave itself,
         solved for, with its multipliers; all other options are for runs.
     accuracy : float, optional
-        Relative error of v below which the front counts as steady, from 1e-10 to 0.1; by default
-        1e-3, 1e-2 for the friction chain, and 0.1 on a lattice or network. Of (44) the relative
-        spread of the period, 1e-12.
+        Relative error of v below which the front counts as steady, from 1e-13 to 0.1; by default
+        1e-3, and 0.1 on a lattice or network. Of the friction chain from 1e-6, by default 1e-2. Of
+        (44) the relative spread of the period, from 1e-13 to 0.01, by default 1e-12.
     tolerance : float, optional
-        Local error of the integrator, by default 1e-8.
+        Local error of the integrator, from 1e-14 to 0.01, of the friction chain from 1e-12 to 1e-4;
+        by default 1e-8.
     excited : int, optional
-        Sites excited at the start: by default 24 of a smooth chain (so many are kept behind a
-        front that outruns the waves there), 1 of the friction chain.
+        Sites excited at the start: of a smooth chain 4 to 1000, by default 24 (so many are kept
+        behind a front that outruns the waves there); of the friction chain 1 to 100, by default 1.
+        Of a lattice rows, by default 4; with ``directions``, and of a network, the sites nearest to
+        its middle, by default 37.
     max_sites : int, optional
         Length of the longest chain tried before a front is called unsteady: beyond the excited
-        sites 1000, of the friction chain 800 in all. Of (44) the most sites that a front may pass.
+        sites 1000, of the friction chain 800 in all. Of (44) the most sites that a front may pass,
+        at least 80, by default 1000.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
         to stand, and twice that before it is called pinned or creeping; by default 60, of the
@@ -550,13 +554,15 @@ def _friction_front(chain: FrictionChain, request: Request) -> Front:
 
 @_measured.register
 def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
-    from verification.piecewise.simulation import simulate_front
+    from verification.piecewise.simulation import PERIODS, TOLERANCES, simulate_front
 
+    accuracy = 1e-12 if request.accuracy is None else request.accuracy
+    passed = 1000 if request.max_sites is None else request.max_sites
     run = simulate_front(
         chain.c,
         chain.eta,
-        tolerance=1e-12 if request.accuracy is None else request.accuracy,
-        max_periods=1000 if request.max_sites is None else request.max_sites,
+        tolerance=within("accuracy", accuracy, *TOLERANCES),
+        max_periods=count_within("most sites passed, max_sites,", passed, *PERIODS),
     )
     return front_of_switchings(chain, run)
 

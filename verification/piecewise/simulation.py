@@ -33,6 +33,10 @@ SMALLEST_ETA = 1e-8
 """Below it the threshold is so low that round-off in phi moves the front."""
 
 
+TOLERANCES = 1e-13, 1e-2
+PERIODS = 4 * BLOCK, 1_000_000
+
+
 class Start(StrEnum):
     """Where a run starts from."""
 
@@ -105,8 +109,8 @@ def simulate_front(
     'pinned'
     """
     c, r = positive("coupling c", coupling), _threshold(eta)
-    within("tolerance", tolerance, 1e-13, 1e-2)
-    periods = count_within("max_periods", max_periods, 4 * BLOCK, 1_000_000)
+    within("tolerance", tolerance, *TOLERANCES)
+    periods = count_within("max_periods", max_periods, *PERIODS)
     began = time.perf_counter()
     state = _start_state(c, r, start, start_velocity)
     history = History(PiecewiseMotion(c, r, state), c)

@@ -30,7 +30,16 @@ from verification.thresholds.spreading import Spreading, spreading_threshold
 
 MAX_NUCLEUS = 41
 """Widest nucleus whose breather is followed: matrices are dense."""
-_BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
+_OF_BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
+_DEFINITIONS = {
+    ThresholdMethod.ENVELOPE: _OF_BREATHERS,
+    ThresholdMethod.ORBIT: _OF_BREATHERS,
+    ThresholdMethod.CLOSED_FORM: (Definition.EXISTENCE,),
+    ThresholdMethod.SWEEP: (Definition.EXISTENCE,),
+    ThresholdMethod.HOLD: (Definition.FIRST,),
+    ThresholdMethod.BISECTION: (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE),
+}
+"""What each method can find, the default first."""
 
 
 def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)
@@ -62,14 +71,16 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     nucleus : Nucleus, optional
         Excited sites, their phase steps, and their place.
     method : ThresholdMethod or str, optional
-        ``envelope`` (by default for an `AveragedChain`) and ``orbit`` (by default for a
-        `VdpChain`, also for an `OscillatorChain`): continuation of the breather to its fold.
-        ``closed-form``: fold of (29) with
-        (37). ``sweep`` and ``hold``: runs of (43) from an in-phase start. ``bisection`` (by default
-        for any other chain): runs of the chain itself that spread, or do not.
+        ``envelope`` (default for an `AveragedChain`) and ``orbit`` (default for a `VdpChain`;
+        possible for an `OscillatorChain`): continuation of the breather to its fold.
+        ``closed-form``: fold of (29) with (37). ``sweep`` and ``hold``: runs of (43) from an
+        in-phase start; a sweep without an escape at a fold is followed by ``hold``.
+        ``bisection`` (default for any other chain): runs of the chain itself that spread, or do
+        not.
     definition : Definition or str, optional
-        ``existence`` (by default) or ``stability`` of the breather; for runs ``first`` (by
-        default), ``several`` or ``whole``.
+        By continuation ``existence`` (default) or ``stability`` of the breather; by bisection
+        ``first`` (default), ``several`` or ``whole``. The closed form and sweeps find only
+        ``existence``, ``hold`` only ``first``.
     final_time : float, optional
         Bisection: time by which the nucleus must have spread, in units of the chain's `time_unit`.
     lowest, highest : float, optional
@@ -130,18 +141,25 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         )  # fmt: skip
     if nucleus.size > MAX_NUCLEUS:
         raise ParameterError("nucleus", nucleus.size, f"at most {MAX_NUCLEUS} sites", "excite less")
-    _ = chain.stable_amplitude
     if isinstance(chain, OscillatorChain) and how is ThresholdMethod.ORBIT:
+        _ = chain.stable_amplitude
         return _at_end_of_branch(chain, nucleus, how, what)
     if not isinstance(chain, VanDerPolChain):
         raise ParameterError(
             "method", how.value, f"bisection for the model {chain.model}",
             "take it, or a chain that has breathers of (8) or (43)",
         )  # fmt: skip
+    _ = chain.stable_amplitude
     if how is ThresholdMethod.CLOSED_FORM:
         return closed_form_threshold(chain, nucleus)
     if how in (ThresholdMethod.SWEEP, ThresholdMethod.HOLD):
-        return _by_runs_of_43(chain, nucleus, how, perturbation, seed)
+        found = _by_runs_of_43(chain, nucleus, how, perturbation, seed)
+        if definition is not None and found.definition is not what:
+            raise ParameterError(
+                "definition", what.value, "first: the nucleus does not escape at a fold",
+                "leave it out, or take the method hold",
+            )  # fmt: skip
+        return found
     return _at_end_of_branch(chain, nucleus, how, what)
 
 
@@ -204,13 +222,9 @@ def _method(chain: Chain, method: ThresholdMethod | str | None) -> ThresholdMeth
 
 
 def _definition(method: ThresholdMethod, definition: Definition | str | None) -> Definition:
-    runs = method is ThresholdMethod.BISECTION
-    followed = method in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT)
-    allowed = [each for each in Definition if (each in _BREATHERS) is not runs]
-    if not runs and not followed:
-        allowed = [Definition.EXISTENCE, Definition.FIRST]
+    allowed = _DEFINITIONS[method]
     if definition is None:
-        return Definition.FIRST if runs else Definition.EXISTENCE
+        return allowed[0]
     words = [each.value for each in allowed]
     return Definition(word(f"definition for the method {method}", definition, words))
 

@@ -70,7 +70,7 @@ def _computed(
     nucleus = bound.nucleus.given(options)
     named = any(hasattr(options, f"nucleus.{name}") for name in nucleus)
     if named or (nucleus and takes["nucleus"].default is not None):
-        parameters["nucleus"] = nucleus_of(nucleus)
+        parameters["nucleus"] = _nucleus(nucleus)
     if named:
         arguments["nucleus"] = parameters["nucleus"]
     further = {"progress": progress} if "progress" in takes else {}
@@ -241,12 +241,10 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
     return {**fields, "a": 1.0, "b": checked_eta(eta)}
 
 
-def nucleus_of(given: Mapping[str, Any]) -> Any:
-    """Return the nucleus that the options describe: its sites in phase if there is no pattern."""
-    from theory.chains.nucleus import Nucleus, Place
+def _nucleus(given: Mapping[str, Any]) -> Any:
+    from theory.chains.nucleus import Nucleus
 
-    size, place = given["size"], Place(given.get("place", Place.BULK))
-    return Nucleus(size=size, pattern=given.get("pattern", "0" * max(size - 1, 0)), place=place)
+    return Nucleus(**given)
 
 
 def _range_of(arguments: Mapping[str, Any]) -> str | None:

@@ -19,6 +19,7 @@ from theory.chains.nucleus import Nucleus, Place
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
+from verification.thresholds.spreading import Spreading
 
 CHAINS = models()
 ORDINARY: dict[str, dict[str, Any]] = {
@@ -123,6 +124,8 @@ def test_the_kernel_keeps_a_lone_site_on_its_cycle(chain: SmoothChain) -> None:
 def test_a_nucleus_is_placed() -> None:
     assert Nucleus(2, "0", Place("edge")).excited(9) == (1, 2)
     assert Nucleus(1).excited(31) == (16,)
+    assert Nucleus(3) == Nucleus(3, "00")
+    assert Spreading(3).nucleus == Nucleus(3, "00", Place.EDGE)
     assert Place.EDGE.sentence.endswith(".")
 
 

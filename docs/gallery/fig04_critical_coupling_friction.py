@@ -17,7 +17,7 @@ for place, marker in (("edge", "o-"), ("bulk", "s--")):
     found = [
         fr.threshold(
             chain,
-            fr.Nucleus(size, "0" * (size - 1), place),
+            fr.Nucleus(size, place=place),
             accuracy=1e-4,
             highest=0.05,
             final_time=400,

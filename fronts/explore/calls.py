@@ -185,7 +185,7 @@ def _breather(settings: Settings) -> Call:
     """
     size = settings.nucleus
     around = _chain(settings, size + 2 * AROUND, "around")
-    nucleus = Call("Nucleus", (size, "0" * (size - 1)))
+    nucleus = Call("Nucleus", (size,))
     averaged = _call("breather", around, nucleus=nucleus, method="envelope")
     if settings.model != "vdp":
         return averaged

@@ -43,7 +43,7 @@ class Nucleus:
     size : int
         Number of excited sites, at least 1.
     pattern : str
-        One of ``+-0x`` for each of the ``size - 1`` links.
+        One of ``+-0x`` for each of the ``size - 1`` links; if empty, all are in phase.
     place : Place
         ``bulk``: in the middle; ``edge``: from the first site on.
 
@@ -56,6 +56,8 @@ class Nucleus:
     --------
     >>> Nucleus(3, "-+").phases().round(3).tolist()
     [0.0, -1.571, 0.0]
+    >>> Nucleus(3).pattern
+    '00'
     """
 
     size: int
@@ -65,6 +67,8 @@ class Nucleus:
     def __post_init__(self) -> None:
         size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")
         object.__setattr__(self, "size", size)
+        if self.pattern == "":
+            object.__setattr__(self, "pattern", "0" * (size - 1))
         signs = self.pattern if isinstance(self.pattern, str) else "none"
         if len(signs) != self.size - 1 or set(signs) - set(STEPS):
             raise ParameterError(
@@ -209,4 +213,4 @@ def nucleus_sites(sites: int, place: Place, size: int) -> tuple[int, ...]:
     ((15, 16, 17), (1, 2))
     """
     whole_number("nucleus size", size, 1, sites, "give a nucleus that fits the chain")
-    return Nucleus(size, "0" * (size - 1), Place(place)).excited(sites)
+    return Nucleus(size, place=Place(place)).excited(sites)

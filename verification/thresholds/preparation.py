@@ -48,7 +48,7 @@ class Preparation:
     @property
     def nucleus(self) -> Nucleus:
         """The same sites, all in phase."""
-        return Nucleus(self.size, "0" * (self.size - 1), self.place)
+        return Nucleus(self.size, place=self.place)
 
     def chain(self, chain: VanDerPolChain, c: float) -> VanDerPolChain:
         """Return the chain with `MARGIN` sites around the nucleus."""

@@ -63,8 +63,7 @@ class Spreading:
     tolerance : float
         Of the integrator, from 1e-12 to 1e-4.
     pattern : str
-        Phase steps between the excited sites of a smooth chain, as in `Nucleus`; all in phase if
-        empty.
+        Phase steps between the excited sites of a smooth chain, as in `Nucleus`.
     displacement : float or None
         Of the excited sites; by default the excited state of one cell.
 
@@ -100,7 +99,7 @@ class Spreading:
     @property
     def nucleus(self) -> Nucleus:
         """The excited sites."""
-        return Nucleus(self.size, self.pattern or "0" * (self.size - 1), self.place)
+        return Nucleus(self.size, self.pattern, self.place)
 
     def watched(self, sites: int) -> tuple[int, ...]:
         """Return the sites to be reached, of which ``first`` asks for one and others for all.

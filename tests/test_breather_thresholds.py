@@ -23,7 +23,7 @@ from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
 from verification.thresholds.preparation import Preparation, hold, phase_steps
 from verification.thresholds.result import Mechanism, ThresholdMethod
-from verification.thresholds.slow_sweep import measure_delay
+from verification.thresholds.slow_sweep import START, measure_delay
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
@@ -92,6 +92,25 @@ def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(
     assert abs(delay.c_0 - fold) <= delay.error
     # 2/3 with a correction of order rate^{1/3} = 0.03.
     assert delay.exponent == pytest.approx(2 / 3, abs=0.03)
+
+
+@pytest.mark.parametrize("size", [1, 3])
+def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
+    """At b = 0.2 nothing holds at the coupling at which sweeps usually begin."""
+    chain = CHAIN.replace(b=0.2)
+    fold = breather_threshold(chain, Nucleus(size, outward_pattern(size))).c
+    assert fold < START
+    delay = measure_delay(chain, Preparation(size))
+    assert all(fold < slow < fast for fast, slow in itertools.pairwise(delay.escapes))
+    assert delay.c_0 is not None
+    assert delay.error is not None
+    assert abs(delay.c_0 - fold) <= delay.error
+
+
+def test_a_sweep_of_what_holds_nowhere_is_refused() -> None:
+    """Noise on the start above the unstable cycle."""
+    with pytest.raises(ParameterError, match=r"holds at some c from 0\.001"):
+        measure_delay(CHAIN, Preparation(1, perturbation=10.0))
 
 
 def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, positive
 from verification.runs.envelope_run import run_envelope
-from verification.thresholds.escape import escape_range
-from verification.thresholds.preparation import Preparation
+from verification.thresholds.escape import LOWEST, escape_range
+from verification.thresholds.preparation import Complex, Preparation, hold
 from verification.thresholds.result import (
     Definition,
     Delay,
@@ -31,7 +31,9 @@ from verification.thresholds.result import (
 Real = NDArray[np.float64]
 
 START, END = 0.15, 0.6
-"""Couplings at which a sweep begins, and at which it is given up."""
+"""Couplings at which a sweep begins if the nucleus holds there, and at which it is given up."""
+LOWER = 0.8
+"""Factor by which the first coupling is lowered until the nucleus holds."""
 RATES = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
 SETTLING = 300.0
 """Slow time at the starting coupling before a sweep begins."""
@@ -40,17 +42,37 @@ LAW = 0.06
 
 
 def sweep_envelope(chain: VanDerPolChain, preparation: Preparation, rate: float) -> float | None:
-    """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None."""
+    """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus escapes at every starting coupling from `LOWEST`.
+    """
     positive("sweep rate", rate)
-    here = preparation.chain(chain, START)
-    watch, limit = preparation.nucleus.outside(here.sites), here.unstable_amplitude
-    settled = run_envelope(here, preparation.start(here), SETTLING, watched=watch, limit=limit)
-    if settled.escaped:
-        return START
+    here, phi = _settled(chain, preparation)
     run = run_envelope(
-        here, settled.phi, (END - START) / rate, rate=rate, watched=watch, limit=limit
+        here,
+        phi,
+        (END - here.c) / rate,
+        rate=rate,
+        watched=preparation.nucleus.outside(here.sites),
+        limit=here.unstable_amplitude,
     )
     return run.coupling if run.escaped else None
+
+
+def _settled(chain: VanDerPolChain, preparation: Preparation) -> tuple[VanDerPolChain, Complex]:
+    """Return the chain at the first coupling, from `START` down, at which it holds, and φ_n."""
+    c = START
+    while (run := hold(chain, preparation, c, SETTLING)).escaped:
+        c *= LOWER
+        if c < LOWEST:
+            raise ParameterError(
+                "nucleus", preparation.size, f"one that holds at some c from {LOWEST:g}",
+                "take another size, a smaller perturbation, or change a or b",
+            )  # fmt: skip
+    return preparation.chain(chain, c), run.phi
 
 
 def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float = 0.0) -> Delay:
@@ -107,7 +129,7 @@ def measure_delay(chain: VanDerPolChain, preparation: Preparation) -> Delay:
     Raises
     ------
     ParameterError
-        If a sweep does not escape.
+        If the nucleus holds at no coupling, or a sweep does not escape.
     """
     started = time.perf_counter()
     escapes = []

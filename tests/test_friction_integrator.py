@@ -559,3 +559,26 @@ def test_excited_sites_start_where_the_cycle_turns(v_d: float) -> None:
         assert excite(FrictionChain.of(cell, c=0.0, sites=1), [1], point=point)[0, 0] == (
             pytest.approx(y, abs=1e-11)
         )
+
+
+@pytest.mark.parametrize("watched", [None, [2, 4]])
+@pytest.mark.parametrize("required", [1, 2])
+def test_a_run_may_stop_when_so_many_of_the_watched_sites_have_stuck(
+    watched: list[int] | None, required: int
+) -> None:
+    """Each counts once; sites are watched by their numbers, or all are."""
+    chain = FrictionChain(c=0.05, sites=7)
+    run = FrictionIntegration(chain, excite(chain, [1]), tolerance=1e-8, watched=watched)
+    assert run.advance_to(2000.0, required=required)
+    stuck = set(np.flatnonzero(~np.isnan(run.arrivals)) + 1)
+    assert len(stuck if watched is None else stuck & set(watched)) == required
+    assert run.time < 2000.0
+
+
+def test_a_budget_of_one_step_is_taken() -> None:
+    chain = FrictionChain(c=0.05, sites=7)
+    run = FrictionIntegration(chain, excite(chain, [4]), [100.0], tolerance=1e-8)
+    run.advance(1)
+    first = run.time
+    run.advance(1)
+    assert 0.0 < first < run.time < 100.0

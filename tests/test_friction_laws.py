@@ -24,6 +24,7 @@ from verification.cells.friction import cycle_velocities, friction_cell, unstabl
 from verification.cells.result import CellStatus
 from verification.references.equations import dynamic_friction
 from verification.references.friction_events import run_events
+from verification.steppers import friction_series
 
 LAWS = {
     "exponential": FrictionCell(viscous=0.1),
@@ -239,3 +240,25 @@ def test_a_chain_holds_its_law_as_a_word() -> None:
     assert chain.law is FrictionLaw.STRIBECK
     assert chain.parameters()["law"] == "stribeck"
     assert FrictionChain.of(chain.cell, c=0.1) == chain
+
+
+def test_numbers_of_a_run_are_those_of_its_law_and_no_other() -> None:
+    """v_0 of the exponential, v_s of Stribeck's; where a law has none it is as if infinite."""
+    coulomb, exponential = FrictionCell(law="coulomb"), FrictionCell(v0=0.4)
+    stribeck = FrictionCell(law="stribeck", v_s=0.3)
+    assert [friction_series.law_of(cell) for cell in (coulomb, exponential, stribeck)] == [
+        (), (), (0.3,),
+    ]  # fmt: skip
+    assert [
+        friction_series.new_numbers(cell, 0.1, 1e-9)[friction_series.V0]
+        for cell in (coulomb, exponential, stribeck)
+    ] == [math.inf, 0.4, math.inf]
+
+
+@pytest.mark.parametrize("order", [4, 25])
+def test_an_interval_is_halved_as_often_as_there_is_room_for(order: int) -> None:
+    """The work of a search goes from row 0 to row `_DEPTH` after the binomials."""
+    room = friction_series.new_room(order)
+    rows = room.shape[0] - (friction_series.BINOMIALS + order + 1)
+    assert rows > friction_series._DEPTH
+    assert room[friction_series.BINOMIALS + order].sum() == 2.0**order

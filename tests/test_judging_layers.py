@@ -72,6 +72,7 @@ from verification.quantities.quantity import (
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
 from verification.runs.excite import StartPoint, excite
+from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds import escape
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
@@ -381,6 +382,31 @@ def test_a_breather_is_named_the_later_the_less_its_amplitudes_may_still_change(
         assert found.state is State.BREATHER
         times.append(found.time)
     assert times[0] < times[1] < times[2]
+
+
+def test_a_stop_condition_that_counts_sites_is_given_all_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Also those at rest, which a run without one leaves out."""
+    made: list[SmoothIntegration] = []
+
+    def integration(*given: Any, **options: Any) -> SmoothIntegration:
+        made.append(SmoothIntegration(*given, **options))
+        return made[-1]
+
+    monkeypatch.setattr(state_run, "SmoothIntegration", integration)
+    chain = AveragedChain(a=4, b=0.5, c=0.05, sites=40)
+    rules = state_run.Rules(
+        level=chain.unstable_amplitude, quiet=1e-3, stiffness=0.0, hold=10.0, window=2.0,
+        settled=1e-3,
+    )  # fmt: skip
+    found = state_run.run_to_state(chain, excite(chain, [3]), rules, 100.0, 1e-8)
+    (run,) = made
+    assert (found.state, found.above) == (State.BREATHER, 1)
+    assert run.counts["site_steps"] == 40 * found.steps
+    usual = SmoothIntegration(chain, excite(chain, [3]), [1.0])
+    usual.advance(usual.default_budget)
+    assert usual.counts["site_steps"] < 40 * usual.counts["steps"]
 
 
 def _memory(*sites: tuple[float, float]) -> np.ndarray:

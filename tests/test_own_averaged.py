@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
+from verification.runs import averaging_error as averaging_error_module
 from verification.runs.averaging_error import averaging_error
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
@@ -166,3 +168,45 @@ def test_an_average_that_would_mislead_is_refused() -> None:
     ):
         with pytest.raises(ParameterError, match=words):
             averaging_error(**bad)
+
+
+@pytest.mark.parametrize("omega", [0.5, 2.0])
+def test_a_rotation_at_the_frequency_of_the_cell_is_no_distance_from_its_envelope(
+    omega: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """y = sin ωt and v = ω cos ωt have the envelope 1, whatever ω is."""
+    chain = OscillatorChain(damping="v**2 - 1", stiffness=f"{omega**2}*y", c=0.5, eps=0.02, sites=3)
+    starts: list[np.ndarray] = []
+
+    def simulate(run: Any, start: np.ndarray, end: float, times: list[float], **_: Any) -> Any:
+        starts.append(start)
+        y, v = np.zeros(len(times)), np.ones(len(times))
+        if run is chain:
+            y, v = np.sin(omega * np.array(times)), omega * np.cos(omega * np.array(times))
+        states = np.array([y, v]).T[:, :, None] * np.ones(3)
+        return SimpleNamespace(states=states, error=0.5 if run is chain else 0.25)
+
+    monkeypatch.setattr(averaging_error_module, "simulate", simulate)
+    start = np.array([[0.0, 0.0, 0.0], [omega, omega, omega]])
+    distance, error = averaging_error_module._distance(chain, start, 2.0)
+    assert distance < 1e-12
+    assert starts[1].tolist() == [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]
+    # y and v / ω of the chain err by no more than its state and that over ω.
+    assert error == 0.5 * max(1.0, 1.0 / omega) + 0.25
+
+
+@pytest.mark.parametrize(("sites", "middle"), [(3, 2), (6, 3), (7, 4)])
+def test_the_middle_site_is_excited_if_nothing_is_said(
+    sites: int, middle: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    starts: list[np.ndarray] = []
+
+    def distance(chain: Any, start: np.ndarray, _: float) -> tuple[float, float]:
+        starts.append(start)
+        return chain.eps, 1e-9
+
+    monkeypatch.setattr(averaging_error_module, "_distance", distance)
+    chain = VdpChain(a=4, b=0.5, c=0.5, eps=0.04, sites=sites)
+    found = averaging_error(chain, halvings=3)
+    assert found.eps.tolist() == [0.04, 0.02, 0.01, 0.005]
+    assert all(np.array_equal(each, excite(chain, [middle])) for each in starts)

@@ -13,12 +13,14 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import fronts as fr
 from fronts.animation import snapshot
 from fronts.branches import Branch, Turn
 from fronts.pictures import BLUE, VERMILION, draw
 from theory.result import Result
+from verification.pictures.figures import COLOURS, use_style
 
 mpl.use("Agg")
 
@@ -290,3 +292,14 @@ def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None
     assert np.allclose(np.hypot(circle["x"], circle["y"]), 1.0)
     assert circle["x"][0] == pytest.approx(circle["x"][-1])
     assert np.ptp(np.unwrap(np.arctan2(circle["y"], circle["x"]))) == pytest.approx(2 * np.pi)
+
+
+def test_the_style_of_pictures_leaves_room_for_labels_and_yellow_for_areas() -> None:
+    """A yellow line on white cannot be seen; without a layout labels are cut off or overlap."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        use_style()
+        lines = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
+        assert set(lines) == {colour for name, colour in COLOURS.items() if name != "yellow"}
+        assert isinstance(Figure().get_layout_engine(), ConstrainedLayoutEngine)
+        assert mpl.rcParams["axes.axisbelow"] is True

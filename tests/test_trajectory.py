@@ -22,6 +22,7 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.fronts.status import FrontStatus
+from verification.runs import simulate as simulate_module
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
@@ -218,3 +219,30 @@ def test_times_are_those_asked_for_and_the_run_goes_to_its_end() -> None:
     assert run.times.tolist() == [1.0, 2.5]
     assert math.isclose(run.arrivals[0], whole.arrivals[0], abs_tol=1e-8)
     assert run.counts["sticks"] == whole.counts["sticks"]
+
+
+@pytest.mark.parametrize(
+    "times", [[-1.0, 1.0], [2.0, 1.0], [0.0, 3.5], [-2.0, -1.0], [0.0, 2.0, 1.0]]
+)
+def test_times_of_samples_ascend_from_zero_to_the_end(times: list[float]) -> None:
+    with pytest.raises(ParameterError, match="times of the samples"):
+        simulate_module._sample_times(FRONT, 3.0, 5, times)
+
+
+@pytest.mark.parametrize("times", [[0.0, 3.0], [1.0, 1.0, 2.0], [0.0, 0.0], [3.0, 3.0]])
+def test_times_of_samples_may_be_the_ends_and_twice_the_same(times: list[float]) -> None:
+    assert simulate_module._sample_times(FRONT, 3.0, 5, times).tolist() == times
+
+
+@pytest.mark.parametrize("displacement", [1000.0, -1000.0])
+def test_a_displacement_is_at_most_a_thousand(displacement: float) -> None:
+    y, _ = np.abs(excite(FRONT, [1], displacement))
+    assert y[0] == 1000.0
+    with pytest.raises(ParameterError, match="displacement"):
+        excite(FRONT, [1], 1.001 * displacement)
+
+
+def test_a_loop_ends_in_one_of_several_ways_each_with_its_sentence() -> None:
+    """Codes that are equal would be one member under two names."""
+    assert [code.name for code in StopCode] == list(StopCode.__members__)
+    assert len({code.sentence for code in StopCode}) == len(StopCode)

@@ -10,17 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpmath import mp
-from scipy.integrate import simpson, solve_ivp
+from scipy.integrate import quad, simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
 from theory.chains.ends import Ends
-from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.parameters import ParameterError
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from theory.parameters import ParameterError, RunError
 from verification.quantities.problems import PROBLEMS, Problem
 from verification.references.equations import averaged_damping, damping, full_rate
 from verification.runs.excite import add_noise, as_psi, excite, excite_edge
 from verification.runs.simulate import simulate
+from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import Trajectory
+from verification.steppers import stiff_stage
 from verification.steppers.stiff_stage import full_jacobian, full_right_side
 
 FRONT = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
@@ -318,3 +320,74 @@ def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> Non
     far = simulate(long, excite(long, [30], 200.0), 10.0, samples=3, tolerance=1e-9)
     assert far.mean_active < 1.5 * part.mean_active + 60.0
     assert np.abs(far.psi[:, :40] - whole.psi[:, :40]).max() < 1e-6
+
+
+def test_a_run_by_equal_steps_takes_as_many_as_fit_and_says_their_length() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, eps=0.05, sites=4)
+    start = excite(chain, [1])
+    for steps in (50, 100):
+        run = SmoothIntegration(chain, start, [5.0], step=5.0 / steps)
+        while not run.finished:
+            run.advance(run.default_budget)
+        assert run.counts["steps"] in (steps, steps + 1)  # its last one may be a rounding
+        assert run.metadata["step"] == 5.0 / steps
+    assert SmoothIntegration(chain, start, [5.0]).metadata["step"] is None
+
+
+def test_steps_of_the_averaged_chain_become_as_short_as_a_large_start_asks() -> None:
+    """It has no implicit method; r decays like r' = -b r⁵/16, so that r is (bT/4)^{-1/4} soon."""
+    chain = AveragedChain(a=4, b=0.5, c=0.0, eps=0.05, sites=2)
+    slow = 1e-9
+    run = SmoothIntegration(chain, excite(chain, [1], 900.0), [slow / chain.eps])
+    while not run.finished:
+        run.advance(run.default_budget)
+    expected = (900.0**-4 + 0.25 * chain.b * slow) ** -0.25
+    assert run.sampled_amplitude[-1, 0] == pytest.approx(
+        expected, rel=1e-3
+    )  # 2a/(b r²) of it is left out
+    assert run.counts["stiff_steps"] == 0
+
+
+def test_many_sites_that_arrive_within_a_step_do_so_when_each_alone_would() -> None:
+    """Uncoupled sites that grow from beside one another: T = ∫ dr / f(r) up to the level."""
+    chain = AveragedChain(a=4, b=0.5, c=0.0, eps=0.05, sites=12)
+    starts = 1.5 + 0.002 * np.arange(12.0)
+    level = 2.5
+    end = 40.0
+    run = SmoothIntegration(
+        chain, np.array([starts, np.zeros(12)]), [end], tolerance=1e-12, level=level
+    )
+    while not run.finished:
+        run.advance(run.default_budget)
+
+    def slowness(r: float) -> float:
+        return -2.0 / (r * (1.0 - chain.a * r**2 / 4.0 + chain.b * r**4 / 8.0))
+
+    expected = [quad(slowness, each, level, epsabs=1e-13)[0] / chain.eps for each in starts]
+    assert run.counts["steps"] < 100
+    assert np.ptp(expected) < end / run.counts["steps"]  # about a step
+    assert run.arrivals == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_implicit_method_ends_where_damping_is_gentle_or_its_steps_are_spent() -> None:
+    """By the damping of the chain that is written anew, at either sign and of any site."""
+    chain = VdpChain(a=4, b=0.5, c=0.6, eps=0.05, sites=3)
+    for y in ([0.0, 0.5, 0.2], [1.5, 0.0, 0.1], [2.0, 1.9, -2.1], [0.1, 0.0, -40.0]):
+        state = np.array([*y, 5.0, 6.0, 7.0])
+        rates = chain.eps * np.abs(damping(np.array(y), chain.a, chain.b))
+        event = stiff_stage._Gentle(chain, 3)
+        found = [event(0.0, state) for _ in range(3)]
+        assert found == pytest.approx([rates.max() - stiff_stage.GENTLE] * 3, rel=1e-12)
+        with pytest.raises(RunError, match="implicit steps"):
+            event(0.0, state)
+
+
+@pytest.mark.parametrize("level", [0.25, 1.3, 2.0, 3.7])
+def test_a_site_passes_a_level_between_two_implicit_steps(level: float) -> None:
+    """Of two sites whose |Ψ| is t and t/2."""
+    piece = stiff_stage.StiffPiece(
+        4, 6, np.array([0.0, 1.0, 2.5, 4.0]),
+        lambda t: np.array([0.6 * t, 0.5 * t, 0.8 * t, 0.0]),
+    )  # fmt: skip
+    late = {5: pytest.approx(2.0 * level, rel=1e-12)} if level <= 2.0 else {}
+    assert piece.passes(level) == {4: pytest.approx(level, rel=1e-12), **late}

@@ -19,10 +19,12 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers.active import FREE, RING
+from verification.steppers import amplitudes
+from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST, RING, end_codes
 from verification.steppers.fixed import fixed_steps
 from verification.steppers.kernel import slope_of
 from verification.steppers.runge_kutta import dop853_step, step_error
+from verification.steppers.specialise import source_mark
 from verification.steppers.splitting import saba, split_steps
 from verification.steppers.taylor import ENVELOPE, FULL, taylor_order, taylor_steps
 
@@ -224,3 +226,38 @@ def test_a_step_that_explodes_never_passes(displacement: float) -> None:
             exploded += 1
             assert not error < 1e-2
     assert exploded > 50
+
+
+def test_ends_of_a_window_have_codes_of_their_own() -> None:
+    assert len({REST, FREE, RING, FOLLOWING, NETWORK}) == 5
+    ends = _called(end_codes)
+    assert ends(0, 7, 7, RING, False) == (RING, RING)
+    assert ends(0, 7, 7, FREE, False) == (FREE, FREE)
+    assert ends(2, 5, 7, FREE, False) == (REST, REST)
+    assert ends(2, 7, 7, FREE, True) == (FOLLOWING, FREE)
+    assert ends(0, 5, 7, FOLLOWING, False) == (FOLLOWING, REST)
+    assert ends(2, 5, 7, NETWORK, False) == (2, 7)
+
+
+@pytest.mark.parametrize("half", [0.01, 1.0, 7.3, 60.0])
+def test_a_disturbance_reaches_as_far_as_it_is_above_rounding(half: float) -> None:
+    """half^d / d! falls from d = half on; by logarithms of factorials."""
+    far = amplitudes._reach(half)
+
+    def size(d: int) -> float:
+        return d * math.log(half) - math.lgamma(d + 1.0)
+
+    assert far >= half
+    assert size(far) <= math.log(1e-19) + 1e-9
+    assert far - 1 < half or far == 1 or size(far - 1) > math.log(1e-19) - 1e-9
+
+
+def test_functions_typed_in_at_a_prompt_are_told_apart_by_what_they_do() -> None:
+    """There is no file to look into; names and numbers may be the same."""
+    marks = []
+    for text in ("x + 1.0", "x - 1.0", "x + 2.0", "y + 1.0"):
+        space: dict[str, Any] = {"__name__": "prompt"}
+        exec(compile(f"def f(x, y): return {text}", "<prompt>", "exec"), space)
+        marks.append(source_mark(space["f"]))
+    assert len(set(marks)) == 4
+    assert {mark.rpartition(".")[0] for mark in marks} == {"prompt.f"}

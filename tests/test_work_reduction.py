@@ -16,6 +16,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.special import zeta
 
 from fronts.cli import main
 from theory.cells.vdp import threshold_ratio
@@ -339,3 +340,97 @@ def test_a_search_is_compared_just_above_the_fold(monkeypatch: pytest.MonkeyPatc
 def test_a_front_that_retreats_crosses_downwards_by_both_methods() -> None:
     found = runs.steps_between_crossings(2.0, 0.115, 2)
     assert found.changed <= found.bound < 1e-7
+
+
+def test_a_bound_holds_the_errors_of_both_results(monkeypatch: pytest.MonkeyPatch) -> None:
+    results = iter([(1.0, 0.25), (1.5, 0.5)] * 2)
+
+    def made(*_: object) -> SimpleNamespace:
+        value, error = next(results)
+        return SimpleNamespace(value=mp.mpc(value), error=error)
+
+    monkeypatch.setattr(sums, "timed", lambda compute: (compute(), 0.5))
+    monkeypatch.setattr(sums, "sum_by_roots", made)
+    monkeypatch.setattr(sums, "tail_sum", lambda *_: tuple(map(mp.mpf, next(results))))
+    for compare in (sums.double_precision, sums.few_tail_terms):
+        found = compare()
+        assert (found.changed, found.bound) == (0.5, 0.75)
+
+
+@pytest.mark.parametrize(("v", "digits"), [(0.3, 2), (0.5, 3), (2.0, 3)])
+def test_so_many_roots_are_summed_one_by_one_as_leave_out_less_than_is_asked(
+    v: float, digits: int
+) -> None:
+    """Of k = 2πν to either side terms are 1/(v k²); ζ(2, M + 1) is the sum of 1/ν² beyond M."""
+    most = (sums.few_roots(v, 0.5, digits).whole - 1) / 2
+    left = 2.0 / (v * (2.0 * np.pi) ** 2) * zeta(2.0, [most + 1.0, 0.9 * most])
+    assert left[0] < 10.0**-digits < left[1]
+
+
+def test_crossings_are_as_far_apart_as_the_two_that_are_farthest() -> None:
+    rows = np.array([[1.0, 3, 1, 0.0], [2.0, 4, 1, 0.0], [3.0, 5, -1, 0.0]])
+    for place, off in ((0, 0.25), (1, -0.5), (2, 0.125)):
+        moved = rows.copy()
+        moved[place, 0] += off
+        assert runs._apart(rows, moved) == abs(off)
+    for column in (1, 2):
+        other = rows.copy()
+        other[1, column] += 1
+        assert runs._apart(rows, other) == np.inf
+    assert runs._apart(rows, rows[:-1]) == np.inf
+
+
+def test_searches_for_a_crossing_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    sought: list[int] = []
+    search = PiecewiseMotion._first_crossing
+
+    def counted(self: Any, *given: Any) -> Any:
+        sought.append(given[2])
+        return search(self, *given)
+
+    monkeypatch.setattr(PiecewiseMotion, "_first_crossing", counted)
+    found = runs.crossings_sought(0.5, 0.03125, 2)
+    assert found.spent + found.whole == len(sought)
+
+
+def test_harmonics_are_compared_with_the_errors_of_both_solutions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known: list[Any] = []
+
+    def balanced(_: object, odd: Any, __: object, orbit: Any) -> tuple[float, float]:
+        known.append(orbit)
+        return orbit.period + 0.25, 0.5
+
+    monkeypatch.setattr(orbits, "_balanced", balanced)
+    found = orbits.harmonics_not_solved_for(0.01)
+    assert found.changed == pytest.approx(0.25)
+    assert found.bound == known[0].error + 0.5
+
+
+@pytest.mark.parametrize("left", [1e-3, -1e-3])
+def test_a_balance_errs_by_what_is_left_of_it_of_either_sign(
+    left: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=0.05, sites=3)
+    odd = np.array([1, 3])
+    harmonics = np.array([[0.1, 0.0], [2.0, 0.0], [0.1, 0.0]], dtype=complex)
+
+    def solved(_: object, guess: np.ndarray, **__: object) -> SimpleNamespace:
+        return SimpleNamespace(x=guess, jac=np.eye(guess.size), fun=np.full(guess.size, left))
+
+    monkeypatch.setattr(orbits, "least_squares", solved)
+    orbit: Any = SimpleNamespace(period=6.3)
+    period, error = orbits._balanced(chain, odd, harmonics, orbit)
+    assert period == pytest.approx(6.3 / 1.01)
+    assert error == pytest.approx(1e-3 * period, rel=1e-9)
+
+
+def test_a_site_that_crosses_back_at_once_does_so_by_both_methods() -> None:
+    """At strong coupling waves take a site over the threshold and back before another crosses."""
+    c, r = 20.0, threshold_ratio(0.02)
+    start = runs._moving(c, r)
+    exact = runs._switchings(PiecewiseMotion(c, r, start), 3)
+    stepped = runs._stepped_switchings(c, r, start, 3, 1e-9)
+    assert (exact[1, 1], exact[1, 2]) == (exact[2, 1], -exact[2, 2])
+    assert runs._apart(exact, stepped) < 1e-6

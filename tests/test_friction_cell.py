@@ -434,7 +434,7 @@ def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None
     chain = VdpChain(a=2.5, b=0.5, c=0.0)
     gaps = []
     for eps in (0.04, 0.02, 0.01):
-        cell = vdp_cell(2.5, 0.5, eps)
+        cell = vdp_cell(2.5, 0.5, eps, 1e-12)
         assert cell.stable is not None
         assert cell.unstable is not None
         assert cell.stable.averaged == pytest.approx(chain.stable_amplitude, rel=1e-15)
@@ -444,7 +444,7 @@ def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None
     for ratio in (np.array(gaps[0]) / gaps[1], np.array(gaps[1]) / gaps[2]):
         # Second order in ε; the next term is of relative size ε².
         assert np.log2(ratio) == pytest.approx([2, 2], abs=0.02)
-    beyond = vdp_cell(1.0, 0.2, 0.01)
+    beyond = vdp_cell(1.0, 0.2, 0.01, 1e-12)
     assert beyond.stable is None
 
 

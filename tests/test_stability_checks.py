@@ -16,6 +16,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
@@ -82,6 +83,33 @@ def test_a_breather_that_is_denied_is_missed_below_its_fold_only() -> None:
         assert (denied.distance == 0.0) is right
 
 
+@pytest.mark.parametrize(("reading", "c"), [(1.0, 0.19), (1.0, 0.1), (2.0, 0.5), (2.0, 0.1)])
+def test_a_breather_of_the_branch_beyond_the_fold_is_refuted(reading: float, c: float) -> None:
+    """Of the same coupling, a solution of the same equations, but with a smaller amplitude."""
+    row, a, b = computation_named("closed-form-breather"), 2.5, 0.5
+    at = {"a": a, "eta": 0.08, "c": c, "reading": reading}
+    stated = row.compute(at)
+    assert compared(stated.error, row.check(at, stated)) is Outcome.RIGHT
+
+    def decay(S: float) -> float:
+        """Return w of (37) for given S, a cubic; with the reading of the tail it is linear."""
+        gain = (-b * S**2 + 2.0 * a * S - 8.0) / 16.0
+        if reading == 2.0:
+            return gain / (1.0 + gain)
+        roots = np.roots([b * S * S / 8.0, -a * S / 4.0, 1.0 + gain, -gain])
+        return float(min(x.real for x in roots if abs(x.imag) < 1e-9))
+
+    def excess(S: float) -> float:
+        return float((-b * S**2 + 2.0 * a * S - 8.0) / 16.0 / math.sqrt(decay(S)) - c)
+
+    # Down from where c is largest, which is below the breather itself, to where the gain ends.
+    S = np.linspace(stated.value[0] ** 2 - 1e-3, 5.0 - 3.0 + 1e-3, 400)
+    falls = [i for i in range(S.size - 1) if excess(S[i]) > 0.0 >= excess(S[i + 1])]
+    other = brentq(excess, S[falls[0]], S[falls[0] + 1], xtol=1e-14)
+    wrong = replace(stated, value=np.sqrt([other, decay(other)]))
+    assert compared(stated.error, row.check(at, wrong)) is Outcome.EXCEEDED
+
+
 @pytest.mark.parametrize("reading", [1.0, 2.0])
 def test_a_fold_of_the_closed_form_is_as_far_off_as_it_is(reading: float) -> None:
     row = computation_named("closed-form-fold")
@@ -95,16 +123,11 @@ def test_a_fold_of_the_closed_form_is_as_far_off_as_it_is(reading: float) -> Non
             )
 
 
-def test_what_is_stated_of_a_fold_is_held_against_whether_it_exists(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    at = {"a": 1.0, "eta": 0.08, "reading": 1.0}
-    for start, value, held in (
-        (None, None, True), (None, 0.2, False), ((19.0, 0.09), None, False)
-    ):  # fmt: skip
-        monkeypatch.setattr(breathers, "_scan", lambda _, start=start: start)
-        check = breathers._check_fold(at, StatedValue(value=value, error=1e-9))
-        assert (check.distance == 0.0) is held
+@pytest.mark.parametrize("eta", [1e-12, 1e-9, 1e-6])
+def test_the_fold_of_the_closed_form_tends_to_that_of_a_cubic_for_small_eta(eta: float) -> None:
+    """With w = ηu and S = (2 - …)/η (29) and (37) tend to c = √η (√u - u^{3/2}/2): u = 2/3."""
+    S, w = breathers._scan({"eta": eta})
+    assert (eta * S, w / eta) == pytest.approx((2.0, 2.0 / 3.0), rel=0.012)
 
 
 def test_a_breather_may_be_missing_below_a_fold_by_as_much_as_that_is_off(

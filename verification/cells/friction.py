@@ -172,5 +172,5 @@ def _with_error(cell: FrictionCell, fine: Cycle | None, coarse: Cycle | None) ->
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
     reach = max(abs(fine.max), abs(fine.min))
     # The belt carries the cell from where it sticks to its release: a place is a time over v_d.
-    size = max(1.0, fine.period, reach, reach / cell.v_d if fine.stick_time else 0.0)
+    size = max(fine.period, reach, reach / cell.v_d if fine.stick_time else 0.0)
     return replace(fine, error=max(*gaps, fine.error, coarse.error, ROUND_OFF * size))

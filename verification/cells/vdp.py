@@ -51,7 +51,7 @@ class Maximum:
         return float(z[1]) if t > 0.0 else -1.0
 
 
-def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> Cell:
+def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     """Return both cycles of a cell.
 
     y → y√a turns (a, b) into (1, η), so that shooting has the same tolerance for every a.
@@ -73,7 +73,7 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float = 1e-12) -> Cell:
 
     Examples
     --------
-    >>> found = vdp_cell(2.5, 0.5, 0.01)
+    >>> found = vdp_cell(2.5, 0.5, 0.01, 1e-12)
     >>> abs(found.stable.amplitude - found.stable.averaged) < 1e-3
     True
     """

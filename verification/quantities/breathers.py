@@ -67,11 +67,12 @@ def _coefficients(at: Mapping[str, float]) -> tuple[Any, Any]:
     return mp.mpf(chain.a), mp.mpf(chain.b)
 
 
-def _scan(at: Mapping[str, float]) -> tuple[float, float] | None:
+def _scan(at: Mapping[str, float]) -> tuple[float, float]:
     """Return (S, w) at the first maximum of c, with w as the parameter, on one sheet and the other.
 
     From (29) and (37) with c removed, a quadratic for S at given w:
-    b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η.
+    b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η. There is
+    one: c is zero at w = 0 on both sheets, and positive between.
     """
     eta = at["eta"]
     gap = max(1.0 - 8.0 * eta, 1e-16)
@@ -89,27 +90,29 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float] | None:
     with np.errstate(all="ignore"):  # beyond double precision nothing falls
         c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
         falls = np.flatnonzero(np.diff(c) < -1e-13 * c[:-1])
-    return (float(S[falls[0]]), float(w[falls[0]])) if falls.size else None
+    return float(S[falls[0]]), float(w[falls[0]])
+
+
+def _true_fold(at: Mapping[str, float]) -> tuple[Any, Any]:
+    """Return S and c of the fold: (29), (37) and their tangency by Newton from a plain scan."""
+    a, b = _coefficients(at)
+    if _reading(at) is Reading.TAIL:  # c = √(G(1 + G)), largest with G
+        m = (a * a - 8 * b) / (16 * b)
+        return a / b, mp.sqrt(m * (1 + m))
+    start = _scan(at)
+    S, w = mp.mpf(start[0]) / a, mp.mpf(start[1])
+    try:
+        S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-40)
+    except (ValueError, ZeroDivisionError):
+        raise NoReferenceError("Newton in 60 digits does not converge.") from None
+    return S, _gain(S, a, b) / mp.sqrt(w)
 
 
 def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Solve (29), (37) and their tangency by Newton in 60 digits from a plain scan."""
-    a, b = _coefficients(at)
+    """Hold the coupling of the fold against the same in 60 digits."""
     with mp.workdps(60):
-        if _reading(at) is Reading.TAIL:
-            m = (a * a - 8 * b) / (16 * b)
-            off = abs(mp.sqrt(m * (1 + m)) - stated.value)
-            return ReferenceCheck(distance=float(off), method="closed form")
-        start = _scan(at)
-        if start is None or stated.value is None:
-            return ReferenceCheck.exact(start is stated.value, "whether it exists")
-        S, w = mp.mpf(start[0]) / a, mp.mpf(start[1])
-        try:
-            S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-40)
-        except (ValueError, ZeroDivisionError):
-            raise NoReferenceError("Newton in 60 digits does not converge.") from None
-        off = abs(_gain(S, a, b) / mp.sqrt(w) - stated.value)
-        return ReferenceCheck(distance=float(off), method="Newton")
+        off = abs(_true_fold(at)[1] - stated.value)
+        return ReferenceCheck(distance=float(off), method="fold in 60 digits")
 
 
 def _on_branch(S: Any, w: Any, a: Any, b: Any) -> Any:
@@ -138,17 +141,17 @@ def _breather(at: Mapping[str, float]) -> StatedValue:
 def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Solve (29) and (37) for S and w by Newton in 60 digits; relative distances.
 
-    Newton is started from the stated: that the branch is the one before the fold is checked by c
-    below c_fold and S above that of the fold.
+    Newton is started from the stated: the branch is the one before the fold where S is above that
+    of the fold.
     """
-    fold = _check_fold(at, StatedValue(value=stated.extra.fold.c, error=stated.extra.fold.error))
     top = stated.extra.fold.c
     if stated.value is None:
         # No farther than the fold stated is from its reference can the true one be beyond it.
-        held = top is None or at["c"] > top - fold.distance
-        return fold if top is None else ReferenceCheck.exact(held, fold.method)
+        fold = _check_fold(at, StatedValue.of(stated.extra.fold, top))
+        return ReferenceCheck.exact(at["c"] > top - fold.distance, fold.method)
     a, b = _coefficients(at)
     with mp.workdps(60):
+        least = _true_fold(at)[0] * (1 - 2 * stated.error)
         c = mp.mpf(at["c"])
         S, w = mp.mpf(stated.value[0]) ** 2, mp.mpf(stated.value[1]) ** 2
         tail = _reading(at) is Reading.TAIL
@@ -161,10 +164,10 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
         try:
             x, y = mp.findroot(both, (mp.mpf(1), mp.mpf(1)), tol=1e-40)
         except (ValueError, ZeroDivisionError):
-            if top is not None and at["c"] > top * (1.0 - 1e-12):
+            if at["c"] > top * (1.0 - 1e-12):
                 return ReferenceCheck.exact(True, "at the fold to within rounding")
             raise NoReferenceError("Newton in 60 digits does not converge.") from None
-        off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1))
+        off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1)) if S * x >= least else mp.inf
         return ReferenceCheck(distance=float(off), method="Newton in 60 digits")
 
 

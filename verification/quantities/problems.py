@@ -44,7 +44,7 @@ class Problem:
     name: str
     values: Mapping[str, float]
     tags: tuple[Tag, ...]
-    timed: bool = False
+    timed: bool
 
     def __getitem__(self, name: str) -> float:
         """Return the value of a parameter; ``KeyError`` where the problem has none."""

@@ -57,7 +57,7 @@ def reference_sum(v: float, c: float, digits: int, without: str = "") -> tuple[A
     if without != "series" and c / v < MAX_PERIODS:
         found = sum_by_roots(v, c, digits)
         return found.value, found.error, "series"
-    bound = static_sum_distance(v, c) if v < 0.5 else 1.0
+    bound = static_sum_distance(v, c)
     if bound < 10.0**-digits:
         with mp.workdps(digits + 10):
             return static_sum(mp.mpf(c)), bound + 10.0 ** (-digits - 5), "static limit"

@@ -57,8 +57,8 @@ def precise_phase(cell: FrictionCell, y: float, v: float, speed: float) -> tuple
         return t, path(t)[0]
 
 
-def peak(cell: FrictionCell, y: float) -> float:
-    """The next maximum of y after one, by scipy, backward slip continued smoothly."""
+def peak(cell: FrictionCell, y: float) -> tuple[float, float]:
+    """When and how high is the next maximum of y, by scipy, backward slip continued smoothly."""
 
     def rate(_: float, z: np.ndarray) -> list[float]:
         mu = cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp((z[1] - cell.v_d) / cell.v0)
@@ -66,7 +66,7 @@ def peak(cell: FrictionCell, y: float) -> float:
 
     run = solve_ivp(rate, (0, 8), [y, 0], "DOP853", rtol=1e-13, atol=1e-15, dense_output=True)
     t = brentq(lambda s: run.sol(s)[1], 5.0, 7.5, xtol=1e-14)
-    return float(run.sol(t)[0])
+    return float(t), float(run.sol(t)[0])
 
 
 def test_the_closed_forms_are_those_of_the_force() -> None:
@@ -233,12 +233,54 @@ def test_the_error_of_the_expanded_cycle_covers_the_next_order_in_its_amplitude(
     assert found.multiplier - 1.0 == pytest.approx(2.0 * math.pi * delta, rel=1e-3)
 
 
+@pytest.mark.parametrize("v_d", [0.5, 1.25])
+def test_slip_that_begins_at_rest_has_the_maximum_that_scipy_finds(v_d: float) -> None:
+    cell = replace(CELL, v_d=v_d)
+    for y in (cell.steady_sliding + 0.02, cell.steady_sliding + 0.1):
+        found = friction_cycles._slip_from(cell, y, phases.HIGHEST, 1e-13)
+        assert found == pytest.approx((*peak(cell, y), -v_d), abs=1e-11)
+
+
+def test_an_expanded_cycle_of_a_bent_curve_returns_in_scipy_within_its_error() -> None:
+    """Of μ so steep and wide that only its curvature F counts, ü + u = Fu̇²/2: to second order."""
+    bend, amplitude, v0 = 0.1, 0.1, 1e3
+    cell = FrictionCell(v_d=1.0, v0=v0, mu_d=1.0, mu_st=1.0 + bend * v0**2 * math.exp(1.0 / v0))
+    found = friction_cycles._expanded(cell, amplitude)
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        return [z[1], 0.5 * bend * z[1] ** 2 - z[0]]
+
+    top = found.max - cell.steady_sliding
+    run = solve_ivp(rate, (0, 7), [top, 0], "DOP853", rtol=1e-12, atol=1e-14, dense_output=True)
+    half, turn = (brentq(lambda s: run.sol(s)[1], *ends) for ends in ((2.0, 4.0), (5.0, 7.0)))
+    low = cell.steady_sliding + run.sol(half)[0]
+    assert 1e-6 < abs(turn - found.period) <= found.error
+    assert abs(low - found.min) <= found.error < 2e-4
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_the_error_of_an_expanded_cycle_where_friction_has_no_curvature_is_a_length(
+    size: float,
+) -> None:
+    """There only the cubic term is left out, which scales as all lengths do."""
+
+    def left_out(size: float) -> float:
+        v_s = 0.5 * size
+        cell = FrictionCell(
+            law="stribeck", v_s=v_s, v_d=v_s / math.sqrt(2.0), mu_st=size, mu_d=0.5 * size
+        )
+        assert abs(cell.curve.curvature(cell.v_d)) < 1e-14 / size
+        return friction_cycles._expanded(cell, 0.1 * size).error
+
+    assert left_out(size) == pytest.approx(size * left_out(1.0), rel=1e-6)
+
+
 def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
     cycle = unstable_cycle(CELL)
     assert cycle is not None
-    assert abs(peak(CELL, cycle.max) - cycle.max) < 1e-10
+    assert abs(peak(CELL, cycle.max)[1] - cycle.max) < 1e-10
     step = 1e-4
-    growth = (peak(CELL, cycle.max + step) - peak(CELL, cycle.max - step)) / (2 * step)
+    growth = (peak(CELL, cycle.max + step)[1] - peak(CELL, cycle.max - step)[1]) / (2 * step)
     # Differences with a step of 1e-4 are good to 1e-7.
     assert growth == pytest.approx(cycle.multiplier, abs=1e-6)
     assert growth > 1.0
@@ -371,11 +413,14 @@ def test_a_cell_that_reverses_before_it_sticks_turns_where_its_slips_back_do(
         direction = given.get("direction", -1.0)
         if end == phases.TOUCH:
             asked.append(direction)
+            assert w == 0.0
             return 2.0, 0.5, 0.0
         if end == phases.LOWEST:
             turns[:] = next(backwards)
+        begun.append((y, w))
         return 1.0, turns[0] if end == phases.LOWEST else turns[1], 0.25
 
+    begun: list[tuple[float, float]] = []
     turns = [0.0, 0.0]
     sticks = iter([None, None, SimpleNamespace(duration=4.0)])
     monkeypatch.setattr(friction_cycles, "_phase", phase)
@@ -386,6 +431,8 @@ def test_a_cell_that_reverses_before_it_sticks_turns_where_its_slips_back_do(
     assert (found.min, found.max) == (-3.0, 2.0)
     assert (found.slip_time, found.stick_time, found.period) == (6.0, 4.0, 10.0)
     assert found.speed == CELL.v_d + 0.25
+    # Each slip begins at the velocity of the belt, where the one before has ended.
+    assert set(begun) == {(CELL.release, 0.0), (0.5, 0.0)}
 
 
 def test_a_cell_that_never_sticks_is_refused() -> None:

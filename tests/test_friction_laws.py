@@ -20,6 +20,7 @@ from theory.cells.friction import (
 from theory.cells.friction_law import FrictionLaw
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
+from verification.cells.diagram import cell_diagram
 from verification.cells.friction import cycle_velocities, friction_cell, unstable_cycle
 from verification.cells.result import CellStatus
 from verification.references.equations import dynamic_friction
@@ -233,6 +234,26 @@ def test_cells_whose_cycles_have_no_meaning_say_so() -> None:
         friction_cell(FrictionCell(law="coulomb", xi=0.0))
     with pytest.raises(ParameterError, match="no cycle that slips all the time is stable"):
         friction_cell(FrictionCell(law="stribeck", xi=0.35, v_d=0.4))
+
+
+def test_a_diagram_is_refused_where_another_cycle_is_stable() -> None:
+    with pytest.raises(ParameterError, match="no cycle that slips all the time is stable"):
+        cell_diagram(FrictionCell(law="stribeck", xi=0.35), [0.4], 1e-6)
+
+
+def test_without_a_stick_slip_cycle_at_any_velocity_both_its_ends_are_zero() -> None:
+    """With enough damping no slip returns to the belt; without any it does at all velocities."""
+    for law in ("stribeck", "exponential"):
+        assert cycle_velocities(FrictionCell(law=law, xi=3.0), 1e-8) == (0.0, 0.0)
+        assert cycle_velocities(FrictionCell(law=law, xi=0.0), 1e-8)[1] == math.inf
+
+
+@pytest.mark.parametrize("size", [1e-2, 1e2])
+def test_velocities_of_stick_slip_scale_with_forces_and_velocities_of_the_law(size: float) -> None:
+    plain = cycle_velocities(FrictionCell(law="stribeck"), 1e-10)
+    scaled = FrictionCell(law="stribeck", v_s=0.5 * size, mu_st=size, mu_d=0.5 * size)
+    found = np.array(cycle_velocities(scaled, 1e-10)) / size
+    assert found == pytest.approx(plain, rel=1e-6)
 
 
 def test_a_chain_holds_its_law_as_a_word() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numba
@@ -15,7 +17,8 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.cells import oscillator
 from verification.cells.cell import cell
-from verification.cells.result import CellStatus, OwnCell
+from verification.cells.result import Cell, CellStatus, Cycle, OwnCell
+from verification.cells.vdp import longest_step, vdp_cell
 from verification.references.network import oscillator_rate, states_by_scipy
 
 PERIOD, AMPLITUDE = 6.663286859323130, 2.008619860874843
@@ -173,6 +176,92 @@ def test_a_cycle_is_looked_for_between_those_beside_it(at: int) -> None:
     limits = [each.amplitude for each in chain.cell.cycles]
     found = oscillator._fixed(chain, at, 1e-6)
     assert limits[at] < found < 1.05 * limits[at]
+
+
+def _made_turns(monkeypatch: pytest.MonkeyPatch, cycles: tuple[float, ...], slope: float) -> None:
+    """Let the map of maxima have these fixed points, attracting and not, with exact errors."""
+
+    def turn(_: object, y: float, period: float, tolerance: float) -> Any:
+        passed = next((at for at, each in enumerate(cycles) if y < each * 1.04), len(cycles) - 1)
+        near = cycles[passed] + 1e3 * tolerance
+        top = near + (slope if passed % 2 else 1.0 / slope) * (y - near)
+        return oscillator._Turn(top=top, bottom=-0.5 * y, period=period + 1e4 * tolerance)
+
+    monkeypatch.setattr(oscillator, "_turn", turn)
+    monkeypatch.setattr(oscillator, "_check_stiffness", lambda *_: None)
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
+    at: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Fixed points a per cent below or above their limits: each is found for its own.
+
+    Of the errors in proportion to the tolerance, that of the period is the largest.
+    """
+    limits = tuple(
+        SimpleNamespace(amplitude=y, period=6.0, stable=stable)
+        for y, stable in ((1.0, True), (1.07, False), (1.145, True))
+    )
+    chain: Any = SimpleNamespace(cell=SimpleNamespace(cycles=limits))
+    true = (1.01, 1.06, 1.155)
+    _made_turns(monkeypatch, true, 3.0)
+    found = oscillator._cycle(chain, at, 1e-9)
+    assert found.max == pytest.approx(true[at] + 1e-6, abs=1e-12)
+    assert found.min == pytest.approx(-0.5 * found.max)
+    assert found.multiplier == pytest.approx((1.0 / 3.0, 3.0, 1.0 / 3.0)[at], rel=1e-9)
+    assert found.error == pytest.approx(99.0 * 1e4 * 1e-9, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("damping", "status", "stable", "unstable"),
+    [
+        ("y**2 - 1", CellStatus.OSCILLATION, 0, None),
+        ("1 - y**2 + 0.1*y**4", CellStatus.BISTABLE, 1, 0),
+        # At rest without linear damping: the next term decides.
+        ("y**2 - y**4 + 0.1*y**6", CellStatus.BISTABLE, 1, 0),
+        ("y**4 - y**2", CellStatus.OSCILLATION, 0, None),
+    ],
+)
+def test_rest_is_stable_as_small_motions_are_damped_or_not(
+    damping: str, status: CellStatus, stable: int, unstable: int | None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(oscillator, "_cycle", lambda _, at, __: SimpleNamespace(at=at, error=0.0))
+    found: Any = own(damping=damping, stiffness="y", eps=0.1)
+    assert found.status is status
+    assert found.stable.at == stable
+    assert (found.unstable and found.unstable.at) == unstable
+
+
+def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
+    one = Cycle(max=1.0, min=-1.0, period=6.0, slip_time=6.0, error=1e-3)
+    for errors in ((1e-3, 1e-6), (1e-6, 1e-3)):
+        stable, unstable = (replace(one, error=each) for each in errors)
+        found = Cell(
+            model="vdp", parameters={}, status=CellStatus.BISTABLE, rest=0.0,
+            effective_damping=0.1, stable=stable, unstable=unstable, seconds=0.0,
+        )  # fmt: skip
+        assert found.error == 1e-3
+
+
+@pytest.mark.parametrize(("a", "eta"), [(2.5, 0.08), (4.0, 0.03125), (1.0, 0.12)])
+def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float) -> None:
+    """Which are the roots of 1 - ar²/4 + br⁴/8; the true ones are off by the order of ε²."""
+    b = eta * a * a
+    found = vdp_cell(a, b, 0.01, 1e-6)
+    limits = sorted(np.sqrt(np.roots([b / 8.0, -a / 4.0, 1.0]).real))
+    for cycle, limit in zip((found.unstable, found.stable), limits, strict=True):
+        assert cycle is not None
+        assert cycle.averaged == pytest.approx(limit, rel=1e-12)
+        assert cycle.amplitude == pytest.approx(limit, rel=1e-3)
+        assert cycle.period == pytest.approx(2.0 * np.pi, rel=1e-3)
+
+
+def test_the_longest_step_errs_in_proportion_to_the_tolerance() -> None:
+    """Of a method of order eight: a step twice as long errs 256 times as much."""
+    assert longest_step(1e-12) == 1.0
+    assert longest_step(256e-12) == pytest.approx(2.0, rel=1e-12)
 
 
 def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:

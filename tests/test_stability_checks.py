@@ -18,6 +18,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from theory.averaged.breather import BreatherStatus
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
@@ -27,9 +28,11 @@ from verification.execution.table import Table, table_of
 from verification.quantities import breathers, chains, friction, own_chains, robustness
 from verification.quantities.judging import Outcome, compared
 from verification.quantities.problems import PROBLEMS
-from verification.quantities.quantity import Axis, ReferenceCheck, StatedValue
+from verification.quantities.quantity import Axis, ReferenceCheck, StatedValue, axes
 from verification.quantities.registry import computation_named
+from verification.references.equations import full_rate
 from verification.references.extrapolation import PreciseState, extended
+from verification.references.pace import NoReferenceError
 from verification.runs.trajectory import RunStatus
 
 # ---------------------------------------------------------------------------------------- breathers
@@ -62,6 +65,131 @@ def test_the_scan_for_the_fold_of_the_closed_form_ends_beside_it(eta: float) -> 
     assert found == pytest.approx((S, w), rel=0.012)
     gain = (-eta * found[0] ** 2 + 2.0 * found[0] - 8.0) / 16.0
     assert gain / math.sqrt(found[1]) == pytest.approx(c, rel=2e-3)
+
+
+@pytest.mark.parametrize("eta", [0.01, 0.08])
+def test_the_fold_of_the_tail_is_stated_where_it_is_asked_for(eta: float) -> None:
+    """c² = m(1 + m), m = (1 - 8η)/16η, and so above that of the nearest neighbours."""
+    m = (1.0 - 8.0 * eta) / (16.0 * eta)
+    near, tail = (
+        breathers._fold({"a": 2.5, "eta": eta, "reading": reading}).value for reading in (1.0, 2.0)
+    )
+    assert tail == pytest.approx(math.sqrt(m * (1.0 + m)), rel=1e-14)
+    assert abs(near - tail) > 0.1 * tail
+
+
+@pytest.mark.parametrize("none", [False, True])
+def test_a_breather_is_stated_with_its_unknowns_unless_there_is_none(
+    none: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = SimpleNamespace(
+        status=BreatherStatus.NONE if none else BreatherStatus.EXISTS, error=1e-9,
+        unknowns=np.array([1.0, 2.0, 6.3]), waves=np.array([1.0, 2.0j]), alpha_0=1.5, decay=0.1,
+    )  # fmt: skip
+    for name in ("solve_orbit", "solve_envelope_breather", "solve_breather"):
+        monkeypatch.setattr(breathers, name, lambda *_: made)
+    at = {"a": 1.0, "eta": 0.08, "c": 0.1, "eps": 0.01, "reading": 1.0}
+    for state, value in (
+        (breathers._orbit, [1.0, 2.0, 6.3]), (breathers._envelope, [1.0, 2.0j, 6.3]),
+        (breathers._breather, [1.5, 0.1]),
+    ):  # fmt: skip
+        stated = state(at)
+        assert stated.extra is made
+        if none:
+            assert (stated.value, stated.error) == (None, 0.0)
+        else:
+            assert stated.value.tolist() == value
+            assert stated.error == 1e-9
+
+
+@pytest.mark.parametrize(
+    ("share", "confirmed"),
+    [(1.0, True), (1.0 - 1e-13, True), (1.5, True), (1.0 - 1e-11, False), (0.5, False)],
+)
+def test_where_newton_fails_a_breather_is_confirmed_at_the_fold_alone(
+    share: float, confirmed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise ValueError
+
+    monkeypatch.setattr(breathers, "_true_fold", lambda _: (mp.mpf(1), mp.mpf(0.2)))
+    monkeypatch.setattr(mp, "findroot", fails)
+    fold = SimpleNamespace(c=0.2, error=1e-9)
+    stated = StatedValue(value=np.array([2.0, 0.1]), error=1e-12, extra=SimpleNamespace(fold=fold))
+    at = {"a": 1.0, "eta": 0.08, "c": 0.2 * share, "reading": 1.0}
+    if confirmed:
+        assert breathers._check_breather(at, stated).distance == 0.0
+    else:
+        with pytest.raises(NoReferenceError, match="does not converge"):
+            breathers._check_breather(at, stated)
+
+
+def test_the_flow_of_an_orbit_has_its_state_first_and_then_its_derivatives() -> None:
+    """After a short step, the equation itself and its differences."""
+    at, state, h = {"eta": 0.08, "c": 0.1, "eps": 0.3}, np.array([0.4, 1.0, -0.3, 0.2]), 1e-3
+
+    def step(rate: Any, start: np.ndarray, period: float) -> PreciseState:
+        assert period == 6.5
+        return PreciseState(value=start + h * rate(0.0, start), uncertainty=1e-9)
+
+    found = breathers._flow(at, state, 6.5, step)
+    rate = full_rate(VdpChain(a=1.0, b=0.08, c=0.1, eps=0.3, sites=2))
+    assert found.uncertainty == 1e-9
+    assert found.value[:, 0] == pytest.approx(state + h * rate(0.0, state), abs=1e-15)
+    slope = [(rate(0.0, state + 1e-6 * e) - rate(0.0, state - 1e-6 * e)) / 2e-6 for e in np.eye(4)]
+    assert found.value[:, 1:] == pytest.approx(np.eye(4) + h * np.array(slope).T, abs=1e-10)
+
+
+def test_an_orbit_of_a_flow_that_is_known_is_polished_to_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A cycle ṙ = r(1 - r²)/8 of the middle site, which the others follow, else damped like 1/8."""
+    follows = np.zeros(
+        (6, 6)
+    )  # of places and velocities of three sites, on those of the middle one
+    follows[np.ix_([0, 3, 2, 5], [1, 4])] = [[0.5, 0.25], [-0.25, 0.5], [0.0, -0.75], [0.75, 0.0]]
+
+    def flow(x: Any, t: Any) -> Any:
+        """Return the state after a time, in closed form, of doubles or numbers of mpmath."""
+        free = x - follows @ x  # its square is zero, so that this is undone below
+        square = free[1] ** 2 + free[4] ** 2
+        root = 1 / mp.sqrt(square + (1 - square) * mp.exp(-t / 4))
+        growth = np.array([mp.exp(-t / 8), root, mp.exp(-t / 8)] * 2, dtype=object)
+        turned = np.concatenate(
+            [
+                free[:3] * mp.cos(t) + free[3:] * mp.sin(t),
+                free[3:] * mp.cos(t) - free[:3] * mp.sin(t),
+            ]
+        )
+        return turned * growth + follows @ (turned * growth)
+
+    def rate(_: float, x: np.ndarray) -> np.ndarray:
+        return np.array([float(each) for each in (flow(x, 1e-5) - flow(x, -1e-5)) / 2e-5])
+
+    def by_differences(_: object, state: Any, t: Any, run: Any) -> PreciseState:
+        assert callable(run)
+        columns = [
+            (flow(state + 1e-5 * e, t) - flow(state - 1e-5 * e, t)) / 2e-5 for e in np.eye(6)
+        ]
+        value = np.column_stack([flow(state, t), *columns]).astype(float)
+        return PreciseState(value=value, uncertainty=0.0)
+
+    def integrated(_: object, start: Any, end: Any, tolerance: float) -> PreciseState:
+        return PreciseState(value=flow(start, end) + tolerance, uncertainty=0.0)
+
+    monkeypatch.setattr(breathers, "_SITES", 3)
+    monkeypatch.setattr(breathers, "full_rate", lambda _: rate)
+    monkeypatch.setattr(breathers, "_flow", by_differences)
+    monkeypatch.setattr(breathers, "integrate", integrated)
+    start = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+    true = [*(start + follows @ start), 2 * mp.pi]
+    given = np.array(true, dtype=float) + 1e-7 * np.cos(np.arange(7.0))
+    found = breathers._precise_orbit({"eta": 0.08, "c": 0.1, "eps": 0.01}, given)
+    with mp.workdps(30):
+        true[-1] = 2 * mp.pi
+        off = max(abs(x - y) for x, y in zip(found.value, true, strict=True))
+    assert off <= found.uncertainty
+    assert 0.0 < found.uncertainty < 1e-13
 
 
 def _envelope_none(c: float) -> ReferenceCheck:
@@ -263,6 +391,20 @@ def test_springs_do_not_act_on_equal_places_in_extended_precision_either() -> No
     assert np.abs(strong - weak).max() < 1e-12
 
 
+def test_of_a_lattice_each_place_is_pulled_by_its_four_neighbours() -> None:
+    """Of three rows and four columns, written place by place; ends are free."""
+    at = OWN | {"k": 0.0, "far": 0.0, "d": 0.0, "spread": 0.0, "force": 0.0, "sites": 12.0}
+    y = np.random.default_rng(3).normal(size=(3, 4))
+    state = np.concatenate([y.ravel(), np.zeros(12)])
+    pulls = np.zeros((3, 4))
+    for i, j in np.ndindex(3, 4):
+        for other in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
+            if 0 <= other[0] < 3 and 0 <= other[1] < 4:
+                pulls[i, j] += y[i, j] - y[other]
+    found = own_chains.rate_of(at | {"rows": 3.0})(0.0, state)[12:]
+    assert found == pytest.approx((-y - at["eps"] * at["c"] * pulls).ravel(), abs=1e-14)
+
+
 # ----------------------------------------------------------------------------------------- friction
 
 
@@ -270,6 +412,25 @@ BELT = {
     "c": 0.05, "v_d": 1.25, "v0": 0.5, "xi": 0.05, "mu_st": 1.0, "sites": 3.0, "displacement": 2.0,
     "band": 1e-3, "step": 2e-3,
 }  # fmt: skip
+
+
+@pytest.mark.parametrize("off", [(0.0, 1e-4), (0.0, -1e-4), (1e-4, 0.0), (-1e-4, 0.0)])
+def test_a_cycle_is_off_by_its_period_or_its_stick_time_whichever_is_more(
+    off: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two runs the tighter is the reference, and uncertain by how far the other is from it."""
+    runs = {friction._TIGHT: (6.25, 0.5), friction._LOOSE: (6.25, 0.5 + 1e-6)}
+
+    def events(*given: Any) -> SimpleNamespace:
+        return SimpleNamespace(last_cycle=runs[given[-1]])
+
+    monkeypatch.setattr(friction, "_events", events)
+    stated = StatedValue(value=np.array([6.25, 0.5]) + off, error=1e-9)
+    check = friction.cycle_by_scipy(BELT, stated)
+    assert check.distance == pytest.approx(1e-4, rel=1e-9)
+    assert check.uncertainty == pytest.approx(1e-6, rel=1e-6)
+    runs[friction._TIGHT] = None
+    assert friction.cycle_by_scipy(BELT, stated).distance == math.inf
 
 
 def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -349,6 +510,10 @@ def test_whole_parameters_are_drawn_whole_and_special_ones_approached_from_both_
     drawn = {sites.draw(rng) for _ in range(300)}
     assert all(value == int(value) for value in drawn)
     assert {2.0, 3.0, 40.0} <= drawn
+    assert sites.middle() == 9.0  # √80
+    assert Axis(name="c", low=2.0, high=40.0).middle() == pytest.approx(math.sqrt(80.0))
+    for ends, whole in (((2, 40), True), ((2, 40.0), False), ((2.0, 40), False)):
+        assert axes(sites=ends)[0].whole is whole
     near = Axis(name="eta", low=0.01, high=0.2, near=(0.125, 0.08), closest=1e-3)
     low, high, *beside = near.ends()
     assert (low, high) == (0.01, 0.2)

@@ -258,6 +258,15 @@ def test_the_fold_of_the_closed_form_tends_to_that_of_a_cubic_for_small_eta(eta:
     assert (eta * S, w / eta) == pytest.approx((2.0, 2.0 / 3.0), rel=0.012)
 
 
+@pytest.mark.parametrize("gap", [1e-12, 1e-9, 1e-6])
+def test_the_fold_of_the_closed_form_is_at_the_largest_gain_where_the_cycles_meet(
+    gap: float,
+) -> None:
+    """With 8η = 1 - g the gain is g/2 at most, at S = 8; w tends to it, and c to its root."""
+    S, w = breathers._scan({"eta": 0.125 * (1.0 - gap)})
+    assert (S, w / gap) == pytest.approx((8.0, 0.5), rel=0.012)
+
+
 def test_a_breather_may_be_missing_below_a_fold_by_as_much_as_that_is_off(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

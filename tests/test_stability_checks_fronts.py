@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +15,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from theory.chains.vdp import VdpChain
 from theory.piecewise.folds import fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling
@@ -148,6 +150,10 @@ def test_an_excess_that_the_sum_does_not_resolve_is_none(monkeypatch: pytest.Mon
         found = (mp.mpf(g), uncertainty)
         monkeypatch.setattr(relation, "_defect", lambda *_, found=found: found)
         assert relation._excess(0.5, {"c": 0.5, "eta": 0.03125}, 0) == excess
+    # Of terms of order one, both to the digits that are asked for.
+    monkeypatch.setattr(relation, "_defect", lambda *_: (1 + mp.mpf(10) ** -35 - 1, 1e-40))
+    found = relation._excess(0.5, {"c": 0.5, "eta": 0.03125}, 0)
+    assert found == pytest.approx(1e-35, rel=1e-6, abs=0.0)
 
 
 @pytest.mark.parametrize(
@@ -270,6 +276,9 @@ def test_where_no_front_is_pinned_there_is_no_fold_and_elsewhere_one() -> None:
     ):  # fmt: skip
         stated = StatedValue(value=value, error=1e-9, extra=SimpleNamespace(velocity=0.0))
         assert (relation._check_fold({"eta": eta}, stated).distance == 0.0) is held
+    at_end = {"eta": ETA_PIN_END}
+    assert relation._fold(at_end).value is None
+    assert relation._check_fold(at_end, relation._fold(at_end)).distance == 0.0
 
 
 @pytest.mark.parametrize("off", [0.5e-6, -0.5e-6, 2e-6, -2e-6])
@@ -421,6 +430,52 @@ def test_a_front_from_event_to_event_is_held_against_the_nearest_velocity(
         fronts._check_piecewise(at, StatedValue(value=0.5, error=1e-9))
 
 
+def test_grids_become_finer_and_longer_until_two_neighbours_agree(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To half of the error that is stated; v is that of the last."""
+    asked: list[tuple[int, int, int]] = []
+
+    def velocity(c: float, eta: float, points: int, *, behind: int, ahead: int) -> np.longdouble:
+        asked.append((points, behind, ahead))
+        return np.longdouble(0.5 + 2.0 * 8.0 ** -len(asked))
+
+    monkeypatch.setattr("verification.references.front_wave.front_velocity", velocity)
+    for error, rungs in ((0.5, 2), (0.06, 3), (0.008, 4), (1e-9, 5)):
+        asked.clear()
+        stated = StatedValue(value=0.25, error=error)
+        check = fronts._by_differences({"c": 1.0, "eta": 0.03}, stated)
+        assert len(asked) == rungs
+        assert check.distance == pytest.approx(0.25 + 2.0 * 8.0**-rungs)
+        assert check.uncertainty == pytest.approx(14.0 * 8.0**-rungs)
+        for one, other in pairwise(asked):
+            assert all(more > less for less, more in zip(one, other, strict=True))
+    stronger = asked[-1]
+    fronts._by_differences({"c": 1000.0, "eta": 0.03}, StatedValue(value=0.25, error=1e-9))
+    assert asked[-1][2] == pytest.approx(10 * stronger[2], abs=10)  # c^{1/3} longer ahead
+
+
+@pytest.mark.parametrize(
+    ("c", "eta", "differences"),
+    [(0.15, 0.02, True), (10.0, 0.02, True), (0.14, 0.02, False), (11.0, 0.02, False),
+     (1.0, 0.01, True), (1.0, 0.009, False)],
+)  # fmt: skip
+def test_a_front_is_held_against_its_wave_where_that_is_steep_neither_nor_long(
+    c: float, eta: float, differences: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else it is timed, on the averaged chain itself."""
+
+    def timed(*_: Any, full: bool) -> ReferenceCheck:
+        return ReferenceCheck(distance=0.0, method="(8)" if full else "(43)")
+
+    exact = ReferenceCheck(distance=0.0, method="differences")
+    monkeypatch.setattr(fronts, "_by_differences", lambda *_: exact)
+    monkeypatch.setattr(fronts, "_by_scipy", timed)
+    stated = StatedValue(value=0.5, error=1e-9)
+    found = fronts._averaged_front_known({"c": c, "eta": eta}, stated)
+    assert found.method == ("differences" if differences else "(43)")
+
+
 def test_a_wave_is_stated_where_there_is_one() -> None:
     found = fronts._wave({"c": 0.6, "eta": 0.03125})
     assert found.value == front_wave(0.6, 0.03125).v
@@ -457,6 +512,45 @@ def test_damping_is_stiff_by_the_height_of_the_start(
     stated = StatedValue(value=np.zeros(4), error=0.0, extra=np.zeros(4))
     found: Any = runs._full_precisely(at, stated)
     assert found == ("Radau" if stiff else "explicit")
+
+
+@pytest.mark.parametrize(("c", "eps"), [(0.3, 0.01), (10.0, 0.3), (100.0, 0.01)])
+def test_as_many_sites_are_followed_as_the_fastest_wave_passes(
+    c: float, eps: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of small motion without damping, ω² = 1 + 4εc sin²(q/2), and of (43) Ω = 2c sin²(q/2)."""
+    q = np.linspace(0.0, np.pi, 20_001)
+    bend = 4.0 * np.sin(0.5 * q) ** 2
+    monkeypatch.setattr(runs, "_where_it_moves", lambda *given: given[-1])
+    at = {"a": 1.0, "eta": 0.05, "c": c, "eps": eps, "sites": 9.0, "displacement": 0.1}
+    stated = StatedValue(value=np.zeros(9), error=0.0, extra=np.zeros(9))
+    for reach, omega in (
+        (runs._full_precisely(at, stated), np.sqrt(1.0 + eps * c * bend)),
+        (runs._averaged_precisely(at, stated), 0.5 * c * bend),
+    ):
+        fastest = float(np.max(np.diff(omega))) / q[1]
+        assert reach == pytest.approx(30.0 * fastest, rel=1e-6)
+
+
+def test_a_stiff_run_is_followed_on_few_sites_first_and_on_more_where_they_move(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    followed: list[int] = []
+
+    def made(_: object, __: float, start: np.ndarray, **___: object) -> np.ndarray:
+        """Return a state of which as many sites move as there are, up to seventy."""
+        followed.append(start.size // 2)
+        return np.tile(np.where(np.arange(start.size // 2) < moving, 1.0, 0.0), 2)
+
+    monkeypatch.setattr(runs, "last_state", made)
+    chain = VdpChain(a=1.0, b=0.05, c=0.1, eps=0.01, sites=300)
+    for moving, parts in ((20, {30}), (70, {30, 60, 120})):
+        followed.clear()
+        true = np.where(np.arange(300) < moving, 1.0 + 1.0j, 0.0)
+        stated = StatedValue(value=true + 1e-3, error=0.0, extra=np.eye(300)[0] * 2.0 + 0j)
+        check = runs._full_by_radau(chain, 50.0, stated)
+        assert set(followed) == parts
+        assert check.distance == pytest.approx(1e-3)
 
 
 def test_a_stiff_run_is_held_against_an_implicit_method() -> None:
@@ -506,6 +600,9 @@ def test_a_reference_follows_all_sites_that_move() -> None:
     assert check.uncertainty == pytest.approx(1.0 / tight - 1.0 / looser + 1e-3)
     with pytest.raises(NoReferenceError, match="Python follows"):
         runs._where_it_moves(replace(stated, value=np.zeros(500)), precise, 1e4)
+    # As many as it follows at most it follows where waves pass all of them.
+    runs._where_it_moves(replace(stated, value=np.zeros(400)), lambda part, _: PreciseState(
+        value=np.zeros(part, complex), uncertainty=0.0), 1e4)  # fmt: skip
 
 
 def test_as_many_sites_are_followed_as_move() -> None:
@@ -531,11 +628,19 @@ def test_as_many_sites_are_followed_as_move() -> None:
 def test_a_label_is_stated_without_error_or_not_at_all(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = SimpleNamespace(state=state, time=17.0)
-    monkeypatch.setattr("verification.maps.vdp_rules.find_vdp_state", lambda *_: made)
-    found = states._label({"eta": 0.05, "c": 0.1, "displacement": 3.0}, full=False)
-    assert (found.value is None) is (state is State.UNDECIDED)
-    assert (found.error, found.note, found.extra[0]) == (0.0, str(state), 17.0)
+    """Of the chain itself, or of the averaged one."""
+    made, asked = SimpleNamespace(state=state, time=17.0), []
+
+    def find(chain: Any, _: object) -> SimpleNamespace:
+        asked.append(chain.model)
+        return made
+
+    monkeypatch.setattr("verification.maps.vdp_rules.find_vdp_state", find)
+    for full in (False, True):
+        found = states._label({"eta": 0.05, "c": 0.1, "displacement": 3.0}, full=full)
+        assert (found.value is None) is (state is State.UNDECIDED)
+        assert (found.error, found.note, found.extra[0]) == (0.0, str(state), 17.0)
+    assert asked == ["averaged", "vdp"]
 
 
 def _labelled(

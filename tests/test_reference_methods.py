@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from contextlib import suppress
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -16,13 +18,16 @@ from scipy.integrate import quad, solve_ivp
 from theory.averaged.front import strong_coupling_front
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
+from verification.breathers.envelope import solve_envelope_breather
 from verification.fronts.wave import front_wave
 from verification.references import (
     extrapolation,
     friction_cell,
+    pace,
     passages,
     phase_locked,
     piecewise,
@@ -34,9 +39,9 @@ from verification.references import (
     front_wave as waves,
 )
 from verification.references.equations import full_rate, regularised_rate
-from verification.references.friction_events import BEGINS, ENDS, EventRun, run_events
+from verification.references.friction_events import BEGINS, ENDS, EventRun, _Law, run_events
 from verification.references.pace import NoReferenceError
-from verification.references.switch_model import run_switch
+from verification.references.switch_model import SwitchRun, run_switch
 from verification.runs.simulate import simulate
 
 # ------------------------------------------------------------------- runs in extended precision
@@ -62,6 +67,40 @@ def test_a_run_of_objects_is_as_exact_as_they_are_and_one_of_long_doubles_is_rou
     assert exact.uncertainty == 0.0  # of its roundings, which the caller sets
     rounded = extrapolation.integrate(lambda _, y: -y, extrapolation.extended([1.0]), 1.0, 1e-17)
     assert 1e-19 < rounded.uncertainty < 1e-15
+
+
+def test_roundings_of_a_run_are_of_its_largest_size_at_each_of_its_steps() -> None:
+    """Of a state that is small at both ends, and of a turn beside one that is ten times as long."""
+
+    def hump(t: Any, y: Any) -> Any:
+        return np.array([-2 * (t - 3) * y[0], 0 * y[1]])
+
+    eps = float(np.finfo(np.longdouble).eps)
+    start = extrapolation.extended([math.exp(-9.0), 0.0])
+    end = extrapolation.integrate(hump, start, 6.0, 1e-17)
+    assert float(abs(end.value[0] - np.exp(np.longdouble(-9)))) < end.uncertainty
+    assert end.uncertainty > 100.0 * eps  # its largest size is one, those of start and end 1e-4
+    short, long = (
+        extrapolation.integrate(
+            lambda _, y: np.array([y[1], -y[0]]), extrapolation.extended([1.0, 0.0]), t, 1e-17
+        ).uncertainty
+        for t in (4.0, 40.0)
+    )
+    assert long == pytest.approx(10.0 * short, rel=0.2)
+
+
+def test_a_run_may_take_its_share_of_the_time_and_a_beginning(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = iter([100.0, 104.9, 100.4, 105.6, 110.4])
+    monkeypatch.setattr(pace, "MAX_SECONDS", 10.0)
+    monkeypatch.setattr(pace.time, "process_time", lambda: next(clock))
+    run = pace.Pace()
+    run.check(0.5)
+    run.check(0.0)
+    with pytest.raises(pace.TooSlowError, match="10 s"):
+        run.check(0.5)
+    run.check(1.0)
 
 
 @pytest.mark.parametrize("end", [4.0, -4.0, 0.25])
@@ -181,6 +220,22 @@ def test_a_site_at_the_speed_of_the_belt_sticks_if_friction_can_hold_it(
     assert run.evaluations > 10
 
 
+@pytest.mark.parametrize("slope", [1.0, 1e-6, -1e-6])
+def test_an_event_is_due_however_slowly_it_is_come_to(slope: float) -> None:
+    """Made up: the velocity over the belt is zero to rounding, and was not a moment before."""
+    cell = FrictionCell(v_d=0.5, mu_st=1.0, xi=0.1)
+    law = _Law(FrictionChain.of(cell, c=0.0, sites=1))
+
+    def dense(t: float) -> np.ndarray:
+        return np.array([0.3, 1e-16 + slope * (t - 2.0)])
+
+    modes = np.array([-1 if slope > 0.0 else 1])
+    state, kinds = law.switched(dense(2.0), dense, 2.0, modes)
+    assert kinds == [(0, BEGINS)]
+    assert modes.tolist() == [0]
+    assert state.tolist() == [0.3, 0.0]
+
+
 def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
     cell = FrictionCell(v_d=1.0, mu_st=1.0, xi=0.25)
     chain = FrictionChain.of(cell, c=0.0, sites=1)
@@ -230,6 +285,19 @@ def test_steps_of_the_switch_model_are_bounded_and_their_refusals_counted() -> N
     assert chosen.unconverged == 0
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.3])
+@pytest.mark.parametrize("period", [8.0, 10.37])
+def test_the_period_of_a_switch_run_is_from_one_turn_to_the_next(
+    period: float, phase: float
+) -> None:
+    """By lines between samples; where one is at the turn itself it counts once."""
+    times = np.arange(0.0, 101.0)
+    swing = np.mod(times / period + phase, 1.0)  # of a velocity that is linear between its turns
+    velocity = np.where(swing < 0.5, 1.0 - 4.0 * swing, 4.0 * swing - 3.0)[:, None]
+    run = SwitchRun(times, 0.0 * velocity, velocity, np.zeros(1), 1, 0, 0, 100.0, 0.0)
+    assert run.period == pytest.approx(period, rel=1e-12)
+
+
 # -------------------------------------------------------------------------------- travelling waves
 
 
@@ -248,6 +316,29 @@ def test_a_wave_by_differences_is_free_of_roundings_of_doubles(
 
     monkeypatch.setattr(waves, "_guess", other)
     assert abs(waves.front_velocity(0.6, 0.03125, **given) - v) < 2e-17
+
+
+@pytest.mark.parametrize("guessed", [0.5, 1.0])
+def test_a_wave_is_found_from_a_step_in_which_no_chain_has_been_run(
+    guessed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Newton's first steps hardly shrink from there."""
+    given = {"per_site": 10, "behind": 7, "ahead": 12}
+    v = waves.front_velocity(0.6, 0.03125, **given)
+    chain = VdpChain(a=1.0, b=0.03125, c=0.6)
+    ratio = chain.stable_amplitude / chain.unstable_amplitude
+    step = chain.stable_amplitude / (1.0 + np.exp(0.4 * np.arange(-70, 121)) * (ratio - 1.0))
+    monkeypatch.setattr(waves, "_guess", lambda *_: (step, guessed))
+    assert abs(waves.front_velocity(0.6, 0.03125, **given) - v) < 1e-18
+
+
+def test_a_wave_ends_in_both_states_of_the_chain() -> None:
+    """A longer window behind it changes v by the square of what is left there of the front."""
+    short, long = (
+        waves.front_velocity(0.6, 0.03125, per_site=10, behind=behind, ahead=12)
+        for behind in (7, 12)
+    )
+    assert abs(short - long) < 1e-14
 
 
 @pytest.mark.parametrize("m", [10, 12])
@@ -393,6 +484,13 @@ def test_a_breather_is_followed_to_the_coupling_that_is_asked_for(short: int) ->
     assert steps == pytest.approx([-0.5, -0.5, 0.5, 0.5], abs=0.05)
 
 
+def test_a_breather_is_followed_whatever_its_phase(short: int) -> None:
+    (one,) = phase_locked.locked_breathers(1, A, B)
+    for turn in (0.7, -2.5):
+        u = phase_locked._unknowns(replace(one, phi=one.phi * np.exp(1j * turn)))
+        assert np.abs(phase_locked.residual(u, one.c, A, B)).max() < 1e-10
+
+
 def test_a_branch_ends_where_its_last_breather_is(short: int) -> None:
     """At a fold, where the distance to the breather of the other branch goes like a root."""
     (one,) = phase_locked.locked_breathers(1, A, B)
@@ -525,15 +623,35 @@ def test_a_state_is_fixed_in_phase_at_its_largest_site_whatever_its_phase_there(
         assert set(asked) == {1}
 
 
+def test_the_fold_is_as_uncertain_as_roundings_at_its_own_coupling_make_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    eta, chain = 0.05, VdpChain(a=1.0, b=0.05, c=1.0, eps=0.01, sites=3)
+    fold = solve_envelope_breather(chain, Nucleus(1)).fold
+    assert fold is not None
+    near = solve_envelope_breather(chain.replace(c=0.999 * fold), Nucleus(1))
+    asked = []
+
+    def noted(x: Any, *given: float) -> Any:
+        asked.append(given)
+        return roundings(x, *given)
+
+    roundings = precise_breather._rounding
+    monkeypatch.setattr(precise_breather, "_rounding", noted)
+    found = precise_breather.locked_fold(eta, fold, near.waves, float(near.unknowns[-1]))
+    assert asked == [(eta, pytest.approx(fold, rel=1e-8))]
+    assert 0.0 < found.uncertainty < 1e-15
+
+
 def test_roundings_of_a_state_are_larger_than_those_of_each_of_its_terms() -> None:
     """Of doubles in place of long doubles, scaled: what one rounding of each operation changes."""
     rng = np.random.default_rng(6)
     ratio = float(np.finfo(float).eps / np.finfo(np.longdouble).eps)
-    for omega in (0.0, 0.3, -40.0):
-        x = np.array([*rng.normal(size=8), omega])
-        exact = precise_breather._defect(x.astype(np.longdouble), 0.05, 0.4, 2)
-        rounded = precise_breather._defect(x, 0.05, 0.4, 2)
-        bound = ratio * precise_breather._rounding(x, 0.05, 0.4)
+    for omega, c, size in itertools.product((0.0, 0.3, -40.0), (0.0, 0.4, 1e3), (0.01, 1.0, 30.0)):
+        x = np.array([*size * rng.normal(size=8), omega])
+        exact = precise_breather._defect(x.astype(np.longdouble), 0.05, c, 2)
+        rounded = precise_breather._defect(x, 0.05, c, 2)
+        bound = ratio * precise_breather._rounding(x, 0.05, c)
         assert np.all(np.abs(rounded - exact) <= bound)
         # Terms that are turned into each other by Ω are as large as Ω.
         phi = x[:4] + 1j * x[4:8]

@@ -145,6 +145,12 @@ def test_the_threshold_is_the_ratio_of_the_two_cycles() -> None:
     assert found == pytest.approx(chain.unstable_amplitude / chain.stable_amplitude, rel=1e-15)
 
 
+def test_a_turn_by_scipy_is_right_to_eleven_digits() -> None:
+    times = np.linspace(0.0, 20.0, 5)
+    found = states_by_scipy(lambda _, x: np.array([x[1], -x[0]]), np.array([0.0, 1.0]), times)
+    assert np.abs(found - np.column_stack([np.sin(times), np.cos(times)])).max() < 1e-10
+
+
 def test_a_run_that_does_not_reach_its_last_time_is_no_reference() -> None:
     with pytest.raises(ArithmeticError, match="step size"):  # y' = y² from 1 is infinite at t = 1
         states_by_scipy(lambda _, y: y**2, np.ones(1), np.array([0.0, 2.0]))

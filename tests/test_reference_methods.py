@@ -86,7 +86,7 @@ def test_roundings_of_a_run_are_of_its_largest_size_at_each_of_its_steps() -> No
         ).uncertainty
         for t in (4.0, 40.0)
     )
-    assert long == pytest.approx(10.0 * short, rel=0.2)
+    assert long == pytest.approx(10.0 * short, rel=0.2, abs=0.0)
 
 
 def test_a_run_may_take_its_share_of_the_time_and_a_beginning(

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, at_least
 from theory.status import Status
@@ -131,6 +132,26 @@ class ClosedFormBreather:
         if self.alpha_0 is None or self.decay is None:
             return np.empty(0)
         return np.array([self.alpha_0 * self.decay**n for n in range(count)])
+
+
+def has_closed_form(nucleus: Nucleus) -> bool:
+    """Return whether (9) is about such a nucleus: it has one centre, far from the ends."""
+    return nucleus.size == 1 and nucleus.place is Place.BULK
+
+
+def check_closed_form(nucleus: Nucleus) -> None:
+    """Refuse a nucleus that (9) is not about.
+
+    Raises
+    ------
+    ParameterError
+        If it is not one site in the bulk.
+    """
+    if not has_closed_form(nucleus):
+        raise ParameterError(
+            "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
+            "take the method envelope or orbit",
+        )  # fmt: skip
 
 
 def decay_of_centre(alpha_0: float, chain: VanDerPolChain) -> float:

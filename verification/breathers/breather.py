@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from theory.averaged.breather import (
     BreatherStatus,
     Reading,
+    check_closed_form,
+    has_closed_form,
     solve_breather,
 )
 from theory.chains.nucleus import Nucleus, Place
@@ -177,17 +179,8 @@ def _applies(method: BreatherMethod, chain: VanDerPolChain, nucleus: Nucleus) ->
     return method is not BreatherMethod.ORBIT or isinstance(chain, VdpChain)
 
 
-def has_closed_form(nucleus: Nucleus) -> bool:
-    """Return whether (9) is about such a nucleus: it has one centre, far from the ends."""
-    return nucleus.size == 1 and nucleus.place is Place.BULK
-
-
 def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
-    if not has_closed_form(nucleus):
-        raise ParameterError(
-            "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
-            "take the method envelope or orbit",
-        )  # fmt: skip
+    check_closed_form(nucleus)
     full = chain.full()
     found = solve_breather(full, choice.reading)
     fold = found.fold

@@ -171,7 +171,8 @@ class RunThreshold(Threshold):
     low, high : float
         At ``low`` the nucleus stays, at ``high`` it does not.
     final_time : float
-        How long a run may take: t, τ, or slow time for runs of (43).
+        How long a run may take, in units of the chain's `time_unit`: τ of (5), slow time of (8)
+        and (43).
     monotone : bool or None
         Whether escape or spreading was monotone in c among the couplings tested; None if that was
         not tested.

@@ -6,10 +6,10 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from theory.averaged.breather import Reading, closed_form_fold
+from theory.averaged.breather import Reading, check_closed_form, closed_form_fold
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus, Place
+from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, need_instance, within, word
@@ -182,11 +182,7 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
         If the nucleus is not one site in the bulk: (9) has one centre.
     """
     started = time.perf_counter()
-    if nucleus.size != 1 or nucleus.place is not Place.BULK:
-        raise ParameterError(
-            "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
-            "take the method envelope or orbit",
-        )  # fmt: skip
+    check_closed_form(nucleus)
     folds = {reading: closed_form_fold(chain, reading) for reading in Reading}
     fold = folds[Reading.NEIGHBOUR]
     assert fold.c is not None  # only the reading at the centre has none

@@ -36,12 +36,16 @@ EPSILON = float(np.finfo(float).eps)
 def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     side: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    exact = SimpleNamespace(frequency=1.0, error=0.25, outward=np.array([2.0, 1.0]))
+    exact = SimpleNamespace(
+        frequency=1.0, error=0.25, frequency_error=2.0**-5, outward=np.array([2.0, 1.0])
+    )
     family = SimpleNamespace(solve=lambda: exact)
     monkeypatch.setattr(breathers, "own_family", lambda *_: family)
     amplitudes = np.array([9.0, 9.0, 9.0, 9.0, 2.0, 1.0 + 0.5 * side, 9.0, 9.0, 9.0])
-    found = breathers._distance(CHAIN, Nucleus(1), amplitudes, 1.0 + 0.125 * side, 0.0625)
-    assert found == (0.5 + 0.25 + 0.0625, 0.125 + 0.25 + 0.0625, "")
+    found = breathers._distance(
+        CHAIN, Nucleus(1), amplitudes, 1.0 + 0.125 * side, error=0.0625, frequency_error=2.0**-6
+    )
+    assert found == (0.5 + 0.25 + 0.0625, 0.125 + 2.0**-5 + 2.0**-6, "")
 
 
 def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
@@ -321,8 +325,9 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
         lengths.append(chain.sites)
         return known
 
-    def distance(_: object, __: object, amplitudes: Any, frequency: float, error: float) -> Any:
-        return breathers._Distance(amplitudes[0], frequency, str(error))
+    def distance(_: object, __: object, amplitudes: Any, frequency: float, **errors: float) -> Any:
+        assert errors["frequency_error"] == 0.0  # (30) is explicit
+        return breathers._Distance(amplitudes[0], frequency, str(errors["error"]))
 
     monkeypatch.setattr(breathers, "approximate_multipliers", along)
     monkeypatch.setattr(breathers, "_distance", distance)
@@ -493,8 +498,10 @@ def test_an_averaged_breather_is_compared_with_the_chain_it_stands_for_and_if_it
     """Of the averaged chain it is the breather itself."""
     compared: list[Any] = []
 
-    def distance(chain: Any, nucleus: Nucleus, *_: Any) -> Any:
+    def distance(chain: Any, nucleus: Nucleus, *_: Any, **errors: float) -> Any:
         compared.append(chain)
+        averaged = solve_envelope_breather(chain, nucleus)
+        assert errors == {"error": averaged.error, "frequency_error": averaged.frequency_error}
         return breathers._Distance(0.5, 0.25, "")
 
     monkeypatch.setattr(breathers, "_distance", distance)

@@ -201,7 +201,8 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         multipliers = None  # too stiff: the stability is then not decided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
     amplitudes = found.amplitudes(chain.sites)[distance]
-    trust = _distance(chain, nucleus, amplitudes, found.frequency, found.error * found.alpha_0)
+    error = found.error * found.alpha_0
+    trust = _distance(chain, nucleus, amplitudes, found.frequency, error=error, frequency_error=0.0)
     return Breather(
         chain=chain,
         nucleus=nucleus,
@@ -227,9 +228,18 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
 
 def _envelope(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
     found = solve_envelope_breather(chain, nucleus)
-    if isinstance(chain, AveragedChain) or found.frequency is None or found.error is None:
+    if isinstance(chain, AveragedChain) or found.frequency is None:
         return found
-    trust = _distance(chain, nucleus, found.amplitudes, found.frequency, found.error)
+    assert found.error is not None  # as there is a frequency
+    assert found.frequency_error is not None
+    trust = _distance(
+        chain,
+        nucleus,
+        found.amplitudes,
+        found.frequency,
+        error=found.error,
+        frequency_error=found.frequency_error,
+    )
     return replace(
         found,
         error=trust.amplitude,
@@ -276,15 +286,21 @@ class _Distance(NamedTuple):
 
 
 def _distance(
-    chain: VanDerPolChain, nucleus: Nucleus, amplitudes: Real, frequency: float, error: float
+    chain: VanDerPolChain,
+    nucleus: Nucleus,
+    amplitudes: Real,
+    frequency: float,
+    *,
+    error: float,
+    frequency_error: float,
 ) -> _Distance:
-    """Solve the chain itself and compare, its error and that of what is compared added."""
+    """Solve the chain itself and compare, its errors and those of what is compared added."""
     short = replace(chain, sites=min(chain.sites, nucleus.size + REST))
     try:
         exact = own_family(short, nucleus).solve()
     except (ParameterError, NotConvergedError) as refusal:
         return _Distance(None, None, str(refusal))
-    if exact.frequency is None or exact.error is None:
+    if exact.frequency is None or exact.error is None or exact.frequency_error is None:
         what = (
             "(8) has no such orbit" if isinstance(short, VdpChain) else "(43) has no such breather"
         )
@@ -294,7 +310,8 @@ def _distance(
     count = min(true.size, ours.size)
     gap = float(np.abs(ours[:count] - true[:count]).max())
     apart = abs(frequency - exact.frequency)
-    return _Distance(gap + exact.error + error, apart + exact.error + error, "")
+    apart += exact.frequency_error + frequency_error
+    return _Distance(gap + exact.error + error, apart, "")
 
 
 def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:

@@ -271,17 +271,20 @@ def follow_breather(
     """
     from verification.breathers.families import own_method
     from verification.breathers.follow import follow
-    from verification.breathers.result import BreatherMethod
 
     begin = perf_counter()
     need_instance("chain", chain, (VdpChain, AveragedChain), "other models cannot be followed")
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     default = own_method(chain).value
     chosen = word("method", default if method is None else method, ("orbit", "envelope"))
-    if chosen == "envelope" and isinstance(chain, VdpChain):
+    if chosen == "envelope":
         chain = chain.averaged()
+    elif not isinstance(chain, VdpChain):
+        raise ParameterError(
+            "method", "orbit", "envelope for the averaged chain", "take it, or chain.full()"
+        )
     folds = count_within("number of folds", folds, 0, 20)
-    found = follow(chain, couplings, nucleus=nucleus, method=BreatherMethod(chosen), turns=folds)
+    found = follow(chain, couplings, nucleus=nucleus, turns=folds)
     return Branch(
         along="c",
         values=np.array([point.chain.c for point in found.points]),

@@ -369,12 +369,10 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
         return SimpleNamespace(folds=(), fold=None, points=())
 
     family = SimpleNamespace(system=lambda: "system", start=start)
-    monkeypatch.setattr(follow, "_family", lambda *_: family)
+    monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
     monkeypatch.setattr(follow, "solutions_at", lambda *_: [])
-    found = follow.follow(
-        AVERAGED, couplings, nucleus=Nucleus(1), method=BreatherMethod.ENVELOPE, turns=turns
-    )
+    found = follow.follow(AVERAGED, couplings, nucleus=Nucleus(1), turns=turns)
     end, lowest = asked["start"]
     assert end == max(couplings)
     assert min(couplings) * (1.0 - 1e-11) < lowest < min(couplings)

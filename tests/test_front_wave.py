@@ -459,6 +459,12 @@ def test_the_orbit_beyond_the_fold_is_near_that_of_the_averaged_chain() -> None:
     assert abs(branch.points[0].outward[1] - branch.points[1].outward[1]) > 0.1
 
 
+def test_an_averaged_chain_has_no_orbits_to_follow() -> None:
+    chain = fr.AveragedChain(a=2.5, b=0.5, c=0, sites=9)
+    with pytest.raises(fr.ParameterError, match="envelope for the averaged chain"):
+        fr.follow_breather(chain, [0.18], method="orbit")
+
+
 def test_the_shell_follows_branches(capsys: pytest.CaptureFixture[str], tmp_path: Any) -> None:
     words = ["front", "averaged", "--c", "0.05:0.5:4", "--eta", "0.03125", "--method", "wave"]
     assert main([*words, "--json", "--out", str(tmp_path / "branch.png")]) == 0

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
-from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, ascending
+from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ascending
 from verification.breathers.breather import with_pattern
-from verification.breathers.envelope import RotatingWaves
-from verification.breathers.family import BreatherFamily
-from verification.breathers.orbits import FIRST_STEPS, Orbits
-from verification.breathers.result import Breather, BreatherMethod
+from verification.breathers.families import own_family, own_method
+from verification.breathers.orbits import FIRST_STEPS
+from verification.breathers.result import Breather
 from verification.continuation.branch import Fold, solutions_at, trace
 from verification.continuation.newton import BranchPoint
 
@@ -48,7 +47,6 @@ def follow(
     couplings: Sequence[float] | NDArray[np.float64],
     *,
     nucleus: Nucleus,
-    method: BreatherMethod,
     turns: int = 1,
 ) -> FollowedBreather:
     """Follow a breather from the smallest coupling through so many folds.
@@ -56,13 +54,11 @@ def follow(
     Parameters
     ----------
     chain : VanDerPolChain
-        A `VdpChain` for orbits; its c is not used.
+        A `VdpChain` for orbits, an `AveragedChain` for solutions of (43); its c is not used.
     couplings : sequence of float
         Where the breather is required, dimensionless, positive.
     nucleus : Nucleus
         Which sites, and the pattern of phases.
-    method : BreatherMethod
-        ``orbit`` or ``envelope``.
     turns : int, optional
         Folds that are passed.
 
@@ -74,7 +70,7 @@ def follow(
     started = time.perf_counter()
     required = ascending("coupling c", couplings)
     nucleus = with_pattern(nucleus)
-    family = _family(chain, nucleus, method)
+    family = own_family(chain, nucleus)
     system = family.system()
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To turn, the branch may go beyond the couplings that are required.
@@ -96,7 +92,7 @@ def follow(
         Breather(
             chain=chain.replace(c=c),
             nucleus=nucleus,
-            method=method,
+            method=own_method(chain),
             status=BreatherStatus.NONE,
             fold=end[0],
             fold_error=end[1],
@@ -106,13 +102,3 @@ def follow(
         if c not in passed
     ]
     return FollowedBreather(points=tuple(points), folds=tuple(turned))
-
-
-def _family(chain: VanDerPolChain, nucleus: Nucleus, method: BreatherMethod) -> BreatherFamily:
-    if method is BreatherMethod.ENVELOPE:
-        return RotatingWaves(chain, nucleus)
-    if not isinstance(chain, VdpChain):
-        raise ParameterError(
-            "method", "orbit", "envelope for the averaged chain", "take it, or chain.full()"
-        )
-    return Orbits(chain, nucleus)

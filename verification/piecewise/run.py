@@ -28,11 +28,7 @@ class FrontRun:
     error : float or None
         Uncertainty of v.
     status : FrontStatus
-        ``steady``: the spread of the period has decayed to the tolerance.  ``settling``: it
-        decays geometrically and has not arrived.  ``unsteady``: it does not decay.  ``sliding``:
-        it settles, but sites slide along the threshold, where (44) as printed has no solution
-        in the ordinary sense and v depends (slightly) on how that is resolved.  ``pinned``:
-        no site can ever cross again.  ``marginal``: at rest within round-off of the threshold.
+        See `FrontStatus`.
     period_spread : float or None
         Largest minus smallest period over the mean, in the last block (``unsteady``: over
         the stretch that v is the mean of).

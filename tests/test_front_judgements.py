@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from fronts.catalogue import COMMANDS, Measurement
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -38,11 +39,7 @@ AVERAGED = AveragedChain(a=4, b=0.5, c=0.6)
 
 
 def _request(**given: Any) -> measure.Request:
-    asked: dict[str, Any] = dict.fromkeys(
-        ("accuracy", "tolerance", "excited", "max_sites", "stall_time", "directions", "progress")
-    )
-    asked |= {"left_boundary": LeftBoundary.FREE, "point": StartPoint.MAXIMUM, **given}
-    return measure.Request(**asked)
+    return measure.Request(**given)
 
 
 # -------------------------------------------------------------------------- a front that is run
@@ -321,7 +318,7 @@ def test_a_front_on_a_lattice_is_steady_if_its_velocity_is_known_as_well_as_is_a
         assert (front.status, front.v, front.error) == (status, v, error)
 
 
-def test_a_network_is_followed_in_four_directions_if_none_are_given(
+def test_a_motion_is_followed_in_as_many_directions_as_are_asked_for_or_in_four(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[int] = []
@@ -331,8 +328,8 @@ def test_a_network_is_followed_in_four_directions_if_none_are_given(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(measure, "spread", spread)
-    for directions, expected in ((None, 4), (9, 9)):
-        chain: Any = SimpleNamespace(shape=None, time_unit=1.0)
+    for shape, directions, expected in ((None, None, 4), ((30, 30), 9, 9)):
+        chain: Any = SimpleNamespace(shape=shape, time_unit=1.0)
         with pytest.raises(KeyboardInterrupt):
             measure._spreading_front(chain, _request(directions=directions))
         assert asked[-1] == expected
@@ -365,6 +362,8 @@ def _lengths(kind: str) -> Any:
         "piecewise": PiecewiseChain(c=0.5, eta=0.03125),
         "lattice": OscillatorChain(**smooth, coupling="square", sites=(40, 3)),
         "network": OscillatorChain(**smooth, coupling=np.ones((60, 60)) - np.eye(60)),
+        "beyond neighbours": OscillatorChain(**smooth, coupling="next-nearest:1,0.2"),
+        "own": OscillatorChain(**smooth),
     }[kind]
 
 
@@ -406,6 +405,54 @@ def test_options_of_a_front_have_the_ranges_that_are_documented(
                 chain,
                 **{option: round(outside) if step else outside},  # type: ignore[arg-type]
             )
+
+
+GIVEN: dict[str, Any] = {
+    "accuracy": 1e-3, "tolerance": 1e-6, "excited": 7, "max_sites": 500, "stall_time": 3.0,
+    "left_boundary": "wave", "point": 3.0, "directions": 8,
+}  # fmt: skip
+RUNS = {"accuracy", "tolerance", "excited", "max_sites", "stall_time"}
+READ = {
+    "smooth": RUNS | {"left_boundary"},
+    "friction": RUNS | {"point"},
+    "piecewise": {"accuracy", "max_sites"},
+    "lattice": RUNS - {"max_sites"} | {"directions"},
+    "network": RUNS - {"max_sites"},
+    "beyond neighbours": RUNS,
+    "own": RUNS | {"left_boundary"},
+}
+
+
+@pytest.mark.parametrize("option", GIVEN)
+@pytest.mark.parametrize("kind", READ)
+def test_an_option_is_read_or_refused(
+    kind: str, option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def begun(*_: Any, **__: Any) -> Any:
+        raise _BegunError
+
+    monkeypatch.setattr(measure, "_settled", begun)
+    monkeypatch.setattr(network, "_runs", begun)
+    monkeypatch.setattr(simulation, "_start_state", begun)
+    read = option in READ[kind]
+    with pytest.raises(_BegunError if read else ParameterError, match=None if read else option):
+        measure.measure_front(_lengths(kind), **{option: GIVEN[option]})
+    usual = {each.name: each.default for each in fields(measure.Request)}
+    with pytest.raises(_BegunError):  # as if it were not given
+        measure.measure_front(
+            _lengths(kind),
+            **{option: usual[option]},
+            progress=lambda _: None,  # type: ignore[arg-type]
+        )
+
+
+@pytest.mark.parametrize("option", GIVEN)
+def test_a_wave_depends_on_no_option_of_runs_in_the_library_as_in_the_shell(option: str) -> None:
+    shell = COMMANDS["front"].calls["averaged"]
+    assert isinstance(shell, Measurement)
+    assert (option in shell.only) is (option not in shell.hidden)
+    with pytest.raises(ParameterError, match=f"{option} = .* absent beside the method wave"):
+        measure.measure_front(AVERAGED, method="wave", **{option: GIVEN[option]})
 
 
 def test_the_infinite_chain_has_no_left_end_whose_waves_could_be_outrun() -> None:

@@ -263,7 +263,7 @@ def test_a_run_on_a_lattice_is_a_picture_and_a_film(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "options", "words"),
     [
-        ({"sites": 40}, {"directions": 8}, "left out where there is no lattice"),
+        ({"sites": 40}, {"directions": 8}, "directions = 8 .* absent"),
         (
             {"coupling": "square", "sites": (9, 9)},
             {"directions": 8, "excited": 81},

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, SupportsFloat
 
 if TYPE_CHECKING:
@@ -227,6 +227,41 @@ def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str)
         If it is not a number, not finite, or below.
     """
     return _checked(quantity, value, f"finite and at least {low:g}", remedy, lambda x: x >= low)
+
+
+def refuse_unread(
+    given: Mapping[str, object], defaults: Mapping[str, object], read: Collection[str], where: str
+) -> None:
+    """Refuse options on which nothing depends; at their defaults they count as not given.
+
+    Parameters
+    ----------
+    given, defaults : mapping
+        Options by name.
+    read : collection of str
+        Those on which something depends.
+    where : str
+        What is so, as "for the model vdp".
+
+    Raises
+    ------
+    ParameterError
+        If another one is not at its default.
+
+    Examples
+    --------
+    >>> refuse_unread({"seed": 0, "tests": 3}, {"seed": 0, "tests": 12}, (), "beside an orbit")
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: tests = 3 is not allowed: it must be absent beside an orbit; \
+leave it out: nothing depends on it.
+    """
+    for name in given.keys() - {*read}:
+        value, default = given[name], defaults[name]
+        plain = isinstance(value, (int, float, str))
+        if value is not default and not (plain and value == default):
+            remedy = "leave it out: nothing depends on it"
+            raise ParameterError(name, value, f"absent {where}", remedy)
 
 
 def count_within(

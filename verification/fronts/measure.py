@@ -21,7 +21,7 @@ all models (``arrival_fit``, ``watch``). What differs is in :class:`Preparation`
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import singledispatch
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
@@ -35,7 +35,15 @@ from theory.chains.friction import FrictionChain
 from theory.chains.own import OwnChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain
-from theory.parameters import LATEST, ParameterError, count_within, need_instance, within, word
+from theory.parameters import (
+    LATEST,
+    ParameterError,
+    count_within,
+    need_instance,
+    refuse_unread,
+    within,
+    word,
+)
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.network import planar, spread, velocity_of
@@ -125,7 +133,8 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     Raises
     ------
     ParameterError
-        If the cell has no two cycles, sites start by themselves, or a parameter is out of range.
+        If the cell has no two cycles, sites start by themselves, a parameter is out of range, or
+        the front does not depend on it.
 
     References
     ----------
@@ -140,8 +149,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     """
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
-    if word("method", method, ("run", "wave")) == "wave":
-        return wave_front(chain)
+    word("method", method, ("run", "wave"))
     if accuracy is not None:
         accuracy = within("accuracy", accuracy, 1e-13, 0.1)
     if tolerance is not None:
@@ -152,8 +160,8 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         max_sites = count_within("longest chain, max_sites,", max_sites, 1, MAX_SITES)
     if stall_time is not None:
         stall_time = within("stall time", stall_time, 1e-6, LATEST)
-    if getattr(chain, "c", 1.0) == 0.0:
-        raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
+    if directions is not None:
+        directions = count_within("directions", directions, 4, 360)
     request = Request(
         accuracy=accuracy,
         tolerance=tolerance,
@@ -165,13 +173,11 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         directions=directions,
         progress=progress,
     )
-    lattice = isinstance(chain, OwnChain) and chain.shape is not None
-    if directions is not None:
-        if not lattice:
-            raise ParameterError(
-                "directions", directions, "left out where there is no lattice", "leave it out"
-            )
-        count_within("directions", directions, 4, 360)
+    if method == "wave":
+        request.reads(where="beside the method wave")
+        return wave_front(chain)
+    if getattr(chain, "c", 1.0) == 0.0:
+        raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
     return replace(_measured(chain, request), seconds=perf_counter() - begin)
 
 
@@ -230,15 +236,24 @@ def wave_front(chain: Chain, wave: FrontWave | None = None) -> Front:
 class Request:
     """What is asked of :func:`measure_front`; None for the default of the model."""
 
-    accuracy: float | None
-    tolerance: float | None
-    excited: int | None
-    max_sites: int | None
-    stall_time: float | None
-    left_boundary: LeftBoundary
-    point: StartPoint | float
-    directions: int | None
-    progress: ProgressCallback | None
+    accuracy: float | None = None
+    tolerance: float | None = None
+    excited: int | None = None
+    max_sites: int | None = None
+    stall_time: float | None = None
+    left_boundary: LeftBoundary = LeftBoundary.FREE
+    point: StartPoint | float = StartPoint.MAXIMUM
+    directions: int | None = None
+    progress: ProgressCallback | None = None
+
+    def reads(self, *names: str, where: str) -> None:
+        """Refuse every option that is given and is not one of these; progress may always be."""
+        defaults = {each.name: each.default for each in fields(self)}
+        refuse_unread(vars(self), defaults, {*names, "progress"}, where)
+
+
+RUN = ("accuracy", "tolerance", "excited", "max_sites", "stall_time")
+"""Options of every run of a chain that is made longer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -285,7 +300,7 @@ class Preparation:
 
 @singledispatch
 def _measured(chain: Chain, request: Request) -> Front:
-    """Return the front of a chain; each kind of chain registers its own way."""
+    """Return the front of a chain; each kind registers its own way, and says what it reads."""
     raise ParameterError(
         "model", chain.model, "one whose fronts can be measured", "take another chain"
     )
@@ -341,6 +356,7 @@ def _front(
 
 @_measured.register
 def _smooth_front(chain: SmoothChain, request: Request) -> Front:
+    request.reads(*RUN, "left_boundary", where="for a chain of a smooth cell")
     waves = chain.trailing_wave_velocity
     wave = _prepare_smooth(chain, request, LeftBoundary.WAVE)
     found = _settled(wave, request.progress)
@@ -393,11 +409,7 @@ def _own_front(chain: OwnChain, request: Request) -> Front:
     free = chain.replace(coupling=straight, ends=Ends.FREE)
     if free.network is None:
         return _smooth_front(free, request)
-    if request.left_boundary is LeftBoundary.WAVE:
-        raise ParameterError(
-            "left boundary", "wave", "free where sites differ or have more than two neighbours",
-            "leave it out",
-        )  # fmt: skip
+    request.reads(*RUN, where="where sites differ or have more than two neighbours")
     prepared = _prepare_smooth(free, request, LeftBoundary.FREE)
     found = _settled(prepared, request.progress)
     outruns = found.v is not None and found.v > OUTRUNS * free.trailing_wave_velocity
@@ -405,6 +417,11 @@ def _own_front(chain: OwnChain, request: Request) -> Front:
 
 
 def _spreading_front(chain: OwnChain, request: Request) -> Front:
+    read = ("accuracy", "tolerance", "excited", "stall_time")
+    if chain.shape is None:
+        request.reads(*read, where="on a network that is no lattice")
+    else:
+        request.reads(*read, "directions", where="on a lattice")
     stall = 60.0 if request.stall_time is None else request.stall_time
     options: dict[str, Any] = {
         "tolerance": 1e-8 if request.tolerance is None else request.tolerance,
@@ -516,6 +533,7 @@ def checked_friction_sites(sites: int, excited: int, max_sites: int = FRICTION_M
 
 @_measured.register
 def _friction_front(chain: FrictionChain, request: Request) -> Front:
+    request.reads(*RUN, "point", where="for the friction chain")
     excited = 1 if request.excited is None else request.excited
     max_sites = FRICTION_MAX_SITES if request.max_sites is None else request.max_sites
     checked_friction_sites(chain.sites, excited, max_sites)
@@ -556,6 +574,7 @@ def _friction_front(chain: FrictionChain, request: Request) -> Front:
 def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
     from verification.piecewise.simulation import PERIODS, TOLERANCES, simulate_front
 
+    request.reads("accuracy", "max_sites", where="for the chain (44)")
     accuracy = 1e-12 if request.accuracy is None else request.accuracy
     passed = 1000 if request.max_sites is None else request.max_sites
     run = simulate_front(

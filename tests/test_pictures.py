@@ -250,16 +250,16 @@ def _frame(nucleus: int, breather: Any) -> Any:
 @needs_explorer
 @pytest.mark.parametrize("size", [1, 2, 3, 9])
 def test_the_explorer_puts_the_breather_where_the_nucleus_is(size: int) -> None:
-    """The run is excited at the same sites, and so are those of the breather."""
-    from fronts.explore.calls import Settings, calls
-    from theory.chains.nucleus import MARGIN
+    """The run is excited at the same sites, and the breather has its largest amplitudes there."""
+    from fronts.explore.calls import AROUND, Settings, calls
 
-    sites = [0.1] * MARGIN + [2.0] * size + [0.1] * MARGIN
-    picture = _frame(size, SimpleNamespace(amplitudes=np.array(sites)))
+    called = calls(Settings(c=0.02, nucleus=size))
+    breather = called["breather"].run()
+    picture = _frame(size, breather)
     drawn = picture.breather.data
-    excited = [x for x, y in zip(drawn["x"], drawn["y"], strict=True) if y == 2.0]
-    excite = calls(Settings(nucleus=size))["run"].arguments[1]
-    assert excited == list(excite.arguments[1])
+    excited = [x for x, y in zip(drawn["x"], drawn["y"], strict=True) if y > 1.0]
+    assert excited == list(called["run"].arguments[1].arguments[1])
+    assert len(drawn["x"]) == size + 2 * AROUND
 
 
 @needs_explorer

@@ -14,7 +14,6 @@ from bokeh.plotting import figure
 
 from fronts.explore.calls import SITES, SLOW_TIME, Settings
 from fronts.pictures import BLUE, GREEN, VERMILION
-from theory.chains.nucleus import MARGIN
 
 GREY = "#777777"
 HEIGHT = 265
@@ -271,7 +270,7 @@ class NowPicture(Picture):
         self.figure.y_range.update(start=0.0, end=top)
         self.chain.data = {"x": np.arange(1, SITES + 1), "y": run.amplitude[0]}
         size = [] if breather is None or isinstance(breather, str) else breather.amplitudes
-        first = (SITES - settings.nucleus) // 2 - MARGIN + 1
+        first = (SITES - len(size)) // 2 + 1
         self.breather.data = {"x": np.arange(first, first + len(size)), "y": size}
         return f"Cycles of one cell: {cycles[0]:.5g}, stable, and {cycles[1]:.5g}, unstable."
 

@@ -22,7 +22,8 @@ from fronts.initial_state import prepared
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
-from theory.chains.nucleus import Nucleus, Place
+from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus, Place, nucleus_sites
 from theory.chains.vdp import AveragedChain
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
@@ -143,6 +144,33 @@ def test_a_range_becomes_a_curve_of_chains(called):
     assert (along, own, options["workers"]) == ("c", {}, 1)
     _, options, _ = called("front vdp --c 0.5:1:5 --eta 0.05 --jobs 2")
     assert options["workers"] == 2
+
+
+def test_a_range_of_eta_becomes_chains_of_that_eta_and_the_a_that_is_held(called):
+    (_, chains, along, values, _), _, _ = called("front vdp --c 0.6 --eta 0.02:0.06:3")
+    assert along == "eta"
+    assert values == [0.02, 0.04, 0.06] == [chain.b / chain.a**2 for chain in chains]
+    assert {(chain.a, chain.c) for chain in chains} == {(1.0, 0.6)}
+
+
+@pytest.mark.parametrize("model", ["vdp --a 4 --b 0.5", "friction --v-d 1.2"])
+def test_a_cell_is_one_without_neighbours_that_pull_it(model, called):
+    ((chain,), _, _) = called(f"cell {model}")
+    assert getattr(chain, "c", 0.0) == 0.0
+
+
+@pytest.mark.parametrize("count", [7, 8, 9, 10])
+def test_a_run_starts_from_the_middle_as_a_nucleus_of_one_does(count):
+    for chain in (
+        AveragedChain(a=4.0, b=0.5, c=0.6, sites=count),
+        FrictionChain(c=0.1, sites=count),
+    ):
+        start = prepared(chain)
+        place = Place.EDGE if isinstance(chain, FrictionChain) else Place.BULK
+        (site,) = nucleus_sites(count, place, 1)
+        assert start.parameters["sites"] == [site]
+        away = np.abs(start.state - np.median(start.state, axis=1, keepdims=True)).max(axis=0)
+        assert np.argmax(away) == site - 1
 
 
 def test_a_range_of_a_function_without_a_chain_becomes_its_values(called):
@@ -412,6 +440,11 @@ def test_an_answer_is_said_in_words_and_written_to_every_file_that_is_named(tmp_
     assert main([*line, "-o", str(files[0]), "--out", str(files[1])]) == 0
     assert _without_seconds(capsys.readouterr().out) == beside_files(words, files)
     assert all("fronts sum --v 1 --c 0.5" in each.read_text(encoding="utf-8") for each in files)
+    kept = json.loads(files[1].read_text(encoding="utf-8"))
+    parameters = kept["provenance"]["parameters"]
+    assert (float(parameters["v"]), float(parameters["c"])) == (1.0, 0.5)
+    assert f"{kept['re']:.10f}" in words
+    assert "re" not in parameters
 
 
 def test_the_parameters_beside_a_result_are_those_of_its_chain_or_the_fields_of_its_cell():

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import json
 import logging
+import math
 import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
+from html import escape
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -19,10 +24,18 @@ import pytest
 import fronts as fr
 from fronts import cli
 from fronts.answer import Answer
+from fronts.bound import Bound
+from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.curves import Curve
-from fronts.wording import in_words, table_lines
-from theory.result import Result
+from fronts.notebook import _cell, _word
+from fronts.options import REQUIRED, _help
+from fronts.wording import WIDTH, in_words, table_lines
+from paper_checks.claims import fig05
+from theory.cells.vdp import eta_from_damping
+from theory.parameters import MissingPackageError, ParameterError
+from theory.piecewise.sums.result import DOUBLE
+from theory.result import Result, summary
 
 Capture = pytest.CaptureFixture[str]
 
@@ -67,6 +80,48 @@ def test_the_model_may_be_named_after_the_command_or_by_an_option(capsys: Captur
     assert by_option["amplitudes"] == by_name["amplitudes"]
 
 
+@pytest.mark.parametrize("option", [["--model", "averaged"], ["--model=averaged"]])
+@pytest.mark.parametrize("before", [[], ["--c", "0.1"]])
+@pytest.mark.parametrize("after", [[], ["--json"], ["--n", "9"]])
+def test_only_the_option_that_names_the_model_is_taken_out(
+    option: list[str], before: list[str], after: list[str]
+) -> None:
+    calls = cast("Any", {"vdp": None, "averaged": None})
+    found = cli._renamed("vdp", [*before, *option, *after], calls, "breather")
+    assert found == ("averaged", [*before, *after])
+
+
+def test_a_word_that_is_no_option_is_refused_as_a_word(capsys: Capture) -> None:
+    assert main(["sum", "--v", "1", "--c", "0.5", "more"]) == 2
+    assert "'more' is not expected here" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["front", "simulate", "cell", "map"])
+def test_help_of_a_command_that_needs_a_model_has_no_empty_end(name: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit):
+        main([name, "--help"])
+    shown = capsys.readouterr().out
+    assert shown == shown.rstrip("\n") + "\n"
+
+
+@pytest.mark.parametrize("name", ["stress", "check"])
+@pytest.mark.parametrize("more", [[], ["--json"]])
+def test_a_command_of_its_own_is_quiet_beside_json(
+    name: str, more: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = importlib.import_module(f"fronts.commands.{name}")
+    own, asked = getattr(module, name), []
+
+    @functools.wraps(own)
+    def called(*_: Any, **options: Any) -> Answer:
+        asked.append(options["quiet"])
+        return Answer({}, "")
+
+    monkeypatch.setattr(module, name, called)
+    assert main([name, *more]) == 0
+    assert asked == [bool(more)]
+
+
 def test_help_of_a_further_model_shows_its_own_examples(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["breather", "averaged", "--help"])
@@ -93,6 +148,40 @@ def test_defaults_in_help_are_values_as_one_would_write_them() -> None:
     said = {each[1] for each in found if each}
     assert {"12", "1e-12", "0.05"} <= said
     assert not {each for each in said if re.search(r"None|<|True|False|^$|\.0$", each)}
+
+
+@pytest.mark.parametrize(
+    ("default", "said"),
+    [(2000.0, " (default 2000)"), (1e-12, " (default 1e-12)"), (12, " (default 12)"),
+     (True, ""), (None, ""), ("", ""), ("wave", " (default wave)"), (REQUIRED, "")],
+)  # fmt: skip
+def test_the_default_of_an_option_is_said_as_one_would_write_it(default: Any, said: str) -> None:
+    each = cast("Any", SimpleNamespace(help="How long.", kind="float"))
+    assert _help(each, default, ranged=False) == f"how long{said}"
+
+
+def test_what_must_be_given_and_what_is_absent_are_no_defaults() -> None:
+    found = [
+        Bound(call, model).own.defaults()
+        for command in COMMANDS.values()
+        for model, call in command.calls.items()
+        if model in ("", "vdp", "averaged", "friction", "piecewise")
+    ]
+    values = [value for defaults in found for value in defaults.values()]
+    assert len(values) > 50
+    assert not any(value is REQUIRED or value is None for value in values)
+
+
+def test_what_of_a_map_is_not_given_has_a_range_that_ascends() -> None:
+    """And of the map of Fig. 5 that of the figure."""
+    calls = COMMANDS["map"].calls
+    for call in calls.values():
+        assert all(low < high and count > 1 for low, high, count in cast("Any", call).axes.values())
+    axes = cast("Any", calls["friction"]).axes
+    for name, sampled in (("c", fig05.COUPLINGS), ("v_d", fig05.VELOCITIES)):
+        low, high, _ = axes[name]
+        assert low < min(sampled) < max(sampled) < high
+        assert low + high == pytest.approx(min(sampled) + max(sampled))
 
 
 def test_text_that_is_no_number_is_refused_by_the_name_of_its_option(capsys: Capture) -> None:
@@ -153,8 +242,9 @@ def test_a_terminal_is_told_that_the_first_run_compiles(
     level = logger.level
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     try:
-        cli._announce_compilation()
-        cli._announce_compilation()  # once is enough
+        for _ in range(2):  # once is enough
+            assert main(["sum", "--v", "1", "--c", "0.5"]) == 0
+        capsys.readouterr()
         logger.info("compiling")
     finally:
         logger.setLevel(level)
@@ -199,7 +289,93 @@ def test_a_status_is_followed_by_its_sentence_and_by_its_reason_where_it_has_non
     assert first == f"{point.status.value}: {sentence or point.reason}"
 
 
+def test_a_status_without_sentence_or_reason_stands_alone() -> None:
+    plain = Curve(along="c", values=np.array([]), points=(), seconds=0.0)
+    assert in_words(plain, {"status": "done", "v": 0.5}).splitlines()[0] == "done"
+    assert in_words(plain, {"status": "done", "reason": "so", "v": 0.5}).splitlines()[0] == (
+        "done: so"
+    )
+
+
+def test_lists_and_mappings_have_no_column_and_numbers_beside_them_do() -> None:
+    rows = [{"c": 0.1, "held": [1, 2], "of": {"a": 1}}, {"c": 0.2, "held": None, "of": {}}]
+    head, *lines = table_lines(rows)
+    assert head.split() == ["c"]
+    assert [line.split() for line in lines] == [["0.1"], ["0.2"]]
+
+
+def test_a_table_that_is_too_wide_goes_on_below_with_its_first_column() -> None:
+    names = ["c", *(f"a_long_name_of_a_number_{n}" for n in range(12))]
+    lines = list(table_lines([dict.fromkeys(names, 0.5), dict.fromkeys(names, 0.25)]))
+    heads = [line.split() for line in lines[::3]]
+    assert len(heads) > 1
+    assert all(head[0] == "c" and len(head) > 1 for head in heads)
+    assert [name for head in heads for name in head[1:]] == names[1:]
+    assert all(len(line) <= WIDTH for line in lines)
+    assert [line.split()[0] for line in lines] == ["c", "0.5", "0.25"] * len(heads)
+
+
+def test_in_a_notebook_words_are_those_of_the_member_and_what_is_missing_is_empty() -> None:
+    class Fine(Enum):
+        YES = "yes"
+
+        @property
+        def sentence(self) -> str:
+            return "it is < 1"
+
+    assert _cell(Fine.YES) == "yes: it is &lt; 1"
+    bare = Enum("bare", {"NO": "no"}).NO
+    said = SimpleNamespace(sentence="of something that is no status")
+    for value in (bare, said, 0.5):
+        assert _cell(value) == escape(summary(value))
+    assert [_word(value) for value in (None, math.nan, 0.5, "x")] == ["", "", "0.5", "x"]
+
+
 # -------------------------------------------------------------------------------- single commands
+
+
+def test_a_file_of_arrays_is_refused_before_any_work_where_its_package_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts.files import check_files
+
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    check_files([(tmp_path / "x.csv", "--out")], filmed=False)
+    with pytest.raises(MissingPackageError, match="zarr"):
+        check_files([(tmp_path / "x.zarr", "--out")], filmed=False)
+
+
+@pytest.mark.parametrize("number", [0, 55])
+def test_the_paper_has_fifty_four_equations(number: int) -> None:
+    with pytest.raises(ParameterError, match="a whole number from 1 to 54"):
+        fr.derivation(number)
+
+
+def test_a_seed_that_no_generator_takes_is_refused_by_its_option_before_any_point(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    def tried(*_: Any, **__: Any) -> Any:
+        raise AssertionError("tried")
+
+    monkeypatch.setattr("verification.quantities.robustness.stability", tried)
+    assert main(["stress", "--seed", "-1", "--json"]) == 2
+    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--seed"
+
+
+@pytest.mark.parametrize("found", [["hidden_example.py"], ["hidden_example/__init__.py"]])
+def test_a_file_that_hides_a_package_is_named(
+    found: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (path,) = (tmp_path / each for each in found)
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    taken = tmp_path / found[0].split("/")[0]
+    assert fr._place("hidden_example") == taken.resolve()
+    assert fr._place("there_is_no_such_package") is None
+    monkeypatch.setattr(fr, "_PACKAGES", ("hidden_example",))
+    with pytest.raises(ImportError, match=re.escape(f"{taken.resolve()} hides the package")):
+        fr._refuse_hidden()
 
 
 def test_the_checks_of_a_verdict_that_they_do_not_bear_out_say_so(
@@ -435,8 +611,14 @@ def test_growth_is_written_into_the_folder_that_is_named(
     from fronts.commands.bench import _measure
 
     written: list[tuple[Any, ...]] = []
-    monkeypatch.setattr(growth, "measure", lambda quick, report: ["row"])
-    monkeypatch.setattr(floor, "measure", lambda quick, report: ["floor"])
+    for module, row in ((growth, "row"), (floor, "floor")):
+
+        def measure(quick: bool, report: Any, row: str = row) -> list[str]:
+            assert quick is True
+            report(row)
+            return [row]
+
+        monkeypatch.setattr(module, "measure", measure)
     monkeypatch.setattr(growth, "as_payload", lambda rows, command: {"rows": rows})
     monkeypatch.setattr(growth, "as_text", lambda rows: f"{rows}")
     monkeypatch.setattr(floor, "as_rows", list)
@@ -448,7 +630,110 @@ def test_growth_is_written_into_the_folder_that_is_named(
     assert written == ([(answer.payload["growth"], ["row"], tmp_path)] if asked else [])
 
 
+@pytest.mark.parametrize("asked", [False, True])
+@pytest.mark.parametrize("count", [0, 2])
+def test_records_and_the_choice_of_defaults_are_written_into_the_folder_that_is_named(
+    asked: bool, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from benchmarks import choice, diagram, record, registry, tables
+    from fronts.commands.bench import _measure
+
+    written: list[tuple[Any, ...]] = []
+    some: Any = tuple(SimpleNamespace(name=f"b{n}", style="style") for n in range(count))
+    made = {"points": "points"}
+    monkeypatch.setattr(
+        registry, "measured", lambda each, quick, _: SimpleNamespace(of=each.name, **made)
+    )
+    monkeypatch.setattr(record, "as_payload", lambda found: {"of": found.of})
+    monkeypatch.setattr(tables, "as_text", lambda found: f"text of {found.of}")
+    monkeypatch.setattr(
+        record, "write_record", lambda found, path: written.append((found.of, path))
+    )
+    monkeypatch.setattr(diagram, "draw", lambda *given: written.append(given))
+    monkeypatch.setattr(choice, "stored_choices", lambda every, folder: ((every, folder), []))
+    monkeypatch.setattr(choice, "write_choices", lambda *given: written.append(given))
+    monkeypatch.setattr(registry, "all_benchmarks", lambda: "every")
+    answer = _measure(some, growth=False, quick=False, folder=tmp_path if asked else None)
+    assert answer.payload == {"records": {each.name: {"of": each.name} for each in some}}
+    assert all(f"text of {each.name}" in answer.text for each in some)
+    expected: list[tuple[Any, ...]] = []
+    for each in some:
+        expected.append((each.name, tmp_path / f"{each.name}.json"))
+        expected.append((each.name, "points", "style", tmp_path))
+    if some:
+        expected.append((("every", tmp_path), tmp_path / "defaults.json"))
+    assert written == (expected if asked else [])
+    assert (str(tmp_path) in answer.text) is asked
+
+
+def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from benchmarks.registry import all_benchmarks
+    from benchmarks.work_precision import RESULTS
+    from fronts.commands import bench
+
+    asked: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(bench, "_measure", lambda *given: asked.append(given) or Answer({}, ""))
+    monkeypatch.setattr(bench, "_defaults", lambda *given: asked.append(given) or Answer({}, ""))
+    one = tuple(each for each in all_benchmarks() if each.name == "sum")
+    for words, expected in (
+        ([], (all_benchmarks(), True, False, RESULTS)),
+        (["--quick"], (all_benchmarks(), True, True, None)),
+        (["sum"], (one, False, False, RESULTS)),
+        (["sum", "growth"], (one, True, False, RESULTS)),
+        (["growth"], ((), True, False, RESULTS)),
+        (["--defaults"], (all_benchmarks(), RESULTS)),
+        (["sum", "--defaults"], (one, RESULTS)),
+    ):
+        asked.clear()
+        assert main(["bench", *words]) == 0
+        assert asked == [expected]
+
+
 # ----------------------------------------------------------------------------------- the explorer
+
+
+@pytest.mark.skipif(find_spec("panel") is None, reason="extra explore is missing")
+@pytest.mark.parametrize("more", [[], ["--no-browser"]])
+def test_a_browser_is_opened_unless_it_is_not_wanted(
+    more: list[str], monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from fronts.explore import page
+
+    def serve(port: int, ready: Any, *, show: bool) -> None:
+        assert port == 8123
+        assert show is not bool(more)
+        ready("http://here")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(page, "serve", serve)
+    assert main(["explore", "--port", "8123", *more, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"address": "http://here"}
+
+
+@pytest.mark.parametrize("model", ["averaged", "vdp"])
+def test_the_chain_of_the_explorer_has_the_damping_that_was_set(model: str) -> None:
+    from fronts.explore.calls import Settings, calls
+    from verification.maps.vdp_rules import FIGURE_15
+
+    for given in ({"eta": 0.05}, {"eta": 0.02, "a": 5.0, "b": 0.5}):
+        called = calls(Settings(model=model, c=0.3, **given))
+        for chain in (called["run"].arguments[0], called["breather"].arguments[0]):
+            made = chain.run()
+            assert eta_from_damping(made.a, made.b) == pytest.approx(given["eta"])
+            assert made.c == 0.3
+    of_map = called["states"].arguments[0].run()
+    assert (of_map.sites, of_map.b) == (FIGURE_15.sites, FIGURE_15.b)  # as its caption says
+
+
+def test_times_of_updates_are_in_milliseconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here an update takes as many seconds as its coupling."""
+    from fronts.explore import update_time
+
+    monkeypatch.setattr(update_time, "_seconds_of_update", lambda settings: settings.c)
+    found = update_time.measure("vdp", (0.5, 0.125, 0.25))
+    assert (found.median_ms, found.largest_ms, found.slowest_c) == (250.0, 500.0, 0.5)
 
 
 def test_the_explorer_runs_the_chain_for_the_slow_time_of_its_axis() -> None:
@@ -549,3 +834,76 @@ def test_roots_are_counted_in_the_strips_of_all_that_were_found(
     monkeypatch.setattr(root_count, "count_in_strips", one_more)
     assert fr.roots(0.3, 0.5, count=4).counted == 10
     assert {root.label for root in plain.upper} <= {*strips}
+
+
+def test_a_bound_on_roots_times_digits_holds_only_where_digits_are_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from fronts.piecewise import roots
+
+    monkeypatch.setattr(roots, "_MAX_DIGITS_OF_ROOTS", 4 * (DOUBLE + 1))
+    assert len(fr.roots(0.3, 0.5, count=9, digits=DOUBLE).upper) == 9
+    assert len(fr.roots(0.3, 0.5, count=4, digits=DOUBLE + 1).upper) == 4
+    with pytest.raises(ParameterError, match="roots times digits"):
+        fr.roots(0.3, 0.5, count=5, digits=DOUBLE + 1)
+
+
+def test_roots_are_counted_at_the_velocity_and_coupling_that_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from theory.piecewise import root_count
+
+    asked: list[tuple[Any, ...]] = []
+
+    def counted(v: float, c: float, labels: Any, upper: bool) -> int:
+        asked.append((v, c, upper))
+        return int(labels.size)
+
+    monkeypatch.setattr(root_count, "count_in_strips", counted)
+    fr.roots(0.3, 0.5, count=2)
+    assert asked == [(0.3, 0.5, True), (0.3, 0.5, False)]
+
+
+def test_the_progress_of_many_digits_rises_from_zero_and_stays_below_one() -> None:
+    parts: list[float] = []
+    fr.roots("0.3", "0.5", count=4, digits=30, progress=parts.append)
+    assert parts[0] == 0.0
+    assert all(0.0 <= part <= 1.0 for part in parts)
+    assert parts == sorted(parts)
+    assert len(set(parts)) >= 8
+
+
+def test_a_sum_in_double_precision_is_as_uncertain_as_it_was_and_its_rounding() -> None:
+    import mpmath as mp
+
+    from fronts.piecewise.sigma import _rounded
+
+    plain = fr.sigma(0.3, 0.5, method="series")
+    with mp.workdps(40):
+        exact = mp.mpc(1) + mp.mpf(2) ** -53 * mp.mpf("0.999")  # rounds to 1
+        for error in (0.0, 1e-3):
+            found = _rounded(replace(plain, value=exact, error=error))
+            assert found.value == 1.0
+            assert abs(exact - found.value) + error <= found.error <= 1e-15 + error
+
+
+@pytest.mark.parametrize(
+    ("given", "refused"),
+    [
+        ({"eta": 0.03125}, False),
+        ({"a": 4.0, "b": 0.5}, False),
+        ({"eta": 0.03125, "a": 4.0}, True),
+        ({"eta": 0.03125, "b": 0.5}, True),
+        ({"eta": 0.03125, "a": 4.0, "b": 0.5}, True),
+        ({"a": 4.0}, True),
+        ({"b": 0.5}, True),
+        ({}, True),
+    ],
+)
+def test_damping_is_given_by_eta_or_by_a_and_b(given: dict[str, float], refused: bool) -> None:
+    for function in (fr.kinetic_relation, fr.front_profile):
+        if refused:
+            with pytest.raises(ParameterError, match="eta = "):
+                function(0.5, **given)
+        else:
+            assert function(0.5, **given).eta == 0.03125

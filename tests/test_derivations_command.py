@@ -203,6 +203,52 @@ def test_the_graph_is_an_svg(capsys, tmp_path):
     assert data["kinds"]["8"] == "model"
 
 
+def test_the_graph_is_of_one_derivation_or_of_all(capsys, monkeypatch):
+    one = catalogue.load("linearisation")
+    monkeypatch.setattr(catalogue, "everything", lambda: (one,))
+    found = json.loads(run(capsys, "linearisation", "--graph", "--json")[1])
+    assert found["kinds"]
+    for words in (["all"], []):
+        assert json.loads(run(capsys, *words, "--graph", "--json")[1]) == found
+    for words in (["cell", "--damping", "1"], ["linearisation", "--equation", "40"]):
+        code, out, err = run(capsys, *words, "--graph")
+        assert (code, out) == (2, "")
+        assert "--graph draws all equations" in err
+
+
+@pytest.mark.parametrize("failures", [(), ("the check of (3)",)])
+def test_all_verdicts_are_shown_in_the_form_that_is_asked_for(failures, capsys, monkeypatch):
+    from derivations import verdict_page
+
+    made = judgement.Report(judgements=(), failures=failures, seconds=1.5)
+    monkeypatch.setattr(judgement, "report", lambda: made)
+    monkeypatch.setattr(verdict_page, "page", lambda found: f"page of {found.seconds}")
+    code = int(bool(failures))
+    assert run(capsys, "all", "--format", "markdown")[:2] == (code, "page of 1.5\n")
+    said = run(capsys, "all")
+    assert said[0] == code
+    assert said[1].endswith("0 equations, 1.5 s\n")
+    assert ("FAILED: the check of (3)" in said[1]) == bool(code)
+    for form in (["--json"], ["--format", "json"]):
+        found, shown, _ = run(capsys, "all", *form)
+        assert found == code
+        assert json.loads(shown) == {
+            "equations": [], "failures": list(failures), "seconds": 1.5,
+        }  # fmt: skip
+
+
+def test_a_step_that_fails_its_check_changes_the_exit_code_of_its_equation(capsys, monkeypatch):
+    """Also where the verdict on print is confirmed."""
+    from derivations.algebra import rendering
+
+    plain = rendering.records
+    for complete, code in ((True, 0), (False, 1)):
+        monkeypatch.setattr(
+            rendering, "records", lambda found, told=complete: plain(found) | {"complete": told}
+        )
+        assert run(capsys, "friction", "--equation", "3")[0] == code
+
+
 def test_the_page_of_verdicts_is_what_the_code_finds(capsys):
     written = Path(__file__).parents[1] / "docs" / "derivations.md"
     assert run(capsys, "all", "--format", "markdown")[1] == written.read_text(encoding="utf-8")

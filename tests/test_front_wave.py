@@ -349,6 +349,21 @@ def test_the_branch_of_fronts_is_made_of_fronts() -> None:
         fr.follow_front(fr.VdpChain(a=4, b=0.5, c=0), [0.4])
 
 
+def test_at_the_end_of_a_branch_fronts_are_pinned() -> None:
+    """There v = 0: the end that a branch states can be asked for."""
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.15)
+    for along, end in (("couplings", static_fold(ETA).c), ("etas", pinning_eta(0.15).eta)):
+        (point,) = fr.follow_front(chain, **{along: [end]}).points
+        assert (point.v, point.status.value) == (0.0, "pinned")
+
+
+def test_branches_of_breathers_are_of_the_models_of_the_paper() -> None:
+    own = fr.OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.05, sites=7)
+    for chain in (fr.FrictionChain(c=0.1), own):
+        with pytest.raises(ParameterError, match="other models cannot be followed"):
+            fr.follow_breather(chain, [0.1])
+
+
 def test_the_branch_in_eta_is_made_of_the_fronts_of_each_eta() -> None:
     """Each beside differences along the wave, which share no code with it, and a running chain."""
     chain = fr.AveragedChain(a=4, b=1, c=0.6)

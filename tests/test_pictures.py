@@ -86,6 +86,94 @@ def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
     assert words == [f"fold, {symbol} = 0.25", f"fold, {symbol} = 0.45", "stable"]
 
 
+@pytest.mark.parametrize("along", ["c", "eta"])
+def test_a_fold_beyond_the_end_of_a_branch_stands_beyond_it(along: str) -> None:
+    turn = Turn(c=0.25, eta=0.25, error=0.0, place=4, height=0.9)
+    axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": 0.45}))
+    order = [each for each in _segments(axes, "-") if each[0] != each[1]]
+    assert np.allclose(np.ravel(order), np.repeat([0.6, 0.5, 0.45, 0.4, 0.3, 0.25, 0.2], 2)[1:-1])
+
+
+def test_a_curve_has_bars_of_its_errors() -> None:
+    from fronts.curves import Curve
+
+    @dataclass(frozen=True, kw_only=True)
+    class Measured(Result):
+        v: float | None
+        error: float | None
+
+    points = (
+        Measured(v=1.0, error=0.25), Measured(v=None, error=None), Measured(v=2.0, error=0.5),
+        Measured(v=3.0, error=None),
+    )  # fmt: skip
+    axes = draw(Curve(along="c", values=np.arange(4.0), points=points, seconds=0.0))
+    (shown,) = axes.containers
+    (bars,) = shown[2]
+    ends = [[y for _, y in each] for each in bars.get_segments()]
+    assert ends == [[0.75, 1.25], [1.5, 2.5], [3.0, 3.0]]
+    assert list(shown[0].get_xdata()) == [0.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize("along", ["c", "eta"])
+def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) -> None:
+    values = {"c": [0.3, 0.5], "eta": [0.02, 0.03]}[along]
+    found = fr.kinetic_relation(**{"c": 0.5, "eta": 0.03125, along: values})
+    axes = draw(found)
+    assert axes.get_xlabel() == {"c": "coupling c", "eta": "η = b/a²"}[along]
+    assert axes.get_ylabel() == "front velocity v"
+    shown = {
+        (x, v)
+        for line in axes.lines
+        if line.get_marker() not in ("", "None")
+        for x, v in zip(line.get_xdata(), line.get_ydata(), strict=True)
+    }
+    assert shown == {
+        (x, b.v) for x, point in zip(values, found.points, strict=True) for b in point.branches
+    }
+
+
+def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> None:
+    found = fr.front_profile(0.5, 0.03125, points=11)
+    axes = draw(found)
+    named = {line.get_label(): line for line in axes.lines if not line.get_label().startswith("_")}
+    parts = np.abs(found.phi), found.phi.real, found.phi.imag
+    for line, part in zip(named.values(), parts, strict=True):
+        assert np.array_equal(line.get_xdata(), found.zeta)
+        assert np.array_equal(line.get_ydata(), part)
+    (level,) = (line for line in axes.lines if line.get_label() not in named)
+    assert list(level.get_ydata()) == [found.threshold] * 2
+    assert [text.get_text() for text in axes.texts] == ["threshold"]
+
+
+def test_of_a_run_each_arrival_is_drawn_at_its_time_and_site() -> None:
+    from fronts.pictures import _trajectory
+
+    run = _run(np.arange(12.0).reshape(3, 4), model="averaged")
+    run.times, run.arrivals = np.array([0.0, 5.0, 10.0]), np.array([0.0, np.nan, 7.0, 9.0])
+    axes = Figure().subplots()
+    _trajectory(run, axes)
+    (line,) = axes.lines
+    assert list(line.get_xdata()) == [0.0, 7.0, 9.0]
+    assert list(line.get_ydata()) == [1, 3, 4]
+    (image,) = axes.images
+    assert np.array_equal(image.get_array(), run.amplitude.T)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("time t", "site n")
+
+
+def test_of_a_run_on_a_lattice_the_end_is_drawn() -> None:
+    from fronts.pictures import _trajectory
+
+    links = SimpleNamespace(positions=np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.866]]))
+    run = _run(np.array([[1.0, 2, 3], [4, 5, 6]]), shape=(1, 3), links=links)
+    run.times = np.array([0.0, 12.5])
+    axes = Figure().subplots()
+    _trajectory(run, axes)
+    (dots,) = axes.collections
+    assert list(dots.get_array()) == [4.0, 5.0, 6.0]
+    # Where a title stands is a matter of style, which other tests may have set.
+    assert "t = 12.5" in {axes.get_title(loc=each) for each in ("left", "center", "right")}
+
+
 def test_a_branch_of_one_point_has_nothing_to_explain() -> None:
     assert draw(_branch("c", [True])).get_legend() is None
 
@@ -133,7 +221,11 @@ def _run(amplitude: np.ndarray, **chain: Any) -> Any:
 
 def test_a_frame_of_a_chain_leaves_no_amplitude_out_and_half_of_it_is_not_empty() -> None:
     axes = Figure().subplots()
-    snapshot(_run(np.array([[1.0, 0.5], [3.0, 2.0]])), axes)
+    show = snapshot(_run(np.array([[1.0, 0.5], [3.0, 2.0]])), axes)
+    (curve,) = axes.lines
+    assert (list(curve.get_xdata()), list(curve.get_ydata())) == ([1, 2], [1.0, 0.5])
+    show(1)
+    assert (list(curve.get_xdata()), list(curve.get_ydata())) == ([1, 2], [3.0, 2.0])
     assert axes.get_ylim()[0] == 0.0
     assert 3.0 < axes.get_ylim()[1] < 6.0
 
@@ -303,3 +395,80 @@ def test_the_style_of_pictures_leaves_room_for_labels_and_yellow_for_areas() -> 
         assert set(lines) == {colour for name, colour in COLOURS.items() if name != "yellow"}
         assert isinstance(Figure().get_layout_engine(), ConstrainedLayoutEngine)
         assert mpl.rcParams["axes.axisbelow"] is True
+
+
+@needs_explorer
+def test_the_explorer_leaves_no_amplitude_of_the_chain_out() -> None:
+    from fronts.explore.calls import SITES
+
+    picture = _frame(1, None)
+    up = picture.figure.y_range
+    assert up.start == 0.0
+    assert SITES - 1.0 < up.end < 2.0 * SITES
+    assert list(picture.chain.data["x"]) == list(range(1, SITES + 1))
+
+
+@needs_explorer
+def test_the_explorer_fills_the_map_once_and_moves_the_place_in_it() -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import StatesPicture
+
+    rows = [(0.01, 0.1, "front"), (0.02, 0.1, "breather"), (0.02, 0.2, "front"),
+            (0.13, 0.2, "fixed point"), (0.13, 0.3, "undecided")]  # fmt: skip
+    eta, c, label = (np.array(each) for each in zip(*rows, strict=True))
+    asked = []
+
+    def columns() -> dict[str, Any]:
+        asked.append(1)
+        return {"eta": eta, "c": c, "label": label}
+
+    picture, point = StatesPicture(), object()
+    picture.show(Settings(eta=0.05, c=0.5), {"point": point})
+    assert not any(len(each.data["x"]) for each in picture.squares.values())
+    for place in (0.5, 0.25):
+        found = {"point": point, "states": SimpleNamespace(columns=columns)}
+        picture.show(Settings(eta=0.05, c=place), found)
+        assert dict(picture.place.data) == {"x": [0.05], "y": [place]}
+        for state, source in picture.squares.items():
+            shown = list(zip(source.data["x"], source.data["y"], strict=True))
+            assert shown == [(x, y) for x, y, kind in rows if kind == state]
+    assert len(asked) == 1
+
+
+@needs_explorer
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # of panel: names of widgets
+def test_the_controls_say_eta_or_what_follows_from_a_and_b() -> None:
+    from fronts.explore.page import Controls
+
+    controls = Controls()
+    controls.c.value = 0.75
+    assert (controls.settings().eta, controls.settings().a) == (controls.eta.value, None)
+    controls.damping.value = True
+    controls.a.value, controls.b.value = 2.0, 0.25
+    said = controls.settings()
+    assert (said.eta, said.a, said.b, said.c) == (0.0625, 2.0, 0.25, 0.75)
+    assert (controls.a.visible, controls.b.visible, controls.eta.visible) == (True, True, False)
+
+
+@needs_explorer
+def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.page import Page
+
+    shown: list[str] = []
+
+    def picture(name: str, needs: tuple[str, ...], also: tuple[str, ...]) -> Any:
+        return SimpleNamespace(needs=needs, also=also, show=lambda *_: shown.append(name))
+
+    pictures = [picture("a", ("run",), ("breather",)), picture("b", ("breather",), ()),
+                picture("c", ("point",), ("run",))]  # fmt: skip
+    document = SimpleNamespace(hold=lambda _: None, unhold=lambda: None)
+    page: Any = SimpleNamespace(document=document, pictures=pictures, begun=0.0,
+                                status=SimpleNamespace(object=""))  # fmt: skip
+    results = {"point": 1, "run": 2, "breather": 3, "curve": 4}
+    for count, expected in ((1, ["c"]), (2, ["a", "c"]), (3, ["a", "b"]), (4, [])):
+        shown.clear()
+        found = dict(list(results.items())[:count])
+        Page._shower(page, Settings(), found)()
+        assert shown == expected
+        assert bool(page.status.object) is (count >= 3)

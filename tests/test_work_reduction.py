@@ -219,15 +219,20 @@ def test_every_kind_of_thing_left_out_has_a_row() -> None:
 def test_a_bound_that_is_exceeded_is_said_and_changes_the_exit_code(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for changed, code in ((1e-13, 0), (1e-3, 1)):
+    def reduction(what: str, changed: float) -> Reduction:
         made_up = Comparison(1.0, 3.0, changed, 1e-12)
-        reduction = Reduction(
-            what="x", decided="by y", bound="z", unit="u", test="t",
-            compare=lambda made_up=made_up: made_up,
-        )  # fmt: skip
-        monkeypatch.setattr(table, "REDUCTIONS", (reduction,))
+        return Reduction(
+            what=what, decided="by y", bound="z", unit="u", test="t", compare=lambda: made_up
+        )
+
+    fine, bad = reduction("terms", 1e-13), reduction("points", 1e-3)
+    for some, code in (((fine,), 0), ((bad,), 1), ((fine, bad), 1), ((bad, fine), 1)):
+        monkeypatch.setattr(table, "REDUCTIONS", some)
         assert main(["stress", "--work-reduction"]) == code
-        assert ("the bound is exceeded" in capsys.readouterr().out) == bool(code)
+        said = capsys.readouterr().out
+        assert ("the bound is exceeded" in said) == bool(code)
+        heads = [line for line in said.splitlines() if not line.startswith(" ")]
+        assert heads == [f"{each.what}: by y" for each in some]
 
 
 def test_what_changes_is_said_beside_what_may_unless_neither_does() -> None:

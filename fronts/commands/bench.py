@@ -53,7 +53,7 @@ def bench(
     for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
     need_source_tree(ROOT)
-    from benchmarks.registry import all_benchmarks, chosen
+    from benchmarks.registry import chosen
     from benchmarks.work_precision import RESULTS
 
     names = [name for name in quantity if name != GROWTH]
@@ -73,7 +73,7 @@ def bench(
             raise UsageError(
                 f"--defaults has no default method of growth to judge: leave out {GROWTH}."
             )
-        return _defaults(selected or all_benchmarks(), out or RESULTS)
+        return _defaults(selected, out or RESULTS)
     folder = out or (None if quick else RESULTS)
     if folder is not None and not os.access(folder, os.W_OK):
         raise UsageError(f"the folder {folder} cannot be written: name another one with --out.")

@@ -222,7 +222,8 @@ def _definition(method: ThresholdMethod, definition: Definition | str | None) ->
     if definition is None:
         return allowed[0]
     words = [each.value for each in allowed]
-    return Definition(word(f"definition for the method {method}", definition, words))
+    name, remedy = f"definition for the method {method}", "leave it out, or take another method"
+    return Definition(word(name, definition, words, remedy))
 
 
 def _by_runs_of_43(

@@ -232,3 +232,22 @@ def test_a_velocity_out_of_range_is_left_undecided_with_a_reason() -> None:
     assert verdict.admissible is None
     assert verdict.reason is not None
     assert "1e+12" in verdict.reason
+
+
+def test_waves_too_short_to_be_summed_everywhere_leave_a_front_undecided(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    c, eta = 11.5, 0.07
+    v = kinetic_relation(c, eta).branches[0].v
+    r = threshold_ratio(eta)
+    plain = check_admissible(v, c, r)
+    assert plain.admissible is not None
+    monkeypatch.setattr(admissibility, "_LONGEST_GRID", 0)
+    by_roots = check_admissible(v, c, r)
+    assert by_roots.admissible is plain.admissible
+    monkeypatch.setattr(admissibility, "_MAX_TERMS", 100_000)
+    left = check_admissible(v, c, r)
+    assert (left.admissible, left.fails_at) == (None, None)
+    assert left.reason is not None
+    assert "too short" in left.reason
+    assert left.points < by_roots.points

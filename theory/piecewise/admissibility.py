@@ -51,6 +51,9 @@ _FEW_LABELS = 400
 _SLOW = 24
 """Terms of each sum that are followed beyond ``_NEAR``."""
 _MAX_CELLS = 20_000
+_MAX_TERMS = 600_000_000
+"""Terms added up for one front, some seconds: slow fronts at strong coupling have waves so short
+that each site is divided into tens of thousands of cells."""
 _AT_ONCE = 1 << 20
 """Exponentials held in memory."""
 _VALUES_AT_ONCE = 1 << 16
@@ -191,11 +194,15 @@ def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
     zeta = np.concatenate([-near[::-1], [0.0], near])
     fails_at, points = _first_violation(shape, zeta, shape.with_slope(zeta), r)
     beyond = (shape.behind.reach(r)[1], shape.ahead.reach(r)[1])
+    decided = points <= shape.max_values
     points += 3 * zeta.size
     if fails_at is not None:
         return Admissibility(False, fails_at, beyond, points)
+    if not decided:
+        reason = "the waves of the front are too short for its values to be summed everywhere"
+        return Admissibility(None, None, beyond, points, reason)
     sides = [shape.behind.proven(r), shape.ahead.proven(r)]
-    decided, farther = True, []
+    farther = []
     for side, sign in zip(sides, (-1.0, 1.0), strict=True):
         farther += [sign * side.fails_at] if side.fails_at is not None else []
         decided &= side.thin.shape[1] <= _MAX_CELLS
@@ -206,6 +213,7 @@ def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
             cells = np.concatenate([pairs[:, 0], pairs[:, 1]])
             owner = np.zeros(cells.shape[1], dtype=np.int64)
             found, more = _divide(shape, cells, owner, np.array([r]))
+            decided &= more[0] <= shape.max_values
             points += int(more[0]) + 3 * ends.size
             farther += found[found < math.inf].tolist()
     if farther:
@@ -400,6 +408,11 @@ class _SumShape:
         """Length of a cell that is not divided."""
         return _SHORTEST * min(1.0, abs(self.velocity) / self.c)
 
+    @property
+    def max_values(self) -> float:
+        """Values of φ after which no cell is divided any more."""
+        return _MAX_TERMS / (self.behind.terms.size + self.ahead.terms.size)
+
     def shorter_than_waves(self, owner: IntArray) -> FloatArray:
         """Return 0: terms of any wavelength are added up here."""
         return np.zeros(owner.shape)
@@ -450,6 +463,11 @@ class _Shape:
     def shortest(self) -> float:
         """Length of a cell that is not divided."""
         return _SHORTEST
+
+    @property
+    def max_values(self) -> float:
+        """Infinite: values cost little."""
+        return math.inf
 
     def shorter_than_waves(self, owner: IntArray) -> FloatArray:
         """Return a sixth of the shortest wave of φ, e^{-ia f}: a turns by at most 2c/v a site."""
@@ -552,7 +570,7 @@ def _divide(
 
     Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
     ``owner`` is the front of each cell; returned are the violation nearest 0 of each, or ∞, and the
-    values of φ computed.
+    values of φ computed: more than ``max_values`` where cells are left.
     """
     computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
     while True:
@@ -574,8 +592,10 @@ def _divide(
         cells, owner = cells.take(left, axis=1), owner.take(left)
         if owner.size == 0:
             return worst, computed
-        middle = 0.5 * (cells[0] + cells[3])
         computed += 3 * np.bincount(owner, minlength=r.size)
+        if computed.max() > shape.max_values:
+            return worst, computed
+        middle = 0.5 * (cells[0] + cells[3])
         half = np.array([middle, *_margin(middle, *shape.with_slope(middle, owner), r[owner])])
         cells = np.concatenate(
             [np.concatenate([cells[:3], half]), np.concatenate([half, cells[3:]])], axis=1

@@ -9,8 +9,9 @@ Chains (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`, and `Osc
 one of your own) are parameters that check
 themselves. Functions take a chain or numbers and return a result: a frozen dataclass with ``error``
 and ``status``, with ``to_dict()``, and where it can, ``plot()``, ``to_pandas()`` and
-``to_xarray()``. Bad input raises `ParameterError`, which names the quantity, the value, the range
-and what to do. The command ``fronts`` is these functions at the shell.
+``to_xarray()``. Bad input raises `ParameterError`, of derivations `DerivationInputError`, both a
+``ValueError``, which names the quantity, the value, the range and what to do. The command
+``fronts`` is these functions at the shell.
 """
 
 from __future__ import annotations

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
 
+from fronts.piecewise.kinetic_relation import kinetic_relation as front_door
 from theory.cells.vdp import (
     eta_from_damping,
     eta_from_ratio,
@@ -494,3 +496,22 @@ def test_a_coupling_beyond_double_precision_is_refused(
     with pytest.raises(ParameterError, match="coupling c"):
         of(c)
     assert 0 < of(1e-150) < of(1e300) <= 0.08
+
+
+@pytest.mark.parametrize(
+    ("c", "eta", "said"),
+    [
+        ([0.5, 0.6], [0.03, 0.04, 0.05], r"eta = 3 numbers .* one for each of 2 couplings"),
+        ([[0.5, 0.6]], 0.03, r"shape of coupling c = \(1, 2\)"),
+        (0.5, [], r"eta = \[\]"),
+    ],
+)
+def test_arrays_that_are_no_curve_are_refused(c: Any, eta: Any, said: str) -> None:
+    with pytest.raises(ParameterError, match=said):
+        front_door(c=c, eta=eta)
+
+
+def test_pairs_of_numbers_are_a_curve_whose_time_is_all_of_it() -> None:
+    found = front_door(c=[0.5, 0.6], eta=[0.03, 0.04], stability=True)
+    assert [(point.c, point.eta) for point in found.points] == [(0.5, 0.03), (0.6, 0.04)]
+    assert sum(point.seconds for point in found.points) < found.seconds

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -112,9 +113,8 @@ def kinetic_relation(
     stability, certify = truth("stability", stability), truth("certify", certify)
     eta_ = damping_ratio(eta, a, b)
     c_ = real_array("coupling c", c)
-    for quantity, values in (("coupling c", c_), ("eta", eta_)):
-        if not np.size(values):
-            raise ParameterError(quantity, "[]", "one number or more", "give at least one")
+    _check_curve(c_, np.asarray(eta_))
+    begin = perf_counter()
     answers = trace_kinetic_relation(c_, eta_, progress=progress)
     single = c_.ndim == 0 and np.ndim(eta_) == 0
     if stability or single:
@@ -129,8 +129,24 @@ def kinetic_relation(
     return KineticCurve(
         along="c" if c_.ndim else "eta",
         points=tuple(answers),
-        seconds=sum(answer.seconds for answer in answers),
+        seconds=perf_counter() - begin,
     )
+
+
+def _check_curve(c: FloatArray, eta: FloatArray) -> None:
+    """Refuse arrays that are no curve along one of the two parameters."""
+    for quantity, values in (("coupling c", c), ("eta", eta)):
+        if not values.size:
+            raise ParameterError(quantity, "[]", "one number or more", "give at least one")
+        if values.ndim > 1:
+            raise ParameterError(
+                f"shape of {quantity}", values.shape, "a row of numbers", "give one row at a time"
+            )
+    if 1 not in (c.size, eta.size) and c.size != eta.size:
+        raise ParameterError(
+            "eta", f"{eta.size} numbers", f"one number, or one for each of {c.size} couplings",
+            "vary one of them, or sweep over both",
+        )  # fmt: skip
 
 
 def _with_stability(answer: KineticRelation, limit: bool) -> KineticRelation:

@@ -4,7 +4,7 @@
 
 At a free end the site has one neighbour: φ_1' = (ic/2)(φ_1 - φ_2) - φ_1 g(|φ_1|²).
 
-**Staggered reduction.** With φ_n = (-i)^n r_n e^{icT} the bulk equation has real coefficients,
+**Quarter-turn reduction.** With φ_n = (-i)^n r_n e^{icT} the bulk equation has real coefficients,
 
     r_n' = (c/2)(r_{n-1} - r_{n+1}) - r_n g(r_n²),
 

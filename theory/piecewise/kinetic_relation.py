@@ -367,7 +367,7 @@ def trace_kinetic_relation(
     ratio = {value: threshold_ratio(value) for value in bistable}
     branches: list[list[Branch]] = [[] for _ in c_]
     terms = 0
-    blocks = [  # a front retreats only beyond 2/25, advances only before
+    blocks = [
         (retreating, scenes[begin : begin + _BLOCK])
         for retreating in (True, False)
         for scenes in [np.flatnonzero(_can_move(eta_, retreating))]

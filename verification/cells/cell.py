@@ -23,8 +23,9 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
         The cell of (5) at c = 0, of (8), of (43), where both cycles are known in closed form, or
         one of your own. Coupling, sites and ends of a chain play no role.
     tolerance : float, optional
-        Local error of the integration, relative to the size of the cycle; from 1e-14 (friction) or
-        1e-13 (Van der Pol) to 1e-6. The errors stated are differences from a hundred times this.
+        Local error of the integration, relative to the size of the cycle; from 1e-14 to 1e-4
+        (friction) or 1e-13 to 1e-6 (Van der Pol). The errors stated are differences from a
+        hundred times this.
 
     Returns
     -------

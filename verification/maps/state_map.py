@@ -359,7 +359,7 @@ def state_map(
     progress: ProgressCallback | None = None,
     **axes: Sequence[float],
 ) -> StateMap:
-    """Name the state of a chain (5), (8) or (43) at every point of a grid (Figs. 6, 15).
+    """Name the state of a chain (5), (8) or (43) at every point of a grid (Figs. 5, 15).
 
     Where the state changes between neighbouring points, the boundary is bisected. All parameters
     are dimensionless.

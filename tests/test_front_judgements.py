@@ -1007,7 +1007,9 @@ def _made_up_holds(
     """Let runs escape above a coupling, after a share of their time; return the couplings tried."""
     tried: list[float] = []
 
-    def hold(_: object, __: object, c: float, duration: float) -> Any:
+    def hold(chain: object, preparation: object, c: float, duration: float) -> Any:
+        assert chain is AVERAGED
+        assert isinstance(preparation, escape.Preparation)
         tried.append(c)
         return SimpleNamespace(escaped=c > highest, time=share(c) * duration)
 

@@ -270,6 +270,11 @@ def test_a_window_is_moved_after_the_front_and_widened_where_it_is_too_narrow(
     )
     History._keep_in_window(made, 100 + slot)
     assert done == ([] if becomes is None or abs(becomes[1]) < 8 else [becomes])
+    width = zone[1] - zone[0] + 1
+    for before in (0, 60):  # the broadest that it has been where it was looked at
+        made.zone = before
+        History._keep_in_window(made, 100 + slot)
+        assert made.zone == (before if slot == 32 else max(before, width))
 
 
 def test_a_front_that_settles_is_judged_by_its_last_block() -> None:

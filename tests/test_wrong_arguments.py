@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,9 @@ import numpy as np
 import pytest
 
 import fronts as fr
+from verification.breathers import breather as breathers
 from verification.maps.state_map import StateTask
+from verification.thresholds import threshold as thresholds
 
 CHAINS = {
     "vdp": fr.VdpChain(a=4, b=0.5, c=0.05, sites=7),
@@ -167,6 +170,67 @@ CHOICES: dict[str, Callable[[Any], object]] = {
 def test_a_choice_is_one_of_the_words(name: str, word: Any) -> None:
     with pytest.raises(fr.ParameterError, match="is not allowed: it must be"):
         CHOICES[name](word)
+
+
+class _BegunError(Exception):
+    """Nothing that was asked has been refused."""
+
+
+def _begun(*_: Any, **__: Any) -> Any:
+    raise _BegunError
+
+
+OF_THRESHOLDS: dict[str, Any] = {
+    "final_time": 9.0, "lowest": 0.01, "highest": 0.4, "accuracy": 1e-3, "tests": 3,
+    "displacement": 2.0, "start_point": "minimum", "perturbation": 1e-3, "seed": 4,
+}  # fmt: skip
+NOISE = {"perturbation", "seed"}
+READ_BY_THRESHOLDS = {
+    "envelope": set(), "orbit": set(), "closed-form": set(), "sweep": NOISE, "hold": NOISE,
+    "bisection": {*OF_THRESHOLDS} - NOISE,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("option", OF_THRESHOLDS)
+@pytest.mark.parametrize("method", READ_BY_THRESHOLDS)
+def test_an_option_of_another_method_of_thresholds_is_refused(
+    method: str, option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for work in ("breather_threshold", "closed_form_threshold", "escape_range", "sweep_threshold",
+                 "spreading_threshold"):  # fmt: skip
+        monkeypatch.setattr(thresholds, work, _begun)
+    chain = CHAINS["friction" if method == "bisection" else "vdp"]
+    read = option in READ_BY_THRESHOLDS[method]
+    words = None if read else f"{option} = .* absent beside the method {method}"
+    with pytest.raises(_BegunError if read else fr.ParameterError, match=words):
+        fr.threshold(chain, method=method, **{option: OF_THRESHOLDS[option]})
+    usual = signature(fr.threshold).parameters[option].default
+    with pytest.raises(_BegunError):  # as if it were not given
+        fr.threshold(chain, method=method, **{option: usual})
+
+
+@pytest.mark.parametrize(
+    ("option", "given", "methods"),
+    [("reading", "tail", {"closed-form", "all"}), ("seed", 4, {"simulation", "all"})],
+)
+@pytest.mark.parametrize(
+    "method", ["envelope", "closed-form", "orbit", "simulation", "all", None, "own"]
+)
+def test_an_option_of_another_method_of_breathers_is_refused(
+    method: Any, option: str, given: Any, methods: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for each in breathers._METHODS:
+        monkeypatch.setitem(breathers._METHODS, each, _begun)
+    read = method in methods
+    chain, how = CHAINS["vdp"], {"method": method}
+    if method == "own":
+        chain, how = CHAINS["own"], {}
+        monkeypatch.setattr(breathers, "OwnOrbits", _begun)
+    with pytest.raises(_BegunError if read else fr.ParameterError,
+                       match=None if read else f"{option} = .* absent beside"):  # fmt: skip
+        fr.breather(chain, **how, **{option: given})
+    with pytest.raises(_BegunError):
+        fr.breather(chain, **how, **{option: signature(fr.breather).parameters[option].default})
 
 
 FLAGS: dict[str, Callable[[Any], object]] = {

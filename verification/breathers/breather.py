@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from inspect import signature
 from typing import Literal, NamedTuple, overload
 
 import numpy as np
@@ -20,7 +21,7 @@ from theory.averaged.breather import (
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, need_instance, word
+from theory.parameters import ParameterError, need_instance, refuse_unread, word
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.exponents import Stability
 from verification.breathers.families import own_family, own_method
@@ -110,7 +111,8 @@ def breather(
     Raises
     ------
     ParameterError
-        If c = 0, the cell has no cycle, the nucleus does not fit, or the method does not apply.
+        If c = 0, the cell has no cycle, the nucleus does not fit, the method does not apply, or an
+        option is one of another method.
 
     References
     ----------
@@ -136,11 +138,13 @@ def breather(
     if isinstance(chain, OscillatorChain):
         if method is not None and not (isinstance(method, str) and method == "orbit"):
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")
+        choice.check_read(BreatherMethod.ORBIT)
         return OwnOrbits(chain, nucleus).solve()
     method = default if method is None else method
     if word("method", method, [*(each.value for each in BreatherMethod), "all"]) != "all":
         found = BreatherMethod(method)
         _check_length(chain, found)
+        choice.check_read(found)
         return _METHODS[found](chain, nucleus, choice)
     every = [each for each in BreatherMethod if _applies(each, chain, nucleus)]
     _check_length(chain, min(every, key=lambda each: MAX_SITES[each]))
@@ -154,6 +158,12 @@ class _Choice(NamedTuple):
 
     reading: Reading
     seed: int
+
+    def check_read(self, method: BreatherMethod) -> None:
+        """Refuse what is chosen beside a method on which nothing of it depends."""
+        read = {BreatherMethod.CLOSED_FORM: ["reading"], BreatherMethod.SIMULATION: ["seed"]}
+        usual = {name: each.default for name, each in signature(breather).parameters.items()}
+        refuse_unread(self._asdict(), usual, read.get(method, []), f"beside the method {method}")
 
 
 def with_pattern(nucleus: Nucleus) -> Nucleus:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from inspect import signature
 
 from theory.averaged.breather import Reading, check_closed_form, closed_form_fold
 from theory.chains.chain import Chain
@@ -12,7 +13,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError, need_instance, within, word
+from theory.parameters import ParameterError, need_instance, refuse_unread, within, word
 from verification.breathers.families import own_method
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
@@ -40,6 +41,15 @@ _DEFINITIONS = {
     ThresholdMethod.BISECTION: (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE),
 }
 """What each method can find, the default first."""
+_OF_NOISE = ("perturbation", "seed")
+_OPTIONS = {
+    ThresholdMethod.SWEEP: _OF_NOISE,
+    ThresholdMethod.HOLD: _OF_NOISE,
+    ThresholdMethod.BISECTION: (
+        "final_time", "lowest", "highest", "accuracy", "tests", "displacement", "start_point",
+    ),
+}  # fmt: skip
+"""Options on which something depends by each method; continuation and the closed form have none."""
 
 
 def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)
@@ -107,7 +117,8 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     Raises
     ------
     ParameterError
-        If the method or the definition is not one for this chain, or nothing is found in range.
+        If the method or the definition is not one for this chain, an option is one of another
+        method, or nothing is found in range.
 
     References
     ----------
@@ -130,6 +141,13 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     how = _method(chain, method)
     what = _definition(how, definition)
+    given = {
+        "final_time": final_time, "lowest": lowest, "highest": highest, "accuracy": accuracy,
+        "tests": tests, "displacement": displacement, "start_point": start_point,
+        "perturbation": perturbation, "seed": seed,
+    }  # fmt: skip
+    usual = {name: each.default for name, each in signature(threshold).parameters.items()}
+    refuse_unread(given, usual, _OPTIONS.get(how, ()), f"beside the method {how}")
     if how is ThresholdMethod.BISECTION:
         spreading = Spreading(
             nucleus.size, nucleus.place, what, final_time, pattern=nucleus.pattern,

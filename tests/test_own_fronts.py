@@ -59,6 +59,33 @@ def test_front_and_threshold_of_the_paper_as_text_are_those_of_the_built_in_chai
     assert found[0] == found[1]
 
 
+@pytest.mark.parametrize(
+    "weights", [[1.0], [2.0], [-1.0], [1.0, 0.2], [1.0, -0.3], [0.2, 0.1, 0.7], [0.0, 1.0]]
+)
+def test_the_fastest_wave_is_that_of_the_dispersion_relation(weights: list[float]) -> None:
+    k = np.linspace(0.0, np.pi, 20001)
+    slopes = sum(d * w * np.sin(d * k) for d, w in enumerate(weights, 1))
+    coupling = "chain:" + ",".join(map(str, weights))
+    chain = OscillatorChain(**PAPER, c=0.3, coupling=coupling)
+    # a grid of spacing 1.6e-4 misses a maximum by half its curvature times (0.8e-4)²
+    fastest = chain.eps * chain.c * np.abs(slopes).max()
+    assert chain.trailing_wave_velocity == pytest.approx(fastest, rel=1e-7)
+
+
+def test_a_weight_of_two_is_twice_the_coupling_also_where_waves_overtake_the_front() -> None:
+    cell = {"damping": "1 - 4*y**2 + 1.15*y**4", "eps": 0.05}
+    once, twice = (
+        measure_front(
+            OscillatorChain(**cell, c=c, coupling=coupling),
+            accuracy=1e-2, tolerance=1e-6, max_sites=200,
+        )
+        for c, coupling in ((1.2, "chain"), (0.6, "chain:2"))
+    )  # fmt: skip
+    assert twice.v == pytest.approx(once.v, rel=1e-12)
+    assert (twice.outruns_waves, twice.chain.sites) == (once.outruns_waves, once.chain.sites)
+    assert not once.outruns_waves
+
+
 def test_a_planar_front_on_a_square_lattice_is_that_of_the_chain() -> None:
     chain = measure_front(nagumo(c=1.0))
     lattice = measure_front(nagumo(c=1.0, coupling="square", sites=(80, 3)))

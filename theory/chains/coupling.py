@@ -164,24 +164,54 @@ def size_of(coupling: Any) -> int | None:
     return int(shape[0]) if shape else None
 
 
+def largest_group_slope(coupling: str) -> float:
+    """Return max |Σ_d d w_d sin(kd)| over k, for weights w_d by distance along a line.
+
+    A phase wave e^{ikn} of (8) with such weights shifts the frequency by εc Σ_d w_d (1 - cos kd),
+    so that its group velocity is at most εc times this; one for the two neighbours alone.
+
+    Parameters
+    ----------
+    coupling : str
+        ``chain``, ``ring`` or ``next-nearest``, with or without weights.
+
+    Examples
+    --------
+    >>> largest_group_slope("chain"), largest_group_slope("chain:0,1")
+    (1.0, 2.0)
+    """
+    weights = np.array(_numbers(coupling) or [1.0])
+    d = np.arange(1, weights.size + 1)
+    # Where the derivative, Σ d² w_d T_d(cos k), is zero.
+    turns = np.polynomial.chebyshev.chebroots([0.0, *(d**2 * weights)])
+    k = np.arccos(np.clip(turns[np.abs(turns.imag) < 1e-6].real, -1.0, 1.0))
+    return float(np.abs(np.sin(np.outer(k, d)) @ (d * weights)).max(initial=0.0))
+
+
 def _refused(coupling: object, allowed: str, remedy: str) -> ParameterError:
     return ParameterError("coupling", coupling, allowed, remedy)
 
 
 def _by_name(text: str, shape: tuple[int, ...], ends: Ends) -> Network:
-    name, _, given = text.partition(":")
+    name = text.partition(":")[0]
     if name not in _MAKERS:
         raise _refused(
             repr(text), f"one of {', '.join(_MAKERS)}, or a file ending in {', '.join(FILES)}",
             "name one, as next-nearest:1,0.2",
         )  # fmt: skip
+    return _MAKERS[name](text, _numbers(text), shape, ends)
+
+
+def _numbers(text: str) -> list[float]:
+    """Return the numbers that follow a name."""
+    given = text.partition(":")[2]
     try:
         numbers = [float(part) for part in given.split(",")] if given else []
     except ValueError:
         numbers = [math.nan]
     if not all(map(math.isfinite, numbers)):
         raise _refused(repr(text), "followed by finite numbers", "as in next-nearest:1,0.2")
-    return _MAKERS[name](text, numbers, shape, ends)
+    return numbers
 
 
 def _chain(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:

@@ -18,7 +18,7 @@ from theory.cells.compiled_cell import compiled_cell
 from theory.cells.oscillator import Oscillator, OscillatorCell
 from theory.cells.polynomial import Polynomial
 from theory.chains.chain import MAX_COUPLING, MAX_SITES, SmoothChain, parameter
-from theory.chains.coupling import Network, is_file, network_of, size_of
+from theory.chains.coupling import Network, is_file, largest_group_slope, network_of, size_of
 from theory.chains.drive import Drive, read_drives
 from theory.chains.ends import Ends
 from theory.chains.model_file import read_model
@@ -236,8 +236,14 @@ class OwnChain(SmoothChain):
 
     @property
     def trailing_wave_velocity(self) -> float:
-        """εc/ω of the fastest phase wave behind a front; 0 where waves are damped."""
-        return self.eps * self.c / self.cell.frequency if self._has_waves else 0.0
+        """Of the fastest phase wave behind a front, εc/ω for neighbours of weight one.
+
+        0 where waves are damped, and where sites are not coupled by their distance along a line.
+        """
+        if not (self._has_waves and self.along_line):
+            return 0.0
+        fastest = largest_group_slope(self.coupling)
+        return self.eps * self.c / self.cell.frequency * fastest
 
     @property
     def _has_waves(self) -> bool:

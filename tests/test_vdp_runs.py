@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from scipy.integrate import quad, simpson, solve_ivp
 
 from tests.test_vdp_steppers import reference
 from theory.chains.ends import Ends
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, RunError
 from verification.quantities.problems import PROBLEMS, Problem
@@ -391,3 +393,32 @@ def test_a_site_passes_a_level_between_two_implicit_steps(level: float) -> None:
     )  # fmt: skip
     late = {5: pytest.approx(2.0 * level, rel=1e-12)} if level <= 2.0 else {}
     assert piece.passes(level) == {4: pytest.approx(level, rel=1e-12), **late}
+
+
+@pytest.mark.parametrize(
+    ("damping", "displacement", "level", "rests"),
+    [
+        ("1 - 4*y**2 + 0.5*y**4", 0.1, None, True),
+        ("1 - 4*y**2 + 0.5*y**4", 0.1, 0.15, False),  # a neighbour may still pass so low a level
+        ("1 - 4*y**2 + 0.5*y**4", 0.7, None, False),
+        ("y**2 - 1", 0.1, None, False),  # rest is unstable: every motion grows to the cycle
+    ],
+)
+def test_a_motion_goes_to_rest_below_half_of_what_it_must_pass(
+    damping: str, displacement: float, level: float | None, rests: bool
+) -> None:
+    chain = OscillatorChain(damping=damping, c=0.2, sites=5)
+    start = excite(chain, [3], displacement=displacement)
+    assert SmoothIntegration(chain, start, [0.0, 1.0], level=level).going_to_rest() is rests
+
+
+def test_whatever_decides_a_run_is_held_against_a_checkpoint() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.2, sites=81).averaged()
+    start = excite(chain, [41])
+    options: list[dict[str, Any]] = [
+        {}, {"tolerance": 1e-7}, {"level": 0.3}, {"trailing_sites": 3}, {"step": 0.05},
+        {"left_boundary_wave": True}, {"drift": {"c": 1e-4}}, {"longest_step": 0.05},
+        {"shortest_step": 1e-9}, {"active_window": False},
+    ]  # fmt: skip
+    found = [SmoothIntegration(chain, start, [0.0, 1.0], **each).metadata for each in options]
+    assert all(a != b for n, a in enumerate(found) for b in found[:n])

@@ -198,7 +198,7 @@ class SmoothChain(Chain):
        first, so that a mirror-symmetric state stays so to the last bit. At a free end the missing
        neighbour equals the site itself.
     3. Measure y and w from rest: the rest state is (0, 0), and the amplitude of a site is
-       √(y² + w²).
+       √(y² + w²). If rest is not stable, say so by :attr:`rest_attracts`.
     4. Where the kernel's time is not t, say so by :attr:`kernel_rate`; where the motion of a site
        is an oscillation of period about 2π in that time, by :attr:`oscillates`.
     5. Where waves run behind a front, give :attr:`trailing_wave_velocity`; where excited sites
@@ -286,6 +286,11 @@ class SmoothChain(Chain):
     def rest_state(self) -> Site:
         """(0, 0): y and w are measured from rest."""
         return Site(0.0, 0.0)
+
+    @property
+    def rest_attracts(self) -> bool:
+        """Whether a site alone returns to rest from below `unstable_amplitude`."""
+        return True
 
     @property
     def trailing_wave_velocity(self) -> float:

@@ -274,6 +274,12 @@ class OwnChain(SmoothChain):
         """Largest y of the innermost unstable cycle; without one half of the stable amplitude."""
         return self._pair[0]
 
+    @cached_property
+    def rest_attracts(self) -> bool:
+        """Whether every cell has an unstable cycle, below which it returns to rest."""
+        cells = (self._cell_of(values) for values in self._extreme_values())
+        return all(any(not each.stable for each in cell.cycles) for cell in cells)
+
     @property
     def forces(self) -> tuple[Drive, ...]:
         """The harmonic forces."""

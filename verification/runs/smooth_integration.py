@@ -42,7 +42,7 @@ MARGIN, WEAK_COUPLING = 4, 3.0
 the second number: what the active window changes is below a hundredth of the tolerance."""
 
 _DECAYED = 0.5
-"""Part of the unstable amplitude below which every site goes to rest."""
+"""Part of the unstable amplitude, or of the level, below which every site goes to rest."""
 
 
 class SmoothIntegration(Integration):
@@ -175,7 +175,7 @@ class SmoothIntegration(Integration):
         """What decides the run, to be held against a checkpoint."""
         return {
             **self.chain.parameters(),
-            "tolerance": self.tolerance,
+            "tolerance": self._task.tolerance,
             "level": self.level,
             "left_boundary_wave": self._left_boundary_wave,
             "trailing_sites": self.trailing_sites,
@@ -185,6 +185,7 @@ class SmoothIntegration(Integration):
             "times": digest_of_arrays({"times": self.times})[:16],
             "drift": self._task.drift.tolist(),
             "step": self._task.longest if self._task.tolerance == 0.0 else None,
+            "step_limits": [str(each) for each in (self._task.shortest, self._task.longest)],
             "start": digest_of_arrays({"start": self._start})[:16],
         }
 
@@ -250,10 +251,14 @@ class SmoothIntegration(Integration):
         }
 
     def going_to_rest(self) -> bool:
-        """Whether no further site will be reached, since all are below half of the level."""
-        if self.chain.forces:
+        """Whether no further site will be reached, since all are far below and go to rest.
+
+        Below half of the unstable amplitude, and of the level where that is lower.
+        """
+        if self.chain.forces or not self.chain.rest_attracts:
             return False
-        return bool(self.amplitude.max() < _DECAYED * self.chain.unstable_amplitude)
+        level = min(self.level, self.chain.unstable_amplitude)
+        return bool(self.amplitude.max() < _DECAYED * level)
 
     def least_error(self) -> float:
         """Return the least error of a run through an implicit stage; 0 without one."""

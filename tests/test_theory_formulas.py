@@ -23,7 +23,7 @@ from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.piecewise.branch_search import MAX_POINTS, all_velocities
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.folds import fold_coupling, fold_eta
-from theory.piecewise.kinetic_relation import Status, kinetic_relation, trace_kinetic_relation
+from theory.piecewise.kinetic_relation import Regime, kinetic_relation, trace_kinetic_relation
 from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance
 from theory.piecewise.profile import front_profile, tail_bound
 from theory.piecewise.roots import labelled_roots
@@ -202,7 +202,7 @@ def test_beside_the_fold_without_a_moving_branch_the_front_is_pinned() -> None:
     fold = fold_coupling(eta)
     assert fold is not None
     below, above = (kinetic_relation(fold.value * (1 + side * 1e-6), eta) for side in (-1, 1))
-    assert (below.status, above.status) == (Status.PINNED, Status.PROPAGATING)
+    assert (below.status, above.status) == (Regime.PINNED, Regime.PROPAGATING)
 
 
 @pytest.mark.parametrize("eta", [0.001, 0.03125, 0.04])

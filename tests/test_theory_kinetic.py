@@ -23,7 +23,7 @@ from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.folds import LAST_FOLD, fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import (
     Branch,
-    Status,
+    Regime,
     kinetic_relation,
     trace_kinetic_relation,
 )
@@ -401,7 +401,7 @@ def test_where_the_fold_is_within_the_error_the_derivatives_have_no_bound_and_sa
 def test_the_papers_point_has_one_admissible_front() -> None:
     answer = kinetic_relation(0.5, ETA)
     (branch,) = answer.branches
-    assert answer.status is Status.PROPAGATING
+    assert answer.status is Regime.PROPAGATING
     assert branch.admissible is True
     assert branch.fails_at is None
     assert branch.slope == -1
@@ -413,14 +413,14 @@ def test_each_kind_of_motion_has_its_reason_and_nearest_threshold() -> None:
     retreat = retreat_coupling(0.11)
     assert retreat is not None
     cases = [
-        (0.2, ETA, Status.PINNED, "c_fold = 0.433776"),
-        (0.44, ETA, Status.PROPAGATING, "between c_fold"),
-        (0.5, ETA, Status.PROPAGATING, "above c_pin"),
-        (0.5, 0.08, Status.PINNED, "2/25"),
-        (0.5 * retreat, 0.11, Status.PINNED, "c_retreat"),
-        (1.5 * retreat, 0.11, Status.PROPAGATING, "retreats"),
-        (0.5, 0.125, Status.NOT_BISTABLE, "1/8"),
-        (0.5, 3.0, Status.NOT_BISTABLE, "1/8"),
+        (0.2, ETA, Regime.PINNED, "c_fold = 0.433776"),
+        (0.44, ETA, Regime.PROPAGATING, "between c_fold"),
+        (0.5, ETA, Regime.PROPAGATING, "above c_pin"),
+        (0.5, 0.08, Regime.PINNED, "2/25"),
+        (0.5 * retreat, 0.11, Regime.PINNED, "c_retreat"),
+        (1.5 * retreat, 0.11, Regime.PROPAGATING, "retreats"),
+        (0.5, 0.125, Regime.NOT_BISTABLE, "1/8"),
+        (0.5, 3.0, Regime.NOT_BISTABLE, "1/8"),
     ]
     for c, eta, status, words in cases:
         answer = kinetic_relation(c, eta)
@@ -428,7 +428,7 @@ def test_each_kind_of_motion_has_its_reason_and_nearest_threshold() -> None:
         assert words in answer.reason
         assert answer.reason.endswith(".")
         assert [b.v for b in answer.branches] == sorted(b.v for b in answer.branches)
-        if status is not Status.PROPAGATING:
+        if status is not Regime.PROPAGATING:
             assert not answer.branches
         if eta >= 0.08:
             assert answer.c_pin is None

@@ -29,12 +29,15 @@ _BLOCK = 2000
 """Scenes whose velocities are sought at once; more are no faster and take memory."""
 
 
-class Status(StrEnum):
-    """What (44) does at these parameters."""
+class Regime(StrEnum):
+    """What fronts of (44) do; `KineticRelation.reason` says why, with the nearest threshold."""
 
     PROPAGATING = "propagating"
+    """A travelling wave is admissible, or no front can stand still."""
     PINNED = "pinned"
+    """Fronts stand still, and no travelling wave is admissible."""
     NOT_BISTABLE = "not_bistable"
+    """There is no front."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,13 +101,13 @@ def _end_of_rest(eta: float) -> float:
     return math.inf if end is None else end
 
 
-def _status(c: float, end_of_rest: float | None, branches: tuple[Branch, ...]) -> Status:
+def _status(c: float, end_of_rest: float | None, branches: tuple[Branch, ...]) -> Regime:
     """Return what happens at coupling c, where these branches exist; None for η ≥ 1/8."""
     if end_of_rest is None:
-        return Status.NOT_BISTABLE
+        return Regime.NOT_BISTABLE
     if c > end_of_rest or (end_of_rest < math.inf and _any_moving(branches)):
-        return Status.PROPAGATING
-    return Status.PINNED
+        return Regime.PROPAGATING
+    return Regime.PINNED
 
 
 def _any_moving(branches: tuple[Branch, ...]) -> bool:
@@ -119,7 +122,7 @@ class KineticRelation(Result):
     ----------
     c, eta : float
         Coupling and η = b/a², dimensionless.
-    status : Status
+    status : Regime
         What happens.
     branches : tuple of Branch
         Ascending in v.
@@ -137,7 +140,7 @@ class KineticRelation(Result):
 
     c: float
     eta: float
-    status: Status
+    status: Regime
     branches: tuple[Branch, ...]
     method: str
     terms: int
@@ -182,8 +185,13 @@ class KineticRelation(Result):
         end = self.c_retreat
         if end is None:
             return "the front is pinned: at eta = 2/25 static fronts always exist."
-        if self.c > end:
+        if self.c > end and moving:
             return f"the excited state retreats (v < 0): c is above c_retreat = {end:.6g}."
+        if self.c > end:
+            return (
+                f"c is above c_retreat = {end:.6g}, where no static front exists, but no "
+                "travelling wave is admissible: simulate it."
+            )
         if moving:
             return (
                 "a moving front keeps retreating (v < 0), a resting one stays: c is below "

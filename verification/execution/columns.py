@@ -164,7 +164,7 @@ class Columns:
         elif row.keys() != self._columns.keys():
             raise ParameterError(
                 "columns of a row", ", ".join(row), f"{', '.join(self._columns)}, as of others",
-                "return the same names at every point",
+                "return the same names at every point, with nan for a number that is missing",
             )  # fmt: skip
         for name, column in self._columns.items():
             column.put(index, row[name])

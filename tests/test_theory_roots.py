@@ -9,6 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from fronts.piecewise.roots import roots
 from theory.parameters import ParameterError
 from theory.piecewise.certified_roots import certify_roots
 from theory.piecewise.dispersion import dispersion, dispersion_slope, onsite, root_free_strip
@@ -413,3 +414,31 @@ def test_labels_too_far_for_double_precision_are_refused() -> None:
     for label in (MAX_LABEL + 1, -MAX_LABEL - 1, farthest.min, farthest.max):
         with pytest.raises(ParameterError, match=r"label = .* take labels nearer 0"):
             labelled_roots(0.3, 0.5, np.array([0, label]), upper=True)
+
+
+@pytest.mark.parametrize("certify", [False, True])
+@pytest.mark.parametrize(("v", "c"), [("0.3", "0.5"), (0.3, 0.5), ("0.1", "0.7")])
+def test_a_radius_holds_the_root_of_the_number_that_was_given(
+    v: float | str, c: float | str, certify: bool
+) -> None:
+    """Of a decimal as it is written, of a float as the binary number that it is."""
+    if certify:
+        pytest.importorskip("flint")
+    found = roots(v, c, extent=20.0, certify=certify)
+    with mp.workdps(40):
+        v_, c_ = mp.mpf(v), mp.mpf(c)
+        for root in (*found.upper, *found.lower):
+            k = mp.mpc(root.re, root.im)
+            for _ in range(4):
+                slope = -1j * (v_ + c_ * mp.sin(k))
+                k -= (0.5 - 2j * c_ * mp.sin(k / 2) ** 2 - 1j * v_ * k) / slope
+            assert abs(k - mp.mpc(root.re, root.im)) <= root.radius
+
+
+def test_digits_beyond_those_of_doubles_are_not_said_to_be_certified() -> None:
+    with pytest.raises(ParameterError, match=r"digits = 30 .* certified radii are of doubles"):
+        roots(0.3, 0.5, digits=30, certify=True)
+
+
+def test_of_hundreds_of_digits_the_radius_is_no_zero() -> None:
+    assert roots("0.3", "0.5", count=1, digits=340).upper[0].radius > 0.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -87,15 +88,16 @@ def roots(
     Parameters
     ----------
     v : float or str
-        Front velocity v̂ > 0, dimensionless; a string is read as a decimal, digit for digit.
+        Front velocity v̂ > 0, dimensionless; a string is read as a decimal, digit for digit, a float
+        is the binary number that it is.
     c : float or str
-        Coupling c > 0, dimensionless; a string is read as a decimal, digit for digit.
+        Coupling c > 0, dimensionless, read as v is.
     count : int, optional
         The roots nearest 0, so many in each half-plane; 10 where extent is not given either.
     extent : float, optional
         Every root with |Re k| up to this, in place of count.
     digits : int, optional
-        Required digits, from 1 to 2000.
+        Required digits, from 1 to 2000; beside certify at most 15.
     certify : bool, optional
         Enclose and count the roots in ball arithmetic; needs the extra certify (python-flint).
     progress : callable, optional
@@ -131,7 +133,8 @@ def roots(
 
     v, c, certify = decimal("velocity v", v), decimal("coupling c", c), truth("certify", certify)
     v_, c_ = float(v), float(c)
-    digits = count_within("digits", digits, 1, MAX_DIGITS)
+    remedy = "certified radii are of doubles: leave one of them out" if certify else None
+    digits = count_within("digits", digits, 1, DOUBLE if certify else MAX_DIGITS, remedy)
     if count is not None and extent is not None:
         raise ParameterError("extent |Re k|", extent, "absent beside a count", "give one of them")
     number = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
@@ -147,16 +150,16 @@ def roots(
         count_within("roots times digits", most * digits, 0, _MAX_DIGITS_OF_ROOTS, remedy)
     counted = sum(_counted(v_, c_, half, upper=not i) for i, half in enumerate(halves))
     if certify:
-        halves = [_certified(v_, c_, half, upper=not i) for i, half in enumerate(halves)]
+        halves = [_certified(v, c, half, upper=not i) for i, half in enumerate(halves)]
+    else:
+        halves = [_of_decimals(v, c, half) for half in halves]
     rows = []
     for i, half in enumerate(halves):
         if digits <= DOUBLE:
             rows.append(_in_double(half))
         else:
             shown = of_part(progress, i, len(halves))
-            rows.append(
-                _in_decimals(str(v), str(c), half, upper=not i, digits=digits, progress=shown)
-            )
+            rows.append(_in_decimals(v, c, half, upper=not i, digits=digits, progress=shown))
     return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=certify)
 
 
@@ -170,7 +173,23 @@ def _counted(v: float, c: float, found: RootSet, upper: bool) -> int:
     return count_in_strips(v, c, labels, upper) - (labels.size - found.labels.size)
 
 
-def _certified(v: float, c: float, found: RootSet, upper: bool) -> RootSet:
+def _of_decimals(v: float | str, c: float | str, found: RootSet) -> RootSet:
+    """Return the same roots, with what rounding decimals to doubles has moved them by.
+
+    dk/dv = -k/(v + c sin k) and dk/dc = -2 sin²(k/2)/(v + c sin k).
+    """
+    from fractions import Fraction
+
+    v_, c_ = float(v), float(c)
+    moved = [abs(float(Fraction(text) - Fraction(float(text)))) for text in (v, c)]
+    slope = np.abs(v_ + c_ * np.sin(found.k))
+    by_v, by_c = np.abs(found.k) / slope, 2.0 * np.abs(np.sin(0.5 * found.k)) ** 2 / slope
+    # Half as much again for what is beyond the first order.
+    radius = found.radius + 1.5 * (by_v * moved[0] + by_c * moved[1])
+    return replace(found, radius=radius)
+
+
+def _certified(v: float | str, c: float | str, found: RootSet, upper: bool) -> RootSet:
     """Return the same roots with certified radii."""
     from theory.piecewise.certified_roots import CertificationError, certify_roots
 
@@ -195,8 +214,9 @@ def _in_double(found: RootSet) -> tuple[Root, ...]:
 
 
 def _in_decimals(
-    v: str, c: str, found: RootSet, *, upper: bool, digits: int, progress: ProgressCallback
-) -> tuple[Root, ...]:
+    v: float | str, c: float | str, found: RootSet, *, upper: bool, digits: int,
+    progress: ProgressCallback,
+) -> tuple[Root, ...]:  # fmt: skip
     import mpmath as mp
 
     from theory.piecewise.precise_roots import exact, precise_roots
@@ -216,7 +236,7 @@ def _in_decimals(
                     re=mp.nstr(k.real, digits),
                     im=mp.nstr(k.imag, digits),
                     residual=float(residual),
-                    radius=float(radius),
+                    radius=math.nextafter(float(radius), math.inf),  # of 400 digits it is no zero
                 )
             )
     return tuple(rows)

@@ -41,17 +41,17 @@ class CertifiedRoots:
     bits: int
 
 
-def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> CertifiedRoots:
+def certify_roots(v: float | str, c: float | str, labels: IntArray, upper: bool) -> CertifiedRoots:
     """Enclose the root of each of the consecutive strips ``labels`` and certify their number.
 
     Interval Newton: if m - L(m)/L_k(B) lies inside the ball B about m, then B holds exactly one
     root, and it lies in that smaller set. The count is the winding of L along the edge of a box,
-    every piece of which is shown not to pass through zero. v and c are the exact binary numbers.
+    every piece of which is shown not to pass through zero.
 
     Parameters
     ----------
-    v, c : float
-        Front velocity v̂ and coupling, dimensionless.
+    v, c : float or str
+        Front velocity v̂ and coupling, dimensionless: exact binary numbers, or decimals as text.
     labels : ndarray of int, shape (n,)
         Consecutive strip numbers.
     upper : bool
@@ -68,7 +68,7 @@ def certify_roots(v: float, c: float, labels: IntArray, upper: bool) -> Certifie
     before = flint.ctx.prec
     flint.ctx.prec = _BITS
     try:
-        found = labelled_roots(v, c, labels, upper)
+        found = labelled_roots(float(v), float(c), labels, upper)
         balls = [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
         alone = _alone(flint, [place for _, place in balls], labels, upper)
         counted = _certified_count(flint, v, c, labels, upper)
@@ -99,7 +99,9 @@ def ball_arithmetic(purpose: str) -> Any:
     return flint
 
 
-def _enclose(flint: Any, v: float, c: float, k: complex, radius: float) -> tuple[float, Any]:
+def _enclose(
+    flint: Any, v: float | str, c: float | str, k: complex, radius: float
+) -> tuple[float, Any]:
     """Return a radius about ``k`` that provably holds exactly one root, and where that lies.
 
     The second is a far smaller ball, with a centre that need not be a double.
@@ -121,9 +123,12 @@ def _enclose(flint: Any, v: float, c: float, k: complex, radius: float) -> tuple
     raise CertificationError(f"no ball about {k} could be certified at v = {v!r}, c = {c!r}")
 
 
-def _certified_count(flint: Any, v: float, c: float, labels: IntArray, upper: bool) -> int:
+def _certified_count(
+    flint: Any, v: float | str, c: float | str, labels: IntArray, upper: bool
+) -> int:
     """Return the winding of L about the box of these strips, each piece of edge proved."""
     v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
+    v, c = float(v), float(c)
     corners = box_corners(*box_of_strips(v, c, labels, upper))
 
     def value(k: Any) -> Any:

@@ -320,3 +320,15 @@ def test_the_command_line_gives_velocities_by_direction(
     assert len(found["velocities"]) == 4
     assert found["chain"]["shape"] == [31, 31]
     assert picture.stat().st_size > 1000
+
+
+def test_ahead_of_a_front_into_an_unstable_rest_state_the_smallest_motion_counts() -> None:
+    """Of (43) with damping -1/2, r_n = r e^{T/2} J_n(cT): twelve sites on it is 1e-15 r."""
+    from scipy.special import jv
+
+    chain = OscillatorChain(damping="y**2 - 1", c=0.6, sites=41).averaged()
+    tiny = 1e-5
+    start = excite(chain, [21], displacement=tiny)
+    run = simulate(chain, start, 1.0 / chain.eps, tolerance=1e-6)
+    found = run.amplitude[-1, 20:33] / tiny
+    assert found == pytest.approx(np.exp(0.5) * np.abs(jv(np.arange(13), 0.6)), rel=1e-2)

@@ -115,7 +115,8 @@ class SmoothIntegration(Integration):
         self._left_boundary_wave = wave
         self._run = _at_start(state, self.times.size, self.level, memory)
         self._margin, self._watch = _margin(chain), watch
-        local = first != RING and self._margin < chain.sites
+        # Where rest is unstable the smallest motion ahead grows: none of it is left out.
+        local = first != RING and self._margin < chain.sites and chain.rest_attracts
         narrowed = truth("active_window", active_window) and local
         self._rest = self._close_window() if narrowed else -1.0
         if self._rest < 0.0:

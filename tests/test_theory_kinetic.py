@@ -419,6 +419,7 @@ def test_each_kind_of_motion_has_its_reason_and_nearest_threshold() -> None:
         (0.5, 0.08, Regime.PINNED, "2/25"),
         (0.5 * retreat, 0.11, Regime.PINNED, "c_retreat"),
         (1.5 * retreat, 0.11, Regime.PROPAGATING, "retreats"),
+        (1.0, 0.124999999999875, Regime.PROPAGATING, "c_retreat = 0.000632453, where no static"),
         (0.5, 0.125, Regime.NOT_BISTABLE, "1/8"),
         (0.5, 3.0, Regime.NOT_BISTABLE, "1/8"),
     ]

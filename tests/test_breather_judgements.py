@@ -665,7 +665,7 @@ def test_a_run_of_the_chain_ends_as_one_of_its_average_does(
         times.append(time)
         beside = 0.75 * level if len(times) == far else 0.7 * level
         state = np.array([0.0, 3.0 * level, beside, 0.0, 0.0, beside])
-        return SimpleNamespace(state=state, samples=np.ones((64, 3)))
+        return SimpleNamespace(state=state, samples=np.full((64, 3), 3.0 * level))
 
     def period(_: object, __: object, guess: float, steps: int) -> tuple[float, float]:
         measured.append(guess)

@@ -14,8 +14,9 @@ from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, outward_pattern
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
+from verification.breathers.breather import breather
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
 from verification.runs.envelope_run import run_envelope
@@ -242,6 +243,24 @@ def test_a_run_of_the_chain_settles_where_damping_is_strong(eps: float) -> None:
 def test_beyond_the_fold_a_run_of_the_chain_escapes() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.21, eps=0.05, sites=7)
     assert run_breather(chain, Nucleus(1)).status is BreatherStatus.ESCAPED
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.3, 0.11), (0.1, 0.124)])
+@pytest.mark.parametrize("model", [VdpChain, AveragedChain])
+def test_a_run_of_which_only_decaying_noise_is_left_has_found_no_breather(
+    model: type[VdpChain | AveragedChain], c: float, eta: float
+) -> None:
+    found = breather(model(a=1.0, b=eta, c=c, sites=9), method="simulation")
+    assert found.status is BreatherStatus.DIED
+    assert (found.frequency, found.stable, found.error) == (None, None, None)
+    assert not found.amplitudes.size
+
+
+def test_a_run_that_has_not_settled_has_no_frequency(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("verification.breathers.run.SLOW_TIME", 10.0)
+    found = run_breather(VdpChain(a=2.5, b=0.5, c=0.1, sites=7), Nucleus(1))
+    assert (found.status, found.frequency) == (BreatherStatus.UNSETTLED, None)
+    assert found.amplitudes.max() > 1.0
 
 
 def test_wrong_nuclei_are_refused() -> None:

@@ -67,6 +67,11 @@ class BreatherStatus(Status):
         "a site that was at rest passed the unstable cycle; whether there is an unstable breather "
         "the run does not show; solve for the orbit.",
     )
+    DIED = (
+        "died",
+        "the nucleus died out: no site is left above the unstable cycle; whether there is a "
+        "breather the run does not show; solve for the orbit.",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

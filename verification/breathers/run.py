@@ -63,8 +63,8 @@ def run_breather(
     Returns
     -------
     Breather
-        The end of the run: settled, unsettled or escaped. Its drift is the largest change of the
-        state from one period to the next, over ε period.
+        The end of the run: settled, unsettled, escaped or died. Its drift is the largest change of
+        the state from one period to the next, over ε period.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int 
     Returns
     -------
     Breather
-        The end of the run: settled, unsettled or escaped. Its time is in t.
+        The end of the run: settled, unsettled, escaped or died. Its time is in t.
 
     Raises
     ------
@@ -189,8 +189,22 @@ def _at_end(
     elapsed: float,
     started: float,
 ) -> Breather:
-    """Return the breather at the end of a run, of which every block has left a drift."""
+    """Return the breather at the end of a run, of which every block has left a drift.
+
+    Below the unstable cycle every amplitude decreases over a period, so that a run which has
+    settled with every site below it has settled on rest.
+    """
     settled = status is BreatherStatus.SETTLED
+    if settled and amplitudes.max() < chain.unstable_amplitude:
+        return Breather(
+            chain=chain,
+            nucleus=nucleus,
+            method=BreatherMethod.SIMULATION,
+            status=BreatherStatus.DIED,
+            drift=drifts[-1],
+            time=elapsed,
+            seconds=time.perf_counter() - started,
+        )
     error = _still_to_come(drifts) if settled else math.inf
     known = math.isfinite(error)
     return Breather(
@@ -200,7 +214,7 @@ def _at_end(
         status=status,
         waves=waves,
         amplitudes=amplitudes,
-        frequency=frequency,
+        frequency=frequency if settled else None,
         # A run that settled has forgotten its noise; one that has not settled decides nothing.
         stable=True if settled else None,
         error=error if known else None,

@@ -157,10 +157,7 @@ def _own(command: Command) -> tuple[Any, Callable[..., Answer]]:
 
 
 def _examples(command: Command, model: str, required: str = "") -> str:
-    """Return the examples of a model, or all where none is named.
-
-    Of a model that has none of its own, ``required`` is one.
-    """
+    """Return the examples of a model; of one that has none of its own, ``required`` is one."""
     every = command.examples.split("\n  fronts ")[1:]
     named = {each: each.split()[1] for each in every}
     shown = {model} if model != command.default else {model, *_not_models(command, named.values())}
@@ -184,7 +181,7 @@ def _model(
     if first in ("-h", "--help") and not command.default:
         lines = [f"usage: fronts {name} MODEL [options]", "", f"{_sentence(command.line)}", ""]
         lines += [f"  fronts {name} {model} --help" for model in calls]
-        print("\n".join([*lines, "", _examples(command, "")]))
+        print("\n".join([*lines, "", _examples(command, next(iter(calls)))]))
         raise SystemExit(0)
     model = ALIASES.get(first, first)
     if model in calls:

@@ -129,6 +129,16 @@ def test_help_of_a_further_model_shows_its_own_examples(capsys: Capture) -> None
     assert {line.split()[2] for line in examples.splitlines() if "fronts" in line} == {"averaged"}
 
 
+@pytest.mark.parametrize("command", ["front", "simulate", "cell", "map", "threshold"])
+def test_help_without_a_model_shows_examples_of_the_first(capsys: Capture, command: str) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    examples = capsys.readouterr().out.split("examples:")[1]
+    first = next(iter(cli.COMMANDS[command].calls))
+    assert f"\n  fronts {command} {first} --" in examples
+    assert "\n  fronts \n" not in f"{examples}\n"
+
+
 def test_help_ends_with_what_is_noted_of_the_command(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["map", "friction", "--help"])

@@ -74,8 +74,8 @@ class Measurement(Call):
         ``module:name`` of a function of the chains, the parameter in which they differ, and its
         values, that gives a curve where there is a better way than point by point; None from it
         means that there is not.
-    only : mapping of str to str
-        Options that belong to one ``--method`` each.
+    only : mapping of str to tuple of str
+        Options that belong to some ``--method`` only.
     sites : str
         ``module:name`` of a function that gives the length of the chain from the size of the
         nucleus, where it is not given.
@@ -84,7 +84,7 @@ class Measurement(Call):
     fixed: Mapping[str, Any] = field(default_factory=dict)
     cell: str = ""
     curve: str = ""
-    only: Mapping[str, str] = field(default_factory=dict)
+    only: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     sites: str = ""
 
 
@@ -153,7 +153,7 @@ _VDP_MAP = Map(
 )
 
 _BREATHER = "verification.breathers.breather:breather"
-_OF_BREATHERS = {"reading": "closed-form", "seed": "simulation"}
+_OF_BREATHERS = {"reading": ("closed-form",), "seed": ("simulation",)}
 _VDP_BREATHER = Measurement(
     function=_BREATHER,
     presets={**_FIG_7, "chain.c": 0.1},
@@ -169,9 +169,8 @@ _VDP_THRESHOLD = Measurement(
     fixed={"c": 0.0, "sites": 31},
     presets=_FIG_7,
     only={
-        "perturbation": "sweep",
-        "seed": "sweep",
-        **dict.fromkeys(_OF_BISECTION, "bisection"),
+        **dict.fromkeys(("perturbation", "seed"), ("sweep", "hold")),
+        **dict.fromkeys(_OF_BISECTION, ("bisection",)),
     },
     hidden=("start_point",),
 )
@@ -239,7 +238,7 @@ COMMANDS: dict[str, Command] = {
                 presets={"chain.sites": 32},
                 curve="fronts.branches:front_branch",
                 hidden=("point", "ends", "directions"),
-                only=dict.fromkeys(_OF_RUNNING_FRONTS, "run"),
+                only=dict.fromkeys(_OF_RUNNING_FRONTS, ("run",)),
             ),
             "friction": Measurement(
                 function=_FRONT,

@@ -191,12 +191,15 @@ def _along(
 
 
 def _refuse_other_methods(
-    only: Mapping[str, str], parameters: Mapping[str, Any], options: argparse.Namespace
+    only: Mapping[str, tuple[str, ...]],
+    parameters: Mapping[str, Any],
+    options: argparse.Namespace,
 ) -> None:
     """Refuse options of another ``--method`` than the one that was named."""
     chosen = parameters.get("method")
-    for name, method in only.items():
-        if hasattr(options, name) and chosen not in (method, "all"):
+    for name, methods in only.items():
+        if hasattr(options, name) and chosen not in (*methods, "all"):
+            method = " or ".join(methods)
             raise UsageError(
                 f"{option(name)} is for --method {method}: leave it out.",
                 quantity=option(name),

@@ -199,9 +199,17 @@ def test_options_of_a_method_go_with_it_and_with_all(called):
         assert options["seed"] == 3
 
 
+def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
+    for method in ("sweep", "hold"):
+        line = f"threshold vdp --method {method} --perturbation 1e-4 --seed 5"
+        _, options, _ = called(line)
+        assert (options["perturbation"], options["seed"]) == (1e-4, 5)
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
+        ("threshold vdp --method orbit --seed 3", "--seed is for --method sweep or hold"),
         ("breather --c 0.1 --method orbit --seed 3", "--seed is for --method simulation"),
         ("breather --c 0.1 --seed 3", "--seed is for --method simulation"),
         ("breather --c 0.1 --method simulation --seed -3", "must not be negative"),

@@ -58,14 +58,24 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
     because = sentence or entries.pop("reason", None)
     head = [] if status is None else [f"{status}: {because}" if because else f"{status}"]
     entries |= {name: "not decided" for name in _JUDGED if entries.get(name, "") is None}
+    if "branches" in entries:
+        entries["branches"] = [_judged(row) for row in entries["branches"]]
     if result.is_curve:
         columns = {name: column.tolist() for name, column in result.columns().items()}
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        if getattr(result, "stability_shown", False):
+            rows = [_judged(row) for row in rows]
         listed = {"points", *(name for name in columns if isinstance(entries.get(name), list))}
         entries = {"points": rows} | {n: v for n, v in entries.items() if n not in listed}
     shown = [name for name, value in entries.items() if not _empty(value)]
     shown.sort(key=lambda name: name in _LAST)
     return "\n".join([*head, *_lines({name: entries[name] for name in shown}, result.units)])
+
+
+def _judged(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row that says of an admissible front where its stability was not decided."""
+    undecided = row.get("admissible") and row.get("stable", True) is None
+    return {**row, "stable": "not decided"} if undecided else dict(row)
 
 
 def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str]:

@@ -283,6 +283,16 @@ def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
         assert len(shown.replace(".", "").lstrip("0")) == 8
 
 
+def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> None:
+    single = in_words(fr.kinetic_relation(c=100.0, eta=0.03))
+    assert single.count("not decided") == 1
+    curve = in_words(fr.kinetic_relation(c=[100.0, 0.5], eta=0.03, stability=True))
+    assert curve.count("not decided") == 1
+    assert "not decided" not in in_words(fr.kinetic_relation(c=[100.0, 0.5], eta=0.03))
+    # Of two fronts one is not admissible, so that its stability is no question.
+    assert "not decided" not in in_words(fr.kinetic_relation(c=0.45, eta=0.03125))
+
+
 def test_flags_of_a_curve_stay_flags_and_numbers_are_numbers() -> None:
     points = (_Value(v=0.5, error=0.0), _Value(v=None, error=0.0, known=False))
     table = Curve(along="c", values=np.array([1.0, 2.0]), points=points, seconds=0.0).columns()

@@ -68,6 +68,21 @@ def test_the_error_of_every_method_bounds_its_distance_from_a_run_of_scipy() -> 
     assert columns["centre"] == pytest.approx(true[SITES // 2], abs=1e-3)
 
 
+def test_a_method_that_refuses_the_chain_is_left_out_with_its_reason() -> None:
+    found = breather(dataclasses.replace(CHAIN, eps=1.0), method="all")
+    assert list(found.methods) == ["closed-form", "envelope"]
+    assert list(found.refusals) == ["orbit", "simulation"]
+    assert "for a true orbit" in found.refusals["orbit"]
+    rows = found.to_dict()["refusals"]
+    assert [row["method"] for row in rows] == list(found.refusals)
+    assert [row["reason"] for row in rows] == list(found.refusals.values())
+
+
+def test_a_chain_that_every_method_refuses_is_refused() -> None:
+    with pytest.raises(ParameterError, match="at most the 5 sites"):
+        breather(dataclasses.replace(CHAIN, sites=5), nucleus=Nucleus(9), method="all")
+
+
 def test_of_the_averaged_chain_the_envelope_is_exact_and_the_closed_form_is_not() -> None:
     """The closed form takes |φ_n| as geometric; its error is then its distance from (43)."""
     found = breather(CHAIN.averaged(), method="all")

@@ -96,7 +96,7 @@ def breather(
         ``closed-form``: (29), (37), (30), for one site in the bulk. ``envelope``: (43), solved.
         ``orbit``: the periodic orbit of (8), by shooting, with Floquet multipliers; not for an
         `AveragedChain`. ``simulation``: a run from a perturbed start until it repeats itself.
-        ``all``: every method that applies, side by side.
+        ``all``: every method that applies, side by side, and why another one refuses.
     reading : Reading, optional
         Closed form: the site at which (37) is taken.
     seed : int, optional
@@ -148,9 +148,22 @@ def breather(
         return _METHODS[found](chain, nucleus, choice)
     every = [each for each in BreatherMethod if _applies(each, chain, nucleus)]
     _check_length(chain, min(every, key=lambda each: MAX_SITES[each]))
-    methods = {str(each): _METHODS[each](chain, nucleus, choice) for each in every}
-    seconds = time.perf_counter() - started
-    return BreatherComparison(chain=chain, nucleus=nucleus, methods=methods, seconds=seconds)
+    methods: dict[str, Breather] = {}
+    refusals: dict[str, ParameterError] = {}
+    for each in every:
+        try:
+            methods[str(each)] = _METHODS[each](chain, nucleus, choice)
+        except ParameterError as refusal:
+            refusals[str(each)] = refusal
+    if not methods:
+        raise next(iter(refusals.values()))
+    return BreatherComparison(
+        chain=chain,
+        nucleus=nucleus,
+        methods=methods,
+        refusals={name: str(refusal) for name, refusal in refusals.items()},
+        seconds=time.perf_counter() - started,
+    )
 
 
 class _Choice(NamedTuple):

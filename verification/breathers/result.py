@@ -185,6 +185,8 @@ class BreatherComparison(Result):
         As in `Breather`.
     methods : mapping of str to Breather
         By the value of the method.
+    refusals : mapping of str to str
+        Why a method refuses this chain or nucleus, by its value.
     seconds : float
         Wall-clock time of all.
     """
@@ -192,6 +194,7 @@ class BreatherComparison(Result):
     chain: Any
     nucleus: Nucleus
     methods: Mapping[str, Breather]
+    refusals: Mapping[str, str] = field(default_factory=dict)
     seconds: float
 
     @property
@@ -202,7 +205,8 @@ class BreatherComparison(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""
         of = {"method": "all", "pattern": self.nucleus.pattern, "c": self.chain.c}
-        return of | super().to_dict()
+        rows = [{"method": name, "reason": reason} for name, reason in self.refusals.items()]
+        return of | super().to_dict() | {"refusals": rows}
 
     def __getitem__(self, method: str) -> Breather:
         """Return what one method found."""

@@ -49,7 +49,7 @@ class Turn(Result):
     height: float
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class Branch(Curve):
     """Solutions in order along a branch: at each value that was asked for, folds passed or not.
 

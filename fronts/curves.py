@@ -32,7 +32,7 @@ class Refusal(Result):
     reason: str
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class Curve(Result):
     """Results of one function along one parameter of a chain.
 

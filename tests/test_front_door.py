@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 import json
 import os
+import pickle
 import re
 import shlex
 import subprocess
@@ -125,6 +126,29 @@ def test_a_result_shows_itself(name, results):
     held = {"branches", "points", "upper", "lower"}  # these are rows of a table of their own
     for each in {*fields, *result.derived} - held:
         assert f">{each}</th>" in shown
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_result_is_its_copy_and_no_other(name, results):
+    result = results[name]
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy == result
+    assert hash(copy) == hash(result)
+    assert result != 1
+    assert all(result != other for key, other in results.items() if key != name)
+
+
+def test_results_are_equal_where_all_but_their_run_time_is():
+    once, again = (fr.kinetic_relation(c=0.45, eta=0.03125) for _ in range(2))
+    assert dataclasses.replace(once, seconds=again.seconds + 1.0) == again
+    assert dataclasses.replace(once, terms=once.terms + 1) != again
+    chain = fr.VdpChain(a=4, b=0.5, c=0.1, sites=5)
+    run = fr.simulate(chain, fr.excite(chain, [3]), 1.0)
+    assert np.isnan(run.arrivals).any()  # which are the same where both are missing
+    assert pickle.loads(pickle.dumps(run)) == run
+    moved = run.states.copy()
+    moved[-1, 0, 0] += 1e-9
+    assert dataclasses.replace(run, states=moved) != run
 
 
 def test_a_notebook_shows_what_a_result_holds(results):

@@ -24,6 +24,8 @@ How to write a new result
    here imports a plotting library.
 5. Where dims do not fit (rows of varying kind), override `Result.columns`.
 6. Where the rows are the points of a curve, say so by ``is_curve = True``.
+7. Two results are equal where all fields but ``seconds`` are, arrays included; a field with
+   ``compare=False`` does not count.
 
 Examples
 --------
@@ -88,9 +90,22 @@ class Result:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        # A dataclass writes its own repr, with every number of every array, unless one stands here.
-        if "__repr__" not in cls.__dict__:
-            type.__setattr__(cls, "__repr__", Result.__repr__)
+        # A dataclass writes its own, a repr with every number of every array, and a comparison that
+        # fails at arrays, unless one stands here.
+        for name in ("__repr__", "__eq__", "__hash__"):
+            if name not in cls.__dict__:
+                type.__setattr__(cls, name, getattr(Result, name))
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether all but the run time is the same, arrays number by number."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(_same(getattr(self, name), getattr(other, name)) for name in _compared(self))
+
+    def __hash__(self) -> int:
+        """Return a hash of the words in it, which equal results share."""
+        values = (getattr(self, name) for name in _compared(self))
+        return hash((type(self), *(each for each in values if isinstance(each, str))))
 
     @property
     def units(self) -> Mapping[str, str]:
@@ -305,6 +320,31 @@ def plain(value: object) -> Any:
     if isinstance(value, Collection):
         return [plain(each) for each in value]
     raise TypeError(f"a value of type {type(value).__name__} has no form in JSON.")
+
+
+def _compared(result: Result) -> list[str]:
+    return [each.name for each in _fields(result) if each.compare and each.name != "seconds"]
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Return whether two values are the same, element by element; nan is nan."""
+    if one is other:
+        return True
+    if hasattr(one, "__array__") and hasattr(other, "__array__"):
+        import numpy as np
+
+        numbers = one.dtype.kind in "fc"
+        return one.dtype == other.dtype and np.array_equal(one, other, equal_nan=numbers)
+    if isinstance(one, (list, tuple)) and type(one) is type(other):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_same(one[name], other[name]) for name in one)
+    written = is_dataclass(one) and type(one).__dataclass_params__.eq  # type: ignore[union-attr]
+    if written and type(one) is type(other) and not isinstance(one, Result):
+        return all(_same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, float) and isinstance(other, float):
+        return one == other or (math.isnan(one) and math.isnan(other))
+    return bool(one == other)
 
 
 def _fields(result: Result) -> tuple[Field[Any], ...]:

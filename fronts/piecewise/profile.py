@@ -19,7 +19,7 @@ ComplexArray: TypeAlias = npt.NDArray[np.complex128]
 _FARTHEST = 1e6
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class Profile(Result):
     """The shape φ(ζ)/φ_s of a front.
 

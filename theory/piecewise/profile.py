@@ -36,7 +36,7 @@ _STEPS = 5
 """Newton's steps to the strip without roots: to 1e-7 of it, from where they begin."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class FrontProfile(Result):
     """Values of the front's shape.
 

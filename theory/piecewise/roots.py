@@ -40,7 +40,7 @@ class IncompleteRootsError(ArithmeticError):
     """A strip whose root was not found. The theory says there is one, so this is a defect."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class RootSet(Result):
     """Roots of L(k) = 0 in one half-plane, one a label.
 

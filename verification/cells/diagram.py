@@ -23,7 +23,7 @@ MAX_VELOCITIES = 2000
 """Of a curve at the shell."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class Bifurcation(Result):
     """Both cycles and steady sliding over the belt velocity.
 

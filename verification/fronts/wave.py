@@ -69,7 +69,7 @@ class NoFrontError(RunError):
     """No travelling front was found at these parameters."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class FrontWave(Result):
     """A travelling front of (43).
 

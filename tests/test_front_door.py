@@ -138,6 +138,11 @@ def test_a_result_is_its_copy_and_no_other(name, results):
     assert all(result != other for key, other in results.items() if key != name)
 
 
+def test_a_derivation_can_be_stored_and_checked_again():
+    copy = pickle.loads(pickle.dumps(fr.derivation(34)))
+    assert copy.to_dict() == fr.derivation(34).to_dict()
+
+
 def test_results_are_equal_where_all_but_their_run_time_is():
     once, again = (fr.kinetic_relation(c=0.45, eta=0.03125) for _ in range(2))
     assert dataclasses.replace(once, seconds=again.seconds + 1.0) == again

@@ -114,6 +114,7 @@ def equals(
     """
 
     def made(draw: Callable[..., Drawn]) -> Callable[..., Evidence]:
+        @wraps(draw)
         def points(*owner: Any) -> Points:
             rng = random.Random(20)
             for _ in range(count):

@@ -322,6 +322,18 @@ def test_the_command_line_gives_velocities_by_direction(
     assert picture.stat().st_size > 1000
 
 
+@pytest.mark.parametrize(
+    ("damping", "attracts"),
+    [
+        ("1 - 4*y**2 + 0.5*y**4", True),
+        ("1", True),  # no cycle at all
+        ("y**2 - 1", False),
+    ],
+)
+def test_rest_attracts_unless_the_only_cycle_does(damping: str, attracts: bool) -> None:
+    assert OscillatorChain(damping=damping, c=0.1, sites=3).rest_attracts is attracts
+
+
 def test_ahead_of_a_front_into_an_unstable_rest_state_the_smallest_motion_counts() -> None:
     """Of (43) with damping -1/2, r_n = r e^{T/2} J_n(cT): twelve sites on it is 1e-15 r."""
     from scipy.special import jv

@@ -276,9 +276,9 @@ class OwnChain(SmoothChain):
 
     @cached_property
     def rest_attracts(self) -> bool:
-        """Whether every cell has an unstable cycle, below which it returns to rest."""
+        """Whether each cell has an unstable cycle, or none; a stable one alone attracts all."""
         cells = (self._cell_of(values) for values in self._extreme_values())
-        return all(any(not each.stable for each in cell.cycles) for cell in cells)
+        return not any(cell.cycles and all(each.stable for each in cell.cycles) for cell in cells)
 
     @property
     def forces(self) -> tuple[Drive, ...]:

@@ -7,16 +7,19 @@ import pytest
 
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise import admissibility
-from theory.piecewise.admissibility import _Shape, _SumShape, check_admissible, check_fronts
+from theory.piecewise.admissibility import _Shape, check_admissible, check_fronts
 from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
+from theory.piecewise.limits import pinning_coupling
 from theory.piecewise.profile import (
     ProfileGrid,
     front_profile,
     front_profile_by_roots,
     points_of_profile,
+    profile_slope,
     required_points,
     tail_bound,
 )
+from theory.piecewise.steepest_descent import NearShape
 
 V, C = 0.6, 1.5
 
@@ -144,21 +147,47 @@ def test_the_quadrature_reaches_every_point_that_is_looked_at(
         assert reach[0] >= max(verdict.proven_beyond) + 1.0
 
 
-@pytest.mark.parametrize(("v", "c"), [(8.1, 300.0), (5.39, 50.0), (60.0, 200.0), (0.9, 12.0)])
-def test_the_sums_over_roots_err_by_less_than_they_say(v: float, c: float) -> None:
-    zeta = np.geomspace(1e-4, 30.0, 60)
-    shape = _SumShape.make(v, c)
-    for sign, side in ((1.0, shape.ahead), (-1.0, shape.behind)):
-        exact = front_profile(sign * zeta, v, c)  # by quadrature, without roots
-        error = np.abs(shape.at(sign * zeta) - exact.phi)
-        assert np.all(error <= side.error(zeta) + exact.error)
-        assert np.all(side.error(zeta[zeta > 4.0]) < 1e-7)
+PATHS = [(8.1, 300.0), (5.39, 50.0), (60.0, 200.0), (0.9, 12.0), (0.05, 40.0), (0.01, 0.1)]
+PATHS += [(13.5, 46.0), (13.6, 46.0), (500.0, 40.0), (66.0, 1100.0), (67.0, 1100.0)]
+PATHS += [(-0.11, 300.0), (-30.0, 90.0)]
 
 
-def test_a_retreating_sum_is_the_mirror_of_the_advancing_one() -> None:
-    zeta = np.array([-7.3, -0.4, 0.6, 12.0])
-    exact = 1.0 - front_profile(-zeta, 8.1, 300.0).phi
-    np.testing.assert_allclose(_SumShape.make(-8.1, 300.0).at(zeta), exact, atol=1e-9)
+@pytest.mark.parametrize(("v", "c"), PATHS)
+def test_steepest_descent_is_the_quadrature_on_the_real_axis(v: float, c: float) -> None:
+    zeta = np.geomspace(1e-6, 12.0, 60)
+    zeta = np.concatenate([-zeta, [-3.0, -1.0, 0.0, 1.0, 2.0], zeta])
+    shape = NearShape(v, c)
+    phi, slope = shape.with_slope(zeta)
+    exact = front_profile(math.copysign(1.0, v) * zeta, abs(v), c)
+    expected = exact.phi if v > 0 else 1.0 - exact.phi
+    # rounding of zeta is multiplied by the steepness, c/v at most
+    error = np.abs(phi - expected) - 1e-15 * max(1.0, c / abs(v))
+    assert np.all(error <= shape.error(zeta) + exact.error)
+    assert np.all(shape.error(zeta) < 1e-12)
+    around = [shape.with_slope(zeta + step)[0] for step in (1.0, -1.0)]
+    np.testing.assert_allclose(
+        slope,
+        profile_slope(zeta, phi, sum(around), v, c),
+        atol=1e-12 * (1.0 + c / abs(v)),
+        rtol=0.0,
+    )
+
+
+@pytest.mark.parametrize(("v", "c"), PATHS)
+def test_between_two_points_the_shape_goes_no_farther_than_its_bound(v: float, c: float) -> None:
+    rng = np.random.default_rng(3)
+    shape = NearShape(v, c)
+    site = rng.integers(-4, 4, 400)
+    here = rng.random(400)
+    there = np.clip(here + rng.choice([-1, 1], 400) * 10 ** rng.uniform(-6, 0, 400), 0.0, 1.0)
+    ends = np.sort(site + np.stack([here, there]), axis=0)
+    inside = ends[0] + rng.random(400) * (ends[1] - ends[0])
+    bound = shape.variation(ends)
+    values = [shape.with_slope(zeta)[0] for zeta in (*ends, inside)]
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        gone = np.abs(values[one] - values[other])
+        assert np.all(gone <= bound + 1e-13)
+    assert np.median(np.abs(values[0] - values[1]) / bound) > 1e-3 * min(1.0, c / v**2)
 
 
 def test_both_ways_to_decide_agree(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -217,8 +246,8 @@ def test_a_small_threshold_is_resolved() -> None:
     behind = -np.geomspace(2e-3, 0.8, 300)
     seen = 0
     for branch in answer.branches[::4]:
-        shape = _SumShape.make(branch.v, c)
-        wrong = behind[np.abs(shape.at(behind)) < r - 2 * shape.behind.error(-behind)]
+        shape = NearShape(branch.v, c)
+        wrong = behind[np.abs(shape.with_slope(behind)[0]) < r - 2 * shape.error(behind)]
         if wrong.size:
             seen += 1
             verdict = check_admissible(branch.v, c, r)
@@ -234,7 +263,21 @@ def test_a_velocity_out_of_range_is_left_undecided_with_a_reason() -> None:
     assert "1e+12" in verdict.reason
 
 
-def test_waves_too_short_to_be_summed_everywhere_leave_a_front_undecided(
+def test_slow_fronts_at_strong_coupling_are_decided() -> None:
+    """Their waves are short, c/v radians a site, and their margins thin, of order 1/√c."""
+    for eta, times, expected in ((0.075, 1.01, True), (0.075, 1.5, False), (0.078, 1.5, False)):
+        c = times * pinning_coupling(eta)
+        r = threshold_ratio(eta)
+        (branch,) = trace_kinetic_relation([c], [eta])[0].branches
+        assert branch.admissible is expected
+        zeta = np.geomspace(1e-7, 0.9, 120)
+        zeta = np.concatenate([-zeta, zeta])
+        size = np.abs(front_profile(zeta, branch.v, c).phi)
+        seen = bool(np.any(np.where(zeta < 0, r - size, size - r) > 1e-9))
+        assert seen is not expected
+
+
+def test_a_front_whose_cells_are_too_many_is_left_undecided(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     c, eta = 11.5, 0.07
@@ -243,11 +286,42 @@ def test_waves_too_short_to_be_summed_everywhere_leave_a_front_undecided(
     plain = check_admissible(v, c, r)
     assert plain.admissible is not None
     monkeypatch.setattr(admissibility, "_LONGEST_GRID", 0)
-    by_roots = check_admissible(v, c, r)
-    assert by_roots.admissible is plain.admissible
-    monkeypatch.setattr(admissibility, "_MAX_TERMS", 100_000)
+    by_descent = check_admissible(v, c, r)
+    assert by_descent.admissible is plain.admissible
+    monkeypatch.setattr(admissibility._Descent, "max_values", 1)
     left = check_admissible(v, c, r)
     assert (left.admissible, left.fails_at) == (None, None)
-    assert left.reason is not None
-    assert "too short" in left.reason
-    assert left.points < by_roots.points
+    assert left.points < by_descent.points
+
+
+def test_more_roots_than_are_found_leave_a_front_undecided_with_a_reason() -> None:
+    verdict = check_admissible(1e-6, 1.0, 0.3)
+    assert verdict.admissible is not None  # its tails are short: no root is asked for
+    verdict = check_admissible(0.1, 1e6, 0.49)
+    assert verdict.admissible is None
+    assert verdict.reason is not None
+    assert "c/v above 300000" in verdict.reason
+
+
+def test_no_cell_has_a_site_within(monkeypatch: pytest.MonkeyPatch) -> None:
+    sites: set[float] = set()
+    variation = NearShape.variation
+
+    def noted(self, ends):
+        assert np.all(np.ceil(ends[1]) - np.floor(ends[0]) <= 1.0)
+        sites.update(np.floor(ends[0]).tolist())
+        return variation(self, ends)
+
+    monkeypatch.setattr(NearShape, "variation", noted)
+    (branch,) = trace_kinetic_relation([1.0], [0.03125], False)[0].branches
+    for eta, times in ((0.078, 1.01), (0.078, 2.0), (0.0795, 1.01)):
+        c = times * pinning_coupling(eta)
+        (branch,) = trace_kinetic_relation([c], [eta], False)[0].branches
+        assert check_admissible(branch.v, c, threshold_ratio(eta)).admissible is True
+    assert sites >= {-2.0, -1.0, 0.0, 1.0}
+    shape = admissibility._Descent(NearShape(branch.v, c))
+    ends = np.array([[2.95, 3.2], [3.05, 3.3]])
+    for sign in (1.0, -1.0):
+        sites.clear()
+        admissibility._along_stretches(shape, sign * ends, 0.45)
+        assert sites == ({2.0, 3.0} if sign > 0 else {-4.0, -3.0})

@@ -1,23 +1,24 @@
 """Whether a front obeys its own assumption (47): |φ| > φ_us behind and |φ| < φ_us ahead, for all ζ.
 
-Far out a bound on the tails proves it. Between, |φ|² - r² and its exact slope, from (48), are taken
-at points a fraction of a site apart, and a cell is divided until its slopes cannot bring it below
-zero by more than the tolerance, or a violation is seen: those at its ends, twice, and with the sums
-below also a bound on all within.
+Far out a bound on the tails proves it. Between, |φ|² - r² is taken at points a fraction of a site
+apart, and a cell is divided until φ cannot bring it below zero by more than the tolerance, or a
+violation is seen.
 
-* Where the quadrature of ``theory.piecewise.profile`` is short, values come from it, over the whole
-  way to where its ``tail_bound`` suffices.
-* Where it is long, at strong coupling or high velocity, φ is the sum (49) over the roots, of which
-  those with a label up to a few c/v are taken and the rest is bounded. Values are needed only
-  within two sites of ζ = 0 and where margins are thin. Beyond, a few terms vary slowly, over
-  about √c sites, and the sum of the moduli of all others falls with |ζ| (``_Side.proven``).
+* Where the quadrature of ``theory.piecewise.profile`` is short, values and slopes come from it,
+  over the whole way to where its ``tail_bound`` suffices; that the slopes at the ends of a cell,
+  twice, bound those within is taken for granted.
+* Where it is long, at strong coupling or high velocity, values come from
+  ``theory.piecewise.steepest_descent``, with a bound on how far φ goes within a cell, within two
+  sites of ζ = 0 and where margins are thin. Beyond, φ is the sum (49) over the roots: a few terms
+  vary slowly, over about √c sites, and the sum of the moduli of all others falls with |ζ|
+  (``_Side.proven``).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -31,31 +32,21 @@ from theory.piecewise.profile import (
     tail_bound,
 )
 from theory.piecewise.roots import LARGEST, SMALLEST, IntArray, labelled_roots
-from theory.piecewise.sums.integral import sums
+from theory.piecewise.steepest_descent import NearShape
 
 TOLERANCE = 1e-11
-"""What a front may violate (47) by unseen, in |φ/φ_s|²."""
+"""Largest violation of (47), in |φ/φ_s|², that may go undetected."""
 _PER_SITE = 8
 _SHORTEST = 1e-7
-_NEGLIGIBLE = 1e-11
-"""Sum of the moduli of terms that are left out as they are small."""
-_ORDERS = 5
-"""Times that what is left out of a sum is summed by parts."""
 _LONGEST_GRID = 1200
-"""Points of the quadrature from which the sum over roots is shorter."""
+"""Points of the quadrature from which steepest descent is shorter."""
 _NEAR = 2.0
 """Sites about ζ = 0 where values are always taken."""
-_LABELS = 9.0
-"""Largest label of a root, over c/v; a third of it beyond ``_FEW_LABELS``."""
-_FEW_LABELS = 400
+_MAX_LABEL = 300_000
+"""Labels of roots that are found, up to c/v: some seconds."""
 _SLOW = 24
 """Terms of each sum that are followed beyond ``_NEAR``."""
 _MAX_CELLS = 20_000
-_MAX_TERMS = 600_000_000
-"""Terms added up for one front, some seconds: slow fronts at strong coupling have waves so short
-that each site is divided into tens of thousands of cells."""
-_AT_ONCE = 1 << 20
-"""Exponentials held in memory."""
 _VALUES_AT_ONCE = 1 << 16
 """Values of φ held at once, near the processor."""
 
@@ -120,7 +111,7 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
     verdicts: dict[int, Admissibility] = {}
     reach, points = _quadratures(v, c, r)
     for i in (points == 0).nonzero()[0].tolist():
-        verdicts[i] = _check_by_roots(float(v[i]), float(c[i]), float(r[i]))
+        verdicts[i] = _check_by_descent(float(v[i]), float(c[i]), float(r[i]))
     kind = np.where(v < 0, -points, points)
     for alike in set(kind[points > 0].tolist()):
         (fronts,) = (kind == alike).nonzero()
@@ -137,7 +128,7 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
 def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the distances (Z₋, Z₊) beyond which tails prove (47), shape (n, 2), and the points.
 
-    No points where the sum over roots is shorter, or where |v| is out of range.
+    No points where steepest descent is shorter, or where |v| is out of range.
     """
     speed = np.clip(np.abs(v), SMALLEST, LARGEST)
     tails = [tail_bound(_number(speed), _number(c), side) for side in (False, True)]
@@ -173,7 +164,7 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
     )
     zeta, phi = zeta[_PER_SITE:-_PER_SITE], phi[:, _PER_SITE:-_PER_SITE]
     inside = (zeta >= -reach[:, :1]) & (zeta <= reach[:, 1:])
-    fails_at, more = _first_violations(shape, zeta, (phi, slope), r, inside)
+    fails_at, more, _ = _first_violations(shape, zeta, (phi, slope), r, inside)
     points = taken + more
     return [
         Admissibility(place == math.inf, None if place == math.inf else place, (left, right), count)
@@ -183,45 +174,61 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
     ]
 
 
-def _check_by_roots(v: float, c: float, r: float) -> Admissibility:
-    """Decide by the sums over roots."""
+def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
+    """Decide by steepest descent, and by the sums over roots beyond."""
+    reason = None
     if not SMALLEST <= abs(v) <= LARGEST:
         reason = f"velocities beyond {LARGEST:g} are not looked at"
+    elif c > _MAX_LABEL * abs(v):
+        reason = f"fronts with c/v above {_MAX_LABEL} are not looked at"
+    if reason is not None:
         return Admissibility(None, None, (math.inf, math.inf), 0, reason)
-    shape = _SumShape.make(v, c)
+    shape = _Descent(NearShape(v, c))
     smallest = 0.02 * min(1.0, abs(v) / c)
     near = np.geomspace(smallest, _NEAR, 2 + math.ceil(3.0 * math.log(_NEAR / smallest)))
+    near = np.union1d(near, 1.0)  # no cell has a site within
     zeta = np.concatenate([-near[::-1], [0.0], near])
-    fails_at, points = _first_violation(shape, zeta, shape.with_slope(zeta), r)
-    beyond = (shape.behind.reach(r)[1], shape.ahead.reach(r)[1])
-    decided = points <= shape.max_values
-    points += 3 * zeta.size
+    fails_at, points, decided = _first_violation(shape, zeta, r)
+    speed, advancing = abs(v), v > 0
+    behind = _Side.make(speed, c, not advancing, 1.0)
+    ahead = _Side.make(speed, c, advancing, 0.0)
+    beyond = (behind.reach(r)[1], ahead.reach(r)[1])
     if fails_at is not None:
         return Admissibility(False, fails_at, beyond, points)
-    if not decided:
-        reason = "the waves of the front are too short for its values to be summed everywhere"
-        return Admissibility(None, None, beyond, points, reason)
-    sides = [shape.behind.proven(r), shape.ahead.proven(r)]
     farther = []
-    for side, sign in zip(sides, (-1.0, 1.0), strict=True):
-        farther += [sign * side.fails_at] if side.fails_at is not None else []
-        decided &= side.thin.shape[1] <= _MAX_CELLS
-        if side.thin.size and side.thin.shape[1] <= _MAX_CELLS:
-            ends = np.sort(sign * side.thin, axis=0)
-            g, d = _margin(ends.ravel(), *shape.with_slope(ends.ravel()), r)
-            pairs = np.stack([ends, g.reshape(2, -1), d.reshape(2, -1)])
-            cells = np.concatenate([pairs[:, 0], pairs[:, 1]])
-            owner = np.zeros(cells.shape[1], dtype=np.int64)
-            found, more = _divide(shape, cells, owner, np.array([r]))
-            decided &= more[0] <= shape.max_values
-            points += int(more[0]) + 3 * ends.size
-            farther += found[found < math.inf].tolist()
+    for side, sign in ((behind, -1.0), (ahead, 1.0)):
+        proven = side.proven(r)
+        farther += [sign * proven.fails_at] if proven.fails_at is not None else []
+        if proven.thin.shape[1] > _MAX_CELLS:
+            decided = False
+        elif proven.thin.size:
+            found, more, through = _along_stretches(shape, sign * proven.thin, r)
+            decided &= through
+            points += more
+            farther += [found] if found is not None else []
     if farther:
         return Admissibility(False, min(farther, key=abs), beyond, points)
     if decided and max(beyond) < math.inf:
         return Admissibility(True, None, beyond, points)
     reason = "margins are below the bound on the terms left out over too many sites"
     return Admissibility(None, None, beyond, points, reason)
+
+
+def _along_stretches(shape: _Descent, ends: FloatArray, r: float) -> tuple[float | None, int, bool]:
+    """Decide within stretches of less than a site, from and to, shape (2, n)."""
+    low, high = np.sort(ends, axis=0)
+    site = np.ceil(low)
+    across = (low < site) & (site < high)
+    cells = np.stack(
+        [np.append(low, site[across]), np.append(np.where(across, site, high), high[across])]
+    )
+    g, d = _margin(cells.ravel(), *shape.with_slope(cells.ravel()), r)
+    pairs = np.stack([cells, g.reshape(2, -1), d.reshape(2, -1)])
+    owner = np.zeros(cells.shape[1], dtype=np.int64)
+    rows = np.concatenate([pairs[:, 0], pairs[:, 1]])
+    found, more, through = _divide(shape, rows, owner, np.array([r]))
+    place = float(found[0])
+    return (None if place == math.inf else place), int(more[0]) + cells.size, bool(through[0])
 
 
 @dataclass(frozen=True)
@@ -252,75 +259,27 @@ class _Side:
         The largest at a = ``_NEAR`` first; Re rates < 0.
     tail : float
         Bound on the sum of the moduli of all that is left out, at a = 0.
-    differences : ndarray of float, shape (m,)
-        Sums of the moduli of first, second, … differences, over the label, of what is left out.
-    slopes : tuple of ndarray of float, shapes (p,)
-        Distances, ascending from 0, and a bound on |dφ/da| from each of them on.
     """
 
     limit: float
     terms: ComplexArray
     rates: ComplexArray
     tail: float
-    differences: FloatArray
-    slopes: tuple[FloatArray, FloatArray]
 
     @classmethod
     def make(cls, speed: float, c: float, upper: bool, limit: float) -> _Side:
-        """Take the roots of one half-plane, those of the upper two thirds of labels in part.
+        """Take the roots of one half-plane with labels up to c/v.
 
         Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
-        with a faster than 9^{-a}. The part taken goes down to 0 smoothly, which leaves between the
-        sites an error far below the sum of moduli.
+        with a faster than 9^{-a}.
         """
-        most = _LABELS * c / speed
-        most = max(64, math.ceil(max(min(most, _FEW_LABELS), most / 3.0)))
-        labels = np.arange(-most, most + 1)
-        k = labelled_roots(speed, c, labels, upper).k
+        last = max(24, math.ceil(c / speed))
+        k = labelled_roots(speed, c, np.arange(-last, last + 1), upper).k
         terms = (0.5j if limit == 1.0 else -0.5j) / (k * (speed + c * np.sin(k)))
         rates = 1j * k if upper else -1j * k
-        t = np.clip(1.5 * np.abs(labels) / most - 0.5, 0.0, 1.0)
-        left_out = t**5 * (126.0 - t * (420.0 - t * (540.0 - t * (315.0 - 70.0 * t))))
-        rest = left_out * terms
-        differences = _sums_of_differences(rest[most:]) + _sums_of_differences(rest[most::-1])
-        terms = terms * (1.0 - left_out)
         order = np.argsort(-np.abs(terms) * np.exp(_NEAR * rates.real))
-        tail = 1.0 / (math.pi**2 * speed * (most // 3 - 0.5))
-        terms, rates = terms[order], rates[order]
-        knots = np.append(0.0, np.geomspace(1e-3 * min(1.0, speed / c), _NEAR, 48))
-        steep = np.concatenate(
-            [np.exp(np.outer(some, rates.real)) @ np.abs(terms * rates) for some in knots[:, None]]
-        )
-        return cls(limit, terms, rates, tail, differences, (knots, steep))
-
-    def steepness(self, a: FloatArray) -> FloatArray:
-        """Return a bound on |dφ/da| from the distances a on."""
-        knots, steep = self.slopes
-        bound: FloatArray = steep[np.searchsorted(knots, a, side="right") - 1]
-        return bound
-
-    def error(self, a: FloatArray) -> FloatArray:
-        """Bound what is left out at distances a.
-
-        By moduli, and by summation by parts, |Σ b_n e^{2πina}| ≤ Σ|Δ^m b_n|/|2 sin πa|^m.
-        """
-        apart = np.maximum(2.0 * np.abs(np.sin(np.pi * a)), 1e-30)
-        orders = np.arange(1, _ORDERS + 1)
-        by_parts = np.min(self.differences / apart[..., None] ** orders, axis=-1)
-        bound: FloatArray = np.minimum(self.tail * 9.0**-a, by_parts) + _NEGLIGIBLE
-        return bound
-
-    def at(self, a: FloatArray) -> ComplexArray:
-        """Return φ/φ_s at distances a ≥ 0, without the tail, shape (n,)."""
-        value = np.full(a.shape, self.limit, dtype=complex)
-        order = np.argsort(a)
-        size = np.abs(self.terms)
-        negligible = 0.5 * _NEGLIGIBLE / self.terms.size
-        for some in np.array_split(order, 1 + a.size * self.terms.size // _AT_ONCE + a.size // 32):
-            if some.size:
-                kept = size * np.exp(self.rates.real * a[some[0]]) > negligible
-                value[some] += np.exp(np.outer(a[some], self.rates[kept])) @ self.terms[kept]
-        return value
+        tail = 1.0 / (math.pi**2 * speed * (last - 0.5))
+        return cls(limit, terms[order], rates[order], tail)
 
     def reach(self, r: float) -> tuple[float, float]:
         """Return how far to look, and from where on (47) is proven by the sum of all moduli."""
@@ -369,82 +328,47 @@ class _Side:
         return _Proven(nearest if nearest < math.inf else None, stretches)
 
 
-def _sums_of_differences(terms: ComplexArray) -> FloatArray:
-    """Return Σ|Δ^m b_n| for each order, doubled for the factor that falls with n at a > 0."""
-    found = []
-    for _ in range(_ORDERS):
-        # Beyond the last label they fall: their sum is the last one of an order lower.
-        beyond = float(abs(terms[-1]))
-        terms = np.diff(terms)
-        found.append(2.0 * (float(np.abs(terms).sum()) + beyond))
-    return np.array(found)
-
-
 @dataclass(frozen=True)
-class _SumShape:
-    """The front φ(ζ)/φ_s of either direction, as sums over roots."""
+class _Descent:
+    """The front φ(ζ)/φ_s of either direction, by steepest descent."""
 
-    velocity: float
-    c: float
-    behind: _Side
-    ahead: _Side
-    at_origin: complex
+    near: NearShape
+    max_values: ClassVar[float] = 3 * _MAX_CELLS
+    """Values of φ after which no cell is divided any more."""
+    values_each: ClassVar[int] = 1
 
-    @classmethod
-    def make(cls, v: float, c: float) -> _SumShape:
-        """Sum over the roots of both half-planes."""
-        speed, advancing = abs(v), v > 0
-        at_origin = -0.5 * complex(sums(np.array([speed]), np.array([c]), 1e-14).value[0])
-        return cls(
-            v,
-            c,
-            _Side.make(speed, c, not advancing, 1.0),
-            _Side.make(speed, c, advancing, 0.0),
-            at_origin if advancing else 1.0 - at_origin,
-        )
+    @property
+    def velocity(self) -> float:
+        """Velocity v̂."""
+        return self.near.v
 
     @property
     def shortest(self) -> float:
         """Length of a cell that is not divided."""
-        return _SHORTEST * min(1.0, abs(self.velocity) / self.c)
+        return _SHORTEST * min(1.0, abs(self.near.v) / self.near.c)
 
-    @property
-    def max_values(self) -> float:
-        """Values of φ after which no cell is divided any more."""
-        return _MAX_TERMS / (self.behind.terms.size + self.ahead.terms.size)
-
-    def shorter_than_waves(self, owner: IntArray) -> FloatArray:
-        """Return 0: terms of any wavelength are added up here."""
+    def between_the_ends(self, owner: IntArray) -> FloatArray:
+        """Return 0: no cell is short enough for slopes at its ends to say what is within."""
         return np.zeros(owner.shape)
 
     def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
         """Bound the error of |φ|² - r² near 0."""
-        a = np.abs(zeta)
-        error = np.where(zeta < 0, self.behind.error(a), self.ahead.error(a))
-        return np.where(zeta == 0.0, _NEGLIGIBLE * r, 3.0 * r * error)
-
-    def steepness(self, ends: FloatArray) -> FloatArray:
-        """Bound |dφ/dζ| between pairs of positions on one side, shape (2, n)."""
-        a = np.abs(ends).min(axis=0)
-        behind = ends[0] < 0
-        bound: FloatArray = np.where(behind, self.behind.steepness(a), self.ahead.steepness(a))
+        error = self.near.error(zeta.ravel()).reshape(zeta.shape)
+        bound: FloatArray = np.maximum(3.0 * error, TOLERANCE) * r
         return bound
 
-    def at(self, zeta: FloatArray) -> ComplexArray:
-        """Return φ at ζ, shape (n,)."""
-        phi = np.full(zeta.shape, self.at_origin)
-        for side, mine in ((self.behind, zeta < 0), (self.ahead, zeta > 0)):
-            phi[mine] = side.at(np.abs(zeta[mine]))
-        return phi
+    def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> npt.NDArray[np.bool_]:
+        """Return whether the ends of cells are farther from the threshold than φ goes between."""
+        zeta = cells[::3]
+        safe: npt.NDArray[np.bool_] = _room(zeta, g, r).sum(axis=0) > self.near.variation(zeta)
+        return safe
 
     def with_slope(
         self, zeta: FloatArray, front: IntArray | None = None
     ) -> tuple[ComplexArray, ComplexArray]:
         """Return φ and dφ/dζ at ζ; at ζ = 0 just ahead."""
         del front
-        near = np.concatenate([zeta, zeta + 1.0, zeta - 1.0])
-        here, after, before = self.at(near).reshape(3, -1)
-        return here, profile_slope(zeta, here, after + before, self.velocity, self.c)
+        return self.near.with_slope(zeta)
 
 
 @dataclass(frozen=True)
@@ -453,6 +377,9 @@ class _Shape:
 
     grid: ProfileGrid
     retreating: bool
+    max_values: ClassVar[float] = math.inf
+    values_each: ClassVar[int] = 3
+    """Values of φ computed for one with its slope."""
 
     @property
     def velocity(self) -> FloatArray:
@@ -464,12 +391,7 @@ class _Shape:
         """Length of a cell that is not divided."""
         return _SHORTEST
 
-    @property
-    def max_values(self) -> float:
-        """Infinite: values cost little."""
-        return math.inf
-
-    def shorter_than_waves(self, owner: IntArray) -> FloatArray:
+    def between_the_ends(self, owner: IntArray) -> FloatArray:
         """Return a sixth of the shortest wave of φ, e^{-ia f}: a turns by at most 2c/v a site."""
         length: FloatArray = np.abs(self.velocity[owner, 0]) / (2.0 * self.grid.c[owner, 0])
         return length
@@ -479,9 +401,13 @@ class _Shape:
         del zeta, r
         return TOLERANCE
 
-    def steepness(self, ends: FloatArray) -> None:
-        """Return None: the slopes at the ends of a cell are what is known here."""
-        del ends
+    def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> npt.NDArray[np.bool_]:
+        """Return whether twice the slopes at the ends of cells leave their margins g positive."""
+        del r
+        safe: npt.NDArray[np.bool_] = np.minimum(*g) > (cells[3] - cells[0]) * np.maximum(
+            *np.abs(cells[2::3])
+        )
+        return safe
 
     def on_lattice(self, sites: tuple[int, int] | None = None) -> tuple[FloatArray, ComplexArray]:
         """Return ζ and φ, shape (n, m), at eight points a site; see `ProfileGrid.on_lattice`."""
@@ -513,21 +439,21 @@ def _margin(
     return side * (np.abs(phi) ** 2 - r * r), side * 2.0 * (phi.conj() * slope).real
 
 
-def _first_violation(
-    shape: _Shape | _SumShape, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray], r: float
-) -> tuple[float | None, int]:
-    """Return the violation nearest 0 of one front, if any, and the further values of φ computed."""
-    rows = values[0][None], values[1][None]
+def _first_violation(shape: _Descent, zeta: FloatArray, r: float) -> tuple[float | None, int, bool]:
+    """Return the violation nearest 0 of one front, if any, the values computed, if decided."""
+    phi, slope = shape.with_slope(zeta)
     inside = np.ones((1, zeta.size), dtype=bool)
-    fails_at, more = _first_violations(shape, zeta, rows, np.array([r]), inside)
-    return (None if fails_at[0] == math.inf else float(fails_at[0])), int(more[0])
+    values = phi[None], slope[None]
+    fails_at, more, decided = _first_violations(shape, zeta, values, np.array([r]), inside)
+    place = float(fails_at[0])
+    return None if place == math.inf else place, zeta.size + int(more[0]), bool(decided[0])
 
 
 def _first_violations(
-    shape: _Shape | _SumShape, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray],
+    shape: _Shape | _Descent, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray],
     r: FloatArray, inside: npt.NDArray[np.bool_],
-) -> tuple[FloatArray, IntArray]:  # fmt: skip
-    """Return the violation nearest 0 of each front, or ∞, and the further values of φ computed.
+) -> tuple[FloatArray, IntArray, npt.NDArray[np.bool_]]:  # fmt: skip
+    """Return what `_divide` does, of the way along ζ.
 
     ``values`` are φ and its slope at ζ, which ascends through 0, shape (n, m); what is not
     ``inside`` is not looked at.
@@ -551,9 +477,9 @@ def _first_violations(
             zeta.take(cell + 1), g.take(here + 1), end.take(here + 1),
         ]
     )  # fmt: skip
-    fails_at, computed = _divide(shape, cells, owner, r)
+    fails_at, computed, decided = _divide(shape, cells, owner, r)
     fails_at[wrong] = 0.0
-    return fails_at, computed
+    return fails_at, computed, decided
 
 
 def _room(zeta: FloatArray, g: FloatArray, r: FloatArray) -> FloatArray:
@@ -564,13 +490,13 @@ def _room(zeta: FloatArray, g: FloatArray, r: FloatArray) -> FloatArray:
 
 
 def _divide(
-    shape: _Shape | _SumShape, cells: FloatArray, owner: IntArray, r: FloatArray
-) -> tuple[FloatArray, IntArray]:
+    shape: _Shape | _Descent, cells: FloatArray, owner: IntArray, r: FloatArray
+) -> tuple[FloatArray, IntArray, npt.NDArray[np.bool_]]:
     """Divide cells (rows ζ, g, dg/dζ at both ends) until each is safe or a violation is seen.
 
     Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
-    ``owner`` is the front of each cell; returned are the violation nearest 0 of each, or ∞, and the
-    values of φ computed: more than ``max_values`` where cells are left.
+    ``owner`` is the front of each cell; returned are the violation nearest 0 of each, or ∞, the
+    values of φ computed, and whether no cell was left when they exceeded ``max_values``.
     """
     computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
     while True:
@@ -578,23 +504,19 @@ def _divide(
         tolerance = shape.tolerance(zeta, r_)
         _note(zeta, cells[1::3] < -tolerance, owner, worst)
         g, width = cells[1::3] + tolerance, zeta[1] - zeta[0]
-        least = np.minimum(g[0], g[1])
-        safe = least > width * np.maximum(*np.abs(cells[2::3]))
-        steepness = shape.steepness(zeta)
-        if steepness is not None:
-            safe &= _room(zeta, g, r_).sum(axis=0) > width * steepness
+        least, safe = np.minimum(g[0], g[1]), shape.safe(cells, g, r_)
         (open_,) = (~safe & (least >= 0.0) & (width > shape.shortest)).nonzero()
         nearest = np.minimum(*np.abs(zeta.take(open_, axis=1)))
         open_ = open_[nearest < np.abs(worst[owner[open_]])]
         cells, owner = cells.take(open_, axis=1), owner.take(open_)
-        short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
+        short = (width[open_] < shape.between_the_ends(owner)) & (least[open_] > 0.0)
         (left,) = (~_between_its_ends(cells, short)).nonzero()
         cells, owner = cells.take(left, axis=1), owner.take(left)
         if owner.size == 0:
-            return worst, computed
-        computed += 3 * np.bincount(owner, minlength=r.size)
+            return worst, computed, np.ones(r.size, dtype=bool)
         if computed.max() > shape.max_values:
-            return worst, computed
+            return worst, computed, np.bincount(owner, minlength=r.size) == 0
+        computed += shape.values_each * np.bincount(owner, minlength=r.size)
         middle = 0.5 * (cells[0] + cells[3])
         half = np.array([middle, *_margin(middle, *shape.with_slope(middle, owner), r[owner])])
         cells = np.concatenate(

@@ -1,0 +1,218 @@
+"""The shape of a front near ζ = 0 along a path of steepest descent: 500 points at any coupling.
+
+With ζ = m + 1 - ρ, m whole, 0 ≤ ρ ≤ 1, and a = A/v, the integral of ``theory.piecewise.profile`` is
+
+    φ/φ_s = u_m - (1/4π) ∫ e^{ik(m+1)} e^{-aρ} / (A (1 - e^{ik-a})) dk
+
+with u_m the static front, λ^{m+1}/(1+λ) for m ≥ -1 and 1 - λ^{-m}/(1+λ) for m < 0, λ = e^{ik₀} the
+zero of A with Im k₀ > 0. On the real axis the integrand turns c/v times a site. The path
+
+    Im k = s (sin Re k + g)
+
+has the saddle points of the phase on the axis and descends from both. With g = 0 they are those of
+e^{-aρ}, at 0 and π; with g = v/c those of e^{ik-a}, which count where many sites that have crossed
+act together, v > 2√c. Between axis and path |e^{ik-a}| < 1, for s below 2c/v² if g = 0, so that no
+pole is crossed but perhaps k₀, whose residue is λ^{m+1}/(1+λ). Gauss–Legendre panels become shorter
+towards the saddle points.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.piecewise.dispersion import ComplexArray, FloatArray
+
+_POINTS = 16
+"""Points of a panel, at first."""
+_MAX_POINTS = 100
+_ACCURATE = 1e-12
+_AT_ONCE = 1 << 20
+"""Exponentials held in memory."""
+
+
+@dataclass(frozen=True)
+class _Path:
+    """The points of one m: φ/φ_s = still - Σ weights e^{-aρ}.
+
+    Attributes
+    ----------
+    still : complex
+        u_m, without what is crossed.
+    a, weights : ndarray of complex, shape (n,)
+        A/v, and the rest of the integrand at ρ = 0 with the weight of the quadrature.
+    fast : ndarray of bool, shape (n,)
+        Points of waves shorter than four sites: they turn fastest, and add least.
+    """
+
+    still: complex
+    a: ComplexArray
+    weights: ComplexArray
+    fast: npt.NDArray[np.bool_]
+
+    @classmethod
+    def make(cls, v: float, c: float, m: int, points: int) -> _Path:
+        """Return the path with so many points a panel."""
+        k_0 = _static_wave(c)
+        g, s = _tilt(v, c, m, k_0)
+        x, widths = _panels(v, c, g, points)
+        k = x + 1j * s * (np.sin(x) + g)
+        A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+        a = A / v
+        weights: ComplexArray = widths * (1.0 + 1j * s * np.cos(x)) * np.exp(1j * k * (m + 1.0))
+        weights /= 4.0 * math.pi * A * -np.expm1(1j * k - a)
+        wave = np.exp(1j * k_0)
+        still = wave ** abs(m + 1) / (1.0 + wave)
+        if m < -1:
+            still = 1.0 - wave * still
+        if s * (math.sin(k_0.real) + g) > k_0.imag:
+            still -= wave ** (m + 1) / (1.0 + wave)
+        return cls(complex(still), a, weights, np.cos(x) < 0.0)
+
+    def at(self, rho: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return φ/φ_s and its derivative by ζ at distances ρ before the next site, shape (n,)."""
+        value = np.empty((2, rho.size), dtype=complex)
+        both = np.stack([self.weights, self.weights * self.a])
+        rows = max(1, _AT_ONCE // self.a.size)
+        for first in range(0, rho.size, rows):
+            some = slice(first, first + rows)
+            value[:, some] = both @ np.exp(np.outer(-self.a, rho[some]))
+        return self.still - value[0], -value[1]
+
+    def variation(self, rho: FloatArray) -> FloatArray:
+        """Bound how far φ/φ_s goes between pairs of distances, shape (2, n).
+
+        Slow waves by the greatest modulus of their slopes, fast ones by twice their moduli where
+        that is less.
+        """
+        size, turn = np.abs(self.weights), np.abs(self.a)
+        bound = np.empty(rho.shape[1])
+        rows = max(1, _AT_ONCE // self.a.size)
+        for first in range(0, bound.size, rows):
+            ends = rho[:, first : first + rows]
+            width = np.abs(ends[1] - ends[0])
+            largest = np.exp(np.maximum(*(np.outer(-self.a.real, end) for end in ends)))
+            change = np.outer(turn, width)
+            change[self.fast] = np.minimum(change[self.fast], 2.0)
+            bound[first : first + rows] = np.einsum("i,ij,ij->j", size, largest, change)
+        return bound
+
+
+@dataclass(frozen=True)
+class NearShape:
+    """The front φ(ζ)/φ_s of either direction within some sites of ζ = 0.
+
+    That of a retreating front is 1 - φ(-ζ) of the advancing one.
+
+    Attributes
+    ----------
+    v, c : float
+        Front velocity v̂, of either sign, and coupling.
+    """
+
+    v: float
+    c: float
+    _paths: dict[int, tuple[_Path, float]] = field(default_factory=dict, compare=False)
+
+    def with_slope(self, zeta: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return φ/φ_s and its derivative at ζ, shape (n,); at ζ = 0 just ahead."""
+        phi: ComplexArray = np.empty(zeta.shape, dtype=complex)
+        slope = np.empty_like(phi)
+        m, rho = self._sites(zeta, zeta)
+        for site in np.unique(m).tolist():
+            some = m == site
+            phi[some], slope[some] = self._path(site)[0].at(rho[some])
+        if self.v < 0:
+            phi = 1.0 - phi
+        return phi, slope
+
+    def variation(self, ends: FloatArray) -> FloatArray:
+        """Bound how far φ/φ_s goes between pairs of ζ in one site each, shape (2, n)."""
+        middle = ends.mean(axis=0)
+        bound = np.empty(middle.size)
+        m, rho = self._sites(middle, ends)
+        for site in np.unique(m).tolist():
+            some = m == site
+            bound[some] = self._path(site)[0].variation(rho[:, some])
+        return bound
+
+    def error(self, zeta: FloatArray) -> FloatArray:
+        """Estimate the error of φ/φ_s at ζ, shape (n,): the change by half as many points again."""
+        m = self._sites(zeta, zeta)[0]
+        sites, which = np.unique(m, return_inverse=True)
+        found: FloatArray = np.array([self._path(site)[1] for site in sites.tolist()])[which]
+        return found
+
+    def _sites(self, zeta: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return m of positions ζ, and ρ of ``ends`` counted from it, of the advancing front."""
+        if self.v < 0:
+            m = np.ceil(-zeta) - 1.0
+            return m, (m + 1.0) + ends
+        m = np.floor(zeta)
+        return m, (m + 1.0) - ends
+
+    def _path(self, m: float) -> tuple[_Path, float]:
+        """Return the path of one m and the error of its values."""
+        site = int(m)
+        if site not in self._paths:
+            self._paths[site] = _accurate_path(abs(self.v), self.c, site)
+        return self._paths[site]
+
+
+def _accurate_path(v: float, c: float, m: int) -> tuple[_Path, float]:
+    """Take more points until half as many again change nothing; return the last change."""
+    rho = np.append(0.0, np.geomspace(min(0.5, v / c), 1.0, 6))
+    points = _POINTS
+    path = _Path.make(v, c, m, points)
+    while True:
+        points += points // 2
+        coarse, path = path, _Path.make(v, c, m, points)
+        error = float(np.abs(path.at(rho)[0] - coarse.at(rho)[0]).max())
+        if error < _ACCURATE or points >= _MAX_POINTS:
+            return path, error
+
+
+def _static_wave(c: float) -> complex:
+    """Return k₀, the zero of A = ½ - 2ic sin²(k/2) above the axis."""
+    k = 2.0 * np.arcsin(np.sqrt(-0.25j / c))
+    return complex(k if k.imag > 0 else -k)
+
+
+def _tilt(v: float, c: float, m: int, k_0: complex) -> tuple[float, float]:
+    """Return g and s, such that |e^{ik(m+1)}| stays moderate and k₀ is not too near."""
+    g = v / c if v * v > 4.0 * c else 0.0
+    s = min(1.0, 4.0 / ((1.0 + abs(m + 1)) * (1.0 + g)), 1.0 / g if g else c / v**2)
+    rise = math.sin(k_0.real) + g
+    if s * rise < 2.0 * k_0.imag and rise > 0.0:
+        s = min(s, 0.5 * k_0.imag / rise)
+    return g, s
+
+
+def _panels(v: float, c: float, g: float, points: int) -> tuple[FloatArray, FloatArray]:
+    """Return the points Re k of a period, and their weights."""
+    first = -math.asin(min(g, 1.0))
+    inner = min(1.0, math.sqrt(0.5 / c), math.sqrt(v / c) if g else 0.5 / v)
+    outer = min(1.0, math.sqrt(v / c))
+    second = math.pi - first if g < 1.0 else first + math.pi
+    edges = np.concatenate(
+        [
+            first + _graded(0.5 * (second - first), inner),
+            second - _graded(0.5 * (second - first), outer)[::-1],
+            second + _graded(0.5 * (first + 2.0 * math.pi - second), outer),
+            first + 2.0 * math.pi - _graded(0.5 * (first + 2.0 * math.pi - second), inner)[::-1],
+        ]
+    )
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    half, middle = 0.5 * np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
+    kept = half > 0.0
+    x = middle[kept, None] + half[kept, None] * nodes
+    return x.ravel(), np.outer(half[kept], weights).ravel()
+
+
+def _graded(length: float, shortest: float) -> FloatArray:
+    """Return 0, …, length, each panel as long as all before it."""
+    panels = max(1, math.ceil(math.log2(length / shortest)) + 1)
+    return np.append(0.0, length * 2.0 ** -np.arange(panels - 1.0, -1.0, -1.0))

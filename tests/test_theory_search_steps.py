@@ -248,7 +248,14 @@ class Shape(admissibility._Shape):
 
     def judged(self) -> float | None:
         zeta = np.arange(-16, 25) / 8
-        return admissibility._first_violation(self, zeta, self.with_slope(zeta, zeta), R)[0]
+        phi, slope = self.with_slope(zeta, zeta)
+        inside = np.ones((1, zeta.size), dtype=bool)
+        values = phi[None], slope[None]
+        (place,), _, decided = admissibility._first_violations(
+            self, zeta, values, np.array([R]), inside
+        )
+        assert decided.all()
+        return None if place == math.inf else float(place)
 
 
 def test_a_curve_that_rests_at_the_threshold_to_within_the_tolerance_is_no_violation() -> None:

@@ -347,7 +347,7 @@ class _Descent:
         """Length of a cell that is not divided."""
         return _SHORTEST * min(1.0, abs(self.near.v) / self.near.c)
 
-    def between_the_ends(self, owner: IntArray) -> FloatArray:
+    def shorter_than_waves(self, owner: IntArray) -> FloatArray:
         """Return 0: no cell is short enough for slopes at its ends to say what is within."""
         return np.zeros(owner.shape)
 
@@ -391,7 +391,7 @@ class _Shape:
         """Length of a cell that is not divided."""
         return _SHORTEST
 
-    def between_the_ends(self, owner: IntArray) -> FloatArray:
+    def shorter_than_waves(self, owner: IntArray) -> FloatArray:
         """Return a sixth of the shortest wave of φ, e^{-ia f}: a turns by at most 2c/v a site."""
         length: FloatArray = np.abs(self.velocity[owner, 0]) / (2.0 * self.grid.c[owner, 0])
         return length
@@ -509,7 +509,7 @@ def _divide(
         nearest = np.minimum(*np.abs(zeta.take(open_, axis=1)))
         open_ = open_[nearest < np.abs(worst[owner[open_]])]
         cells, owner = cells.take(open_, axis=1), owner.take(open_)
-        short = (width[open_] < shape.between_the_ends(owner)) & (least[open_] > 0.0)
+        short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
         (left,) = (~_between_its_ends(cells, short)).nonzero()
         cells, owner = cells.take(left, axis=1), owner.take(left)
         if owner.size == 0:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import pickle
-from typing import Any
+from fractions import Fraction
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 import pytest
 
+from theory.cells.compiled import CompiledForce
 from theory.cells.compiled_cell import CompiledCell
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
@@ -217,3 +220,76 @@ def test_what_needs_polynomials_or_derivatives_says_so() -> None:
         averaging_error(chain)
     with pytest.raises(ParameterError, match="with its derivatives for a breather"):
         breather(chain.replace(damping=paper_h))
+
+
+class _Numbers(NamedTuple):
+    strength: float
+
+
+def _pull(captured: Any, **options: Any) -> Any:
+    """Return a force that captures something."""
+
+    @numba.njit
+    def first(x):  # type: ignore[no-untyped-def]
+        return x[0]
+
+    @numba.njit(**options)
+    def pull(y):  # type: ignore[no-untyped-def]
+        return y * (1.0 + (first(captured) - 0.1) * 1e10)
+
+    return pull
+
+
+def test_cells_differ_by_the_last_bit_of_what_their_functions_capture() -> None:
+    """numpy prints eight digits of an array, and of more than a thousand numbers only the ends."""
+    values = (0.1, 0.1 + 1e-10)
+    middle = np.zeros((2, 2001))
+    middle[:, 0], middle[1, 1000] = 0.1, 1.0
+    for one, other in (
+        [np.array([each]) for each in values],
+        list(middle),
+        [np.ones(1, dtype=kind) for kind in (float, int)],
+        [(each,) for each in values],
+        [_Numbers(each) for each in values],
+    ):
+        chains = [OscillatorChain(damping=1, stiffness=_pull(each), c=0.0, sites=2)
+                  for each in (one, one, other)]  # fmt: skip
+        assert chains[0] == chains[1] != chains[2]
+        names = [each.kernel().__name__ for each in chains]
+        assert names[0] == names[1] != names[2]
+
+
+def test_each_of_two_chains_runs_with_the_numbers_that_its_own_function_captures() -> None:
+    """y'' + k y = 0 with k = 1 and 2: cos t and cos √2 t."""
+    for value, k in ((0.1, 1.0), (0.1 + 1e-10, 2.0)):
+        chain = OscillatorChain(damping=0, stiffness=_pull(np.array([value])), c=0.0, sites=2)
+        run = simulate(chain, np.array([[1.0, 1.0], [0.0, 0.0]]), 2.0, samples=2, level=9.0)
+        assert run.y[-1, 0] == pytest.approx(math.cos(2.0 * math.sqrt(k)), abs=1e-5)
+
+
+def test_options_defaults_and_modules_of_a_function_are_part_of_what_it_does() -> None:
+    settings = ModuleType("settings_of_a_user")
+
+    def read(strength: float, default: float, **options: Any) -> str:
+        settings.strength = strength  # type: ignore[attr-defined]
+
+        @numba.njit
+        def scaled(y, by=default):  # type: ignore[no-untyped-def]
+            return by * y
+
+        @numba.njit(**options)
+        def pull(y):  # type: ignore[no-untyped-def]
+            strengths = [settings.strength for _ in range(2)]
+            return scaled(strengths[1] * y)
+
+        return CompiledForce("g", (pull,)).digest
+
+    assert read(1.0, 1.0) == read(1.0, 1.0)
+    others = [read(2.0, 1.0), read(1.0, 2.0), read(1.0, 1.0, fastmath=True)]
+    assert len({read(1.0, 1.0), *others}) == 4
+
+
+@pytest.mark.parametrize("captured", [[0.1], np.array([None]), Fraction(1, 10)])
+def test_what_cannot_be_read_from_outside_is_refused(captured: Any) -> None:
+    with pytest.raises(ParameterError, match=r"pull takes from outside as captured .* as named"):
+        OscillatorChain(damping=1, stiffness=_pull(captured), c=0.0)

@@ -8,11 +8,11 @@ from __future__ import annotations
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property, partial
-from types import CodeType
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
+from theory.cells.function_content import function_content
 from theory.cells.polynomial import Polynomial, as_polynomial
 from theory.parameters import ParameterError
 
@@ -30,15 +30,19 @@ class CompiledForce:
     functions : tuple of callable
         Compiled by ``numba.njit``, all of the same arguments: the force, and its derivatives by y
         and, for h, by v. Arguments after y (and v) are named parameters of the chain.
+    digest : str
+        Of what the functions do: of their code, and of the values that it captures.
 
     Raises
     ------
     ParameterError
-        If one is not compiled, its arguments are others, or there are too few or too many.
+        If one is not compiled, its arguments are others, it captures what has no readable content,
+        or there are too few or too many.
     """
 
     symbol: str
     functions: tuple[Function, ...]
+    digest: str = field(init=False)
 
     def __post_init__(self) -> None:
         allowed = f"{self._call}, or that and its derivatives by {' and '.join(self.variables)}"
@@ -58,6 +62,8 @@ class CompiledForce:
                     f"arguments of {each.__name__}", ", ".join(arguments), allowed,
                     "name the variables so, then the named parameters, alike in all functions",
                 )  # fmt: skip
+        content = "\n".join(map(function_content, self.functions))
+        object.__setattr__(self, "digest", hashlib.sha256(content.encode()).hexdigest()[:12])
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -118,12 +124,6 @@ class CompiledForce:
                     "call it by itself to see what fails",
                 ) from error  # fmt: skip
 
-    @cached_property
-    def digest(self) -> str:
-        """Digest of what the functions do: of their code, and of the values that it takes in."""
-        content = "\n".join(_content(each.py_func) for each in self.functions)  # type: ignore[attr-defined]
-        return hashlib.sha256(content.encode()).hexdigest()[:12]
-
     def __str__(self) -> str:
         """Return how results name it."""
         arguments = ", ".join([*self.variables, *self.names])
@@ -166,21 +166,3 @@ def _symbolic(given: Any) -> bool:
 def _arguments(function: Function) -> tuple[str, ...]:
     plain: Any = getattr(function, "py_func", function)
     return tuple(inspect.signature(plain).parameters)
-
-
-def _content(function: Any) -> str:
-    """Return the code of a function and the values of the names that it takes from outside."""
-    outside = inspect.getclosurevars(function)
-    values = {**outside.globals, **outside.nonlocals}
-    parts = [
-        f"{name}={_content(value.py_func) if hasattr(value, 'py_func') else repr(value)}"
-        for name, value in sorted(values.items())
-        if not inspect.ismodule(value)
-    ]
-    return "\n".join([_code(function.__code__), *parts])
-
-
-def _code(code: CodeType) -> str:
-    constants = [_code(each) if isinstance(each, CodeType) else repr(each)
-                 for each in code.co_consts]  # fmt: skip
-    return f"{code.co_code.hex()} {constants} {code.co_names}"

@@ -1,0 +1,121 @@
+"""What a compiled function does, as text: its code, its options, and what it captures."""
+
+from __future__ import annotations
+
+import dis
+import hashlib
+import sys
+from collections.abc import Iterator
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from theory.parameters import ParameterError
+
+_PLAIN = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis))
+_LIBRARIES = {*sys.stdlib_module_names, "numpy", "numba", "scipy"}
+
+
+def function_content(function: Any, within: tuple[Any, ...] = ()) -> str:
+    """Return a text that differs where functions compiled by numba do.
+
+    Parameters
+    ----------
+    function : callable
+        Compiled by ``numba.njit``.
+    within : tuple of callable
+        Functions by which this one is called, so that one that calls itself is read once.
+
+    Raises
+    ------
+    ParameterError
+        If it captures a value whose content cannot be read.
+    """
+    if any(function is each for each in within):
+        return function.__name__  # type: ignore[no-any-return]
+    within = (*within, function)
+    plain = function.py_func
+    parts = [_code(plain.__code__), _value(plain.__defaults__, "a default", within)]
+    for options in (function.targetoptions, plain.__kwdefaults__ or {}):
+        parts += [f"{key}={_value(options[key], key, within)}" for key in sorted(options)]
+    for name, value in sorted(_captured(plain).items()):
+        parts.append(f"{name}={_value(value, name, within)}")
+    return "\n".join(parts)
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """Yield a code and those of the functions inside it."""
+    yield code
+    for each in code.co_consts:
+        if isinstance(each, CodeType):
+            yield from _codes(each)
+
+
+def _code(code: CodeType) -> str:
+    constants = [_code(each) if isinstance(each, CodeType) else repr(each)
+                 for each in code.co_consts]  # fmt: skip
+    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    return f"{code.co_code.hex()} {constants} {names}"
+
+
+def _captured(plain: FunctionType) -> dict[str, Any]:
+    """Return the values that a function takes from outside, by name; attributes of modules too."""
+    codes = list(_codes(plain.__code__))
+    words = [(each.opname, each.argval) for code in codes for each in dis.get_instructions(code)]
+    found = {
+        name: plain.__globals__[name]
+        for kind, name in words
+        if kind in ("LOAD_GLOBAL", "LOAD_NAME") and name in plain.__globals__
+    }
+    for name, cell in zip(plain.__code__.co_freevars, plain.__closure__ or (), strict=True):
+        found[name] = cell.cell_contents
+    attributes = {name for kind, name in words if kind in ("LOAD_ATTR", "LOAD_METHOD")}
+    return _without_modules(found, attributes)
+
+
+def _without_modules(found: dict[str, Any], attributes: set[str]) -> dict[str, Any]:
+    """Return values with the attributes of each module, of these names, in its place."""
+    places, read = list(found), []
+    for place in places:
+        if not isinstance(found[place], ModuleType):
+            continue
+        module = found.pop(place)
+        if _of_library(module.__name__) or module in read:
+            continue
+        read.append(module)
+        for name in attributes & {*vars(module)}:
+            found[f"{place}.{name}"] = vars(module)[name]
+            places.append(f"{place}.{name}")
+    return found
+
+
+def _of_library(module: str | None) -> bool:
+    """Whether the code of a module follows from the versions of Python, numpy, numba and scipy."""
+    return (module or "").partition(".")[0] in _LIBRARIES
+
+
+def _value(value: Any, name: str, within: tuple[Any, ...]) -> str:
+    """Return the content of a captured value as text."""
+    kind = type(value)
+    if kind in _PLAIN:
+        return repr(value)
+    if isinstance(value, tuple):
+        fields = getattr(kind, "_fields", "")
+        return f"{fields}({', '.join(_value(each, name, within) for each in value)})"
+    if kind in (set, frozenset):
+        return f"set({sorted(_value(each, name, within) for each in value)})"
+    if isinstance(value, (np.ndarray, np.generic)) and not value.dtype.hasobject:
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if hasattr(value, "py_func") and hasattr(value, "targetoptions"):
+        return function_content(value, within)
+    if isinstance(value, (BuiltinFunctionType, FunctionType, type)):
+        if _of_library(value.__module__):
+            return f"{value.__module__}.{value.__qualname__}"
+    elif kind is np.ufunc or kind.__module__.startswith("numba.core.types"):
+        return str(value)
+    raise ParameterError(
+        f"what {within[-1].__name__} takes from outside as {name}", kind.__name__,
+        "a number, a text, an array or a tuple of these, or a function compiled by numba.njit",
+        "give its numbers as such, or as named parameters",
+    )  # fmt: skip

@@ -48,6 +48,14 @@ def test_the_error_of_a_driven_run_bounds_its_distance_from_scipy(tolerance: flo
     assert 1e-3 * tolerance < distance <= run.error < 1e3 * tolerance
 
 
+def test_a_drift_below_the_last_bit_of_a_parameter_changes_nothing() -> None:
+    start = np.zeros((2, 9))
+    still, drifting = (
+        simulate(driven(), start, 30.0, samples=4, drift=each) for each in ({}, {"c": 1e-30})
+    )
+    np.testing.assert_array_equal(drifting.states, still.states)
+
+
 def test_a_linear_chain_stays_on_its_steady_response() -> None:
     """y = Re z exp(iωt) with (1 + εcL - ω² + iεω)z = F."""
     sites, eps, omega = 40, 0.2, 1.3

@@ -209,8 +209,6 @@ def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends:
     What is returned is below ``task.shortest`` if no such step is found.
     """
     p, size = rows.p, max(largest(rows.x), task.least_size)
-    if task.clock_place >= 0:
-        p[task.clock_place] = clock[0] + clock[4]
     h = clock[1] if clock[1] > 0.0 else _FIRST * task.tolerance**0.125
     h = task.longest if task.tolerance == 0.0 else min(h, task.longest)
     drifting = False
@@ -220,6 +218,8 @@ def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends:
         if drifting:
             for i in range(p.size):
                 p[i] = task.parameters[i] + task.drift[i] * (clock[0] + clock[4] + 0.5 * h)
+        if task.clock_place >= 0:
+            p[task.clock_place] = clock[0] + clock[4]
         take_step(rows.x, p, ends[0], ends[1], h, rows.K, rows.new)
         if task.tolerance == 0.0:
             break

@@ -269,6 +269,39 @@ def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(at: fl
     assert np.spacing(at) < found.error < 1e-9
 
 
+STEEP = {
+    "steep": lambda x: math.expm1(60.0 * x),
+    "jump": lambda x: 1.0 if x > 0.0 else -1e-6,
+    "flat": lambda x: x**9,
+    "zero before": lambda x: max(x, 0.0),
+}
+
+
+@pytest.mark.parametrize("shape", STEEP)
+def test_the_error_of_a_crossing_bounds_its_distance_whatever_the_shape(shape: str) -> None:
+    at, long = 0.5123, Steps(length=6.0, longest=6.0)
+
+    def monitor(u: Any, c: float) -> tuple[float]:
+        return (STEEP[shape](c - at),)
+
+    branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([0.0]), 0.0), 1.0, monitor, long)
+    found = first_crossing(_linear(1.0), branch, monitor, 0)
+    assert found is not None
+    assert abs(found.c - at) <= found.error < 1e-10
+
+
+def test_a_crossing_that_is_not_found_in_time_is_no_crossing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def monitor(u: Any, c: float) -> tuple[float]:
+        return (STEEP["flat"](c - 0.5123),)
+
+    branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([0.0]), 0.0), 1.0, monitor)
+    monkeypatch.setattr(branches, "_MAX_CROSSING", 5)
+    with pytest.raises(NotConvergedError, match=r"stability changes between c = .* in 5 steps"):
+        first_crossing(_linear(1.0), branch, monitor, 0)
+
+
 def test_what_is_positive_from_the_start_crosses_there() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     branch = trace(circle, start, 5.0, lambda u, c: (c,))

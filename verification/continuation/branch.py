@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from verification.continuation.newton import (
     COUPLING_WEIGHT,
@@ -24,6 +25,12 @@ Monitor = Callable[[Real, float], tuple[float, ...]]
 
 _SHORTEST = 1e-5
 """Arclength below which a branch cannot be followed."""
+_CROSSING = 1e-11
+"""Distance in c between the sides of a crossing at which its search stops."""
+_MAX_CROSSING = 200
+"""Steps of that search; bisection alone takes some 40."""
+_LEAST = 5e-324
+"""What counts as not yet positive in place of zero, at which the search would stop on one side."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +66,7 @@ class Crossing:
     Attributes
     ----------
     c, error : float
-        Coupling, and the change of it in the last step of the search.
+        Coupling, and the distance between the couplings on its two sides that were tried last.
     u : float array
         The solution there.
     from_start : bool
@@ -294,6 +301,11 @@ def first_crossing(system: System, branch: Branch, monitor: Monitor, entry: int)
     -------
     Crossing or None
         None if the value is never positive.
+
+    Raises
+    ------
+    NotConvergedError
+        If the crossing is not found to 1e-11 in c.
     """
     nodes = [(point.u, point.c) for point in branch.points[: len(branch.monitored)]]
     values = [row[entry] for row in branch.monitored]
@@ -306,19 +318,37 @@ def first_crossing(system: System, branch: Branch, monitor: Monitor, entry: int)
     place = positive[0]
     if place == 0:
         return Crossing(branch.points[0].c, 0.0, branch.points[0].u, from_start=True)
-    before = branch.points[place - 1]
-    bracket = _Bracket(0.0, _length_to(before, *nodes[place]), values[place - 1], values[place])
-    here, last = before, np.inf
-    for _ in range(60):
-        rise = (bracket.high - bracket.low) * bracket.f_low
-        length = bracket.low + rise / (bracket.f_low - bracket.f_high)
-        here = step_along(system, before, length)
-        value = monitor(here.u, here.c)[entry]
-        if abs(here.c - last) < 1e-10:
-            break
-        last = here.c
-        bracket.shrink(length, value)
-    return Crossing(here.c, abs(here.c - last) + 1e-12, here.u, from_start=False)
+    ends = [(values[at], nodes[at][1], nodes[at][0]) for at in (place - 1, place)]
+    return _crossing(system, branch.points[place - 1], ends, lambda u, c: monitor(u, c)[entry])
+
+
+def _crossing(
+    system: System,
+    before: BranchPoint,
+    ends: Sequence[tuple[float, float, Real]],
+    monitored: Callable[[Real, float], float],
+) -> Crossing:
+    """Find where a value becomes positive on a step; ``ends`` have value, c and u at its ends."""
+    far = _length_to(before, ends[1][2], ends[1][1])
+    seen = {0.0: ends[0], far: ends[1]}
+
+    def value(length: float) -> float:
+        if length not in seen:
+            here = step_along(system, before, length)
+            seen[length] = (monitored(here.u, here.c), here.c, here.u)
+        return seen[length][0] or -_LEAST
+
+    try:
+        length = brentq(value, 0.0, far, xtol=_CROSSING * COUPLING_WEIGHT, maxiter=_MAX_CROSSING)
+    except RuntimeError:
+        raise NotConvergedError(
+            f"where stability changes between c = {ends[0][1]:.6g} and {ends[1][1]:.6g} was not "
+            f"found in {_MAX_CROSSING} steps: take an eta farther from 1/8."
+        ) from None
+    low = max(place for place, (found, _, _) in seen.items() if found <= 0.0)
+    high = min(place for place, (found, _, _) in seen.items() if found > 0.0)
+    apart = abs(seen[high][1] - seen[low][1])
+    return Crossing(seen[length][1], apart + 1e-12, seen[length][2], from_start=False)
 
 
 def arrive(system: System, branch: Branch, c: float) -> BranchPoint:

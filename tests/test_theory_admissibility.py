@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise import admissibility
@@ -150,6 +151,7 @@ def test_the_quadrature_reaches_every_point_that_is_looked_at(
 PATHS = [(8.1, 300.0), (5.39, 50.0), (60.0, 200.0), (0.9, 12.0), (0.05, 40.0), (0.01, 0.1)]
 PATHS += [(13.5, 46.0), (13.6, 46.0), (500.0, 40.0), (66.0, 1100.0), (67.0, 1100.0)]
 PATHS += [(-0.11, 300.0), (-30.0, 90.0)]
+PATHS += [(214.66068838601907, 1000.0), (200.0 / (3.0 * math.pi), 100.0)]  # in resonance
 
 
 @pytest.mark.parametrize(("v", "c"), PATHS)
@@ -188,6 +190,28 @@ def test_between_two_points_the_shape_goes_no_farther_than_its_bound(v: float, c
         gone = np.abs(values[one] - values[other])
         assert np.all(gone <= bound + 1e-13)
     assert np.median(np.abs(values[0] - values[1]) / bound) > 1e-3 * min(1.0, c / v**2)
+
+
+def _in_resonance(n: int, c: float) -> float:
+    """Return v whose saddle point sin k = -v/c has k + (2c/v) sin²(k/2) = 2πn."""
+
+    def turns(v: float) -> float:
+        k = math.pi + math.asin(v / c)
+        return (k + 2.0 * c / v * math.sin(0.5 * k) ** 2) / (2.0 * math.pi)
+
+    return float(brentq(lambda v: turns(v) - n, 2.0 * math.sqrt(c), c, xtol=1e-8, rtol=1e-15))
+
+
+@pytest.mark.parametrize("n", [2, 5, 40])
+@pytest.mark.parametrize("c", [1e7, 1e10])
+def test_a_saddle_point_in_resonance_is_resolved(n: int, c: float) -> None:
+    shape = NearShape(_in_resonance(n, c), c)
+    zeta = np.array([-1.5, -0.3, 0.4, 1.7])
+    assert np.all(shape.error(zeta) < 1e-12)
+    phi, slope = shape.with_slope(zeta)
+    around = shape.with_slope(zeta + 1.0)[0] + shape.with_slope(zeta - 1.0)[0]
+    motion = profile_slope(zeta, phi, around, shape.v, c)
+    np.testing.assert_allclose(slope, motion, atol=1e-12 * c / shape.v, rtol=0.0)
 
 
 def test_both_ways_to_decide_agree(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from theory.piecewise.dispersion import ComplexArray, FloatArray
+from theory.piecewise.dispersion import ComplexArray, FloatArray, onsite
 
 _POINTS = 16
 """Points of a panel, at first."""
@@ -60,7 +60,7 @@ class _Path:
         g, s = _tilt(v, c, m, k_0)
         x, widths = _panels(v, c, g, points)
         k = x + 1j * s * (np.sin(x) + g)
-        A = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
+        A = onsite(k, c)
         a = A / v
         weights: ComplexArray = widths * (1.0 + 1j * s * np.cos(x)) * np.exp(1j * k * (m + 1.0))
         weights /= 4.0 * math.pi * A * -np.expm1(1j * k - a)
@@ -194,9 +194,9 @@ def _tilt(v: float, c: float, m: int, k_0: complex) -> tuple[float, float]:
 def _panels(v: float, c: float, g: float, points: int) -> tuple[FloatArray, FloatArray]:
     """Return the points Re k of a period, and their weights."""
     first = -math.asin(min(g, 1.0))
-    inner = min(1.0, math.sqrt(0.5 / c), math.sqrt(v / c) if g else 0.5 / v)
-    outer = min(1.0, math.sqrt(v / c))
     second = math.pi - first if g < 1.0 else first + math.pi
+    inner = min(1.0, math.sqrt(0.5 / c), _pole_distance(v, c, first))
+    outer = min(1.0, math.sqrt(v / c), _pole_distance(v, c, second))
     edges = np.concatenate(
         [
             first + _graded(0.5 * (second - first), inner),
@@ -210,6 +210,16 @@ def _panels(v: float, c: float, g: float, points: int) -> tuple[FloatArray, Floa
     kept = half > 0.0
     x = middle[kept, None] + half[kept, None] * nodes
     return x.ravel(), np.outer(half[kept], weights).ravel()
+
+
+def _pole_distance(v: float, c: float, k: float) -> float:
+    """Return about how far from real k the nearest zero of 1 - e^{ik-a} is.
+
+    Where a saddle point is in resonance, k + (2c/v) sin²(k/2) = 2πn, that is very near.
+    """
+    gap = abs(np.expm1(1j * k - onsite(np.array(k + 0j), c) / v))
+    turn, bend = abs(1.0 + c / v * math.sin(k)), abs(c / v * math.cos(k))
+    return float(2.0 * gap / (turn + math.sqrt(turn**2 + 2.0 * bend * gap)))
 
 
 def _graded(length: float, shortest: float) -> FloatArray:

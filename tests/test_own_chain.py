@@ -21,7 +21,7 @@ from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import read_polynomial
 from theory.chains.coupling import network_of
 from theory.chains.ends import Ends
-from theory.chains.oscillator import OscillatorChain
+from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.references.equations import pull_matrix
@@ -171,6 +171,23 @@ def three(rows: int, columns: int, **changes: Any) -> OscillatorChain:
         damping=GENERAL, values=values, c=0.05, eps=0.1, coupling="square", sites=(rows, columns),
         **changes,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", [OscillatorChain, AveragedOscillatorChain])
+def test_a_ring_by_name_is_run_as_the_ring_that_its_matrix_is(kind: type[OscillatorChain]) -> None:
+    """Sites 1 and 2 excited: on a ring of 12 sites 12 and 3 are alike, on an open chain not."""
+    matrix = np.roll(np.eye(12), 1, axis=1) + np.roll(np.eye(12), -1, axis=1)
+    cell: Any = {"damping": PAPER, "values": VALUES, "c": 0.6, "sites": 12}
+    named, given = (kind(**cell, coupling=each) for each in ("ring", matrix))
+    runs = [simulate(each, excite(each, [1, 2]), 300.0, tolerance=1e-10) for each in (named, given)]
+    last = [run.states[-1] for run in runs]
+    assert np.abs(last[1]).max() > 0.5
+    assert runs[0].error is not None
+    assert runs[1].error is not None
+    assert np.abs(last[0] - last[1]).max() <= runs[0].error + runs[1].error < 1e-4
+    assert named == kind(**cell, ends="periodic")
+    with pytest.raises(ParameterError, match="ends = fixed is not allowed"):
+        kind(**cell, coupling="ring", ends="fixed")
 
 
 def kinds() -> dict[str, tuple[OscillatorChain, Any, list[int]]]:

@@ -87,6 +87,7 @@ class OwnChain(SmoothChain):
         self._check_count("seed", "seed", 0, 2**32 - 1)
         self._check_ends()
         self._check_size()
+        self._close_ring()
         set_ = object.__setattr__
         set_(self, "overdamped", truth("overdamped", self.overdamped))
         for name in ("damping", "stiffness"):
@@ -124,6 +125,18 @@ class OwnChain(SmoothChain):
             given = size_of(self.coupling) or 31
         object.__setattr__(self, "sites", given)
         self._check_count("sites", "number of sites n", 2, MAX_SITES)
+
+    def _close_ring(self) -> None:
+        """Store a ring as what it is: a chain whose two ends are neighbours."""
+        name, *weights = self.coupling.split(":") if isinstance(self.coupling, str) else [""]
+        if name != "ring" or self.shape is not None:
+            return
+        if self.ends is Ends.FIXED:
+            raise ParameterError(
+                "ends", self.ends.value, "periodic of a ring", "leave them out, or couple a chain"
+            )
+        object.__setattr__(self, "coupling", ":".join(["chain", *weights]))
+        object.__setattr__(self, "ends", Ends.PERIODIC)
 
     def _check_overdamped(self) -> None:
         """Refuse what has no meaning without inertia, and make ε one."""
@@ -204,20 +217,16 @@ class OwnChain(SmoothChain):
         """The coupling; None where it is to the two neighbours, and all sites are alike."""
         varied = any(isinstance(each, np.ndarray) for each in self.site_values.values())
         alike = not (varied or self.drive)
-        plain = isinstance(self.coupling, str) and self.coupling in ("chain", "ring")
-        if plain and alike and self.shape is None and self._plain_ends is not Ends.FIXED:
+        plain = isinstance(self.coupling, str) and self.coupling == "chain"
+        if plain and alike and self.shape is None and self.ends is not Ends.FIXED:
             return None
         return self.links
-
-    @property
-    def _plain_ends(self) -> Ends:
-        return Ends.PERIODIC if self.coupling == "ring" else self.ends
 
     @property
     def along_line(self) -> bool:
         """Whether sites are coupled by their distance along a line, which can be made longer."""
         named = isinstance(self.coupling, str) and self.shape is None
-        return named and self.coupling.partition(":")[0] in ("chain", "ring", "next-nearest")
+        return named and self.coupling.partition(":")[0] in ("chain", "next-nearest")
 
     @cached_property
     def links(self) -> Network:

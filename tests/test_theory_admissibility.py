@@ -184,12 +184,17 @@ def test_between_two_points_the_shape_goes_no_farther_than_its_bound(v: float, c
     there = np.clip(here + rng.choice([-1, 1], 400) * 10 ** rng.uniform(-6, 0, 400), 0.0, 1.0)
     ends = np.sort(site + np.stack([here, there]), axis=0)
     inside = ends[0] + rng.random(400) * (ends[1] - ends[0])
-    bound = shape.variation(ends)
+    gone, bent = shape.spread(ends)
     values = [shape.with_slope(zeta)[0] for zeta in (*ends, inside)]
     for one, other in ((0, 1), (0, 2), (1, 2)):
-        gone = np.abs(values[one] - values[other])
-        assert np.all(gone <= bound + 1e-13)
-    assert np.median(np.abs(values[0] - values[1]) / bound) > 1e-3 * min(1.0, c / v**2)
+        assert np.all(np.abs(values[one] - values[other]) <= gone + 1e-13)
+    part = (inside - ends[0]) / np.maximum(ends[1] - ends[0], 1e-300)
+    chord = values[0] + part * (values[1] - values[0])
+    leaves = np.abs(values[2] - chord)
+    assert np.all(leaves <= bent + 1e-13)
+    assert np.median(np.abs(values[0] - values[1]) / gone) > 1e-3 * min(1.0, c / v**2)
+    told = leaves > 1e-12
+    assert np.median(leaves[told] / bent[told]) > 1e-4 * min(1.0, c / v**2)
 
 
 def _in_resonance(n: int, c: float) -> float:
@@ -329,14 +334,14 @@ def test_more_roots_than_are_found_leave_a_front_undecided_with_a_reason() -> No
 
 def test_no_cell_has_a_site_within(monkeypatch: pytest.MonkeyPatch) -> None:
     sites: set[float] = set()
-    variation = NearShape.variation
+    spread = NearShape.spread
 
     def noted(self, ends):
         assert np.all(np.ceil(ends[1]) - np.floor(ends[0]) <= 1.0)
         sites.update(np.floor(ends[0]).tolist())
-        return variation(self, ends)
+        return spread(self, ends)
 
-    monkeypatch.setattr(NearShape, "variation", noted)
+    monkeypatch.setattr(NearShape, "spread", noted)
     (branch,) = trace_kinetic_relation([1.0], [0.03125], False)[0].branches
     for eta, times in ((0.078, 1.01), (0.078, 2.0), (0.0795, 1.01)):
         c = times * pinning_coupling(eta)

@@ -8,10 +8,10 @@ violation is seen.
   over the whole way to where its ``tail_bound`` suffices; that the slopes at the ends of a cell,
   twice, bound those within is taken for granted.
 * Where it is long, at strong coupling or high velocity, values come from
-  ``theory.piecewise.steepest_descent``, with a bound on how far φ goes within a cell, within two
-  sites of ζ = 0 and where margins are thin. Beyond, φ is the sum (49) over the roots: a few terms
-  vary slowly, over about √c sites, and the sum of the moduli of all others falls with |ζ|
-  (``_Side.proven``).
+  ``theory.piecewise.steepest_descent``, with a bound on how far φ leaves its chord within a cell,
+  within two sites of ζ = 0 and where margins are thin. Beyond, φ is the sum (49) over the roots: a
+  few terms vary slowly, over about √c sites, and the sum of the moduli of all others falls with
+  |ζ| (``_Side.proven``).
 """
 
 from __future__ import annotations
@@ -358,9 +358,13 @@ class _Descent:
         return bound
 
     def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> npt.NDArray[np.bool_]:
-        """Return whether the ends of cells are farther from the threshold than φ goes between."""
+        """Return whether φ, which leaves its chord by so much at most, stays on its side of r."""
         zeta = cells[::3]
-        safe: npt.NDArray[np.bool_] = _room(zeta, g, r).sum(axis=0) > self.near.variation(zeta)
+        gone, bent = self.near.spread(zeta)
+        side = np.where(zeta.mean(axis=0) < 0.0, 1.0, -1.0)
+        # |φ|² on the chord is convex: at most that at an end, at least that less a quarter of gone²
+        square = r * r + side * g.min(axis=0) - np.where(side > 0.0, 0.25 * gone**2, 0.0)
+        safe: npt.NDArray[np.bool_] = side * (np.sqrt(np.maximum(square, 0.0)) - r) > bent
         return safe
 
     def with_slope(
@@ -480,13 +484,6 @@ def _first_violations(
     fails_at, computed, decided = _divide(shape, cells, owner, r)
     fails_at[wrong] = 0.0
     return fails_at, computed, decided
-
-
-def _room(zeta: FloatArray, g: FloatArray, r: FloatArray) -> FloatArray:
-    """Return ||φ| - r| where (47) holds, less than 0 where it does not."""
-    side = np.where(zeta < 0, 1.0, -1.0)
-    room: FloatArray = side * (np.sqrt(np.maximum(r * r + side * g, 0.0)) - r)
-    return room
 
 
 def _divide(

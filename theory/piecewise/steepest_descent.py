@@ -22,7 +22,6 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from theory.piecewise.dispersion import ComplexArray, FloatArray, onsite
 
@@ -44,14 +43,11 @@ class _Path:
         u_m, without what is crossed.
     a, weights : ndarray of complex, shape (n,)
         A/v, and the rest of the integrand at ρ = 0 with the weight of the quadrature.
-    fast : ndarray of bool, shape (n,)
-        Points of waves shorter than four sites: they turn fastest, and add least.
     """
 
     still: complex
     a: ComplexArray
     weights: ComplexArray
-    fast: npt.NDArray[np.bool_]
 
     @classmethod
     def make(cls, v: float, c: float, m: int, points: int) -> _Path:
@@ -70,7 +66,7 @@ class _Path:
             still = 1.0 - wave * still
         if s * (math.sin(k_0.real) + g) > k_0.imag:
             still -= wave ** (m + 1) / (1.0 + wave)
-        return cls(complex(still), a, weights, np.cos(x) < 0.0)
+        return cls(complex(still), a, weights)
 
     def at(self, rho: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return φ/φ_s and its derivative by ζ at distances ρ before the next site, shape (n,)."""
@@ -82,23 +78,24 @@ class _Path:
             value[:, some] = both @ np.exp(np.outer(-self.a, rho[some]))
         return self.still - value[0], -value[1]
 
-    def variation(self, rho: FloatArray) -> FloatArray:
-        """Bound how far φ/φ_s goes between pairs of distances, shape (2, n).
+    def spread(self, rho: FloatArray) -> FloatArray:
+        """Bound how far φ/φ_s goes between pairs of distances, shape (2, n), and leaves its chord.
 
-        Slow waves by the greatest modulus of their slopes, fast ones by twice their moduli where
-        that is less.
+        Returned as two rows. Each wave by its slope and its curvature, or by twice its modulus
+        where that is less.
         """
         size, turn = np.abs(self.weights), np.abs(self.a)
-        bound = np.empty(rho.shape[1])
+        bounds = np.empty(rho.shape)
         rows = max(1, _AT_ONCE // self.a.size)
-        for first in range(0, bound.size, rows):
-            ends = rho[:, first : first + rows]
-            width = np.abs(ends[1] - ends[0])
-            largest = np.exp(np.maximum(*(np.outer(-self.a.real, end) for end in ends)))
-            change = np.outer(turn, width)
-            change[self.fast] = np.minimum(change[self.fast], 2.0)
-            bound[first : first + rows] = np.einsum("i,ij,ij->j", size, largest, change)
-        return bound
+        for first in range(0, rho.shape[1], rows):
+            some = slice(first, first + rows)
+            low, high = rho[0, some], rho[1, some]
+            largest = np.exp(np.maximum(*(np.outer(-self.a.real, end) for end in (low, high))))
+            largest *= size[:, None]
+            angle = np.outer(turn, np.abs(high - low))
+            bounds[0, some] = np.einsum("ij,ij->j", largest, np.minimum(angle, 2.0))
+            bounds[1, some] = np.einsum("ij,ij->j", largest, np.minimum(0.125 * angle**2, 2.0))
+        return bounds
 
 
 @dataclass(frozen=True)
@@ -129,15 +126,17 @@ class NearShape:
             phi = 1.0 - phi
         return phi, slope
 
-    def variation(self, ends: FloatArray) -> FloatArray:
-        """Bound how far φ/φ_s goes between pairs of ζ in one site each, shape (2, n)."""
-        middle = ends.mean(axis=0)
-        bound = np.empty(middle.size)
-        m, rho = self._sites(middle, ends)
+    def spread(self, ends: FloatArray) -> FloatArray:
+        """Bound how far φ/φ_s goes between pairs of ζ in one site each, shape (2, n).
+
+        The second row returned bounds how far it leaves the chord.
+        """
+        bounds = np.empty(ends.shape)
+        m, rho = self._sites(ends.mean(axis=0), ends)
         for site in np.unique(m).tolist():
             some = m == site
-            bound[some] = self._path(site)[0].variation(rho[:, some])
-        return bound
+            bounds[:, some] = self._path(site)[0].spread(rho[:, some])
+        return bounds
 
     def error(self, zeta: FloatArray) -> FloatArray:
         """Estimate the error of φ/φ_s at ζ, shape (n,): the change by half as many points again."""

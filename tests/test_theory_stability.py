@@ -9,6 +9,7 @@ import pytest
 from scipy.special import jv
 
 from theory.piecewise import stability
+from theory.piecewise.folds import fold_coupling
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability, stability_limit, symbol_coefficients
 from theory.piecewise.sums.series import sum_by_roots
@@ -192,10 +193,43 @@ def test_stability_may_end_with_the_branch_itself():
     assert 0.99 < near.multiplier < 1.0
 
 
+@pytest.mark.parametrize(("eta", "least", "most"), [(0.07, 24.0, 26.0), (0.071, 34.0, 36.0)])
+def test_no_earlier_loss_of_stability_over_three_per_cent_is_passed_over(eta, least, most):
+    limit = stability_limit(eta)
+    assert least < limit.c < most
+    first = 1.001 * fold_coupling(eta).value
+    couplings = np.exp(np.arange(math.log(first), math.log(limit.c), 0.01))
+    couplings = [*couplings.tolist(), limit.c - 1e-4, limit.c + 1e-4]
+    stable = []
+    for c in couplings:
+        admissible = [b for b in kinetic_relation(c, eta).branches if b.admissible]
+        stable.append(front_stability(admissible[-1].v, c).stable if admissible else None)
+    assert stable[-2:] == [True, False]
+    assert stable.count(True) > 20
+    # where a branch begins its front may be unstable over less than three per cent
+    assert not any(stable[i : i + 4] == [False] * 4 for i in range(len(stable)))
+
+
+def test_the_error_of_a_limit_where_admissibility_begins_bounds_what_its_tolerance_does(
+    monkeypatch,
+):
+    limit = stability_limit(0.006)
+    assert limit.angle == 0.0
+    stability_limit.cache_clear()
+    monkeypatch.setattr("theory.piecewise.admissibility.TOLERANCE", 5e-11)
+    off = abs(stability_limit(0.006).c - limit.c)
+    stability_limit.cache_clear()
+    assert 0.01 * limit.error < off < limit.error
+
+
 def test_what_is_not_decided_says_so():
     found = front_stability(1e4, 1e7)
     assert (found.stable, found.multiplier, found.error) == (None, None, None)
-    assert stability_limit(0.09) is None
+    assert stability_limit(0.09).c is None
+    assert "no front advances" in stability_limit(0.09).reason
+    assert "up to 20" in stability_limit(0.07, 20.0).reason
+    assert "too long" in stability_limit(0.0005).reason
+    assert "not below 60" in stability_limit(0.0795).reason
     inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]
     assert all(b.stable is None for b in inadmissible)
 

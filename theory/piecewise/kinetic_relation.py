@@ -20,7 +20,7 @@ from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import Fold, fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
-from theory.piecewise.stability import front_stability, stability_limit
+from theory.piecewise.stability import StabilityLimit, front_stability, stability_limit
 from theory.result import Result
 
 LARGEST_COUPLING = 1e8
@@ -245,25 +245,35 @@ class KineticRelation(Result):
 
     @property
     def c_stable(self) -> float | None:
-        """Coupling up to which the fastest front is stable; None if no loss of it was found.
+        """Coupling up to which the fastest admissible front is stable, as c grows; or None.
 
-        Computed when it is first asked for, in a fraction of a second
+        Computed when it is first asked for, in some seconds at most
         (`theory.piecewise.stability.stability_limit`).
         """
-        limit = None if self.c_fold is None else stability_limit(self.eta)
-        return None if limit is None else limit.c
+        return self._stability_limit.c
 
     @property
     def c_stable_error(self) -> float | None:
         """Bound on the error of ``c_stable``."""
-        limit = None if self.c_fold is None else stability_limit(self.eta)
-        return None if limit is None else limit.error
+        return self._stability_limit.error
+
+    @property
+    def c_stable_reason(self) -> str | None:
+        """Why there is no ``c_stable``."""
+        return self._stability_limit.reason
+
+    @property
+    def _stability_limit(self) -> StabilityLimit:
+        if self.eta < ETA_END:
+            return stability_limit(self.eta)
+        return StabilityLimit(reason=f"no front advances at eta = {self.eta:.12g}")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON; ``c_stable`` is in it where it was asked for."""
         found = super().to_dict()
         if self.limit_shown:
-            found |= {"c_stable": self.c_stable, "c_stable_error": self.c_stable_error}
+            names = ("c_stable", "c_stable_error", "c_stable_reason")
+            found |= {name: getattr(self, name) for name in names}
         return found
 
     def columns(self) -> dict[str, np.ndarray]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -30,7 +30,7 @@ import numpy.typing as npt
 
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
 from theory.parameters import number, within
-from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.admissibility import TOLERANCE, check_admissible
 from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.dispersion import FloatArray, onsite
 from theory.piecewise.folds import fold_coupling
@@ -44,7 +44,7 @@ _MAX_PRODUCTS = 30_000_000
 _MAX_POINTS = 1 << 20
 _AT_ONCE = 1 << 16
 """Powers of u that are held in memory."""
-_SCAN = 1.15
+_SCAN = 1.03
 """Factor between the couplings at which stability is tried."""
 _NARROW = 1e-5
 """Relative width of the bracket of c_stable at which bisection ends."""
@@ -145,30 +145,33 @@ def front_stability(v: float, c: float) -> FrontStability:
 
 @dataclass(frozen=True, kw_only=True)
 class StabilityLimit:
-    """Where the fastest front of one η first loses stability as c grows.
+    """Where the fastest admissible front of one η first loses stability as c grows.
 
     Attributes
     ----------
-    c : float
-        c_stable, dimensionless.
-    error : float
+    c : float or None
+        c_stable, dimensionless; None where there is none, and ``reason`` says why.
+    error : float or None
         Bound on its error.
-    v : float
+    v : float or None
         Velocity v̂ there.
-    angle : float
+    angle : float or None
         Argument of the multiplier that leaves the unit circle, in radians per site; 0 where the
-        branch ends in a fold.
+        branch ends, in a fold or because (47) ceases to hold, or an unstable one begins.
+    reason : str or None
+        Why there is no c_stable.
     """
 
-    c: float
-    error: float
-    v: float
-    angle: float
+    c: float | None = None
+    error: float | None = None
+    v: float | None = None
+    angle: float | None = None
+    reason: str | None = None
 
 
 @lru_cache(maxsize=256)
-def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit | None:
-    """Return c_stable(η): the fastest front of (54) is linearly stable from its fold up to there.
+def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
+    """Return c_stable(η): up to there the fastest admissible front is linearly stable.
 
     Parameters
     ----------
@@ -179,13 +182,18 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit | None
 
     Returns
     -------
-    StabilityLimit or None
-        None where stability is not lost below ``farthest``, or only where (47) fails.
+    StabilityLimit
 
     Raises
     ------
     ParameterError
         If η or the largest coupling is out of range.
+
+    Notes
+    -----
+    From c_fold on, couplings 3 % apart are looked at; a loss of stability over a shorter interval
+    may be missed. Couplings at which no front is admissible are passed over: no front is lost there
+    by its own instability.
 
     Examples
     --------
@@ -196,23 +204,23 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit | None
     within("eta = b/a^2", eta, SMALLEST_ETA, ETA_END)
     within("largest coupling", farthest, 1e-8, 100.0)
     fold = fold_coupling(eta)
-    if fold is None or fold.value >= farthest:
-        return None
+    if fold is None:
+        return StabilityLimit(reason=f"no front advances at eta = {eta:.12g}")
+    if fold.value >= farthest:
+        return StabilityLimit(reason=f"c_fold = {fold.value:.6g} is not below {farthest:g}")
     r = threshold_ratio(eta)
     count = 2 + math.ceil(math.log(farthest / fold.value) / math.log(_SCAN))
-    couplings = np.geomspace(fold.value * (1.0 + 1e-3), farthest, count)
-    before, last = None, None
-    for c in couplings.tolist():
+    before = None
+    for c in np.geomspace(fold.value * (1.0 + 1e-3), farthest, count).tolist():
         here = _Leading.at(c, r)
-        if here is None or here.unstable is None:
-            return None
-        if here.unstable:
-            before, last = (before or here), here
-            break
+        if here.unstable is None:
+            return StabilityLimit(reason=f"at c = {c:.6g} {here.reason}")
+        if here.unstable and before is None:
+            return StabilityLimit(reason=f"just above c_fold, at c = {c:.6g}, no front is stable")
+        if here.unstable and before is not None:
+            return _crossing(before, here, r)
         before = here
-    if before is None or last is None or before is last:
-        return None
-    return _crossing(before, last, r)
+    return StabilityLimit(reason=f"the fastest front is stable at all couplings up to {farthest:g}")
 
 
 def symbol_coefficients(v: float, c: float, terms: int, points: int | None = None) -> FloatArray:
@@ -363,29 +371,44 @@ def _polynomial(
 
 @dataclass(frozen=True)
 class _Leading:
-    """The fastest front at one coupling: its velocity, its symbol, whether it is unstable."""
+    """The fastest admissible front at one coupling, its symbol, and whether it is unstable.
+
+    Where there is none, v is NaN and nothing is unstable; where it is not decided, ``unstable`` is
+    None and ``reason`` says why.
+    """
 
     c: float
-    v: float
-    error: float
-    q: FloatArray
-    unstable: bool | None
+    v: float = math.nan
+    error: float = math.nan
+    solutions: int = 0
+    q: FloatArray = field(default_factory=lambda: np.empty(0))
+    unstable: bool | None = False
+    reason: str = ""
 
     @classmethod
-    def at(cls, c: float, r: float) -> _Leading | None:
-        """Return it; None where no front moves or the symbol is too long."""
+    def at(cls, c: float, r: float, slack: float = 0.0) -> _Leading:
+        """Return it, where (47) is asked with r + ``slack``."""
         found = all_velocities(np.array([c]), np.array([2.0 * r]))
-        if found.v.size == 0:
-            return None
-        v, error = float(found.v[-1]), float(found.error[-1])
-        terms = _terms(v)
-        points = _mean_points(terms, v, c)
+        none = cls(c, solutions=found.v.size)
+        for v, error in zip(found.v[::-1].tolist(), found.error[::-1].tolist(), strict=True):
+            verdict = check_admissible(v, c, r + slack)
+            if verdict.admissible is None:
+                return replace(none, unstable=None, reason=f"admissibility: {verdict.reason}")
+            if verdict.admissible:
+                return replace(none, v=v, error=error)._with_symbol()
+        return none
+
+    def _with_symbol(self) -> _Leading:
+        terms = _terms(self.v)
+        points = _mean_points(terms, self.v, self.c)
         if terms * points > _MAX_PRODUCTS:
-            return None
-        p = symbol_coefficients(v, c, terms, points)
+            return replace(self, unstable=None, reason="the symbol of the front is too long")
+        p = symbol_coefficients(self.v, self.c, terms, points)
         q = np.cumsum(p[::-1])[::-1].copy()
-        inside = _zeros_within(q, 1.0, _uncertainty(v))
-        return cls(c, v, error, q, None if inside is None else inside > 0)
+        inside = _zeros_within(q, 1.0, _uncertainty(self.v))
+        if inside is None:
+            return replace(self, q=q, unstable=None, reason="a multiplier is on the unit circle")
+        return replace(self, q=q, unstable=inside > 0)
 
     def zero_near(self, w: complex) -> complex:
         """Return the zero of E to which Newton's method goes from w."""
@@ -393,28 +416,29 @@ class _Leading:
         return complex(zeros[0]) if zeros.size else complex(math.nan)
 
 
-def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit | None:
-    """Return where the leading multiplier passes the unit circle, between two couplings.
+def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit:
+    """Return where the fastest front ceases to be stable, between two couplings.
 
-    Bisection as long as the winding number decides, then the secant rule on ln |w| of the zero
-    that has come inside, which moves smoothly in so narrow an interval.
+    Bisection as long as stability is decided, then the secant rule on ln |w| of the zero that has
+    come inside, which moves smoothly in so narrow an interval.
     """
     while unstable.c > stable.c * (1.0 + _NARROW):
         middle = _Leading.at(math.sqrt(stable.c * unstable.c), r)
-        if middle is None or middle.unstable is None:
+        if middle.unstable is None:
             break
         stable, unstable = (stable, middle) if middle.unstable else (middle, unstable)
-    if abs(unstable.v - stable.v) > 100.0 * _NARROW * stable.v:
+    if math.isnan(stable.v) or abs(unstable.v - stable.v) > 100.0 * _NARROW * stable.v:
         return _end_of_branch(stable, unstable, r)
+    unknown = StabilityLimit(reason=f"stability is lost near c = {stable.c:.6g}, but not smoothly")
     nearest = _nearest_zero(unstable.q, 1.5, _uncertainty(unstable.v))
     if nearest is None:
-        return None
+        return unknown
     here, w, slope = unstable, nearest[0], math.nan
     size, step = math.log(abs(w)), 0.5 * (unstable.c - stable.c)
     low, high = stable.c * (1.0 - _NARROW), unstable.c * (1.0 + _NARROW)
     for _ in range(20):
         following = _Leading.at(min(max(here.c - step, low), high), r)
-        if following is None or following.c == here.c:
+        if following.q.size == 0 or following.c == here.c:
             break
         w = following.zero_near(w)
         new = math.log(abs(w))
@@ -426,30 +450,45 @@ def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit 
     derivative = abs(_polynomial(_slope(here.q), w)[0])
     shift = _uncertainty(here.v) / derivative + abs(size)
     error = 2.0 * shift / abs(slope) + 2.0 * here.error + 4.0 * _EPS * here.c
-    if not error < _NARROW * here.c or not check_admissible(here.v, here.c, r).admissible:
-        return None
+    if not error < _NARROW * here.c:
+        return unknown
     return StabilityLimit(c=here.c, error=float(error), v=here.v, angle=abs(cmath.phase(w)))
 
 
-def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit | None:
-    """Return the fold in which the fastest branch ends, between two couplings: its multiplier is 1.
+def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit:
+    """Return where an unstable front becomes the fastest, between two couplings.
 
-    Beyond it the fastest front is one of another branch.
+    The branch of the stable one ends in a fold, where its multiplier is 1, or (47) ceases to hold;
+    or the unstable one begins. The number of solutions of (54) tells a fold from a change of
+    admissibility.
     """
-    low, high = last.c, beyond.c
-    here = last
-    while high - low > 4.0 * _EPS * high:
-        middle = _Leading.at(0.5 * (low + high), r)
-        if middle is None or not low < middle.c < high:
-            break
-        if abs(middle.v - last.v) < abs(middle.v - beyond.v):
-            low, here = middle.c, middle
-        else:
-            high = middle.c
-    if not check_admissible(here.v, here.c, r).admissible:
-        return None
+    low, high = _narrowed(last, beyond, r, 0.0)
     # Beside a fold g = |Σ| - 2r is zero to within its own error in an interval of c of that width.
-    return StabilityLimit(c=low, error=float((high - low) + _FOLD_ERROR * low), v=here.v, angle=0.0)
+    error = (high.c - low.c) + _FOLD_ERROR * low.c
+    if low.solutions == high.solutions:
+        slack = 5.0 * TOLERANCE / r  # in |φ|² ten times what may go undetected
+        error += sum(abs(_narrowed(last, beyond, r, s)[0].c - low.c) for s in (slack, -slack))
+        if error > 0.4 * (beyond.c - last.c):
+            reason = f"margins of (47) are too thin near c = {low.c:.6g} to tell where it is"
+            return StabilityLimit(reason=reason)
+    at = high.v if math.isnan(low.v) else low.v
+    return StabilityLimit(c=low.c, error=float(error), v=at, angle=0.0)
+
+
+def _narrowed(
+    last: _Leading, beyond: _Leading, r: float, slack: float
+) -> tuple[_Leading, _Leading]:
+    """Bisect to two couplings that rounding leaves apart, with r + ``slack`` in (47)."""
+    low, high = last, beyond
+    while high.c - low.c > 4.0 * _EPS * high.c:
+        middle = _Leading.at(0.5 * (low.c + high.c), r, slack)
+        if not low.c < middle.c < high.c:
+            break
+        if abs(middle.v - beyond.v) < (math.inf if math.isnan(last.v) else abs(middle.v - last.v)):
+            high = middle
+        else:
+            low = middle
+    return low, high
 
 
 def _slope(q: FloatArray) -> FloatArray:

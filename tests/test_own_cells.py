@@ -114,8 +114,9 @@ def test_all_cycles_of_a_cell_with_three_close_in_scipy_and_alternate() -> None:
     assert [each.multiplier < 1.0 for each in found.cycles if each.multiplier] == [
         True, False, True,
     ]  # fmt: skip
-    assert found.stable is found.cycles[0]
-    assert found.unstable is None
+    assert (found.status, found.basin) == (CellStatus.CYCLES, None)
+    assert found.stable is found.cycles[2]
+    assert found.unstable is found.cycles[1]
     for each in found.cycles:
         start, times = np.array([each.max, 0.0]), np.array([0.0, each.period])
         back = states_by_scipy(rate, start, times, 1e-13)[-1]
@@ -221,6 +222,13 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
         # At rest without linear damping: the next term decides.
         ("y**2 - y**4 + 0.1*y**6", CellStatus.BISTABLE, 1, 0),
         ("y**4 - y**2", CellStatus.OSCILLATION, 0, None),
+        ("-1 + 3*y**2 - y**4 + y**6/20", CellStatus.CYCLES, 2, 1),
+        (
+            "1 - 5.6944*y**2 + 3.7917*y**4 - 0.66667*y**6 + 0.031746*y**8",
+            CellStatus.MULTISTABLE,
+            1,
+            0,
+        ),
     ],
 )
 def test_rest_is_stable_as_small_motions_are_damped_or_not(
@@ -228,10 +236,13 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     monkeypatch.setattr(oscillator, "_cycle", lambda _, at, __: SimpleNamespace(at=at, error=0.0))
-    found: Any = own(damping=damping, stiffness="y", eps=0.1)
+    chain = OscillatorChain(damping=damping, stiffness="y", eps=0.1, c=0.0)
+    found: Any = cell(chain)
     assert found.status is status
     assert found.stable.at == stable
     assert (found.unstable and found.unstable.at) == unstable
+    assert chain.cell.cycles[stable].amplitude == chain.stable_amplitude
+    assert status is not CellStatus.CYCLES or found.basin is None
 
 
 def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:

@@ -73,13 +73,15 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
     cycles = tuple(_cycle(chain, at, tolerance) for at in range(len(limits)))
     # A weak nonlinear damping decides where the linear one is zero.
     rests = damping > 0.0 or (damping == 0.0 and not limits[0].stable)
-    unstable = _first(cycles, limits, stable=False, above=0) if rests else None
+    unstable = _first(cycles, limits, stable=False, above=0)
     inner = 0 if unstable is None else cycles.index(unstable)
     stable = _first(cycles, limits, stable=True, above=inner)
+    if stable is None:
+        stable = _first(cycles, limits, stable=True, above=0)
     return OwnCell(
         model=chain.model,
         parameters=chain.parameters(),
-        status=_status(rests, stable),
+        status=_status(rests, sum(each.stable for each in limits)),
         rest=0.0,
         effective_damping=damping,
         stable=stable,
@@ -97,9 +99,12 @@ def _first(
     return next((cycle for cycle, limit in pairs if limit.stable is stable), None)
 
 
-def _status(rests: bool, stable: Cycle | None) -> CellStatus:
-    if stable is None:
+def _status(rests: bool, stable: int) -> CellStatus:
+    """Return the status of a cell with so many stable cycles."""
+    if stable == 0:
         return CellStatus.REST
+    if stable > 1:
+        return CellStatus.MULTISTABLE if rests else CellStatus.CYCLES
     return CellStatus.BISTABLE if rests else CellStatus.OSCILLATION
 
 

@@ -19,6 +19,12 @@ class CellStatus(Status):
     SLIDING = "steady sliding only", "steady sliding is stable, and there is no stick-slip cycle."
     REST = "rest only", "rest is stable, and there is no cycle."
     OSCILLATION = "cycle only", "the cycle is stable, rest is not."
+    MULTISTABLE = "multistable", "rest and more than one cycle are stable."
+    CYCLES = "cycles only", "more than one cycle is stable, rest is not."
+    SEMISTABLE = (
+        "semistable cycle",
+        "rest is stable, and the two cycles are one: it attracts from outside only.",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +87,8 @@ class Cell(Result):
     effective_damping : float
         Linear damping about rest, which is stable where this is positive.
     stable, unstable : Cycle or None
-        The large cycle and the one that separates the basins, where they exist.
+        The large cycle and the one that separates the basins, where they exist. Where the two are
+        one, semistable, it is ``unstable``.
     seconds : float
         Run time.
     """
@@ -113,7 +120,9 @@ class Cell(Result):
         """
         if self.status in (CellStatus.SLIDING, CellStatus.REST):
             return -math.inf, math.inf
-        return None if self.unstable is None else (self.unstable.min, self.unstable.max)
+        if self.unstable is None or self.status is CellStatus.CYCLES:
+            return None
+        return self.unstable.min, self.unstable.max
 
     @property
     def error(self) -> float:
@@ -128,8 +137,8 @@ class OwnCell(Cell):
     Attributes
     ----------
     cycles : tuple of Cycle
-        All of them, inner to outer. ``unstable`` is the innermost one around a stable rest state,
-        ``stable`` the next stable one outside of it.
+        All of them, inner to outer. ``unstable`` is the innermost unstable one, ``stable`` the
+        next stable one outside of it, as `stable_amplitude` of the chain, or the only one.
     """
 
     cycles: tuple[Cycle, ...]

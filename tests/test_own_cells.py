@@ -13,7 +13,7 @@ import pytest
 
 from fronts.cli import main
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.cells import oscillator
 from verification.cells.cell import cell
@@ -254,6 +254,22 @@ def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
             effective_damping=0.1, stable=stable, unstable=unstable, seconds=0.0,
         )  # fmt: skip
         assert found.error == 1e-3
+
+
+def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside() -> None:
+    """At η = 1/8: r' = -(r/2)(1 - ar²/4 + br⁴/8) is negative on both sides of its double root."""
+    a, b = 4.0, 2.0
+    found = cell(AveragedChain(a=a, b=b, c=0.0))
+    assert found.status is CellStatus.SEMISTABLE
+    assert found.stable is None
+    assert found.unstable is not None
+    radius = found.unstable.amplitude
+    double = np.roots([b / 8.0, -a / 4.0, 1.0])  # of r², each with the root of rounding
+    assert np.abs(radius**2 - double).max() < 1e-7
+    assert found.basin == (-radius, radius)
+    assert abs(radius - np.sqrt(2.0)) <= found.error < 1e-6
+    for r in (0.9 * radius, 1.1 * radius):
+        assert -0.5 * r * (1.0 - a * r**2 / 4.0 + b * r**4 / 8.0) < 0.0
 
 
 @pytest.mark.parametrize(("a", "eta"), [(2.5, 0.08), (4.0, 0.03125), (1.0, 0.12)])

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from theory.cells.vdp import eta_from_damping, is_bistable
+from theory.cells.vdp import ETA_END, eta_from_damping, is_bistable
 from theory.parameters import ParameterError, within
 from verification.cells.result import Cell, CellStatus, Cycle
 
@@ -113,6 +113,8 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
 def averaged_cell(a: float, b: float, eps: float) -> Cell:
     """Return both cycles of (43), in closed form: |φ|² = (a/b)(1 ∓ √(1 - 8η)), of period 2π.
 
+    At η = 1/8 they are one, which is semistable.
+
     Raises
     ------
     ParameterError
@@ -127,6 +129,7 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
     begin = perf_counter()
     eta = eta_from_damping(a, b)
     stable = unstable = None
+    status = CellStatus.REST
     if is_bistable(eta):
         root = math.sqrt(1.0 - 8.0 * eta)
         # Rounding of η alone moves the root by this much, as the cycles meet.
@@ -135,10 +138,15 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
             _closed(math.sqrt(square), spread)
             for square in (8.0 / a / (1.0 + root), a / b * (1.0 + root))
         )
+        status = CellStatus.BISTABLE
+    elif eta == ETA_END:
+        # Rounding of η alone parts the cycles by the root of it.
+        unstable = _closed(math.sqrt(a / b), math.sqrt(8.0 * ROUNDING))
+        status = CellStatus.SEMISTABLE
     return Cell(
         model="averaged",
         parameters={"a": a, "b": b, "eps": eps},
-        status=CellStatus.REST if stable is None else CellStatus.BISTABLE,
+        status=status,
         rest=0.0,
         effective_damping=eps,
         stable=stable,

@@ -44,7 +44,15 @@ def papers(**changes: Any) -> OscillatorChain:
 
 
 @pytest.mark.parametrize(
-    "text", [PAPER, "(1 - y)^2*k/4", "y*(y - 1)*(a - y)", "-3", "2*(y + w)**3 - w*(1 - y/7)"]
+    "text",
+    [
+        PAPER,
+        "(1 - y)^2*k/4",
+        "y*(y - 1)*(a - y)",
+        "-3",
+        "1 - 1e-5*y**2 + 2.5E+2*y**4/1e3",
+        "2*(y + w)**3 - w*(1 - y/7)",
+    ],
 )
 def test_both_readers_of_polynomials_find_the_same_terms(text: str) -> None:
     assert read_polynomial(text).terms == read_for_derivations(text)

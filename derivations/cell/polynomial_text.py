@@ -29,7 +29,11 @@ RESERVED = frozenset({"I", "E", "pi", "T", "n", "r", "s", "t", "i", "phi", "eps"
 Monomial = tuple[tuple[str, int], ...]
 Terms = Mapping[Monomial, Fraction]
 
-_TOKEN = re.compile(r"\s*(?:(\d+(?:\.\d*)?|\.\d+)|([A-Za-z][A-Za-z0-9_]{0,15})|(\*\*|[-+*/^()]))")
+_TOKEN = re.compile(
+    r"\s*(?:((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,2}(?!\d))?)"
+    r"|([A-Za-z][A-Za-z0-9_]{0,15})|(\*\*|[-+*/^()]))"
+)
+"""A number, with an exponent of ten of at most two digits or none; a name; a sign."""
 
 
 @dataclass

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from derivations.algebra.errors import DerivationInputError as DerivationInputError
     from fronts.animation import animate as animate
     from fronts.branches import follow_breather as follow_breather
     from fronts.branches import follow_front as follow_front
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from verification.breathers.breather import breather as breather
     from verification.cells.cell import cell as cell
     from verification.execution.progress import Progress as Progress
+    from verification.execution.sweep import SweepError as SweepError
     from verification.execution.sweep import sweep as sweep
     from verification.fronts.measure import measure_front as measure_front
     from verification.maps.state_map import state_map as state_map

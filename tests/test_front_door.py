@@ -52,6 +52,14 @@ def test_every_public_name_is_there():
         fr.nosuchname
 
 
+def test_errors_of_derivations_and_sweeps_can_be_caught_by_their_public_names():
+    with pytest.raises(fr.DerivationInputError, match="damping"):
+        fr.derive_cell("sin(y)")
+    with pytest.raises(fr.SweepError, match="division by zero") as caught:
+        fr.sweep(lambda point: 1.0 / point["c"], {"c": [0.0, 1.0]})
+    assert len(caught.value.failures) == 1
+
+
 @pytest.mark.parametrize("package", ["theory", "derivations", "verification", "paper_checks"])
 @pytest.mark.parametrize("kind", ["file", "folder"])
 def test_a_file_of_the_user_that_hides_a_package_is_named(package, kind, tmp_path):

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from theory.piecewise import stability
+from theory.piecewise import symbol
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.kinetic_relation import kinetic_relation
-from theory.piecewise.stability import front_stability, stability_limit, symbol_coefficients
+from theory.piecewise.stability import front_stability
+from theory.piecewise.stability_limit import stability_limit
 from theory.piecewise.sums.series import sum_by_roots
+from theory.piecewise.symbol import symbol_coefficients
 from verification.piecewise.run import FrontStatus
 from verification.piecewise.simulation import simulate_front
 
@@ -46,7 +48,7 @@ def test_the_symbol_is_made_of_bessel_functions(v, c):
 @pytest.mark.parametrize("at_once", [1, 700, 1 << 16])
 def test_the_coefficients_are_the_same_however_many_powers_memory_holds(at_once, monkeypatch):
     whole = symbol_coefficients(0.4, 0.7, 40, 256)
-    monkeypatch.setattr(stability, "_AT_ONCE", at_once)
+    monkeypatch.setattr(symbol, "_AT_ONCE", at_once)
     assert symbol_coefficients(0.4, 0.7, 40, 256).tolist() == whole.tolist()
 
 

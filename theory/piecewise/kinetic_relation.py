@@ -20,7 +20,8 @@ from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import Fold, fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
-from theory.piecewise.stability import StabilityLimit, front_stability, stability_limit
+from theory.piecewise.stability import front_stability
+from theory.piecewise.stability_limit import StabilityLimit, stability_limit
 from theory.result import Result
 
 LARGEST_COUPLING = 1e8
@@ -248,7 +249,7 @@ class KineticRelation(Result):
         """Coupling up to which the fastest admissible front is stable, as c grows; or None.
 
         Computed when it is first asked for, in some seconds at most
-        (`theory.piecewise.stability.stability_limit`).
+        (`theory.piecewise.stability_limit`).
         """
         return self._stability_limit.c
 

@@ -1,0 +1,222 @@
+"""c_stable, the coupling at which the fastest admissible front of (44) first loses stability."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
+from theory.parameters import within
+from theory.piecewise.admissibility import TOLERANCE, check_admissible
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.folds import fold_coupling
+from theory.piecewise.symbol import Symbol
+
+_EPS = float(np.finfo(float).eps)
+_SCAN = 1.03
+"""Factor between the couplings at which stability is tried."""
+_NARROW = 1e-5
+"""Relative width of the bracket of c_stable at which bisection ends."""
+_FOLD_ERROR = 1e-11
+"""Relative error of a fold, where |Σ| and 2r touch to within 1e-13."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilityLimit:
+    """Where the fastest admissible front of one η first loses stability as c grows.
+
+    Attributes
+    ----------
+    c : float or None
+        c_stable, dimensionless; None where there is none, and ``reason`` says why.
+    error : float or None
+        Bound on its error.
+    v : float or None
+        Velocity v̂ there.
+    angle : float or None
+        Argument of the multiplier that leaves the unit circle, in radians per site; 0 where the
+        branch ends, in a fold or because (47) ceases to hold, or an unstable one begins.
+    reason : str or None
+        Why there is no c_stable.
+    """
+
+    c: float | None = None
+    error: float | None = None
+    v: float | None = None
+    angle: float | None = None
+    reason: str | None = None
+
+
+@lru_cache(maxsize=256)
+def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
+    """Return c_stable(η): up to there the fastest admissible front is linearly stable.
+
+    Parameters
+    ----------
+    eta : float
+        η = b/a², dimensionless, 0 < η < 2/25.
+    farthest : float
+        Largest coupling looked at. Fronts may regain and lose stability beyond c_stable.
+
+    Returns
+    -------
+    StabilityLimit
+
+    Raises
+    ------
+    ParameterError
+        If η or the largest coupling is out of range.
+
+    Notes
+    -----
+    From c_fold on, couplings 3 % apart are looked at; a loss of stability over a shorter interval
+    may be missed. Couplings at which no front is admissible are passed over: no front is lost there
+    by its own instability.
+
+    Examples
+    --------
+    >>> limit = stability_limit(0.03125)
+    >>> round(limit.c, 6), limit.error < 1e-10
+    (2.405932, True)
+    """
+    within("eta = b/a^2", eta, SMALLEST_ETA, ETA_END)
+    within("largest coupling", farthest, 1e-8, 100.0)
+    fold = fold_coupling(eta)
+    if fold is None:
+        return StabilityLimit(reason=f"no front advances at eta = {eta:.12g}")
+    if fold.value >= farthest:
+        return StabilityLimit(reason=f"c_fold = {fold.value:.6g} is not below {farthest:g}")
+    r = threshold_ratio(eta)
+    count = 2 + math.ceil(math.log(farthest / fold.value) / math.log(_SCAN))
+    before = None
+    for c in np.geomspace(fold.value * (1.0 + 1e-3), farthest, count).tolist():
+        here = _Leading.at(c, r)
+        if here.unstable is None:
+            return StabilityLimit(reason=f"at c = {c:.6g} {here.reason}")
+        if here.unstable and before is None:
+            return StabilityLimit(reason=f"just above c_fold, at c = {c:.6g}, no front is stable")
+        if here.unstable and before is not None:
+            return _crossing(before, here, r)
+        before = here
+    return StabilityLimit(reason=f"the fastest front is stable at all couplings up to {farthest:g}")
+
+
+@dataclass(frozen=True)
+class _Leading:
+    """The fastest admissible front at one coupling, its symbol, and whether it is unstable.
+
+    Where there is none, v is NaN and nothing is unstable; where it is not decided, ``unstable`` is
+    None and ``reason`` says why.
+    """
+
+    c: float
+    v: float = math.nan
+    error: float = math.nan
+    solutions: int = 0
+    symbol: Symbol | None = None
+    unstable: bool | None = False
+    reason: str = ""
+
+    @classmethod
+    def at(cls, c: float, r: float, slack: float = 0.0) -> _Leading:
+        """Return it, where (47) is asked with r + ``slack``."""
+        found = all_velocities(np.array([c]), np.array([2.0 * r]))
+        none = cls(c, solutions=found.v.size)
+        for v, error in zip(found.v[::-1].tolist(), found.error[::-1].tolist(), strict=True):
+            verdict = check_admissible(v, c, r + slack)
+            if verdict.admissible is None:
+                return replace(none, unstable=None, reason=f"admissibility: {verdict.reason}")
+            if verdict.admissible:
+                return replace(none, v=v, error=error)._with_symbol()
+        return none
+
+    def _with_symbol(self) -> _Leading:
+        symbol = Symbol.of(self.v, self.c)
+        if symbol is None:
+            return replace(self, unstable=None, reason="the symbol of the front is too long")
+        inside = symbol.zeros_within(1.0)
+        if inside is None:
+            return replace(
+                self, symbol=symbol, unstable=None, reason="a multiplier is on the unit circle"
+            )
+        return replace(self, symbol=symbol, unstable=inside > 0)
+
+
+def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit:
+    """Return where the fastest front ceases to be stable, between two couplings.
+
+    Bisection as long as stability is decided, then the secant rule on ln |w| of the zero that has
+    come inside, which moves smoothly in so narrow an interval.
+    """
+    while unstable.c > stable.c * (1.0 + _NARROW):
+        middle = _Leading.at(math.sqrt(stable.c * unstable.c), r)
+        if middle.unstable is None:
+            break
+        stable, unstable = (stable, middle) if middle.unstable else (middle, unstable)
+    if math.isnan(stable.v) or abs(unstable.v - stable.v) > 100.0 * _NARROW * stable.v:
+        return _end_of_branch(stable, unstable, r)
+    unknown = StabilityLimit(reason=f"stability is lost near c = {stable.c:.6g}, but not smoothly")
+    symbol = unstable.symbol
+    nearest = None if symbol is None else symbol.nearest_zero(1.5)
+    if symbol is None or nearest is None:
+        return unknown
+    here, w, slope = unstable, nearest[0], math.nan
+    size, step = math.log(abs(w)), 0.5 * (unstable.c - stable.c)
+    low, high = stable.c * (1.0 - _NARROW), unstable.c * (1.0 + _NARROW)
+    for _ in range(20):
+        following = _Leading.at(min(max(here.c - step, low), high), r)
+        if following.symbol is None or following.c == here.c:
+            break
+        symbol = following.symbol
+        w = symbol.zero_near(w)
+        new = math.log(abs(w))
+        slope = (new - size) / (following.c - here.c)
+        here, size = following, new
+        step = size / slope
+        if not abs(step) > 1e-13 * here.c:
+            break
+    shift = symbol.uncertainty / symbol.slope_at(w) + abs(size)
+    error = 2.0 * shift / abs(slope) + 2.0 * here.error + 4.0 * _EPS * here.c
+    if not error < _NARROW * here.c:
+        return unknown
+    return StabilityLimit(c=here.c, error=float(error), v=here.v, angle=abs(cmath.phase(w)))
+
+
+def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit:
+    """Return where an unstable front becomes the fastest, between two couplings.
+
+    The branch of the stable one ends in a fold, where its multiplier is 1, or (47) ceases to hold;
+    or the unstable one begins. The number of solutions of (54) tells a fold from a change of
+    admissibility.
+    """
+    low, high = _narrowed(last, beyond, r, 0.0)
+    # Beside a fold g = |Σ| - 2r is zero to within its own error in an interval of c of that width.
+    error = (high.c - low.c) + _FOLD_ERROR * low.c
+    if low.solutions == high.solutions:
+        slack = 5.0 * TOLERANCE / r  # in |φ|² ten times what may go undetected
+        error += sum(abs(_narrowed(last, beyond, r, s)[0].c - low.c) for s in (slack, -slack))
+        if error > 0.4 * (beyond.c - last.c):
+            reason = f"margins of (47) are too thin near c = {low.c:.6g} to tell where it is"
+            return StabilityLimit(reason=reason)
+    at = high.v if math.isnan(low.v) else low.v
+    return StabilityLimit(c=low.c, error=float(error), v=at, angle=0.0)
+
+
+def _narrowed(
+    last: _Leading, beyond: _Leading, r: float, slack: float
+) -> tuple[_Leading, _Leading]:
+    """Bisect to two couplings that rounding leaves apart, with r + ``slack`` in (47)."""
+    low, high = last, beyond
+    while high.c - low.c > 4.0 * _EPS * high.c:
+        middle = _Leading.at(0.5 * (low.c + high.c), r, slack)
+        if not low.c < middle.c < high.c:
+            break
+        if abs(middle.v - beyond.v) < (math.inf if math.isnan(last.v) else abs(middle.v - last.v)):
+            high = middle
+        else:
+            low = middle
+    return low, high

@@ -1,0 +1,223 @@
+"""Symbol of the linearised switching times of a front of (44), and its zeros.
+
+Let site n switch at T_n = n/v + d_n with small d_n. The chain responds to a switched site at
+distance k, a time s later, by ½φ_s G_k(s),
+
+    G_k(s) = (-i)^k e^{-s/2 + ics} J_k(cs) = (1/2π) ∫ e^{iκk - A(κ)s} dκ,
+
+so that φ_m, at the moment of its own switching, changes by -½φ_s Σ_k G_k(k/v)(d_{m-k} - d_m), and
+stays on the threshold |φ| = |φ_us| to first order if
+
+    Σ_{k ≥ 1} p_k (d_m - d_{m-k}) = 0,      p_k = ½ Re[e^{-i arg φ(0)} G_k(k/v)].
+
+A disturbance d_m = z^m obeys D(z) = Σ p_k (1 - z^{-k}) = 0. The zero z = 1 is a shift of the front
+in time. The front is linearly stable if every other zero, a *multiplier* per site, has |z| < 1 and
+|φ| passes the threshold at a finite rate, Σ p_k > 0.
+
+With w = 1/z, D = (1 - w) E(w), E(w) = Σ_j q_j w^j, q_j = Σ_{k > j} p_k. Zeros of E inside a circle
+are counted by its winding number, on so many points that a Lipschitz bound excludes a miscount.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from theory.piecewise.dispersion import FloatArray, onsite
+from theory.piecewise.sums.rules import sum_at
+
+_EPS = float(np.finfo(float).eps)
+_SMALLEST_TERM = 1e-30
+"""e^{-K/2v} of the last term; on the largest circle searched its root remains."""
+_MAX_PRODUCTS = 30_000_000
+"""Terms times points of the mean over κ, at most: about a third of a second."""
+_MAX_POINTS = 1 << 20
+_AT_ONCE = 1 << 16
+"""Powers of u that are held in memory."""
+_CIRCLES = 14
+_LARGEST_LOGARITHM = 700.0
+"""Of a number that, times coefficients of E and their count, does not overflow."""
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """The polynomial E(w) of one front, without the zero w = 1 of a shift in time.
+
+    Attributes
+    ----------
+    q : ndarray of float, shape (K,)
+        Its coefficients, dimensionless.
+    uncertainty : float
+        What rounding, and the terms left out, change E by where |w| < e^{1/4v}.
+    """
+
+    q: FloatArray
+    uncertainty: float
+
+    @classmethod
+    def of(cls, v: float, c: float) -> Symbol | None:
+        """Return it for the front of velocity v at coupling c; None if it has too many terms."""
+        speed = abs(v)
+        terms = terms_at(speed)
+        points = _mean_points(terms, speed, c)
+        if terms * points > _MAX_PRODUCTS:
+            return None
+        p = symbol_coefficients(v, c, terms, points)
+        # Of u^k half a unit of rounding each, Σ_k k² e^{-k/4v}; the terms left out add
+        # e^{-K/4v} = 1e-15.
+        return cls(np.cumsum(p[::-1])[::-1].copy(), _EPS * (1.0 + 4.0 * speed) ** 3)
+
+    def zeros_within(self, radius: float) -> int | None:
+        """Return the number of zeros of E(w) in |w| < radius; None if one is too near the circle.
+
+        The winding number over M points is right if |E| at each of them exceeds what E can change
+        by to the middle between neighbours, half a step times the bound Σ j |q_j| ρ^{j-1} of |E'|.
+        """
+        order = np.arange(self.q.size)
+        with np.errstate(over="ignore"):
+            scaled = self.q * radius**order
+            slope = float(np.sum(np.abs(scaled) * order)) / radius
+        points = 1 << math.ceil(math.log2(8 * self.q.size))
+        while points <= _MAX_POINTS:
+            values = np.fft.rfft(scaled, points)  # the other half are the complex conjugates
+            least = float(np.abs(values).min()) - self.uncertainty
+            if least <= 0.0:
+                return None
+            if least > slope * math.pi * radius / points:
+                turns = np.sum(np.angle(values[1:] / values[:-1])) / np.pi
+                return abs(round(float(turns)))
+            points *= 4
+        return None
+
+    def nearest_zero(self, reach: float) -> tuple[complex, float] | None:
+        """Return the zero of E nearest w = 0 within ``reach``, and its error; or None.
+
+        Newton starts from where |E| is least on circles of growing radius. A zero counts as the
+        nearest once the winding number excludes any in a circle a thousandth smaller.
+        """
+        q, slope = self.q, _slope(self.q)
+        count = 1 << math.ceil(math.log2(4 * q.size))
+        for radius in np.geomspace(0.1, 1.0, _CIRCLES) * reach:
+            values = np.abs(np.fft.ifft(q * radius ** np.arange(q.size), count))[: count // 2 + 1]
+            beside = np.r_[np.inf, values, np.inf]
+            least = np.flatnonzero((values <= beside[:-2]) & (values <= beside[2:]))
+            starts = radius * np.exp(2j * np.pi * least[np.argsort(values[least])[:6]] / count)
+            zeros = _newton(q, slope, starts, reach)
+            if zeros.size == 0:
+                continue
+            w = complex(zeros[np.argmin(np.abs(zeros))])
+            if abs(w) <= 1.5 * radius and self.zeros_within(0.999 * abs(w)) == 0:
+                value, derivative = (abs(_polynomial(each, w)[0]) for each in (q, slope))
+                return w, 2.0 * (self.uncertainty + value) / derivative + 4.0 * _EPS * abs(w)
+        return None
+
+    def zero_near(self, w: complex) -> complex:
+        """Return the zero of E to which Newton's method goes from w; NaN if it goes to none."""
+        zeros = _newton(self.q, _slope(self.q), np.array([w]), 4.0)
+        return complex(zeros[0]) if zeros.size else complex(math.nan)
+
+    def slope_at(self, w: complex) -> float:
+        """Return |E'(w)|."""
+        return float(abs(_polynomial(_slope(self.q), w)[0]))
+
+
+def symbol_coefficients(v: float, c: float, terms: int, points: int | None = None) -> FloatArray:
+    """Return p_1 … p_K of the symbol.
+
+    Parameters
+    ----------
+    v, c : float
+        Velocity v̂, negative where the excited state retreats, and coupling, dimensionless.
+    terms : int
+        K.
+    points : int, optional
+        Points of the mean over κ; so many by default that aliasing is below rounding.
+
+    Returns
+    -------
+    ndarray of float, shape (K,)
+        Dimensionless; accurate to rounding, since G_k(k/v) is the mean of u^k with
+        u = e^{iκ - A(κ)/v} over equispaced κ, up to J_{N-k}(ck/v).
+
+    Examples
+    --------
+    >>> symbol_coefficients(0.3, 0.5, 2).round(6).tolist()
+    [0.024735, 0.003119]
+    """
+    speed = abs(v)
+    count = _mean_points(terms, speed, c) if points is None else points
+    kappa = 2.0 * np.pi * np.arange(count) / count
+    u = np.exp(1j * kappa - onsite(kappa + 0j, c) / speed)
+    at_threshold = -0.5 * sum_at(speed, c, 1e-15, False)[0]
+    if v < 0:  # 1 - φ advances, and |φ| falls below the threshold where its sites switch
+        at_threshold = 1.0 - at_threshold
+    turn = cmath.exp(-1j * cmath.phase(at_threshold))
+    means = np.empty(terms, dtype=complex)
+    rows = min(terms, max(1, _AT_ONCE // count))
+    powers = np.empty((rows, count), dtype=complex)
+    before = np.ones_like(u)
+    for first in range(0, terms, rows):
+        some = powers[: terms - first]
+        for power in some:
+            before = np.multiply(before, u, out=power)
+        means[first : first + rows] = np.add.reduce(some, axis=1)  # each alone takes twice as long
+    coefficients: FloatArray = 0.5 * np.real(turn * (means / count))
+    return coefficients
+
+
+def terms_at(speed: float) -> int:
+    """Return K, the number of terms of the symbol at |v| = ``speed``."""
+    return max(2, math.ceil(-2.0 * speed * math.log(_SMALLEST_TERM)))
+
+
+def _mean_points(terms: int, speed: float, c: float) -> int:
+    """Return N with |J_n(ck/v)| ≤ (w/n)^n below 1e-20, n = N - k, w = e ck/2v, for every k ≤ K.
+
+    As (1 + x) ln(1 + x) ≥ x, the logarithm of the bound is at most w - n, and 1e-20 is e^{-46.1}.
+    """
+    return 1 << math.ceil(math.log2(terms + 46.1 + 0.5 * math.e * c * terms / speed))
+
+
+def _newton(
+    q: FloatArray, slope: FloatArray, starts: npt.NDArray[np.complex128], reach: float
+) -> npt.NDArray[np.complex128]:
+    """Return the zeros within ``reach`` to which Newton's method goes from these points.
+
+    A point is given up beyond twice the reach, or where its highest power would overflow. From a
+    place where E' is next to nothing, as where v is small and E is constant, it is gone at once.
+    """
+    farthest = min(2.0 * reach, math.exp(_LARGEST_LOGARITHM / q.size))
+    w = np.array(starts, dtype=complex)
+    step = np.full(w.shape, np.inf, dtype=complex)
+    for _ in range(40):
+        moving = np.flatnonzero((np.abs(step) > 4.0 * _EPS * np.abs(w)) & (np.abs(w) < farthest))
+        if moving.size == 0:
+            break
+        value, derivative = _polynomial(q, w[moving]), _polynomial(slope, w[moving])
+        gone = np.abs(value) >= 4.0 * reach * np.abs(derivative)
+        w[moving[gone]] = np.inf
+        there = moving[~gone]
+        step[there] = value[~gone] / derivative[~gone]
+        w[there] -= step[there]
+    zeros: npt.NDArray[np.complex128] = w[(np.abs(w) < reach) & (np.abs(step) < 1e-9 * np.abs(w))]
+    return zeros
+
+
+def _polynomial(
+    coefficients: FloatArray, w: npt.NDArray[np.complex128] | complex
+) -> npt.NDArray[np.complex128]:
+    """Return Σ coefficients_j w^j."""
+    powers = np.empty((coefficients.size, np.size(w)), dtype=complex)
+    powers[0], powers[1:] = 1.0, w
+    np.multiply.accumulate(powers, axis=0, out=powers)
+    values: npt.NDArray[np.complex128] = coefficients.astype(complex) @ powers
+    return values
+
+
+def _slope(q: FloatArray) -> FloatArray:
+    """Return the coefficients of E'."""
+    return np.arange(1, q.size) * q[1:]

@@ -332,6 +332,49 @@ def test_a_cell_without_cycles_or_too_far_from_averaging_is_refused(
         own(**changes)
 
 
+@pytest.mark.parametrize(
+    ("damping", "stiffness", "eps"),
+    [
+        ("1 - 3.3097*y**2 + 1.35452*y**4", "y + 0.1*y**3", 3.66872),
+        ("1 - v**2 + 0.01*v**4", "y", 2.5),
+    ],
+    ids=["to rest", "to infinity"],
+)
+def test_a_turn_that_never_ends_leads_to_one_sentence(
+    damping: str, stiffness: str, eps: float
+) -> None:
+    """Rest of ε > 2 is a node: what starts beside it creeps there without turning."""
+    chain = OscillatorChain(damping=damping, stiffness=stiffness, c=0.0, eps=eps)
+    with pytest.raises(ParameterError, match="small parameter eps"):
+        cell(chain, tolerance=1e-6)
+
+
+def test_the_cycles_around_a_node_close_in_scipy() -> None:
+    """Also where one of the two searched ends creeps to rest."""
+    found = cell(
+        OscillatorChain(damping="1 - y**2 + 0.1*y**4", c=0.0, eps=2.2), tolerance=1e-9
+    )  # fmt: skip
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 1.0 - y**2 + 0.1 * y**4, np.zeros((1, 1)), c=0.0, eps=2.2
+    )
+    assert found.status is CellStatus.BISTABLE
+    assert found.stable is not None
+    assert found.unstable is not None
+    for each, ahead in ((found.stable, 1.0), (found.unstable, -1.0)):
+        # Time runs backwards where the cycle repels: nothing that is off grows.
+        times = np.array([0.0, ahead * each.period])
+        back = states_by_scipy(rate, np.array([each.max, 0.0]), times, 1e-13)[-1]
+        assert np.abs(back - [each.max, 0.0]).max() <= 3.0 * each.error
+
+
+def test_no_multiplier_is_given_that_differences_do_not_resolve() -> None:
+    """By Liouville it is 661 at ε = 1, where the central difference alone gives 781."""
+    for eps, resolved in ((0.3, True), (1.0, False)):
+        found = own(damping="1 - 4*y**2 + 0.5*y**4", eps=eps).unstable
+        assert found is not None
+        assert (found.multiplier is not None) is resolved
+
+
 def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str]) -> None:
     given = ["cell", "chain", "--damping", "y**2 - 1", "--eps", "1"]
     assert main([*given, "--json"]) == 0

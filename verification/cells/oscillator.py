@@ -31,6 +31,10 @@ _WIDTHS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4)
 """Relative distances from the limit of ε → 0 at which the cycle is looked for."""
 _SHIFT = 1e-4
 """Relative step of the difference that gives the multiplier."""
+_CURVED = 1e-2
+"""Relative difference of the two one-sided differences from which they resolve no multiplier."""
+_CLOSED = 1e-3
+"""Relative distance of a fixed point from where its turn ends, above which it is a jump."""
 
 
 def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell:
@@ -127,7 +131,11 @@ class _Turn:
 
 
 def _turn(chain: OscillatorChain, y: float, period: float, tolerance: float) -> _Turn:
-    """Return the turn that begins at rest at y."""
+    """Return the turn that begins at rest at y.
+
+    A motion that creeps to rest without turning ends at 0, one that leaves all bounds at infinity;
+    neither has a period.
+    """
     cell, eps = chain.cell, chain.eps
 
     def rate(_: float, z: FloatArray) -> list[float]:
@@ -135,14 +143,16 @@ def _turn(chain: OscillatorChain, y: float, period: float, tolerance: float) -> 
         force = float(cell.stiffness_at(at[0])[0])
         return [z[1], -force - eps * z[1] * float(cell.damping_at(*at)[0])]
 
-    run = solve_ivp(
-        rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(Maximum(), _Minimum()),
-        rtol=tolerance, atol=1e-2 * tolerance * y,
-        max_step=period / 30.0 * longest_step(tolerance),
-    )  # fmt: skip
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = solve_ivp(
+            rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(Maximum(), _Minimum()),
+            rtol=tolerance, atol=1e-2 * tolerance * y,
+            max_step=period / 30.0 * longest_step(tolerance),
+        )  # fmt: skip
     lowest: list[FloatArray] = list(run.y_events[1]) if run.y_events is not None else []
     if run.status != 1 or not lowest:
-        raise ArithmeticError(f"no maximum follows y = {y:g}")
+        rests = run.status == 0 and abs(run.y[0, -1]) < y
+        return _Turn(top=0.0 if rests else math.inf, bottom=math.nan, period=math.inf)
     bottom = float(lowest[0][0])
     return _Turn(top=float(run.y[0, -1]), bottom=bottom, period=float(run.t[-1]))
 
@@ -158,15 +168,17 @@ def _cycle(chain: OscillatorChain, at: int, tolerance: float) -> Cycle:
     )
     shift = _SHIFT * fine
     ahead, behind = (
-        _turn(chain, fine + each, limits[at].period, tolerance).top for each in (shift, -shift)
+        (_turn(chain, fine + each, limits[at].period, tolerance).top - turn.top) / each
+        for each in (shift, -shift)
     )
+    resolved = abs(ahead - behind) < _CURVED * max(1.0, abs(ahead))
     gaps = (fine - coarse, turn.bottom - other.bottom, turn.period - other.period)
     return Cycle(
         max=fine,
         min=turn.bottom,
         period=turn.period,
         slip_time=turn.period,
-        multiplier=(ahead - behind) / (2.0 * shift),
+        multiplier=0.5 * (ahead + behind) if resolved else None,
         averaged=limits[at].amplitude,
         error=max(*(abs(each) for each in gaps), ROUNDING * turn.period),
     )
@@ -191,12 +203,16 @@ def _fixed(chain: OscillatorChain, at: int, tolerance: float) -> float:
     high = math.sqrt(amplitudes[at + 1] * guess) if at + 1 < len(amplitudes) else math.inf
 
     def growth(y: float) -> float:
-        return _turn(chain, y, period, tolerance).top / y - 1.0
+        top = _turn(chain, y, period, tolerance).top
+        return top / y - 1.0 if math.isfinite(top) else 1.0
 
     for width in _WIDTHS:
         ends = max(low, guess * (1.0 - width)), min(high, guess * (1.0 + width))
         if growth(ends[0]) * growth(ends[1]) < 0.0:
-            return float(brentq(growth, *ends, xtol=1e-14 * guess, rtol=1e-14))
+            found = float(brentq(growth, *ends, xtol=1e-14 * guess, rtol=1e-14))
+            if abs(growth(found)) < _CLOSED:
+                return found
+            break
     raise ParameterError(
         "small parameter eps", chain.eps, "small enough for averaging to point at the cycles",
         "take a smaller eps, or parameters further from where cycles meet",

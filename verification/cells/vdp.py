@@ -214,7 +214,7 @@ def _shoot(
             atol=1e-2 * tolerance, max_step=_STEP * longest_step(tolerance),
         )  # fmt: skip
         if run.status != 1:
-            raise ArithmeticError(f"no maximum follows y = {y:g}")
+            return 0.0, math.inf  # it creeps to rest without turning
         return float(run.y[0, -1]), float(run.t[-1])
 
     def growth(y: float) -> float:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
@@ -274,3 +275,35 @@ def test_wrong_nuclei_are_refused() -> None:
     ):
         with pytest.raises(ParameterError):
             make()
+
+
+def test_a_short_chain_is_solved_with_its_own_sites() -> None:
+    """In antiphase on a ring of five (34) has two unknowns, |φ| and Ω/c: scipy has the fold."""
+    a, b = 4.202370876211798, 2.087241963578165
+
+    def left(u: np.ndarray, c: float) -> np.ndarray:
+        r, omega = u
+        half = 0.5 * (1.0 - a * r * r / 4.0 + b * r**4 / 8.0)
+        beside = r * (3.0 - 2.0 * omega + 2j * half / c)
+        s = abs(beside) ** 2
+        damped = -0.5 * (1.0 - a * s / 4.0 + b * s * s / 8.0) * beside
+        gap = damped + 0.5j * c * (2.0 * beside - r) - 1j * c * omega * beside
+        return np.array([gap.real, gap.imag])
+
+    def slope(u: np.ndarray, c: float) -> float:
+        steps = 1e-6 * np.eye(2)
+        rows = [(left(u + each, c) - left(u - each, c)) / 2e-6 for each in steps]
+        return float(np.linalg.det(np.array(rows)))
+
+    u = np.array([math.sqrt((a / b) * (1.0 + math.sqrt(1.0 - 8.0 * b / a**2))), 1.5])
+    for c in np.linspace(0.02, 0.23, 43):
+        u = fsolve(left, u, args=(c,), xtol=1e-12)
+    fold = fsolve(
+        lambda z: [*left(z[:2], z[2]), slope(z[:2], z[2])], [*u, 0.231], xtol=1e-12
+    )  # fmt: skip
+    chain = VdpChain(a=a, b=b, c=0.0, sites=5, ends="periodic")  # type: ignore[arg-type]
+    found = breather_threshold(chain, Nucleus(2, "x"))
+    assert found.sites == 5
+    assert found.c == pytest.approx(fold[2], abs=1e-7)
+    with pytest.raises(ParameterError, match="at most the 5 sites"):
+        breather_threshold(chain, Nucleus(7, "000000"))

@@ -36,7 +36,8 @@ def breather_threshold(
     Parameters
     ----------
     chain : VdpChain, AveragedChain or OscillatorChain
-        Its c and N are not used; one of your own has sites that are alike, along a line.
+        Its c is not used; one of your own has sites that are alike, along a line. One with more
+        sites at rest beside the nucleus than ``margin`` is solved without the rest of them.
     nucleus : Nucleus
         Size, pattern, place.
     method : ThresholdMethod, optional
@@ -47,8 +48,8 @@ def breather_threshold(
     Raises
     ------
     ParameterError
-        If the pattern has no breather, the method is no continuation, or the branch does not fold
-        below c = 2.
+        If the nucleus is wider than the chain, the pattern has no breather, the method is no
+        continuation, or the branch does not fold below c = 2.
 
     Examples
     --------
@@ -95,10 +96,11 @@ def breather_threshold(
 
 
 def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -> Any:
-    """Return the chain whose breather is followed, with the nucleus and ``margin`` beside it."""
+    """Return the chain whose breather is followed: the nucleus and at most ``margin`` beside it."""
+    nucleus.first(chain.sites)  # refuses one that is wider
     # An edge needs the same rest on its one side.
     sides = 2 if nucleus.place is Place.BULK else 1
-    sites = nucleus.size + sides * margin
+    sites = min(chain.sites, nucleus.size + sides * margin)
     if isinstance(chain, OscillatorChain):
         if not chain.along_line or any(np.ndim(each) for each in chain.site_values.values()):
             raise ParameterError(

@@ -163,7 +163,7 @@ def site_list(text: str) -> tuple[int, ...]:
     try:
         if ":" in text:
             first, last = (_read(int, part) for part in text.split(":"))
-            if last - first < MAX_EXCITED:
+            if 0 <= last - first < MAX_EXCITED:
                 return tuple(range(first, last + 1))
         else:
             return tuple(_read(int, part) for part in text.split(","))

@@ -90,6 +90,7 @@ def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
         ("simulate vdp --seed 3", "seed"),
         ("simulate vdp --perturbation 0.1 --seed -3", "seed"),
         ("simulate vdp --excite 1:99999999999", "--excite"),
+        ("simulate vdp --excite 16:14", "--excite"),
         ("stress --list --work-reduction", "--list"),
         ("stress --list --record", "--record"),
         ("stress --work-reduction --points 5", "--points"),

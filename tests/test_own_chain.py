@@ -398,3 +398,11 @@ def test_the_command_line_refuses_in_one_sentence(
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_no_digit_of_a_uniform_spread_is_lost() -> None:
+    spread = 0.123456789012345
+    chain = OscillatorChain(
+        damping="k*y**2 - 1", c=0.1, values={"k": 1.0}, disorder={"k": f"uniform:{spread!r}"}
+    )
+    assert chain.disorder["k"] == f"uniform:{spread!r}"

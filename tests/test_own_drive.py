@@ -126,6 +126,8 @@ def test_arrivals_and_velocity_of_a_driven_front_are_those_of_scipy() -> None:
         ("1,1@8:10", "site of the drive = 10"),
         ("1,1@", "drive"),
         ("1,1@x", "0.1,1.2@1,4:6"),
+        ("1,1@2:", "0.1,1.2@1,4:6"),
+        ("1,1@1,6:4", "0.1,1.2@1,4:6"),
         ({"amplitude": 1.0}, "drive"),
         ({"amplitude": 1, "frequency": 1, "sites": []}, "sites of the drive"),
         (3.0, "drive = 3.0"),

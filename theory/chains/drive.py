@@ -130,8 +130,11 @@ def _places(given: Any, sites: int) -> tuple[int, ...]:
 
 def _run(text: str) -> range:
     """Return the sites of ``4`` or ``4:6``."""
-    first, _, last = text.partition(":")
+    first, colon, last = text.partition(":")
     try:
-        return range(int(first), int(last or first) + 1)
+        found = range(int(first), int(last if colon else first) + 1)
     except ValueError:
         raise _refused(repr(text)) from None
+    if not found:
+        raise _refused(repr(text))
+    return found

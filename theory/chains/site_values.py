@@ -112,7 +112,7 @@ def _checked_spread(name: str, given: Any) -> float | str:
             f"disorder of {name}", given, "a number from 0 to 1, or uniform:0.1",
             "give a relative spread",
         )  # fmt: skip
-    return f"uniform:{spread:g}" if kind == "uniform" else spread
+    return f"uniform:{spread!r}" if kind == "uniform" else spread
 
 
 def relative_spread(spread: float | str, sites: int, seed: Sequence[int]) -> FloatArray:

@@ -185,7 +185,7 @@ _SIMULATE = "simulate vdp --a 4 --b 0.5 --c 0.6 --excite 1 --t-end 10"
         (f"{_SIMULATE} --eps 0", "eps"),
         (f"{_SIMULATE} --eps -1", "eps"),
         (f"{_SIMULATE} --excite 40", "excited site"),
-        (f"{_SIMULATE} --excite 5:2", "excited sites"),
+        (f"{_SIMULATE} --excite 5:2", "--excite = 5:2"),
         (f"{_SIMULATE} --out /nowhere/run.npz", "/nowhere"),
         (f"{_SIMULATE} --out run.txt", "run.txt"),
         (f"{_SIMULATE} --displacement 1e9", "displacement"),

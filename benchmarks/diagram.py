@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -28,7 +27,7 @@ _STRIP = 0.02
 
 
 def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> None:
-    """Write ``<name>.svg``, ``.png`` and ``.csv``."""
+    """Write ``<name>.svg`` and ``<name>.csv``."""
     problems = list(dict.fromkeys(point.problem for point in points))
     two = max(map(len, style.methods)) <= _SHORT
     lines = (len(style.methods) + 3) // (2 if two else 1)
@@ -72,11 +71,8 @@ def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> 
 def write_picture(
     name: str, caption: str, figure: Figure, data: Mapping[str, Column], folder: Path
 ) -> None:
-    """Write a figure as ``<name>.svg`` and ``.png``, and its data as ``<name>.csv``."""
-    image = io.BytesIO()
-    figure.savefig(image, format="png", dpi=200, metadata={"Software": None})
+    """Write a figure as ``<name>.svg``, and its data as ``<name>.csv``."""
     drawn = picture(name, figure, data, caption=caption, guides=True)
-    write_bytes(folder / f"{name}.png", image.getvalue())
     write_bytes(folder / f"{name}.svg", drawn.svg.encode())
     write_bytes(folder / f"{name}.csv", drawn.data.encode())
 

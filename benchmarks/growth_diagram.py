@@ -21,7 +21,7 @@ Line = Mapping[str, Any]
 
 
 def draw_growth(lines: Sequence[Line], folder: Path) -> None:
-    """Write ``growth.svg``, ``.png`` and ``.csv``; the slope expected is drawn beside the fit.
+    """Write ``growth.svg`` and ``growth.csv``; the slope expected is drawn beside the fit.
 
     Parameters
     ----------

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fronts.piecewise.kinetic_relation import kinetic_relation
+from theory.result import Result
 from verification.execution.points import Grid, Point
 from verification.execution.sweep import sweep
 
@@ -34,6 +36,43 @@ class Slow:
             "count": int(10 * value),
             "odd": int(point.number("x")) % 2 == 1,
         }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sometimes(Result):
+    """A result with entries that are nothing, or a list, at some points."""
+
+    count: int | None
+    odd: bool | None
+    reason: str | None
+    basin: list[float] | None
+    never: float | None = None
+
+
+def sometimes(point: Point) -> Sometimes:
+    known = point["x"] in (1, 3)
+    return Sometimes(
+        count=int(point.number("x")) if known else None,
+        odd=True if known else None,
+        reason='one, "twice"' if known else None,
+        basin=[0.0, 1.0] if point["x"] == 3 else None,
+    )
+
+
+@dataclass(frozen=True)
+class Later:
+    """`sometimes`, which fails at the last point until the file ``mark`` is there."""
+
+    mark: str
+
+    def __call__(self, point: Point) -> Sometimes:
+        if point["x"] == 3 and not Path(self.mark).exists():
+            raise ZeroDivisionError("not yet")
+        return sometimes(point)
+
+
+def kinetic(point: Point) -> Result:
+    return kinetic_relation(c=point.number("c"), eta=point.number("eta"))
 
 
 def failing(point: Point) -> dict[str, float]:

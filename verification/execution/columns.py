@@ -2,8 +2,9 @@
 
 A cell is a truth value, a number, a word, or an array of numbers, of one shape in the whole column.
 A column has the narrowest type that holds all its cells, whatever their order: truth values,
-integers, or floats. While it is filled, a column of words keeps each of them once. Arrays
-may lie in a file, so that memory does not bound their size.
+integers, or floats. A cell may be missing: it is nan among numbers and empty among words, and a
+column of which every cell is missing is left out. While it is filled, a column of words keeps each
+of them once. Arrays may lie in a file, so that memory does not bound their size.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ from verification.execution.files import file_error
 Scalar: TypeAlias = bool | int | float | str
 """A coordinate of a point, or a cell of CSV."""
 Array: TypeAlias = npt.NDArray[Any]
-Cell: TypeAlias = Scalar | Array
-"""What a table may hold in one place."""
+Cell: TypeAlias = Scalar | Array | None
+"""What a table may hold in one place; None if it is missing."""
 
-FORBIDDEN = ',"#\r\n'
-"""Characters that some reader of CSV would take for something else."""
+FORBIDDEN = "#\r\n"
+"""Characters that a reader of CSV takes for a comment or a new row, between quotes too."""
 
 _TYPES: dict[str, Any] = {"b": np.bool_, "i": np.int64, "f": np.float64, "U": np.int64}
 _KINDS = {bool: "b", int: "i", float: "f", str: "U"}
@@ -105,6 +106,8 @@ def from_json(stored: Any) -> Cell:
     TypeError, ValueError, KeyError
         If it did not.
     """
+    if stored is None:
+        return None
     if not isinstance(stored, dict):
         return plain(stored)
     little = np.dtype(_TYPES[stored["kind"]]).newbyteorder("<")
@@ -136,6 +139,14 @@ class Columns:
     >>> columns.put(0, {"c": 1, "label": "front"})
     >>> columns.arrays()
     {'c': array([1. , 2.5]), 'label': array(['front', 'breather'], dtype='<U8')}
+
+    A cell that is missing:
+
+    >>> columns = Columns(2)
+    >>> columns.put(0, {"v": None, "period": None})
+    >>> columns.put(1, {"v": 3, "period": None})
+    >>> columns.arrays()
+    {'v': array([nan,  3.])}
     """
 
     def __init__(self, count: int, *, flat: bool = False, folder: Path | None = None) -> None:
@@ -158,8 +169,7 @@ class Columns:
         """
         if not self._columns:
             self._columns = {
-                name: _Column(name, self.filled.size, cell, self._flat, self._folder)
-                for name, cell in row.items()
+                name: _Column(name, self.filled.size, self._flat, self._folder) for name in row
             }
         elif row.keys() != self._columns.keys():
             raise ParameterError(
@@ -171,8 +181,8 @@ class Columns:
         self.filled[index] = True
 
     def arrays(self) -> dict[str, Array]:
-        """Return the columns by name, read-only."""
-        return {name: column.array() for name, column in self._columns.items()}
+        """Return the columns by name, read-only, without those of which every cell is missing."""
+        return {name: each.array() for name, each in self._columns.items() if not each.empty}
 
 
 def column_of(name: str, cells: Collection[Cell]) -> Array:
@@ -183,11 +193,10 @@ def column_of(name: str, cells: Collection[Cell]) -> Array:
     >>> column_of("c", [1, 2.5])
     array([1. , 2.5])
     """
-    column = None
+    column = _Column(name, len(cells))
     for index, cell in enumerate(cells):
-        column = column or _Column(name, len(cells), cell)
         column.put(index, cell)
-    return np.empty(0) if column is None else column.array()
+    return column.array()
 
 
 def on_disk(shape: Sequence[int], kind: npt.DTypeLike, folder: Path) -> Array:
@@ -239,26 +248,32 @@ class _Column:
     """One column that is being filled; words are numbered in the order in which they come."""
 
     def __init__(
-        self, name: str, count: int, first: Cell, flat: bool = False, folder: Path | None = None
+        self, name: str, count: int, flat: bool = False, folder: Path | None = None
     ) -> None:
         if not name.isidentifier():
             raise ParameterError(
                 "column name", repr(name), "letters, digits and underscores", "rename the result"
             )
-        self.name, self.shape, self._kind = name, np.shape(first), _kind(first)
-        if self.shape and flat:
-            raise ParameterError(
-                f"column {name}", f"an array of shape {self.shape}",
-                "one number or word a point where the table is CSV",
-                "name a file ending in .zarr or .npz",
-            )  # fmt: skip
-        self._folder = folder if self.shape else None
-        self._values = self._zeros((count, *self.shape), _TYPES[self._kind])
+        self.name, self.shape = name, tuple[int, ...]()
+        self._flat, self._folder = flat, folder
+        self._kind = ""  # until a cell is there
+        self._values: Array = np.full(count, np.nan)
         self._words: dict[str, int] = {}
+        self._missing: list[int] = []
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is no cell."""
+        return not self._kind
 
     def put(self, index: int, cell: Cell) -> None:
+        if cell is None:
+            self._missing.append(index)
+            return
         kind = _kind(cell)
-        if kind != self._kind:
+        if self.empty:
+            self._begin(cell, kind)
+        elif kind != self._kind:
             self._widen(kind)
         if isinstance(cell, str):
             if cell not in self._words:
@@ -278,10 +293,33 @@ class _Column:
             ) from None
 
     def array(self) -> Array:
+        if self._missing:
+            self._fill()
         if self._kind != "U":
             return read_only(self._values)
         words = np.array(list(self._words), dtype=str)
         return read_only(words[self._values])
+
+    def _fill(self) -> None:
+        """Put what stands for a missing cell where one is."""
+        if self._kind == "U":
+            self._values[self._missing] = self._words.setdefault("", len(self._words))
+        elif not self.empty:
+            self._widen("f")
+            self._values[self._missing] = np.nan
+        self._missing = []
+
+    def _begin(self, cell: Cell, kind: str) -> None:
+        """Make room for cells like the first."""
+        self.shape = cell.shape if isinstance(cell, np.ndarray) else ()
+        self._kind = kind
+        if self.shape and self._flat:
+            raise ParameterError(
+                f"column {self.name}", f"an array of shape {self.shape}",
+                "one number or word a point where the table is CSV",
+                "name a file ending in .zarr or .npz",
+            )  # fmt: skip
+        self._values = self._zeros((len(self._values), *self.shape), _TYPES[kind])
 
     def _widen(self, kind: str) -> None:
         if "U" in (kind, self._kind):
@@ -295,7 +333,7 @@ class _Column:
             self._values[...] = narrow
 
     def _zeros(self, shape: tuple[int, ...], kind: npt.DTypeLike) -> Array:
-        if self._folder is None:
+        if self._folder is None or not self.shape:
             return np.zeros(shape, dtype=kind)
         return on_disk(shape, kind, self._folder)
 
@@ -303,8 +341,8 @@ class _Column:
         if not word or word != word.strip() or any(sign in word for sign in FORBIDDEN):
             raise ParameterError(
                 f"word in column {self.name}", repr(word),
-                "one that no reader of CSV misread: without commas, quotes, #, ends of lines, or "
-                "blanks at its ends",
+                "one that no reader of CSV would misread: without #, ends of lines, or blanks at "
+                "its ends",
                 "replace them",
             )  # fmt: skip
 

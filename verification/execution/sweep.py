@@ -24,6 +24,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from theory.parameters import ParameterError, need_instance, truth
+from theory.result import is_cell
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
 from verification.execution.digest import code_of_objects
 from verification.execution.interruption import terminated_as_interrupted
@@ -49,9 +50,9 @@ from verification.execution.task import code_owners, parameters_of, task_name
 
 Task: TypeAlias = Callable[[Point], Any]
 """From a point to its results: a mapping of names to numbers, words or arrays of numbers, one such
-value, or a result with ``to_dict``, of which the numbers and words count. Importable by name (a
-function of a module, or a frozen dataclass with ``__call__``) where there is more than one
-worker."""
+value, or a result with ``to_dict``, of which the numbers and words count: one that is None at some
+points is nan or empty there. Importable by name (a function of a module, or a frozen dataclass with
+``__call__``) where there is more than one worker."""
 
 
 class SweepError(RuntimeError):
@@ -306,12 +307,10 @@ class _Cells:
     def __call__(self, point: Point) -> dict[str, Cell]:
         result = self.function(point)
         if hasattr(result, "to_dict"):
-            result = {
-                name: value
-                for name, value in result.to_dict().items()
-                if isinstance(value, bool | int | float | str)
+            return {
+                name: value if is_cell(value) else None for name, value in result.to_dict().items()
             }
-        elif not isinstance(result, Mapping):
+        if not isinstance(result, Mapping):
             result = {"value": result}
         return {str(name): cell_of(value) for name, value in result.items()}
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +17,8 @@ from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result, optional_package
 from verification.execution.columns import (
     Array,
+    Cell,
     Columns,
-    Scalar,
     cell_of,
     on_disk,
     python_rows,
@@ -267,18 +268,18 @@ def _read(
         # np.load leaves a file open that it opened itself and cannot read.
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             return {name: read_only(file[name]) for name in columns}
-    reads: dict[str, Callable[[str], Scalar]] = {
+    reads: dict[str, Callable[[str], Cell]] = {
         "f": float,
         "i": int,
-        "U": str,
+        "U": lambda word: word or None,
         "b": lambda word: word == "True",
     }
     kinds = {name: reads[kind] for name, kind in columns.items()}
     filled = Columns(count)
     with path.open(encoding="utf-8", newline="") as file:
         next(file)
-        for index, line in zip(range(count), file, strict=False):
-            cells = zip(kinds.items(), line.rstrip("\n").split(","), strict=True)
+        for index, row in enumerate(csv.reader(islice(file, count))):
+            cells = zip(kinds.items(), row, strict=True)
             filled.put(index, {name: read(cell) for (name, read), cell in cells})
         for line in file:
             if not line.startswith("#"):

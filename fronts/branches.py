@@ -78,14 +78,6 @@ class Branch(Curve):
     square_root: float | None = None
     kappa: float | None = None
 
-    def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a point; of breathers also the amplitude at the ``centre``."""
-        outward = [getattr(point, "outward", np.empty(0)) for point in self.points]
-        if not any(each.size for each in outward):
-            return super().columns()
-        centre = np.array([each[0] if each.size else np.nan for each in outward])
-        return super().columns() | {"centre": centre}
-
     def to_dict(self) -> dict[str, Any]:
         """Return the points, the folds, and of fronts the two ends of the branch."""
         found = super().to_dict() | {"folds": [fold.to_dict() for fold in self.folds]}

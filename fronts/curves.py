@@ -68,20 +68,20 @@ class Curve(Result):
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a value: the parameter, then every number and word of the result there.
 
-        Of a result that is held by that of a point the columns have its name before theirs, as in
-        ``stable_cycle_max``.
+        A result that holds several, one a method, has a row for each of them. Of a result that is
+        part of that of a point the columns have its name before theirs: ``stable_cycle_max``.
         """
-        rows = [point.row() for point in self.points]
-        names = list(dict.fromkeys(name for row in rows for name in row))
+        rows = [
+            {**row, self.along: float(value)}
+            for value, point in zip(self.values, self.points, strict=True)
+            for row in point.rows()
+        ]
         # What is None at some points and a list, a mapping or a result at others has no column.
         listed = {name for row in rows for name, value in row.items() if not is_cell(value)}
-        parts = {
-            name
-            for name in names
-            if not all(name in row for row in rows) and all(row.get(name) is None for row in rows)
-        }
-        names = [name for name in names if name not in {self.along, *listed, *parts}]
-        table = {self.along: np.asarray(self.values)}
+        parts = {name for point in self.points for name in point.parts()}
+        every = dict.fromkeys([self.along, *(name for row in rows for name in row)])
+        names = [name for name in every if name not in listed | parts]
+        table = {}
         for name in names:
             cells = [row.get(name) for row in rows]
             numbers = all(

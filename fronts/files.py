@@ -91,12 +91,12 @@ class Listing(Result):
     ----------
     payload : mapping
         The answer as JSON has it.
-    rows : sequence of mapping
+    listed : sequence of mapping
         One a row, all with the same names.
     """
 
     payload: Mapping[str, Any]
-    rows: Sequence[Mapping[str, Any]]
+    listed: Sequence[Mapping[str, Any]]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as the command prints it with ``--json``."""
@@ -106,9 +106,9 @@ class Listing(Result):
         """Return one row a row; what is no number or text is written as JSON."""
         import numpy as np
 
-        names = list(self.rows[0]) if self.rows else []
+        names = list(self.listed[0]) if self.listed else []
         return {
-            name: np.array([_simple(row[name]) for row in self.rows], dtype=object)
+            name: np.array([_simple(row[name]) for row in self.listed], dtype=object)
             for name in names
         }
 

@@ -114,7 +114,7 @@ def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, An
     from fronts.files import Listing, write_result
 
     found: Any = answer.payload[rows]
-    write_result(out, Listing(payload=answer.payload, rows=found), parameters)
+    write_result(out, Listing(payload=answer.payload, listed=found), parameters)
     return replace(answer, text=beside_files(answer.text, [out]))
 
 

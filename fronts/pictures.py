@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fronts.wording import error_name
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -144,20 +146,29 @@ def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _curve(result: Any, axes: Axes, **style: Any) -> None:
-    """Draw what the points of a curve are about: their cycles, or the first of `CURVES`."""
+    """Draw what the points of a curve are about: their cycles, or the first of `CURVES`.
+
+    Of several methods each has a line of its own.
+    """
     table = result.columns()
     if "stable_cycle_max" in table:
         _cycles(table, result.along, axes, style)
         return
     name = next(each for each in CURVES if each in table)
     x, y = table[result.along], table[name].astype(float)
-    error = table.get("error")
-    shown = np.isfinite(y)
-    bars = None if error is None else np.nan_to_num(error.astype(float))[shown]
-    axes.errorbar(
-        x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, "color": BLUE, **style}
-    )
+    error = table.get(error_name(name, table))
+    known = np.isfinite(y)
+    methods = table.get("method", np.full(y.size, ""))
+    several = dict.fromkeys(methods[known].tolist())
+    for method in several:
+        shown = known & (methods == method)
+        look = {"label": method} if len(several) > 1 else {"color": BLUE}
+        bars = None if error is None else np.nan_to_num(error.astype(float))[shown]
+        axes.errorbar(
+            x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, **look, **style}
+        )
     axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
+    _explain(axes)
 
 
 def _cycles(
@@ -290,7 +301,7 @@ def _state_map(result: Any, axes: Axes, **style: Any) -> None:
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
-CURVES = ("v", "c_crit", "frequency", "effective_damping")
+CURVES = ("v", "c_crit", "centre", "effective_damping")
 """What is drawn over the parameter of a curve."""
 
 BRANCHES = ("v", "centre")

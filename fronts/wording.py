@@ -14,7 +14,7 @@ WIDTH = 100
 MAX_VALUES = 8
 """Of a longer list these are printed, and how many there are."""
 
-_MAIN = ("v", "c_crit", "re", "im")
+_MAIN = ("v", "c_crit", "re", "im", "centre", "neighbour")
 """Entries whose error is called ``error`` or ``radius`` where there is no ``<entry>_error``."""
 
 _JUDGED = ("stable", "admissible")
@@ -81,7 +81,7 @@ def _judged(row: Mapping[str, Any]) -> dict[str, Any]:
 def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str]:
     tables = {name: rows for name, value in entries.items() if (rows := _rows(value))}
     beside = {
-        _error_name(name, entries) for name, each in entries.items() if isinstance(each, float)
+        error_name(name, entries) for name, each in entries.items() if isinstance(each, float)
     }
     width = max((len(name) for name in entries if name not in beside | {*tables}), default=0)
     for name, value in entries.items():
@@ -89,7 +89,7 @@ def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str
             yield f"{name}:"
             yield from table_lines(tables[name], units)
         elif name not in beside:
-            error = entries.get(_error_name(name, entries))
+            error = entries.get(error_name(name, entries))
             if not isinstance(error, float):
                 error = None  # beside digits that are text it is text, with a line of its own
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
@@ -97,7 +97,14 @@ def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str
             yield f"{name:<{width}}  {_text(name, value, error)}{unit}{uncertain}"
 
 
-def _error_name(name: str, entries: Mapping[str, Any]) -> str:
+def error_name(name: str, entries: Mapping[str, Any]) -> str:
+    """Return the name of the entry that is the error of another; empty if there is none.
+
+    Examples
+    --------
+    >>> error_name("v", {"v": 0.5, "error": 1e-3}), error_name("growth", {"error": 1e-3})
+    ('error', '')
+    """
     names = (f"{name}_error", *(("error", "radius") if name in _MAIN else ()))
     return next((each for each in names if each in entries), "")
 
@@ -141,8 +148,10 @@ def table_lines(
 
 
 def _cell(name: str, row: Mapping[str, Any]) -> str:
-    error, value = row.get(_error_name(name, row)), row[name]
-    if error is not None and name not in _MAIN:
+    error, value = row.get(error_name(name, row)), row[name]
+    if _empty(error):
+        error = None
+    elif name not in _MAIN:
         error = max(error, abs(value) * 10.0**-_BESIDE)
     return _text(name, value, error)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import functools
 import importlib
 import json
@@ -27,7 +28,7 @@ from fronts.answer import Answer
 from fronts.bound import Bound
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
-from fronts.curves import Curve
+from fronts.curves import Curve, Refusal
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help
 from fronts.wording import WIDTH, in_words, table_lines
@@ -533,6 +534,49 @@ def test_a_single_cell_has_its_cycles_in_every_table(tmp_path: Path, capsys: Cap
     xarray = pytest.importorskip("xarray")
     stored = xarray.open_zarr(files[2])
     assert stored["stable_cycle_period"].values.tolist() == [answer["stable_cycle"]["period"]]
+
+
+def test_what_is_none_wherever_a_curve_has_an_answer_keeps_its_column() -> None:
+    """Beside a refusal, which has no such entry; a part that is None somewhere is no column."""
+
+    @dataclass(frozen=True, kw_only=True)
+    class Part(Result):
+        size: float
+
+    @dataclass(frozen=True, kw_only=True)
+    class Sought(Result):
+        v: float | None = None
+        part: Part | None = None
+
+    points = (Sought(), Refusal(reason="too stiff"), Sought(part=Part(size=2.0)))
+    found = Curve(along="c", values=np.arange(3.0), points=points, seconds=0.0).columns()
+    assert list(found) == ["c", "v", "status", "reason", "part_size"]
+    assert np.isnan(found["v"]).all()
+
+
+def test_a_curve_of_several_methods_has_a_row_for_each_with_its_amplitudes(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """As the methods alone at these couplings; digits of which no error is known are not said."""
+    paths = [tmp_path / "all.json", tmp_path / "all.csv", tmp_path / "all.png"]
+    line = ["breather", "--nucleus", "3", "--c", "0.1:0.2:2", "--method", "all", "--n", "7"]
+    assert main([*line, *(word for path in paths for word in ("--out", str(path)))]) == 0
+    with paths[1].open(encoding="utf-8", newline="") as file:
+        lines = [each for each in file if not each.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    points = json.loads(paths[0].read_text(encoding="utf-8"))["points"]
+    alone = [(point["c"], each) for point in points for each in point["methods"].values()]
+    assert [(float(row["c"]), row["method"], row["status"]) for row in rows] == [
+        (c, each["method"], each["status"]) for c, each in alone
+    ]
+    for row, (_, each) in zip(rows, alone, strict=True):
+        sites = [float(row[name]) for name in ("centre", "neighbour")]
+        expected = each["amplitudes"][:2] or [math.nan, math.nan]
+        np.testing.assert_array_equal(sites, expected)
+    unknown = next(each["amplitudes"][0] for _, each in alone if each["status"] == "unsettled")
+    text = capsys.readouterr().out
+    assert f"{unknown:.10g}" in text
+    assert f"{unknown:.11g}" not in text
 
 
 def test_of_a_curve_of_cells_the_rows_have_the_cycles() -> None:

@@ -114,6 +114,24 @@ def test_a_curve_has_bars_of_its_errors() -> None:
     assert list(shown[0].get_xdata()) == [0.0, 2.0, 3.0]
 
 
+def test_a_curve_of_breathers_has_the_bars_of_what_is_drawn_and_a_line_a_method() -> None:
+    """The amplitude has another error than the frequency."""
+    from fronts.curves import curve
+
+    couplings = [0.05, 0.15]
+    chains = [fr.VdpChain(a=2.5, b=0.5, c=c, sites=9) for c in couplings]
+    closed = curve(fr.breather, chains, "c", couplings, {"method": "closed-form"})
+    (shown,) = draw(closed).containers
+    points = [fr.breather(chain, method="closed-form") for chain in chains]
+    for segment, x, point in zip(shown[2][0].get_segments(), couplings, points, strict=True):
+        centre, error = point.amplitudes[4], point.error
+        assert error is not None
+        assert segment == pytest.approx(np.array([[x, centre - error], [x, centre + error]]))
+    every = draw(curve(fr.breather, chains, "c", couplings, {"method": "all"}))
+    names = [text.get_text() for text in every.get_legend().get_texts()]
+    assert names == ["closed-form", "envelope", "orbit", "simulation"]
+
+
 @pytest.mark.parametrize("along", ["c", "eta"])
 def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) -> None:
     values = {"c": [0.3, 0.5], "eta": [0.02, 0.03]}[along]

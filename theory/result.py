@@ -49,7 +49,7 @@ Decay(rate=0.5, error=1e-09, times=<2 floats>, values=<2 floats>)
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass
 from enum import Enum
 from importlib import import_module
@@ -144,16 +144,27 @@ class Result:
             Of a result that is part of this one the entries ``in_rows`` have its name before
             theirs. What is a list or a mapping stays as it is.
         """
-        parts = {each.metadata.get("json", each.name): each.name for each in _fields(self)}
+        parts = self.parts()
         cells: dict[str, Any] = {}
         for name, value in self.to_dict().items():
-            part = getattr(self, parts[name]) if name in parts else None
-            if isinstance(part, Result):
-                shown = part.in_rows or tuple(value)
+            if name in parts:
+                shown = parts[name].in_rows or tuple(value)
                 cells |= {f"{name}_{key}": value[key] for key in shown}
             else:
                 cells[name] = value
         return cells
+
+    def rows(self) -> Iterable[Mapping[str, Any]]:
+        """Return the rows that it has among the points of a curve: one, unless it holds several."""
+        return [self.row()]
+
+    def parts(self) -> dict[str, Result]:
+        """Return the entries of `to_dict` that are results themselves, by their keys there."""
+        held = (
+            (each.metadata.get("json", each.name), getattr(self, each.name))
+            for each in _fields(self)
+        )
+        return {str(key): part for key, part in held if isinstance(part, Result)}
 
     def plot(self, axes: Axes | None = None, **style: Any) -> Axes:
         """Draw the result with Matplotlib.

@@ -174,6 +174,11 @@ class Breather(Result):
             "phase_step": self.phase_step,
         }
 
+    def row(self) -> dict[str, Any]:
+        """Return the entries of one row, with the amplitudes at the centre and beside it."""
+        shown = dict(zip(("centre", "neighbour"), plain(self.outward), strict=False))
+        return super().row() | {"centre": None, "neighbour": None} | shown
+
 
 @dataclass(frozen=True, kw_only=True)
 class BreatherComparison(Result):
@@ -212,20 +217,19 @@ class BreatherComparison(Result):
         """Return what one method found."""
         return self.methods[method]
 
+    def rows(self) -> list[dict[str, Any]]:
+        """Return one row a method, those that refuse last, with their reason."""
+        refused = [
+            {"method": name, "status": "refused", "reason": reason}
+            for name, reason in self.refusals.items()
+        ]
+        return [*(each.row() for each in self.methods.values()), *refused]
+
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a method: status, centre, neighbour, frequency, growth, error, seconds."""
-        rows = list(self.methods.values())
-
-        def site(found: Breather, place: int) -> float:
-            return float(found.outward[place]) if found.outward.size > place else np.nan
-
-        columns: dict[str, list[Any]] = {
-            "method": [str(each.method) for each in rows],
-            "status": [str(each.status) for each in rows],
-            "centre": [site(each, 0) for each in rows],
-            "neighbour": [site(each, 1) for each in rows],
-        }
-        for name in ("frequency", "phase_step", "growth", "error", "frequency_error", "seconds"):
-            values = [getattr(each, name) for each in rows]
-            columns[name] = [np.nan if value is None else value for value in values]
-        return {name: np.asarray(values) for name, values in columns.items()}
+        rows = [each.row() for each in self.methods.values()]
+        columns = {name: np.array([row[name] for row in rows]) for name in ("method", "status")}
+        names = ("centre", "neighbour", "frequency", "phase_step", "growth", "error")
+        for name in (*names, "frequency_error", "seconds"):
+            columns[name] = np.array([row[name] for row in rows], dtype=float)
+        return columns

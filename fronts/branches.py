@@ -50,7 +50,7 @@ class Turn(Result):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Branch(Curve):
+class FollowedBranch(Curve):
     """Solutions in order along a branch: at each value that was asked for, folds passed or not.
 
     Attributes
@@ -91,7 +91,7 @@ def follow_front(
     couplings: Sequence[float] | FloatArray | None = None,
     *,
     etas: Sequence[float] | FloatArray | None = None,
-) -> Branch:
+) -> FollowedBranch:
     """Follow the front of (43) as a travelling wave through a range of c, or of η.
 
     Parameters
@@ -105,7 +105,7 @@ def follow_front(
 
     Returns
     -------
-    Branch
+    FollowedBranch
         Points are `Front`, from the largest value down, with v, its error, and in ``detail`` the
         multipliers; v = 0 where the front is pinned.
 
@@ -141,7 +141,9 @@ def follow_front(
     return _fronts(chain, "eta", ascending("eta = b/a^2", etas))
 
 
-def _fronts(chain: AveragedChain, along: Literal["c", "eta"], values: Sequence[float]) -> Branch:
+def _fronts(
+    chain: AveragedChain, along: Literal["c", "eta"], values: Sequence[float]
+) -> FollowedBranch:
     """Return the fronts at ascending values of c or η."""
     from verification.fronts.follow import follow_front_wave
     from verification.fronts.measure import wave_front
@@ -161,7 +163,7 @@ def _fronts(chain: AveragedChain, along: Literal["c", "eta"], values: Sequence[f
         followed = [(getattr(wave, along), wave) for wave in found.fronts]
         fronts = [(value, wave_front(at(value), wave)) for value, wave in followed]
         for fold, place in found.folds:
-            there = at(float(fold.c))
+            there = at(float(fold.parameter))
             folds.append(
                 Turn(
                     c=there.c,
@@ -173,7 +175,7 @@ def _fronts(chain: AveragedChain, along: Literal["c", "eta"], values: Sequence[f
             )
     resting = [(value, wave_front(at(value))) for value in reversed(pinned)]
     rows = [*resting, *fronts] if before else [*fronts, *resting]
-    return Branch(
+    return FollowedBranch(
         along=along,
         values=np.array([value for value, _ in rows]),
         points=tuple(front for _, front in rows),
@@ -220,7 +222,7 @@ def follow_breather(
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
     method: Literal["orbit", "envelope"] | None = None,
     folds: int = 1,
-) -> Branch:
+) -> FollowedBranch:
     """Follow a breather in the coupling through its folds.
 
     Parameters
@@ -240,7 +242,7 @@ def follow_breather(
 
     Returns
     -------
-    Branch
+    FollowedBranch
         Points are `Breather`, with multipliers: each coupling once on every sheet of the branch,
         and at the end those where there is none. Solutions of (43) have the chain ``averaged()``.
 
@@ -277,14 +279,14 @@ def follow_breather(
         )
     folds = count_within("number of folds", folds, 0, 20)
     found = follow(chain, couplings, nucleus=nucleus, turns=folds)
-    return Branch(
+    return FollowedBranch(
         along="c",
         values=np.array([point.chain.c for point in found.points]),
         points=found.points,
         seconds=perf_counter() - begin,
         folds=tuple(
             Turn(
-                c=float(fold.c),
+                c=float(fold.parameter),
                 eta=chain.eta,
                 error=float(fold.error),
                 place=place,
@@ -297,7 +299,7 @@ def follow_breather(
 
 def front_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
-) -> Branch | None:
+) -> FollowedBranch | None:
     """Return the branch of waves of (43) in c or η; None for runs, or along another parameter."""
     if options.get("method") != "wave":
         return None
@@ -308,7 +310,7 @@ def front_branch(
 
 def breather_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
-) -> Branch | None:
+) -> FollowedBranch | None:
     """Return the branch of solutions of the chain itself in c; None for another method."""
     from verification.breathers.families import own_method
 
@@ -317,4 +319,4 @@ def breather_branch(
     return follow_breather(chains[0], values, nucleus=options.get("nucleus", Nucleus(1)))
 
 
-__all__ = ["Branch", "Turn", "follow_breather", "follow_front"]
+__all__ = ["FollowedBranch", "Turn", "follow_breather", "follow_front"]

@@ -323,7 +323,7 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "Roots": _roots,
     "Profile": _profile,
     "Bifurcation": _bifurcation,
-    "Branch": _branch,
+    "FollowedBranch": _branch,
     "Curve": _curve,
     "Trajectory": _trajectory,
     "Ensemble": _ensemble,

@@ -521,7 +521,7 @@ def test_beyond_its_fold_the_averaged_breather_is_none_and_the_fold_has_an_error
         assert found.status is BreatherStatus.NONE
         assert found.fold is not None
         assert found.fold_error is not None
-        assert found.fold == pytest.approx(fold.c, abs=2e-11)
+        assert found.fold == pytest.approx(fold.parameter, abs=2e-11)
         assert 0.0 < found.fold_error < 2e-11
 
 

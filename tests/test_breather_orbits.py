@@ -215,7 +215,7 @@ def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: 
     real = quarter_turn_branch(chain, Nucleus(size, pattern)).fold
     assert full is not None
     assert real is not None
-    assert full.c == pytest.approx(real.c, abs=2e-11)
+    assert full.parameter == pytest.approx(real.parameter, abs=2e-11)
 
 
 def test_at_the_fold_an_exponent_of_the_breathers_own_parity_vanishes() -> None:
@@ -223,7 +223,7 @@ def test_at_the_fold_an_exponent_of_the_breathers_own_parity_vanishes() -> None:
     assert branch.fold is not None
     from verification.breathers.exponents import exponents, unpack
 
-    chain = VdpChain(a=2.5, b=0.5, c=branch.fold.c, sites=15)
+    chain = VdpChain(a=2.5, b=0.5, c=branch.fold.parameter, sites=15)
     found = exponents(*unpack(branch.fold.u), chain, mirrored=True)
     assert found.symmetric is not None
     assert found.antisymmetric is not None
@@ -256,7 +256,7 @@ def test_the_orbits_fold_tends_to_the_averaged_fold_at_first_order() -> None:
         chain = VdpChain(a=2.5, b=0.5, c=0, eps=eps, sites=13)
         fold = Orbits(chain, Nucleus(1)).branch(monitored=False).fold
         assert fold is not None
-        gaps.append(fold.c - limit.c)
+        gaps.append(fold.parameter - limit.parameter)
     assert [math.log2(gaps[k] / gaps[k + 1]) for k in (0, 1)] == pytest.approx([1, 1], abs=0.05)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from verification.continuation import branch as branches
 from verification.continuation.branch import (
-    Branch,
+    ContinuationBranch,
     Fold,
     Steps,
     _Bracket,
@@ -21,7 +21,7 @@ from verification.continuation.branch import (
     trace,
 )
 from verification.continuation.newton import (
-    COUPLING_WEIGHT,
+    PARAMETER_WEIGHT,
     BranchPoint,
     NotConvergedError,
     solve_at,
@@ -100,12 +100,12 @@ def test_of_a_step_five_parts_are_tried() -> None:
 
 def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
     start = solve_at(circle, np.array([0.5]), 1.4)
-    slope, by_c = 2.0 * start.u[0], 2.0 * (start.c - 1.0)
-    assert slope * start.tangent[0] + by_c * start.tangent[1] / COUPLING_WEIGHT == pytest.approx(0)
+    slope, by_c = 2.0 * start.u[0], 2.0 * (start.parameter - 1.0)
+    assert slope * start.tangent[0] + by_c * start.tangent[1] / PARAMETER_WEIGHT == pytest.approx(0)
     assert np.linalg.norm(start.tangent) == pytest.approx(1.0)
     for length in (-0.3, 0.3):
         end = step_along(circle, start, length)
-        moved = np.append(end.u - start.u, COUPLING_WEIGHT * (end.c - start.c))
+        moved = np.append(end.u - start.u, PARAMETER_WEIGHT * (end.parameter - start.parameter))
         assert moved @ start.tangent == pytest.approx(length, rel=1e-11)
         assert end.residual < 1e-11
         assert end.tangent @ start.tangent > 0.0  # the same sense
@@ -113,7 +113,7 @@ def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
         assert branches._aside(start, end, length) == pytest.approx(
             np.linalg.norm(aside) / abs(length) * math.copysign(1.0, length)
         )
-        assert branches._length_to(start, end.u, end.c) == pytest.approx(length, rel=1e-11)
+        assert branches._length_to(start, end.u, end.parameter) == pytest.approx(length, rel=1e-11)
 
 
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
@@ -126,11 +126,13 @@ def test_the_correction_of_a_step_is_how_far_its_end_still_is(tolerance: float) 
 
     start = solve_at(system, np.array([0.5, 2.0]), 1.4)
     exact, rough = (step_along(system, start, 0.5, each) for each in (1e-14, tolerance))
-    apart = max(np.abs(rough.u - exact.u).max(), COUPLING_WEIGHT * abs(rough.c - exact.c))
+    apart = max(
+        np.abs(rough.u - exact.u).max(), PARAMETER_WEIGHT * abs(rough.parameter - exact.parameter)
+    )
     assert apart <= 2.0 * rough.correction + 1e-14
     assert 0.0 <= rough.correction < 0.1
     assert rough.iterations == round(rough.iterations) < exact.iterations
-    assert rough.residual == np.abs(system(rough.u, rough.c)[0]).max() > rough.correction
+    assert rough.residual == np.abs(system(rough.u, rough.parameter)[0]).max() > rough.correction
 
 
 def test_a_short_correction_of_a_steep_function_is_no_solution_yet() -> None:
@@ -142,7 +144,7 @@ def test_a_short_correction_of_a_steep_function_is_no_solution_yet() -> None:
     start = solve_at(steep, np.array([1.0]), 1.0)
     end = step_along(steep, start, 0.04)
     assert end.residual < 1e-11
-    assert end.u[0] == pytest.approx(math.sqrt(end.c), rel=1e-14)
+    assert end.u[0] == pytest.approx(math.sqrt(end.parameter), rel=1e-14)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e7])
@@ -177,7 +179,7 @@ def test_a_step_that_ends_far_beside_its_tangent_is_halved(apart: float, same: b
 def test_continuation_finds_the_fold_of_a_circle() -> None:
     branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
     assert branch.fold is not None
-    assert abs(branch.fold.c - 1.7) <= branch.fold.error < 1e-9
+    assert abs(branch.fold.parameter - 1.7) <= branch.fold.error < 1e-9
     assert branch.fold.place == len(branch.points) - 1  # it ends a step beyond
 
 
@@ -187,8 +189,8 @@ def test_a_fold_where_c_turns_upwards_is_found_like_its_mirror_image() -> None:
         for u, end in ((-2.5, -10.0), (2.5, 10.0))
     )
     for fold, mirrored, c in zip(there, back, (-2 / 3, 2 / 3), strict=True):
-        assert abs(fold.c - c) <= fold.error < 1e-10
-        assert (fold.c, fold.error) == (-mirrored.c, mirrored.error)
+        assert abs(fold.parameter - c) <= fold.error < 1e-10
+        assert (fold.parameter, fold.error) == (-mirrored.parameter, mirrored.error)
         assert fold.evaluations == mirrored.evaluations
 
 
@@ -196,18 +198,18 @@ def test_a_branch_goes_either_way_and_ends_where_it_leaves_the_range() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     for end, sense in ((1.4, 1.0), (0.6, -1.0)):
         found = trace(circle, start, end)
-        couplings = [sense * point.c for point in found.points]
+        couplings = [sense * point.parameter for point in found.points]
         assert couplings == sorted(couplings)
         assert couplings[-2] < sense * end <= couplings[-1]
         assert found.folds == ()
-        assert arrive(circle, found, end).c == end
+        assert arrive(circle, found, end).parameter == end
 
 
 def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     found = trace(circle, start, 5.0, lambda u, c: (c, float(u[0])), Steps(turns=1))
     first = found.folds[0].place
-    assert [c for c, _ in found.monitored] == [point.c for point in found.points[:first]]
+    assert [c for c, _ in found.monitored] == [point.parameter for point in found.points[:first]]
     assert [u for _, u in found.monitored] == [point.u[0] for point in found.points[:first]]
 
 
@@ -215,11 +217,13 @@ def test_on_both_sides_of_a_fold_a_solution_is_found_with_how_often_it_has_turne
     start = solve_at(circle, np.array([0.7]), 1.0)
     branch = trace(circle, start, 5.0, None, Steps(turns=1))
     found = list(solutions_at(circle, branch, [1.0, 1.2, 1.5]))
-    assert [(point.c, turned) for point, turned in found] == [
+    assert [(point.parameter, turned) for point, turned in found] == [
         (1.0, 0), (1.2, 0), (1.5, 0), (1.5, 1), (1.2, 1), (1.0, 1),
     ]  # fmt: skip
     for point, turned in found:
-        assert point.u[0] == pytest.approx((1 - 2 * turned) * math.sqrt(0.49 - (point.c - 1) ** 2))
+        assert point.u[0] == pytest.approx(
+            (1 - 2 * turned) * math.sqrt(0.49 - (point.parameter - 1) ** 2)
+        )
 
 
 def test_an_end_that_stays_twice_counts_half() -> None:
@@ -251,7 +255,7 @@ def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> No
     found = first_crossing(circle, branch, monitor, 1)
     assert found is not None
     assert not found.from_start
-    assert abs(found.c - at) <= found.error < 1e-9
+    assert abs(found.parameter - at) <= found.error < 1e-9
     assert found.u[0] == pytest.approx(math.sqrt(0.49 - (at - 1.0) ** 2), abs=1e-9)
 
 
@@ -265,7 +269,7 @@ def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(at: fl
     branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([1.0]), 1.0), 2.0, monitor)
     found = first_crossing(_linear(1.0), branch, monitor, 0)
     assert found is not None
-    assert abs(found.c - at) <= found.error
+    assert abs(found.parameter - at) <= found.error
     assert np.spacing(at) < found.error < 1e-9
 
 
@@ -287,7 +291,7 @@ def test_the_error_of_a_crossing_bounds_its_distance_whatever_the_shape(shape: s
     branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([0.0]), 0.0), 1.0, monitor, long)
     found = first_crossing(_linear(1.0), branch, monitor, 0)
     assert found is not None
-    assert abs(found.c - at) <= found.error < 1e-10
+    assert abs(found.parameter - at) <= found.error < 1e-10
 
 
 def test_a_crossing_that_is_not_found_in_time_is_no_crossing(
@@ -307,7 +311,7 @@ def test_what_is_positive_from_the_start_crosses_there() -> None:
     branch = trace(circle, start, 5.0, lambda u, c: (c,))
     found = first_crossing(circle, branch, lambda u, c: (c,), 0)
     assert found is not None
-    assert (found.c, found.error, found.from_start) == (1.0, 0.0, True)
+    assert (found.parameter, found.error, found.from_start) == (1.0, 0.0, True)
     assert found.u.tolist() == start.u.tolist()
 
 
@@ -321,13 +325,13 @@ def test_a_crossing_beyond_the_last_point_before_the_fold_is_looked_for_there() 
 
         found = first_crossing(circle, trace(circle, start, end, monitor), monitor, 0)
         assert found is not None
-        assert abs(found.c - at) <= found.error
+        assert abs(found.parameter - at) <= found.error
 
 
 def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
     """Interpolated between two solutions; the start of the range is found once."""
     points = tuple(BranchPoint(np.array([c]), c, np.ones(2), 0.0, 0.0, 1) for c in (0.0, 1.0, 2.0))
-    branch = Branch(points, (), ())
+    branch = ContinuationBranch(points, (), ())
     asked: list[float] = []
 
     def line(u: Any, c: float) -> tuple[Any, Any, Any]:
@@ -335,7 +339,8 @@ def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
         return u - c, np.eye(1), np.array([-1.0])
 
     found = [
-        (point.c, passed) for point, passed in solutions_at(line, branch, [2.0, 0.0, 1.0, 0.5])
+        (point.parameter, passed)
+        for point, passed in solutions_at(line, branch, [2.0, 0.0, 1.0, 0.5])
     ]
     assert found == [(0.0, 0), (0.5, 0), (1.0, 0), (2.0, 0)]
     assert asked == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 2.0, 2.0]  # each is begun at the solution
@@ -354,7 +359,7 @@ def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
         return u**2 - c, np.diag(2.0 * u), np.array([-1.0])
 
     points = (other, point) if after else (point, other)
-    found = list(solutions_at(parabola, Branch(points, (fold,), ()), [0.25]))
+    found = list(solutions_at(parabola, ContinuationBranch(points, (fold,), ()), [0.25]))
     assert [(each.u[0], turned) for each, turned in found] == [
         (points[0].u[0] / 2, 0), (points[1].u[0] / 2, 1),
     ]  # fmt: skip

@@ -629,8 +629,8 @@ def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
     """α by a step of c along ψ, β by second differences of the rate along φ."""
     chain = resting.amplitudes_of(0.0, 0.05)
     fold = resting._fold(chain, 8, 20)
-    at = chain._replace(c=fold.c)
-    matrix = resting._at_rest(chain, 28)(fold.u, fold.c)[1]
+    at = chain._replace(c=fold.parameter)
+    matrix = resting._at_rest(chain, 28)(fold.u, fold.parameter)[1]
     left, _, right = np.linalg.svd(matrix)
     psi, phi = left[:, -1], right[-1]
     psi = psi / (psi @ phi)
@@ -639,8 +639,10 @@ def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
     def drift(rho: Any, c: float) -> float:
         return float(psi @ resting.rate(rho, at._replace(c=c)))
 
-    alpha = (drift(fold.u, fold.c + h) - drift(fold.u, fold.c - h)) / (2.0 * h)
-    beta = (drift(fold.u + h * phi, fold.c) + drift(fold.u - h * phi, fold.c)) / (2.0 * h * h)
+    alpha = (drift(fold.u, fold.parameter + h) - drift(fold.u, fold.parameter - h)) / (2.0 * h)
+    beta = (drift(fold.u + h * phi, fold.parameter) + drift(fold.u - h * phi, fold.parameter)) / (
+        2.0 * h * h
+    )
     square_root, _ = resting._beside(chain, fold)
     assert square_root == pytest.approx(math.sqrt(alpha * beta) / math.pi, rel=1e-5)
 
@@ -650,7 +652,12 @@ def test_the_fold_errs_by_what_a_longer_window_changes_and_by_its_own_error(
     shorter: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of made-up folds; the first window leaves out more, so that its difference is a bound."""
-    folds = iter([SimpleNamespace(c=shorter, error=1e-15), SimpleNamespace(c=0.1, error=5e-9)])
+    folds = iter(
+        [
+            SimpleNamespace(parameter=shorter, error=1e-15),
+            SimpleNamespace(parameter=0.1, error=5e-9),
+        ]
+    )
     made = SimpleNamespace(u=np.ones(3))
 
     def fold(*_: Any) -> Any:
@@ -949,7 +956,7 @@ def _crossing(c: float, *, from_start: bool = False) -> Crossing:
 
 
 def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
-    fold = SimpleNamespace(c=0.19)
+    fold = SimpleNamespace(parameter=0.19)
     branch: Any = SimpleNamespace(fold=fold)
     until = continuation._stable_until
     assert until(None, branch, 1e-9) == (0.19, 1e-9)

@@ -17,7 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import fronts as fr
 from fronts.animation import snapshot
-from fronts.branches import Branch, Turn
+from fronts.branches import FollowedBranch, Turn
 from fronts.pictures import BLUE, VERMILION, draw
 from theory.result import Result
 from verification.pictures.figures import COLOURS, use_style
@@ -43,10 +43,10 @@ class _Found(Result):
     stable: bool | None
 
 
-def _branch(along: str, stable: list[bool | None], **ends: Any) -> Branch:
+def _branch(along: str, stable: list[bool | None], **ends: Any) -> FollowedBranch:
     values = np.linspace(0.6, 0.2, len(stable))
     points = tuple(_Found(v=2.0 * x, stable=y) for x, y in zip(values, stable, strict=True))
-    return Branch(along=along, values=values, points=points, seconds=0.0, **ends)
+    return FollowedBranch(along=along, values=values, points=points, seconds=0.0, **ends)
 
 
 def _segments(axes: Any, style: str) -> list[tuple[float, float]]:

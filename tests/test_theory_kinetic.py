@@ -22,7 +22,7 @@ from theory.parameters import ParameterError
 from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.folds import LAST_FOLD, fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import (
-    Branch,
+    KineticBranch,
     Regime,
     kinetic_relation,
     trace_kinetic_relation,
@@ -57,7 +57,7 @@ def size_by_roots(v: float, c: float, retreating: bool = False) -> float:
     return float(abs(sum_by_roots(v, c).value + (2 if retreating else 0)))
 
 
-def velocities(c: float, eta: float) -> list[Branch]:
+def velocities(c: float, eta: float) -> list[KineticBranch]:
     (answer,) = trace_kinetic_relation([c], [eta], admissibility=False)
     return list(answer.branches)
 
@@ -348,7 +348,7 @@ def test_derivatives_of_v_are_those_of_finite_differences(c: float, eta: float) 
         assert b.by_eta == pytest.approx(by_eta, rel=1e-5, abs=noise / eta)
 
 
-def exact_derivatives(branch: Branch, c: float, eta: float) -> tuple[mp.mpf, mp.mpf]:
+def exact_derivatives(branch: KineticBranch, c: float, eta: float) -> tuple[mp.mpf, mp.mpf]:
     """Return ∂v/∂c and ∂v/∂η at the true velocity, from 30 digits of the series over the roots."""
     direction, shift = (1, 0) if branch.v > 0 else (-1, 2)
 

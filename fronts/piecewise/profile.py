@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fronts.piecewise.kinetic_relation import damping_ratio
 from theory.parameters import ParameterError, RunError, count_within, number, within
-from theory.piecewise.kinetic_relation import Branch, trace_kinetic_relation
+from theory.piecewise.kinetic_relation import KineticBranch, trace_kinetic_relation
 from theory.result import Result
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
@@ -172,7 +172,7 @@ def front_profile(
     )
 
 
-def _chosen(branches: tuple[Branch, ...], position: int | None) -> Branch:
+def _chosen(branches: tuple[KineticBranch, ...], position: int | None) -> KineticBranch:
     if position is not None:
         last = len(branches)
         remedy = "choose one of these, in ascending v"

@@ -32,7 +32,7 @@ _STEP = 1e-5
 
 
 @dataclass(frozen=True)
-class Fold:
+class KineticFold:
     """The onset of moving fronts.
 
     Attributes
@@ -50,7 +50,7 @@ class Fold:
     velocity: float
 
 
-def fold_coupling(eta: float) -> Fold | None:
+def fold_coupling(eta: float) -> KineticFold | None:
     """Return c_fold(η), below which no front of (44) moves steadily.
 
     Parameters
@@ -60,7 +60,7 @@ def fold_coupling(eta: float) -> Fold | None:
 
     Returns
     -------
-    Fold or None
+    KineticFold or None
         ``velocity`` is 0 and c_fold = c_pin where no moving front exists below c_pin to within
         the error stated. None for η ≥ 2/25, where no front advances.
 
@@ -73,7 +73,7 @@ def fold_coupling(eta: float) -> Fold | None:
     return fold_couplings([bistable_eta(eta)])[0]
 
 
-def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
+def fold_couplings(eta: npt.ArrayLike) -> list[KineticFold | None]:
     """Return :func:`fold_coupling` for many η at once.
 
     At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: solved from each maximum at c_pin. The least c is the
@@ -81,7 +81,7 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     """
     etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
     pins = [pinning_coupling(value) for value in etas]
-    folds = [None if pin is None else Fold(pin, _pinned_error(pin), 0.0) for pin in pins]
+    folds = [None if pin is None else KineticFold(pin, _pinned_error(pin), 0.0) for pin in pins]
     start = {i: _maxima(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
     some = [i for i, maxima in start.items() for _ in maxima]
     if not some:
@@ -96,11 +96,11 @@ def fold_couplings(eta: npt.ArrayLike) -> list[Fold | None]:
     for i, c_, e_, v_ in zip(some, c.tolist(), spread.tolist(), np.exp(t).tolist(), strict=True):
         least = folds[i]
         if least is not None and c_ < least.value - e_:
-            folds[i] = Fold(c_, e_, v_)
+            folds[i] = KineticFold(c_, e_, v_)
     return folds
 
 
-def fold_eta(c: float) -> Fold:
+def fold_eta(c: float) -> KineticFold:
     """Return η_fold(c), above which no front of (44) moves steadily at this coupling.
 
     Raises
@@ -117,12 +117,12 @@ def fold_eta(c: float) -> Fold:
     c = within("coupling c", c, 1e-150, 1e300)
     maxima = _maxima(c) if 1e-12 <= c < LAST_FOLD else np.empty(0)
     if maxima.size == 0:
-        return Fold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)
+        return KineticFold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)
     t = maxima[:1]
     height, _, _, error = (float(row[0]) for row in _height(t, np.array([c])))
     r = 0.5 * height
     by_r = r * (1.0 - r * r) / (1.0 + r * r) ** 3
-    return Fold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
+    return KineticFold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
 
 
 def _pinned_error(pin: float) -> float:

@@ -18,7 +18,7 @@ from theory.parameters import within
 from theory.piecewise.admissibility import check_fronts
 from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.dispersion import FloatArray
-from theory.piecewise.folds import Fold, fold_couplings
+from theory.piecewise.folds import KineticFold, fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
 from theory.piecewise.stability import front_stability
 from theory.piecewise.stability_limit import StabilityLimit, stability_limit
@@ -42,7 +42,7 @@ class Regime(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Branch(Result):
+class KineticBranch(Result):
     """One solution of the kinetic relation.
 
     Attributes
@@ -91,7 +91,7 @@ class Branch(Result):
 
 
 @lru_cache(maxsize=16)
-def _folds(etas: tuple[float, ...]) -> dict[float, Fold | None]:
+def _folds(etas: tuple[float, ...]) -> dict[float, KineticFold | None]:
     """Return the folds at several η, which cost less together."""
     return dict(zip(etas, fold_couplings(etas), strict=True))
 
@@ -102,7 +102,7 @@ def _end_of_rest(eta: float) -> float:
     return math.inf if end is None else end
 
 
-def _status(c: float, end_of_rest: float | None, branches: tuple[Branch, ...]) -> Regime:
+def _status(c: float, end_of_rest: float | None, branches: tuple[KineticBranch, ...]) -> Regime:
     """Return what happens at coupling c, where these branches exist; None for η ≥ 1/8."""
     if end_of_rest is None:
         return Regime.NOT_BISTABLE
@@ -111,7 +111,7 @@ def _status(c: float, end_of_rest: float | None, branches: tuple[Branch, ...]) -
     return Regime.PINNED
 
 
-def _any_moving(branches: tuple[Branch, ...]) -> bool:
+def _any_moving(branches: tuple[KineticBranch, ...]) -> bool:
     return any(branch.admissible is not False for branch in branches)
 
 
@@ -125,7 +125,7 @@ class KineticRelation(Result):
         Coupling and η = b/a², dimensionless.
     status : Regime
         What happens.
-    branches : tuple of Branch
+    branches : tuple of KineticBranch
         Ascending in v.
     method : str
         How Σ was evaluated.
@@ -142,7 +142,7 @@ class KineticRelation(Result):
     c: float
     eta: float
     status: Regime
-    branches: tuple[Branch, ...]
+    branches: tuple[KineticBranch, ...]
     method: str
     terms: int
     seconds: float
@@ -241,7 +241,7 @@ class KineticRelation(Result):
         return self.c_pin_error if fold.velocity == 0.0 else fold.error
 
     @property
-    def _fold(self) -> Fold | None:
+    def _fold(self) -> KineticFold | None:
         return _folds(self.etas)[self.eta] if self.eta < ETA_END else None
 
     @property
@@ -279,7 +279,7 @@ class KineticRelation(Result):
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a branch, or a single one without a velocity; see `Result.columns`."""
-        rows: tuple[Branch | None, ...] = self.branches or (None,)
+        rows: tuple[KineticBranch | None, ...] = self.branches or (None,)
 
         def listed(name: str, kind: type) -> np.ndarray:
             return np.array([None if row is None else getattr(row, name) for row in rows], kind)
@@ -336,7 +336,7 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
     return replace(answer, branches=tuple(with_stability(b, c) for b in answer.branches))
 
 
-def with_stability(branch: Branch, c: float) -> Branch:
+def with_stability(branch: KineticBranch, c: float) -> KineticBranch:
     """Return a branch at coupling c with its linear stability, if it is admissible."""
     if not branch.admissible:
         return branch
@@ -384,7 +384,7 @@ def trace_kinetic_relation(
     bistable = tuple(value for value in etas if value < ETA_END)
     ends = {value: _end_of_rest(value) for value in bistable}
     ratio = {value: threshold_ratio(value) for value in bistable}
-    branches: list[list[Branch]] = [[] for _ in c_]
+    branches: list[list[KineticBranch]] = [[] for _ in c_]
     terms = 0
     blocks = [
         (retreating, scenes[begin : begin + _BLOCK])
@@ -446,7 +446,7 @@ def _can_move(eta: FloatArray, retreating: bool) -> npt.NDArray[np.bool_]:
 def _branches(
     found: Solutions, c: FloatArray, eta: FloatArray, r: FloatArray, retreating: bool, *,
     admissibility: bool,
-) -> list[Branch]:  # fmt: skip
+) -> list[KineticBranch]:  # fmt: skip
     """Return the branch of each solution, at these couplings, η and thresholds."""
     direction = -1.0 if retreating else 1.0
     v = direction * found.v
@@ -465,7 +465,7 @@ def _branches(
     }
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     return [
-        Branch(
+        KineticBranch(
             **dict(zip(columns, row, strict=True)),
             admissible=verdict.admissible if verdict else None,
             fails_at=verdict.fails_at if verdict else None,

@@ -30,7 +30,7 @@ from theory.parameters import ParameterError
 from verification.breathers.exponents import Stability, exponents, rotating_jacobian, unpack
 from verification.breathers.family import BreatherFamily
 from verification.breathers.result import Breather, BreatherMethod
-from verification.continuation.branch import Branch, Fold, trace
+from verification.continuation.branch import ContinuationBranch, Fold, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 
 Real = NDArray[np.float64]
@@ -48,7 +48,7 @@ class RotatingWaves(BreatherFamily):
     --------
     >>> from theory.chains.vdp import AveragedChain
     >>> branch = RotatingWaves(AveragedChain(a=2.5, b=0.5, c=0, sites=15), Nucleus(1)).branch()
-    >>> round(branch.fold.c, 6)
+    >>> round(branch.fold.parameter, 6)
     0.190788
     """
 
@@ -119,9 +119,9 @@ class RotatingWaves(BreatherFamily):
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution, its error the Newton step that would come next, and rounding."""
-        here = replace(self.chain, c=point.c)
+        here = replace(self.chain, c=point.parameter)
         phi, omega = unpack(point.u)
-        stability = self.stability(point.u, point.c)
+        stability = self.stability(point.u, point.parameter)
         frequency = 1.0 + here.eps * omega
         error = 2.0 * point.correction + _rounding(phi, here)
         return Breather(
@@ -139,7 +139,7 @@ class RotatingWaves(BreatherFamily):
             error=error,
             frequency_error=here.eps * error,
             residual=point.residual,
-            fold=None if fold is None else fold.c,
+            fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,
             unknowns=point.u,
             stability=stability,
@@ -171,7 +171,7 @@ def _rounding(phi: Complex, chain: VanDerPolChain) -> float:
     return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
 
-def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Branch:
+def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> ContinuationBranch:
     """Follow the same branch in the real reduction to quarter-turn phase steps.
 
     For patterns of ``+`` and ``-`` only. Half the unknowns, no frequency and no phase condition:

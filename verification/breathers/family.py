@@ -22,7 +22,7 @@ from theory.chains.nucleus import Nucleus
 from theory.parameters import ParameterError
 from verification.breathers.exponents import Stability
 from verification.breathers.result import Breather, BreatherMethod
-from verification.continuation.branch import Branch, Fold, Steps, arrive, trace
+from verification.continuation.branch import ContinuationBranch, Fold, Steps, arrive, trace
 from verification.continuation.newton import BranchPoint, Real, System
 
 
@@ -90,7 +90,7 @@ class BreatherFamily(ABC):
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - found.marginal, own - found.marginal, other - found.marginal
 
-    def branch(self, c_end: float = 2.0, *, monitored: bool = True) -> Branch:
+    def branch(self, c_end: float = 2.0, *, monitored: bool = True) -> ContinuationBranch:
         """Follow the breather from small c through its fold, with its growth if ``monitored``.
 
         Raises
@@ -116,13 +116,13 @@ class BreatherFamily(ABC):
         if point is not None:
             return self.measured(point, started)
         branch = self.branch(c, monitored=False)
-        if branch.fold is not None and c > branch.fold.c:
+        if branch.fold is not None and c > branch.fold.parameter:
             return Breather(
                 chain=self.chain,
                 nucleus=self.nucleus,
                 method=self.method,
                 status=BreatherStatus.NONE,
-                fold=branch.fold.c,
+                fold=branch.fold.parameter,
                 fold_error=branch.fold.error,
                 seconds=time.perf_counter() - started,
             )

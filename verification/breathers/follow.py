@@ -83,11 +83,11 @@ def follow(
         started = time.perf_counter()
     turned = []
     for number, fold in enumerate(branch.folds):
-        there = BranchPoint(fold.u, fold.c, branch.points[fold.place].tangent, 0.0, 0.0, 0)
+        there = BranchPoint(fold.u, fold.parameter, branch.points[fold.place].tangent, 0.0, 0.0, 0)
         place = sum(leg <= number for leg in legs)
         turned.append((fold, family.measured(there, started), place))
     passed = {point.chain.c for point in points}
-    end = (branch.fold.c, branch.fold.error) if branch.fold is not None else (None, None)
+    end = (branch.fold.parameter, branch.fold.error) if branch.fold is not None else (None, None)
     points += [
         Breather(
             chain=chain.replace(c=c),

@@ -112,7 +112,7 @@ class Orbits(BreatherFamily):
     def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
         """Return an orbit at small c, from where the branch is followed down to ``lowest``."""
         point = self._first(c_end)
-        if lowest < point.c:
+        if lowest < point.parameter:
             with contextlib.suppress(NotConvergedError):
                 point = trace(self.system(), point, lowest, None, FIRST_STEPS).points[-1]
         return point
@@ -163,7 +163,7 @@ class Orbits(BreatherFamily):
         The multipliers are ``split`` where the nucleus is mirror-symmetric; not where the chain may
         not be.
         """
-        c, count = point.c, self.count
+        c, count = point.parameter, self.count
         state, period = point.u[:-1], float(point.u[-1])
         coarse = self.flow(c, state, period, count)
         fine = self.flow(c, state, period, max(SAMPLES, 2 * count))
@@ -196,7 +196,7 @@ class Orbits(BreatherFamily):
             error=error,
             frequency_error=frequency * error / period,
             residual=float(np.abs(coarse.state - state).max()),
-            fold=None if fold is None else fold.c,
+            fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,
             unknowns=point.u,
             stability=stability,
@@ -205,7 +205,7 @@ class Orbits(BreatherFamily):
 
     def step_error(self, fold: Fold) -> float:
         """Return the shift under a halved step: residual over |∂F/∂c|."""
-        value, _, by_c = self.system(2)(fold.u, fold.c)
+        value, _, by_c = self.system(2)(fold.u, fold.parameter)
         return float(abs(value).max() / abs(by_c).max())
 
     def _parity(self, state: Real) -> int:

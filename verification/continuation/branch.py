@@ -1,4 +1,4 @@
-"""Branches of solutions of F(u, c) = 0: pseudo-arclength continuation, folds, and crossings."""
+"""Branches of solutions of F(u, p) = 0: pseudo-arclength continuation, folds, and crossings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from verification.continuation.newton import (
-    COUPLING_WEIGHT,
+    PARAMETER_WEIGHT,
     BranchPoint,
     NotConvergedError,
     Real,
@@ -26,7 +26,7 @@ Monitor = Callable[[Real, float], tuple[float, ...]]
 _SHORTEST = 1e-5
 """Arclength below which a branch cannot be followed."""
 _CROSSING = 1e-11
-"""Distance in c between the sides of a crossing at which its search stops."""
+"""Distance in the parameter between the sides of a crossing at which its search stops."""
 _MAX_CROSSING = 200
 """Steps of that search; bisection alone takes some 40."""
 _LEAST = 5e-324
@@ -35,15 +35,15 @@ _LEAST = 5e-324
 
 @dataclass(frozen=True)
 class Fold:
-    """Where a branch turns back in c.
+    """Where a branch turns back in the parameter.
 
     Attributes
     ----------
-    c : float
-        Coupling at the fold.
+    parameter : float
+        Its value at the fold: a coupling c, or η.
     error : float
-        By how much ``c`` falls short where the search stopped, taken four times because the bend
-        is a secant's, plus ten times the residual.
+        By how much ``parameter`` falls short where the search stopped, taken four times because the
+        bend is a secant's, plus ten times the residual.
     u : float array
         The solution there.
     evaluations : int
@@ -52,7 +52,7 @@ class Fold:
         Index of the first point of the branch beyond it.
     """
 
-    c: float
+    parameter: float
     error: float
     u: Real
     evaluations: int
@@ -65,22 +65,22 @@ class Crossing:
 
     Attributes
     ----------
-    c, error : float
-        Coupling, and the distance between the couplings on its two sides that were tried last.
+    parameter, error : float
+        Its value, and the distance between the values on its two sides that were tried last.
     u : float array
         The solution there.
     from_start : bool
         Whether it is positive from the first point of the branch on.
     """
 
-    c: float
+    parameter: float
     error: float
     u: Real
     from_start: bool
 
 
 @dataclass(frozen=True)
-class Branch:
+class ContinuationBranch:
     """Solutions in order along a branch, up to the end of a range or a step beyond the last fold.
 
     Attributes
@@ -116,7 +116,7 @@ class Steps:
     most : int
         Most steps.
     fold_tolerance : float
-        Shortfall of c at which the search for a fold stops.
+        Shortfall of the parameter at which the search for a fold stops.
     turns : int
         Folds that the branch is followed through; it ends a step beyond the next one.
     """
@@ -132,20 +132,20 @@ class Steps:
 def trace(
     system: System,
     start: BranchPoint,
-    c_end: float,
+    p_end: float,
     monitor: Monitor | None = None,
     steps: Steps = Steps(),
-) -> Branch:
-    """Follow a branch from a solution towards ``c_end``, through so many folds as ``steps`` says.
+) -> ContinuationBranch:
+    """Follow a branch from a solution towards ``p_end``, through so many folds as ``steps`` says.
 
     Parameters
     ----------
     system : callable
-        (u, c) → (F, ∂F/∂u, ∂F/∂c).
+        (u, p) → (F, ∂F/∂u, ∂F/∂p).
     start : BranchPoint
         From `solve_at`.
-    c_end : float
-        The branch ends where it leaves the range of c between the start and here.
+    p_end : float
+        The branch ends where the parameter leaves the range between the start and here.
     monitor : callable, optional
         Evaluated at every point up to the first fold.
     steps : Steps, optional
@@ -157,11 +157,11 @@ def trace(
         If, before the first fold, the step becomes too short or there are too many. Beyond it such
         a branch ends there.
     """
-    watch = monitor or (lambda u, c: ())
-    low, high = min(start.c, c_end), max(start.c, c_end)
-    sense = math.copysign(1.0, start.tangent[-1] * (c_end - start.c))
+    watch = monitor or (lambda u, p: ())
+    low, high = min(start.parameter, p_end), max(start.parameter, p_end)
+    sense = math.copysign(1.0, start.tangent[-1] * (p_end - start.parameter))
     point = replace(start, tangent=sense * start.tangent)
-    points, seen, folds = [point], [watch(point.u, point.c)], []
+    points, seen, folds = [point], [watch(point.u, point.parameter)], []
     length = steps.length
     for _ in range(steps.most):
         try:
@@ -179,8 +179,8 @@ def trace(
             break
         points.append(new)
         if not folds:
-            seen.append(watch(new.u, new.c))
-        if len(folds) > steps.turns or not low < new.c < high:
+            seen.append(watch(new.u, new.parameter))
+        if len(folds) > steps.turns or not low < new.parameter < high:
             break
         if new.iterations <= 5:
             length = min(1.5 * length, steps.longest)
@@ -190,7 +190,7 @@ def trace(
             raise NotConvergedError(
                 f"the branch did not fold in {steps.most} steps: end it at a smaller coupling."
             )
-    return Branch(tuple(points), tuple(folds), tuple(seen))
+    return ContinuationBranch(tuple(points), tuple(folds), tuple(seen))
 
 
 def _next(
@@ -211,33 +211,33 @@ def _next(
                 return new, length
         length *= 0.5
     raise NotConvergedError(
-        f"the branch could not be followed past c = {point.c:.6g}: take a smaller eps, or an eta "
-        "farther from 1/8.",
-        point.c,
+        f"the branch could not be followed past c = {point.parameter:.6g}: take a smaller eps, or "
+        "an eta farther from 1/8.",
+        point.parameter,
     )
 
 
 def solutions_at(
-    system: System, branch: Branch, couplings: Sequence[float]
+    system: System, branch: ContinuationBranch, values: Sequence[float]
 ) -> Iterator[tuple[BranchPoint, int]]:
-    """Yield the solutions at given couplings in order along the branch, and folds passed so far.
+    """Yield the solutions at given values in order along the branch, and folds passed so far.
 
     Raises
     ------
     NotConvergedError
         If Newton's method fails from the interpolated start.
     """
-    nodes = [(point.u, point.c, False) for point in branch.points]
+    nodes = [(point.u, point.parameter, False) for point in branch.points]
     passed = 0
     for fold in reversed(branch.folds):
-        nodes.insert(fold.place, (fold.u, fold.c, True))
-    required = np.unique(np.asarray(couplings, dtype=float))
-    for place, ((u, c, from_fold), (v, d, to_fold)) in enumerate(itertools.pairwise(nodes)):
+        nodes.insert(fold.place, (fold.u, fold.parameter, True))
+    required = np.unique(np.asarray(values, dtype=float))
+    for place, ((u, p, from_fold), (v, d, to_fold)) in enumerate(itertools.pairwise(nodes)):
         inside = required[
-            (required >= min(c, d)) & (required <= max(c, d)) & ((required != c) | (place == 0))
+            (required >= min(p, d)) & (required <= max(p, d)) & ((required != p) | (place == 0))
         ]
-        for value in (inside if d > c else inside[::-1]).tolist():
-            share = (value - c) / (d - c)
+        for value in (inside if d > p else inside[::-1]).tolist():
+            share = (value - p) / (d - p)
             # Across a fold u varies like the square root of the distance to it.
             if to_fold:
                 share = 1.0 - math.sqrt(1.0 - share)
@@ -273,10 +273,10 @@ class _Bracket:
 def _find_fold(
     system: System, before: BranchPoint, beyond: BranchPoint, length: float, steps: Steps
 ) -> Fold:
-    """Find where dc/ds vanishes on a step from ``before`` of this length to ``beyond``.
+    """Find where dp/ds vanishes on a step from ``before`` of this length to ``beyond``.
 
-    dc/ds is linear across a fold, so the bracketed secant (Illinois) takes a few evaluations;
-    the error of c is of second order in that of the place.
+    dp/ds is linear across a fold, so the bracketed secant (Illinois) takes a few evaluations;
+    the error of p is of second order in that of the place.
     """
     bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
     best, missing, evaluations = beyond, np.inf, 0
@@ -286,16 +286,18 @@ def _find_fold(
         best = step_along(system, before, place, steps.tolerance)
         evaluations += best.iterations
         value = float(best.tangent[-1])
-        # c falls short by the integral of dc/ds from here to the fold.
-        missing = value**2 / (2.0 * COUPLING_WEIGHT * abs(bend))
+        # p falls short by the integral of dp/ds from here to the fold.
+        missing = value**2 / (2.0 * PARAMETER_WEIGHT * abs(bend))
         if missing < steps.fold_tolerance:
             break
         bracket.shrink(place, value)
-    return Fold(best.c, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u, evaluations)
+    return Fold(best.parameter, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u, evaluations)
 
 
-def first_crossing(system: System, branch: Branch, monitor: Monitor, entry: int) -> Crossing | None:
-    """Find the first coupling up to the fold at which a monitored value changes to positive.
+def first_crossing(
+    system: System, branch: ContinuationBranch, monitor: Monitor, entry: int
+) -> Crossing | None:
+    """Find the first parameter up to the fold at which a monitored value changes to positive.
 
     Returns
     -------
@@ -305,21 +307,21 @@ def first_crossing(system: System, branch: Branch, monitor: Monitor, entry: int)
     Raises
     ------
     NotConvergedError
-        If the crossing is not found to 1e-11 in c.
+        If the crossing is not found to 1e-11 in the parameter.
     """
-    nodes = [(point.u, point.c) for point in branch.points[: len(branch.monitored)]]
+    nodes = [(point.u, point.parameter) for point in branch.points[: len(branch.monitored)]]
     values = [row[entry] for row in branch.monitored]
     if branch.fold is not None:
-        nodes.append((branch.fold.u, branch.fold.c))
+        nodes.append((branch.fold.u, branch.fold.parameter))
         values.append(monitor(*nodes[-1])[entry])
     positive = [place for place, value in enumerate(values) if value > 0.0]
     if not positive:
         return None
     place = positive[0]
     if place == 0:
-        return Crossing(branch.points[0].c, 0.0, branch.points[0].u, from_start=True)
+        return Crossing(branch.points[0].parameter, 0.0, branch.points[0].u, from_start=True)
     ends = [(values[at], nodes[at][1], nodes[at][0]) for at in (place - 1, place)]
-    return _crossing(system, branch.points[place - 1], ends, lambda u, c: monitor(u, c)[entry])
+    return _crossing(system, branch.points[place - 1], ends, lambda u, p: monitor(u, p)[entry])
 
 
 def _crossing(
@@ -328,18 +330,18 @@ def _crossing(
     ends: Sequence[tuple[float, float, Real]],
     monitored: Callable[[Real, float], float],
 ) -> Crossing:
-    """Find where a value becomes positive on a step; ``ends`` have value, c and u at its ends."""
+    """Find where a value becomes positive on a step; ``ends`` have value, p and u at its ends."""
     far = _length_to(before, ends[1][2], ends[1][1])
     seen = {0.0: ends[0], far: ends[1]}
 
     def value(length: float) -> float:
         if length not in seen:
             here = step_along(system, before, length)
-            seen[length] = (monitored(here.u, here.c), here.c, here.u)
+            seen[length] = (monitored(here.u, here.parameter), here.parameter, here.u)
         return seen[length][0] or -_LEAST
 
     try:
-        length = brentq(value, 0.0, far, xtol=_CROSSING * COUPLING_WEIGHT, maxiter=_MAX_CROSSING)
+        length = brentq(value, 0.0, far, xtol=_CROSSING * PARAMETER_WEIGHT, maxiter=_MAX_CROSSING)
     except RuntimeError:
         raise NotConvergedError(
             f"where stability changes between c = {ends[0][1]:.6g} and {ends[1][1]:.6g} was not "
@@ -351,24 +353,29 @@ def _crossing(
     return Crossing(seen[length][1], apart + 1e-12, seen[length][2], from_start=False)
 
 
-def arrive(system: System, branch: Branch, c: float) -> BranchPoint:
-    """Solve at a coupling that the branch has passed, on its part before the fold.
+def arrive(system: System, branch: ContinuationBranch, p: float) -> BranchPoint:
+    """Solve at a parameter that the branch has passed, on its part before the fold.
 
     Raises
     ------
     NotConvergedError
         If Newton's method fails from the interpolated start.
     """
-    return next(solutions_at(system, branch, [c]))[0]
+    return next(solutions_at(system, branch, [p]))[0]
 
 
 def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
     """Return the distance of a step's end from the tangent, relative to its length."""
     across = start.tangent
-    away = np.append(end.u - start.u, COUPLING_WEIGHT * (end.c - start.c)) - length * across
+    away = (
+        np.append(end.u - start.u, PARAMETER_WEIGHT * (end.parameter - start.parameter))
+        - length * across
+    )
     return float(np.linalg.norm(away)) / length
 
 
-def _length_to(start: BranchPoint, u: Real, c: float) -> float:
+def _length_to(start: BranchPoint, u: Real, p: float) -> float:
     across = start.tangent
-    return float(across[:-1] @ (u - start.u) + across[-1] * COUPLING_WEIGHT * (c - start.c))
+    return float(
+        across[:-1] @ (u - start.u) + across[-1] * PARAMETER_WEIGHT * (p - start.parameter)
+    )

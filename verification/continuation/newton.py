@@ -1,7 +1,8 @@
-"""Newton's method at fixed coupling, and one pseudo-arclength step, for F(u, c) = 0.
+"""Newton's method at a fixed parameter, and one pseudo-arclength step, for F(u, p) = 0.
 
-A *system* is a function (u, c) → (F, ∂F/∂u, ∂F/∂c). Everything is dense: u has tens of entries.
-Arclength is measured in (u, `COUPLING_WEIGHT`·c), so that a step sees c and u alike.
+A *system* is a function (u, p) → (F, ∂F/∂u, ∂F/∂p). Everything is dense: u has tens of entries.
+Arclength is measured in (u, `PARAMETER_WEIGHT`·p), so that a step sees p and u alike.
+The parameter p is the coupling c of most branches, and η of fronts that are followed along η.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from theory.parameters import RunError
 Real = NDArray[np.float64]
 System = Callable[[Real, float], tuple[Real, Real, Real]]
 
-COUPLING_WEIGHT = 10.0
+PARAMETER_WEIGHT = 10.0
 MAX_NEWTON = 20
 
 
@@ -45,10 +46,10 @@ class BranchPoint:
     ----------
     u : float array
         The unknowns.
-    c : float
-        Coupling.
+    parameter : float
+        Coupling c, or η.
     tangent : float array
-        Unit tangent (du, weight·dc) of the branch, of either sense.
+        Unit tangent (du, weight·dp) of the branch, of either sense.
     residual : float
         Largest entry of F.
     correction : float
@@ -58,15 +59,15 @@ class BranchPoint:
     """
 
     u: Real
-    c: float
+    parameter: float
     tangent: Real
     residual: float
     correction: float
     iterations: int
 
 
-def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) -> BranchPoint:
-    """Solve F(u, c) = 0 for u by Newton's method.
+def solve_at(system: System, guess: Real, p: float, tolerance: float = 1e-11) -> BranchPoint:
+    """Solve F(u, p) = 0 for u by Newton's method.
 
     Raises
     ------
@@ -75,14 +76,14 @@ def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) ->
 
     Examples
     --------
-    >>> def circle(u, c):
-    ...     return u**2 + c**2 - 1.0, np.diag(2.0 * u), np.array([2.0 * c])
+    >>> def circle(u, p):
+    ...     return u**2 + p**2 - 1.0, np.diag(2.0 * u), np.array([2.0 * p])
     >>> round(float(solve_at(circle, np.array([1.0]), 0.6).u[0]), 9)
     0.8
     """
     u = np.array(guess, dtype=float)
     correction = np.inf
-    value, slope, by_c = system(u, c)
+    value, slope, by_p = system(u, p)
     for iteration in range(1, MAX_NEWTON + 1):
         residual = float(np.abs(value).max())
         if not np.isfinite(residual):
@@ -90,25 +91,25 @@ def solve_at(system: System, guess: Real, c: float, tolerance: float = 1e-11) ->
         # One more step once the residual is small costs little and squares the error.
         if residual < tolerance and correction < np.sqrt(tolerance):
             left = float(np.abs(np.linalg.solve(slope, value)).max())
-            return BranchPoint(u, c, _tangent(slope, by_c, None), residual, left, iteration)
+            return BranchPoint(u, p, _tangent(slope, by_p, None), residual, left, iteration)
         try:
             change = np.linalg.solve(slope, value)
         except np.linalg.LinAlgError:
             break
         for share in (1.0, 0.5, 0.25, 0.1, 0.03):
             try:
-                trial = system(u - share * change, c)
+                trial = system(u - share * change, p)
             except NotConvergedError:
                 continue
             if float(np.abs(trial[0]).max()) < max(residual, tolerance):
                 break
         else:
             break
-        value, slope, by_c = trial
+        value, slope, by_p = trial
         u = u - share * change
         correction = float(np.abs(share * change).max())
     raise NotConvergedError(
-        f"no solution was found at c = {c:.6g}: take a smaller coupling, or a smaller eps.", c
+        f"no solution was found at c = {p:.6g}: take a smaller coupling, or a smaller eps.", p
     )
 
 
@@ -124,37 +125,42 @@ def step_along(
     """
     across = start.tangent
     u = start.u + length * across[:-1]
-    c = float(start.c + length * across[-1] / COUPLING_WEIGHT)
+    p = float(start.parameter + length * across[-1] / PARAMETER_WEIGHT)
     correction = np.inf
     for iteration in range(1, MAX_NEWTON + 1):
-        value, slope, by_c = system(u, c)
+        value, slope, by_p = system(u, p)
         residual = float(np.abs(value).max())
         if not np.isfinite(residual) or residual > 1e6:
             break
-        plane = across[:-1] @ (u - start.u) + across[-1] * COUPLING_WEIGHT * (c - start.c) - length
-        change = np.linalg.solve(_bordered(slope, by_c, across), np.append(value, plane))
+        plane = (
+            across[:-1] @ (u - start.u)
+            + across[-1] * PARAMETER_WEIGHT * (p - start.parameter)
+            - length
+        )
+        change = np.linalg.solve(_bordered(slope, by_p, across), np.append(value, plane))
         if residual < tolerance and correction < np.sqrt(tolerance):
             left = float(np.abs(change).max())
-            return BranchPoint(u, c, _tangent(slope, by_c, across), residual, left, iteration)
+            return BranchPoint(u, p, _tangent(slope, by_p, across), residual, left, iteration)
         correction = float(np.abs(change).max())
         u = u - change[:-1]
-        c -= float(change[-1]) / COUPLING_WEIGHT
+        p -= float(change[-1]) / PARAMETER_WEIGHT
     raise NotConvergedError(
-        f"no step of length {length:.2g} leads on from c = {start.c:.6g}: take a smaller coupling.",
-        start.c,
+        f"no step of length {length:.2g} leads on from c = {start.parameter:.6g}: take a smaller "
+        "coupling.",
+        start.parameter,
     )
 
 
-def _bordered(slope: Real, by_c: Real, row: Real) -> Real:
-    return np.vstack([np.column_stack([slope, by_c / COUPLING_WEIGHT]), row])
+def _bordered(slope: Real, by_p: Real, row: Real) -> Real:
+    return np.vstack([np.column_stack([slope, by_p / PARAMETER_WEIGHT]), row])
 
 
-def _tangent(slope: Real, by_c: Real, along: Real | None) -> Real:
-    """Return the unit null vector of (∂F/∂u, ∂F/∂c), in the sense of ``along`` if given."""
+def _tangent(slope: Real, by_p: Real, along: Real | None) -> Real:
+    """Return the unit null vector of (∂F/∂u, ∂F/∂p), in the sense of ``along`` if given."""
     size = slope.shape[1] + 1
     row = np.zeros(size) if along is None else along
     if along is None:
         row[-1] = 1.0
-    vector = np.linalg.solve(_bordered(slope, by_c, row), np.append(np.zeros(size - 1), 1.0))
+    vector = np.linalg.solve(_bordered(slope, by_p, row), np.append(np.zeros(size - 1), 1.0))
     unit: Real = vector / np.linalg.norm(vector)
     return unit

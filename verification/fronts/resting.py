@@ -118,8 +118,8 @@ def static_fold(eta: float) -> StaticFold:
     shorter, longer = (_fold(chain, *window) for window in _WINDOWS)
     square_root, slope = _beside(chain, longer)
     return StaticFold(
-        c=float(longer.c),
-        error=float(2.0 * abs(longer.c - shorter.c) + longer.error),
+        c=float(longer.parameter),
+        error=float(2.0 * abs(longer.parameter - shorter.parameter) + longer.error),
         square_root=square_root,
         slope=slope,
         r=longer.u * math.sqrt(chain.square),
@@ -197,7 +197,7 @@ def _at_rest(chain: Amplitudes, sites: int) -> System:
 def _beside(chain: Amplitudes, fold: Fold) -> tuple[float, float]:
     """Return √(αβ)/π and dc_pin/dη."""
     rho = fold.u
-    matrix = _at_rest(chain, rho.size)(rho, fold.c)[1]
+    matrix = _at_rest(chain, rho.size)(rho, fold.parameter)[1]
     left, _, right = np.linalg.svd(matrix)
     psi, phi = left[:, -1], right[-1]
     psi = psi / (psi @ phi)

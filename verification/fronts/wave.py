@@ -333,9 +333,9 @@ class Window:
     def described(self, point: BranchPoint, begin: float) -> FrontWave:
         """Solve once more, on a longer window with finer steps, and measure that front."""
         first = float(point.u[-1])
-        here = replace(self.at(point.c), guess=point.u)
+        here = replace(self.at(point.parameter), guess=point.u)
         wider = here._resized(first, _DEPTHS[1])
-        last = solve_at(wider.system(_FINER), wider.guess, point.c)
+        last = solve_at(wider.system(_FINER), wider.guess, point.parameter)
         rho, v = last.u[:-1], float(last.u[-1])
         rounding = 64.0 * float(np.finfo(float).eps) * v
         steps = wider._steps_in(1.0 / v, _FINER)

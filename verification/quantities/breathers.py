@@ -184,7 +184,7 @@ def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
         if fold is None:
             raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
-        return ReferenceCheck.exact(at["c"] > 0.98 * fold.c, "quarter-turn reduction")
+        return ReferenceCheck.exact(at["c"] > 0.98 * fold.parameter, "quarter-turn reduction")
     phi, omega = np.asarray(stated.value[:-1]), complex(stated.value[-1]).real
     true = locked_state(at["eta"], at["c"], phi, omega)
     given = np.array([*phi.real, *phi.imag, omega])

@@ -18,7 +18,7 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.families import own_family
 from verification.breathers.family import BreatherFamily
-from verification.continuation.branch import Branch, Crossing, first_crossing
+from verification.continuation.branch import ContinuationBranch, Crossing, first_crossing
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
@@ -71,14 +71,16 @@ def breather_threshold(
         )
     longer = _sized(chain, nucleus, method, margin + EXTRA)
     other = own_family(longer, nucleus).branch(monitored=False).fold
-    finite = abs(other.c - branch.fold.c) if other is not None else branch.fold.c
+    finite = (
+        abs(other.parameter - branch.fold.parameter) if other is not None else branch.fold.parameter
+    )
     error = branch.fold.error + finite + family.step_error(branch.fold)
     crossing = first_crossing(family.system(), branch, family.monitor, 0)
-    at_half = _nearest(branch, 0.5 * branch.fold.c)
+    at_half = _nearest(branch, 0.5 * branch.fold.parameter)
     mirrored = nucleus.mirrored(here.sites)
     c_stable, error_stable = _stable_until(crossing, branch, error)
     return BranchThreshold(
-        c=branch.fold.c,
+        c=branch.fold.parameter,
         error=error,
         method=method,
         definition=Definition.EXISTENCE,
@@ -112,29 +114,31 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
 
 
-def _nearest(branch: Branch, c: float) -> int:
+def _nearest(branch: ContinuationBranch, c: float) -> int:
     before = branch.points[: len(branch.monitored)]
-    return min(range(len(before)), key=lambda place: abs(before[place].c - c))
+    return min(range(len(before)), key=lambda place: abs(before[place].parameter - c))
 
 
 def _stable_until(
-    crossing: Crossing | None, branch: Branch, error: float
+    crossing: Crossing | None, branch: ContinuationBranch, error: float
 ) -> tuple[float | None, float]:
     if crossing is None and branch.fold is not None:
-        return branch.fold.c, error
+        return branch.fold.parameter, error
     if crossing is None or crossing.from_start:
         return None, 0.0
-    return crossing.c, crossing.error + error
+    return crossing.parameter, crossing.error + error
 
 
-def _mechanism(crossing: Crossing | None, family: BreatherFamily, branch: Branch) -> Mechanism:
+def _mechanism(
+    crossing: Crossing | None, family: BreatherFamily, branch: ContinuationBranch
+) -> Mechanism:
     if crossing is None:
         return Mechanism.FOLD
     if crossing.from_start:
         return Mechanism.NEVER_STABLE
     if family.nucleus.mirrored(family.chain.sites):
         own_parity = first_crossing(family.system(), branch, family.monitor, 1)
-        if own_parity is None or own_parity.c > crossing.c:
+        if own_parity is None or own_parity.parameter > crossing.parameter:
             return Mechanism.SYMMETRY_BREAKING
-    turns = family.stability(crossing.u, crossing.c, split=False).frequency
+    turns = family.stability(crossing.u, crossing.parameter, split=False).frequency
     return Mechanism.COMPLEX_EXPONENTS if turns > 1e-6 else Mechanism.REAL_EXPONENT

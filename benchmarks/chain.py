@@ -356,7 +356,9 @@ def _thresholds() -> Target:
     sizes = (1, 2, 3, 5, 7, 9)
     begin = perf_counter()
     found = [
-        breather_threshold(chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE).c
+        breather_threshold(
+            chain, Nucleus(size, outward_pattern(size)), ThresholdMethod.ENVELOPE
+        ).c_crit
         for size in sizes
     ]
     seconds = perf_counter() - begin

@@ -13,10 +13,10 @@ def main(path: str | None = None) -> float:
         import matplotlib.pyplot as plt
 
         _, axes = plt.subplots()
-        axes.plot([b / 2.5**2 for b in found], [each.c for each in found.values()], "o-")
+        axes.plot([b / 2.5**2 for b in found], [each.c_crit for each in found.values()], "o-")
         axes.set(xlabel="η = b/a²", ylabel="coupling c at the fold")
         axes.figure.savefig(path)
-    return float(found[0.5].c)
+    return float(found[0.5].c_crit)
 
 
 if __name__ == "__main__":

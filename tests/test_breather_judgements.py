@@ -474,7 +474,7 @@ def test_a_fold_is_known_to_be_below_what_lies_beyond_its_error(
     c: float, known: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        breathers, "breather_threshold", lambda *_: SimpleNamespace(c=0.1, error=0.01)
+        breathers, "breather_threshold", lambda *_: SimpleNamespace(c_crit=0.1, error=0.01)
     )
     found = breathers._fold_below(replace(CHAIN, c=c), Nucleus(1))
     assert found == ((0.1, 0.01) if known else (None, None))

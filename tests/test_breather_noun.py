@@ -171,7 +171,10 @@ def test_the_cycles_of_a_van_der_pol_cell_scale_with_a(scale: float) -> None:
     """y√a has the same cycles for the same η, however large a is."""
     one = cell(VdpChain(a=A, b=B, c=0.0))
     other = cell(VdpChain(a=A * scale, b=B * scale**2, c=0.0))
-    for ours, theirs in ((one.stable, other.stable), (one.unstable, other.unstable)):
+    for ours, theirs in (
+        (one.stable_cycle, other.stable_cycle),
+        (one.unstable_cycle, other.unstable_cycle),
+    ):
         assert ours is not None
         assert theirs is not None
         assert theirs.max * math.sqrt(scale) == pytest.approx(ours.max, rel=1e-9)
@@ -182,9 +185,9 @@ def test_the_cycles_of_a_van_der_pol_cell_scale_with_a(scale: float) -> None:
 def test_the_averaged_cell_has_the_roots_of_its_amplitude_equation() -> None:
     found = cell(CHAIN.averaged())
     low, high = np.sort(np.roots([B / 8, -A / 4, 1.0]).real)
-    assert found.unstable is not None
-    assert found.stable is not None
-    assert found.unstable.max**2 == pytest.approx(low, rel=1e-14)
-    assert found.stable.max**2 == pytest.approx(high, rel=1e-14)
-    assert found.basin == (-found.unstable.max, found.unstable.max)
+    assert found.unstable_cycle is not None
+    assert found.stable_cycle is not None
+    assert found.unstable_cycle.max**2 == pytest.approx(low, rel=1e-14)
+    assert found.stable_cycle.max**2 == pytest.approx(high, rel=1e-14)
+    assert found.basin == (-found.unstable_cycle.max, found.unstable_cycle.max)
     assert cell(AveragedChain(a=1.0, b=0.2, c=0.0)).status is CellStatus.REST

@@ -85,22 +85,22 @@ def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:
 def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(
     size: int, start: float
 ) -> None:
-    fold = breather_threshold(CHAIN, Nucleus(size, outward_pattern(size))).c
+    fold = breather_threshold(CHAIN, Nucleus(size, outward_pattern(size))).c_crit
     runs = escape_threshold(CHAIN, Preparation(size), low=start, high=0.21, tolerance=1e-5)
-    assert abs(runs.c - fold) <= runs.error
+    assert abs(runs.c_crit - fold) <= runs.error
     delay = measure_delay(CHAIN, Preparation(size))
     assert delay.c_0 is not None
     assert delay.error is not None
     assert abs(delay.c_0 - fold) <= delay.error
     # 2/3 with a correction of order rate^{1/3} = 0.03.
-    assert delay.exponent == pytest.approx(2 / 3, abs=0.03)
+    assert delay.delay_exponent == pytest.approx(2 / 3, abs=0.03)
 
 
 @pytest.mark.parametrize("size", [1, 3])
 def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
     """At b = 0.2 nothing holds at the coupling at which sweeps usually begin."""
     chain = CHAIN.replace(b=0.2)
-    fold = breather_threshold(chain, Nucleus(size, outward_pattern(size))).c
+    fold = breather_threshold(chain, Nucleus(size, outward_pattern(size))).c_crit
     assert fold < START
     delay = measure_delay(chain, Preparation(size))
     assert all(fold < slow < fast for fast, slow in itertools.pairwise(delay.escapes))
@@ -119,15 +119,15 @@ def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
     for nucleus in (Nucleus(1), Nucleus(2, "0")):
         short = breather_threshold(CHAIN, nucleus, margin=4)
         long = breather_threshold(CHAIN, nucleus, margin=11)
-        assert 1e-13 < abs(short.c - long.c) <= short.error
+        assert 1e-13 < abs(short.c_crit - long.c_crit) <= short.error
 
 
 def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
     for method in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT):
         found = breather_threshold(CHAIN, Nucleus(1), method)
-        assert found.stability_lost_by is Mechanism.SYMMETRY_BREAKING
-        assert found.c_stable is not None
-        assert 1e-5 < found.c - found.c_stable < 3e-5
+        assert found.lost_by is Mechanism.SYMMETRY_BREAKING
+        assert found.stable_to is not None
+        assert 1e-5 < found.c_crit - found.stable_to < 3e-5
 
 
 def test_an_odd_push_beyond_that_coupling_grows_in_a_run() -> None:
@@ -152,15 +152,15 @@ def test_an_odd_push_beyond_that_coupling_grows_in_a_run() -> None:
 def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
     edge = breather_threshold(CHAIN, Nucleus(1, "", "edge"))  # type: ignore[arg-type]
     pair = breather_threshold(CHAIN, Nucleus(2, "0"))
-    assert edge.c == pytest.approx(pair.c, abs=edge.error + pair.error)
+    assert edge.c_crit == pytest.approx(pair.c_crit, abs=edge.error + pair.error)
 
 
 def test_no_pattern_of_three_or_five_is_stable() -> None:
     for size in (3, 5):
         for pattern in map("".join, itertools.product("-+", repeat=size - 1)):
             found = breather_threshold(CHAIN, Nucleus(size, pattern))
-            assert found.stability_lost_by is Mechanism.NEVER_STABLE
-            assert found.growth > 1e-4
+            assert found.lost_by is Mechanism.NEVER_STABLE
+            assert found.growth_half_way > 1e-4
 
 
 def test_opposed_patterns_grow_at_half_the_coupling_as_it_vanishes() -> None:
@@ -182,7 +182,7 @@ def test_a_nucleus_of_three_leaves_its_phase() -> None:
 
 
 def test_perturbed_nuclei_of_three_escape_below_the_threshold_of_one() -> None:
-    single = breather_threshold(CHAIN, Nucleus(1)).c
+    single = breather_threshold(CHAIN, Nucleus(1)).c_crit
     for seed in range(3):
         noisy = Preparation(3, perturbation=1e-6, seed=seed)
         assert hold(CHAIN, noisy, 0.188, 1500.0).escaped
@@ -304,6 +304,6 @@ def test_a_short_chain_is_solved_with_its_own_sites() -> None:
     chain = VdpChain(a=a, b=b, c=0.0, sites=5, ends="periodic")  # type: ignore[arg-type]
     found = breather_threshold(chain, Nucleus(2, "x"))
     assert found.sites == 5
-    assert found.c == pytest.approx(fold[2], abs=1e-7)
+    assert found.c_crit == pytest.approx(fold[2], abs=1e-7)
     with pytest.raises(ParameterError, match="at most the 5 sites"):
         breather_threshold(chain, Nucleus(7, "000000"))

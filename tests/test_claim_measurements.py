@@ -132,7 +132,9 @@ def made_up_orbits(edge: float) -> Any:
     cycle = SimpleNamespace(min=-1.0, max=3.0, period=7.0, stick_time=2.0, amplitude=2.0)
     inner = SimpleNamespace(min=-0.5, max=edge, period=6.0)
     cell = SimpleNamespace(steady_sliding=1.0)
-    return SimpleNamespace(cell=cell, stable=cycle, unstable=inner, basin=(-0.5, edge), error=1e-9)
+    return SimpleNamespace(
+        cell=cell, stable_cycle=cycle, unstable_cycle=inner, basin=(-0.5, edge), error=1e-9
+    )
 
 
 def test_the_two_sides_of_the_edge_of_the_basin_are_both_run(monkeypatch: Patch) -> None:
@@ -162,12 +164,12 @@ def test_the_switch_model_is_judged_at_the_band_of_the_paper_and_at_either_toler
 
     orbits = made_up_orbits(EDGE)
     orbits.cell = FrictionCell(v_d=fig02.V_D)
-    period = orbits.stable.period
+    period = orbits.stable_cycle.period
     tolerances: set[tuple[float, float]] = set()
 
     def run(chain: Any, start: Any, end: float, *, band: float, relative: float, absolute: float,
             samples: int) -> Any:  # fmt: skip
-        assert start.tolist() == [[orbits.stable.max], [0.0]]
+        assert start.tolist() == [[orbits.stable_cycle.max], [0.0]]
         assert end > 10.0 * period
         tolerances.add((relative, absolute))
         return SimpleNamespace(period=period * (1.0 + 3.0 * band**2 + relative))
@@ -468,7 +470,7 @@ def test_below_the_threshold_sites_are_counted_and_the_worse_comparison_counts(
     single, wide = 0.0106, 0.008
 
     def threshold(_: Any, spreading: Any, **__: Any) -> Any:
-        return SimpleNamespace(c={1: single, 6: wide}[spreading.size])  # six, as the text says
+        return SimpleNamespace(c_crit={1: single, 6: wide}[spreading.size])  # six, as the text says
 
     def run(chain: Any, _: Any, end: float, **__: Any) -> Any:
         assert end == 4000.0  # as the evidence states
@@ -758,11 +760,11 @@ def test_a_breather_that_does_not_lose_stability_is_stable_up_to_its_fold(
 ) -> None:
     def threshold(_: Any, nucleus: Any, by: Any) -> Any:
         c = 0.5 + nucleus.size / 64 + (by.value == "envelope")
-        return SimpleNamespace(c=c, c_stable=stable, error=nucleus.size / 64)
+        return SimpleNamespace(c_crit=c, stable_to=stable, error=nucleus.size / 64)
 
     def escape(_: Any, preparation: Any, tolerance: float) -> Any:
         size = preparation.size
-        return SimpleNamespace(c=1.5 + size / 64 - (size == 3) / 32, error=tolerance * size)
+        return SimpleNamespace(c_crit=1.5 + size / 64 - (size == 3) / 32, error=tolerance * size)
 
     monkeypatch.setattr("verification.thresholds.continuation.breather_threshold", threshold)
     monkeypatch.setattr("verification.thresholds.escape.escape_threshold", escape)

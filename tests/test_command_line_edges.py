@@ -228,7 +228,7 @@ def test_the_progress_of_a_curve_rises_to_its_end():
     (expected,) = alone.branches
     for answer in many:  # computed by compiled rules, which round otherwise
         (branch,) = answer.branches
-        for name in ("v", "by_coupling", "by_eta"):
+        for name in ("v", "by_c", "by_eta"):
             error = getattr(expected, "error" if name == "v" else f"{name}_error")
             assert abs(getattr(branch, name) - getattr(expected, name)) <= error
         assert (branch.slope, branch.admissible) == (expected.slope, expected.admissible)

@@ -107,11 +107,14 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
 def test_the_stated_errors_bound_the_true_ones() -> None:
     """At every tolerance, against the finest; both cycles and the end."""
     exact = friction_cell(CELL, 1e-14)
-    assert exact.stable is not None
-    assert exact.unstable is not None
+    assert exact.stable_cycle is not None
+    assert exact.unstable_cycle is not None
     for tolerance in (1e-6, 1e-8, 1e-10, 1e-12):
         rough = friction_cell(CELL, tolerance)
-        for ours, true in ((rough.stable, exact.stable), (rough.unstable, exact.unstable)):
+        for ours, true in (
+            (rough.stable_cycle, exact.stable_cycle),
+            (rough.unstable_cycle, exact.unstable_cycle),
+        ):
             assert ours is not None
             for name in ("max", "min", "period", "stick_time"):
                 # The finest has round-off of its own, 1e-13 over a period.
@@ -135,7 +138,10 @@ def scaled(size: float) -> FrictionCell:
 def test_cycles_scale_with_the_cell_within_their_errors(size: float) -> None:
     found, other = friction_cell(CELL), friction_cell(scaled(size))
     assert other.status is found.status
-    for one, two in ((found.stable, other.stable), (found.unstable, other.unstable)):
+    for one, two in (
+        (found.stable_cycle, other.stable_cycle),
+        (found.unstable_cycle, other.unstable_cycle),
+    ):
         assert one is not None
         assert two is not None
         room = one.error + two.error / min(size, 1.0)
@@ -204,7 +210,7 @@ def test_steady_sliding_under_coulomb_friction_is_stable_at_every_velocity() -> 
     cell = FrictionCell(law="coulomb", v_d=0.5)
     found = friction_cell(cell)
     assert found.hopf_velocity == 0.0
-    assert found.unstable is None
+    assert found.unstable_cycle is None
     assert found.basin == grazing_slip(cell)
 
 
@@ -330,9 +336,9 @@ def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
         sticks.append(cycle.stick_time)
     assert math.log10(sticks[0] / sticks[1]) / 2 == pytest.approx(0.5, abs=0.03)
     both = friction_cell(replace(CELL, v_d=end * (1 - 1e-10)))
-    assert both.stable is not None
-    assert both.unstable is not None
-    assert both.stable.max == pytest.approx(both.unstable.max, abs=1e-4)
+    assert both.stable_cycle is not None
+    assert both.unstable_cycle is not None
+    assert both.stable_cycle.max == pytest.approx(both.unstable_cycle.max, abs=1e-4)
 
 
 def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
@@ -453,7 +459,7 @@ def test_a_cell_that_never_sticks_is_refused() -> None:
 )  # fmt: skip
 def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCell) -> None:
     orbits = friction_cell(cell)
-    stable = orbits.stable
+    stable = orbits.stable_cycle
     assert (stable is not None) == (cell.v_d < orbits.cycle_end_velocity)
     assert (orbits.basin is None) == (cell.effective_damping <= 0.0)
     if stable is not None:
@@ -469,10 +475,10 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     diagram = cell_diagram(CELL, [1.0, 1.3, 1.7, 2.0])
     for i in (1, 2):
         orbits = friction_cell(replace(CELL, v_d=float(diagram.v_d[i])))
-        assert orbits.stable is not None
-        assert orbits.unstable is not None
-        assert diagram.stable[i, 1] == pytest.approx(orbits.stable.max, abs=1e-8)
-        assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable.min, abs=1e-8)
+        assert orbits.stable_cycle is not None
+        assert orbits.unstable_cycle is not None
+        assert diagram.stable[i, 1] == pytest.approx(orbits.stable_cycle.max, abs=1e-8)
+        assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable_cycle.min, abs=1e-8)
     assert np.isnan(diagram.unstable[[0, 3]]).all()
     assert np.isnan(diagram.stable[3]).all()
 
@@ -482,17 +488,20 @@ def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None
     gaps = []
     for eps in (0.04, 0.02, 0.01):
         cell = vdp_cell(2.5, 0.5, eps, 1e-12)
-        assert cell.stable is not None
-        assert cell.unstable is not None
-        assert cell.stable.averaged == pytest.approx(chain.stable_amplitude, rel=1e-15)
+        assert cell.stable_cycle is not None
+        assert cell.unstable_cycle is not None
+        assert cell.stable_cycle.averaged == pytest.approx(chain.stable_amplitude, rel=1e-15)
         gaps.append(
-            [cell.stable.amplitude - cell.stable.averaged, cell.unstable.amplitude - 2**0.5]
+            [
+                cell.stable_cycle.amplitude - cell.stable_cycle.averaged,
+                cell.unstable_cycle.amplitude - 2**0.5,
+            ]
         )
     for ratio in (np.array(gaps[0]) / gaps[1], np.array(gaps[1]) / gaps[2]):
         # Second order in ε; the next term is of relative size ε².
         assert np.log2(ratio) == pytest.approx([2, 2], abs=0.02)
     beyond = vdp_cell(1.0, 0.2, 0.01, 1e-12)
-    assert beyond.stable is None
+    assert beyond.stable_cycle is None
 
 
 def answer(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:

@@ -131,7 +131,7 @@ def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: in
         )
         for sites, factor, place in ((16, 1, Place.EDGE), (32, 2, Place.BULK))
     )
-    assert edge.c == pytest.approx(bulk.c, abs=edge.error + bulk.error)
+    assert edge.c_crit == pytest.approx(bulk.c_crit, abs=edge.error + bulk.error)
 
 
 def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
@@ -254,7 +254,7 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
 
     def at(**options: object) -> float:
         spreading = Spreading(**{"size": 3, "final_time": 600.0, **options})  # type: ignore[arg-type]
-        return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0).c
+        return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0).c_crit
 
     first, several, whole = (
         at(definition=each) for each in (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE)
@@ -263,7 +263,7 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
     assert at(final_time=1200.0) < first
     literal = replace(chain, ends=Ends.LITERAL)
     one = [
-        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c
+        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c_crit
         for ends in (chain, literal)
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
@@ -275,15 +275,15 @@ def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> N
     chain = FrictionChain(c=0.0, sites=15)
     sharp = spreading_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
     assert sharp.monotone
-    assert sharp.late <= sharp.c
-    assert sharp.fuzzy_width < 1e-3 * sharp.c
+    assert sharp.c_crit_at_twice_the_time <= sharp.c_crit
+    assert sharp.fuzzy_width < 1e-3 * sharp.c_crit
     spreading = Spreading(3, final_time=400.0)
     late = spreading_threshold(chain, spreading, accuracy=1e-5, tests=4)
     assert late.fuzzy is not None
-    assert late.fuzzy[0] == late.late < late.c
+    assert late.fuzzy[0] == late.c_crit_at_twice_the_time < late.c_crit
     assert late.fuzzy_width > 100.0 * late.error
     # and it does spread at such a coupling, later than the final time
-    between = replace(chain, c=0.5 * (late.late + late.c))
+    between = replace(chain, c=0.5 * (late.c_crit_at_twice_the_time + late.c_crit))
     assert not spreads(between, spreading)
     assert spreads(between, spreading, 800.0)
 
@@ -296,7 +296,7 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         )
         for each in (1e-6, 1e-11)
     )
-    assert coarse.c == pytest.approx(fine.c, abs=coarse.error + fine.error)
+    assert coarse.c_crit == pytest.approx(fine.c_crit, abs=coarse.error + fine.error)
 
 
 @pytest.mark.parametrize(

@@ -183,7 +183,7 @@ def test_the_basin_of_a_law_ends_where_runs_of_scipy_begin_to_stick(name: str, s
 @pytest.mark.parametrize("name", CELLS)
 def test_the_stick_slip_cycle_of_a_law_is_what_a_run_of_scipy_settles_to(name: str) -> None:
     cell = CELLS[name]
-    found = friction_cell(cell).stable
+    found = friction_cell(cell).stable_cycle
     assert found is not None
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     start = np.array([[cell.release - 1e-3], [cell.v_d - 1e-6]])  # it sticks at once

@@ -1042,7 +1042,7 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
 ) -> None:
     tried = _made_up_holds(monkeypatch, 0.19, lambda _: 0.25)
     found = escape.escape_range(AVERAGED, escape.Preparation(1), 100.0, 1e-5)
-    assert found.c == pytest.approx(0.19, abs=1e-5)
+    assert found.c_crit == pytest.approx(0.19, abs=1e-5)
     near = np.sort([c for c in tried if abs(c / 0.19 - 1.0) < 0.0101])
     assert (near[0] / 0.19, near[-1] / 0.19) == pytest.approx((0.99, 1.01), abs=2e-3)
     assert np.diff(near).max() <= 0.19 * 0.01 / 8 * 1.001
@@ -1100,7 +1100,7 @@ def test_every_run_of_a_bisection_is_counted(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_fuzzy_interval_is_as_wide_as_it_is() -> None:
     given: dict[str, Any] = {
-        "c": 0.5, "error": 0.1, "method": ThresholdMethod.BISECTION, "definition": "first",
+        "c_crit": 0.5, "error": 0.1, "method": ThresholdMethod.BISECTION, "definition": "first",
         "mechanism": Mechanism.SPREADING, "model": "vdp", "nucleus": Nucleus(1), "seconds": 0.0,
         "low": 0.4, "high": 0.6, "final_time": 1.0, "runs": 3,
     }  # fmt: skip
@@ -1119,13 +1119,13 @@ def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.Monke
     monkeypatch.setattr(spreading, "spreads", spreads)
     chain = VdpChain(a=4, b=0.5, c=0.1)
     found = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=0)
-    assert (found.monotone, found.late, found.fuzzy) == (None, None, None)
+    assert (found.monotone, found.c_crit_at_twice_the_time, found.fuzzy) == (None, None, None)
     assert found.runs == len(made)
     made.clear()
     tested = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=4)
-    assert (tested.monotone, tested.late) == (True, tested.c)
+    assert (tested.monotone, tested.c_crit_at_twice_the_time) == (True, tested.c_crit)
     share = np.array([0.05, -0.05, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2])
-    assert sorted(made[-8:]) == pytest.approx(sorted(tested.c * (1.0 + share)))
+    assert sorted(made[-8:]) == pytest.approx(sorted(tested.c_crit * (1.0 + share)))
     assert tested.runs == len(made)
 
 
@@ -1211,6 +1211,6 @@ def test_sweeps_have_a_limit_of_rate_zero_where_the_delay_is_that_of_a_fold(
     delay = slow_sweep.fit_delay(
         slow_sweep.RATES, [0.2 + 0.5 * rate**exponent for rate in slow_sweep.RATES]
     )
-    assert delay.exponent == pytest.approx(exponent, abs=1e-9)
+    assert delay.delay_exponent == pytest.approx(exponent, abs=1e-9)
     assert (delay.c_0 is not None) is extrapolated
     assert pytest.approx(2.0 * math.cbrt(min(slow_sweep.RATES)), rel=0.1) == slow_sweep.LAW

@@ -264,8 +264,12 @@ def test_the_error_of_a_threshold_is_half_of_its_bracket(
     assert found.low <= C_TRUE <= found.high
     assert 0.1 * accuracy < found.high - found.low <= accuracy
     assert found.low + found.error == pytest.approx(found.high - found.error, rel=1e-14)
-    assert abs(found.c - C_TRUE) <= found.error <= 0.5 * accuracy
-    assert (found.monotone, found.fuzzy, found.late) == (True, None, found.c)
+    assert abs(found.c_crit - C_TRUE) <= found.error <= 0.5 * accuracy
+    assert (found.monotone, found.fuzzy, found.c_crit_at_twice_the_time) == (
+        True,
+        None,
+        found.c_crit,
+    )
 
 
 def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
@@ -280,15 +284,15 @@ def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
 def test_a_threshold_that_is_late_or_has_gaps_is_fuzzy(monkeypatch: pytest.MonkeyPatch) -> None:
     _known(monkeypatch, later=5e-4)
     late = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
-    assert late.late == pytest.approx(C_TRUE - 5e-4, abs=1e-6)
-    assert late.fuzzy == (late.late, late.c)
+    assert late.c_crit_at_twice_the_time == pytest.approx(C_TRUE - 5e-4, abs=1e-6)
+    assert late.fuzzy == (late.c_crit_at_twice_the_time, late.c_crit)
     assert late.monotone
-    gap = late.c * (1.0 + 0.2 * 5 / 12)  # one of the couplings that are tried
+    gap = late.c_crit * (1.0 + 0.2 * 5 / 12)  # one of the couplings that are tried
     _known(monkeypatch, gap=gap)
     torn = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
     assert not torn.monotone
     assert torn.fuzzy is not None
-    assert torn.fuzzy == pytest.approx((torn.c, gap), rel=1e-14)
+    assert torn.fuzzy == pytest.approx((torn.c_crit, gap), rel=1e-14)
 
 
 # ----------------------------------------------------------------------------------------- labels
@@ -976,7 +980,7 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
 def test_the_closed_form_is_of_one_site_in_the_bulk() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.6)
     found = closed_form_threshold(chain, Nucleus(1))
-    assert 0.0 < found.error < 1e-9 < found.c
+    assert 0.0 < found.error < 1e-9 < found.c_crit
     for other in (Nucleus(1, place=Place.EDGE), Nucleus(2, "0")):
         with pytest.raises(ParameterError, match="one centre"):
             closed_form_threshold(chain, other)

@@ -202,11 +202,11 @@ def test_the_branch_of_a_rayleigh_chain_ends_where_that_of_van_der_pol_does() ->
     rayleigh = OscillatorChain(damping="1 - a*v**2 + b*v**4", values={"a": 2.5 / 3, "b": 0.1}, c=0)
     ours = breather_threshold(rayleigh, Nucleus(1), ThresholdMethod.ORBIT, margin=3)
     theirs = breather_threshold(VdpChain(a=2.5, b=0.5, c=0), Nucleus(1), ThresholdMethod.ORBIT, 3)
-    assert ours.c_stable is not None
-    assert ours.c == pytest.approx(theirs.c, abs=1e-10)
-    assert ours.c_stable == pytest.approx(theirs.c_stable, abs=1e-8)
-    assert ours.growth == pytest.approx(theirs.growth, abs=1e-4)
-    assert ours.stability_lost_by is theirs.stability_lost_by
+    assert ours.stable_to is not None
+    assert ours.c_crit == pytest.approx(theirs.c_crit, abs=1e-10)
+    assert ours.stable_to == pytest.approx(theirs.stable_to, abs=1e-8)
+    assert ours.growth_half_way == pytest.approx(theirs.growth_half_way, abs=1e-4)
+    assert ours.lost_by is theirs.lost_by
 
 
 def test_a_branch_is_followed_of_alike_sites_along_a_line_only() -> None:

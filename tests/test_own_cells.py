@@ -41,15 +41,15 @@ def test_the_cycle_of_van_der_pol_is_the_published_one() -> None:
     found = own(damping="y**2 - 1", eps=1.0)
     assert found.status is CellStatus.OSCILLATION
     assert found.basin is None
-    assert found.stable is not None
-    assert abs(found.stable.period - PERIOD) <= found.error < 1e-9
-    assert abs(found.stable.max - AMPLITUDE) <= found.error
-    assert abs(found.stable.min + AMPLITUDE) <= found.error
+    assert found.stable_cycle is not None
+    assert abs(found.stable_cycle.period - PERIOD) <= found.error < 1e-9
+    assert abs(found.stable_cycle.max - AMPLITUDE) <= found.error
+    assert abs(found.stable_cycle.min + AMPLITUDE) <= found.error
 
 
 @pytest.mark.parametrize("size", [1e-6, 1e6])
 def test_a_cycle_scales_with_the_displacement_at_which_its_damping_ends(size: float) -> None:
-    found = own(damping="k*y**2 - 1", values={"k": size**-2}, eps=1.0).stable
+    found = own(damping="k*y**2 - 1", values={"k": size**-2}, eps=1.0).stable_cycle
     assert found is not None
     assert found.max / size == pytest.approx(AMPLITUDE, rel=1e-10)
     assert found.period == pytest.approx(PERIOD, rel=1e-10)
@@ -58,14 +58,14 @@ def test_a_cycle_scales_with_the_displacement_at_which_its_damping_ends(size: fl
 def test_a_cell_without_cycles_rests_from_everywhere_without_error() -> None:
     found = own(damping=1, stiffness="y", eps=0.1)
     assert (found.status, found.cycles, found.error) == (CellStatus.REST, (), 0.0)
-    assert found.rest == 0.0
+    assert found.steady_sliding == 0.0
     assert found.basin == (-np.inf, np.inf)
 
 
 def test_a_multiplier_is_what_the_damping_leaves_of_a_deviation_in_a_turn() -> None:
     """Liouville: the Floquet multiplier of a cycle is exp(-ε ∮ h dt) for a damping h(y)."""
     eps = 0.5
-    found = own(damping="y**2 - 1", eps=eps).stable
+    found = own(damping="y**2 - 1", eps=eps).stable_cycle
     assert found is not None
     rate = oscillator_rate(
         lambda y: y, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=eps
@@ -86,7 +86,7 @@ def test_a_tolerance_that_the_errors_are_not_stated_for_is_refused(tolerance: fl
 
 def test_the_cycle_of_rayleigh_has_the_published_period_of_van_der_pol() -> None:
     """The velocity of ẍ + ε(ẋ²/3 - 1)ẋ + x = 0 obeys the equation of Van der Pol."""
-    found = own(damping="v**2/3 - 1", eps=1.0).stable
+    found = own(damping="v**2/3 - 1", eps=1.0).stable_cycle
     assert found is not None
     assert abs(found.period - PERIOD) <= found.error
 
@@ -95,7 +95,10 @@ def test_the_cell_of_the_paper_as_text_is_the_built_in_one() -> None:
     ours = own(damping="1 - a*y**2 + b*y**4", values={"a": 4, "b": 0.5})
     theirs = cell(VdpChain(a=4, b=0.5, c=0.0))
     assert ours.status is theirs.status is CellStatus.BISTABLE
-    for one, other in ((ours.stable, theirs.stable), (ours.unstable, theirs.unstable)):
+    for one, other in (
+        (ours.stable_cycle, theirs.stable_cycle),
+        (ours.unstable_cycle, theirs.unstable_cycle),
+    ):
         assert one is not None
         assert other is not None
         for name in ("max", "min", "period"):
@@ -115,8 +118,8 @@ def test_all_cycles_of_a_cell_with_three_close_in_scipy_and_alternate() -> None:
         True, False, True,
     ]  # fmt: skip
     assert (found.status, found.basin) == (CellStatus.CYCLES, None)
-    assert found.stable is found.cycles[2]
-    assert found.unstable is found.cycles[1]
+    assert found.stable_cycle is found.cycles[2]
+    assert found.unstable_cycle is found.cycles[1]
     for each in found.cycles:
         start, times = np.array([each.max, 0.0]), np.array([0.0, each.period])
         back = states_by_scipy(rate, start, times, 1e-13)[-1]
@@ -138,7 +141,10 @@ def test_the_stated_errors_bound_the_true_ones_at_every_tolerance(
 ) -> None:
     """Also where the longest step, and no tolerance, limits the steps of a smooth motion."""
     exact, rough = (cell(chain, tolerance=each) for each in (1e-13, tolerance))
-    for ours, true in ((rough.stable, exact.stable), (rough.unstable, exact.unstable)):
+    for ours, true in (
+        (rough.stable_cycle, exact.stable_cycle),
+        (rough.unstable_cycle, exact.unstable_cycle),
+    ):
         if true is not None:
             assert ours is not None
             for name in ("max", "min", "period"):
@@ -239,8 +245,8 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
     chain = OscillatorChain(damping=damping, stiffness="y", eps=0.1, c=0.0)
     found: Any = cell(chain)
     assert found.status is status
-    assert found.stable.at == stable
-    assert (found.unstable and found.unstable.at) == unstable
+    assert found.stable_cycle.at == stable
+    assert (found.unstable_cycle and found.unstable_cycle.at) == unstable
     assert chain.cell.cycles[stable].amplitude == chain.stable_amplitude
     assert status is not CellStatus.CYCLES or found.basin is None
 
@@ -250,8 +256,8 @@ def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
     for errors in ((1e-3, 1e-6), (1e-6, 1e-3)):
         stable, unstable = (replace(one, error=each) for each in errors)
         found = Cell(
-            model="vdp", parameters={}, status=CellStatus.BISTABLE, rest=0.0,
-            effective_damping=0.1, stable=stable, unstable=unstable, seconds=0.0,
+            model="vdp", parameters={}, status=CellStatus.BISTABLE, steady_sliding=0.0,
+            effective_damping=0.1, stable_cycle=stable, unstable_cycle=unstable, seconds=0.0,
         )  # fmt: skip
         assert found.error == 1e-3
 
@@ -261,9 +267,9 @@ def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside(
     a, b = 4.0, 2.0
     found = cell(AveragedChain(a=a, b=b, c=0.0))
     assert found.status is CellStatus.SEMISTABLE
-    assert found.stable is None
-    assert found.unstable is not None
-    radius = found.unstable.amplitude
+    assert found.stable_cycle is None
+    assert found.unstable_cycle is not None
+    radius = found.unstable_cycle.amplitude
     double = np.roots([b / 8.0, -a / 4.0, 1.0])  # of r², each with the root of rounding
     assert np.abs(radius**2 - double).max() < 1e-7
     assert found.basin == (-radius, radius)
@@ -278,7 +284,7 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
     b = eta * a * a
     found = vdp_cell(a, b, 0.01, 1e-6)
     limits = sorted(np.sqrt(np.roots([b / 8.0, -a / 4.0, 1.0]).real))
-    for cycle, limit in zip((found.unstable, found.stable), limits, strict=True):
+    for cycle, limit in zip((found.unstable_cycle, found.stable_cycle), limits, strict=True):
         assert cycle is not None
         assert cycle.averaged == pytest.approx(limit, rel=1e-12)
         assert cycle.amplitude == pytest.approx(limit, rel=1e-3)
@@ -293,7 +299,7 @@ def test_the_longest_step_errs_in_proportion_to_the_tolerance() -> None:
 
 def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:
     """From the largest y through the smallest and back; stiffness of even powers too."""
-    found = own(damping="y**2 - 1", stiffness="y + 0.3*y**2 + 0.2*y**3", eps=0.5).stable
+    found = own(damping="y**2 - 1", stiffness="y + 0.3*y**2 + 0.2*y**3", eps=0.5).stable_cycle
     assert found is not None
     rate = oscillator_rate(
         lambda y: y + 0.3 * y**2 + 0.2 * y**3, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0,
@@ -307,7 +313,7 @@ def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:
 
 
 def test_a_compiled_cell_has_its_cycle() -> None:
-    found = own(damping="y**2 - 1", stiffness=hardening, values={"k": 0.8}, eps=0.3).stable
+    found = own(damping="y**2 - 1", stiffness=hardening, values={"k": 0.8}, eps=0.3).stable_cycle
     assert found is not None
     rate = oscillator_rate(
         lambda y: np.sinh(0.8 * y) / 0.8, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=0.3
@@ -358,9 +364,9 @@ def test_the_cycles_around_a_node_close_in_scipy() -> None:
         lambda y: y, lambda y, v: 1.0 - y**2 + 0.1 * y**4, np.zeros((1, 1)), c=0.0, eps=2.2
     )
     assert found.status is CellStatus.BISTABLE
-    assert found.stable is not None
-    assert found.unstable is not None
-    for each, ahead in ((found.stable, 1.0), (found.unstable, -1.0)):
+    assert found.stable_cycle is not None
+    assert found.unstable_cycle is not None
+    for each, ahead in ((found.stable_cycle, 1.0), (found.unstable_cycle, -1.0)):
         # Time runs backwards where the cycle repels: nothing that is off grows.
         times = np.array([0.0, ahead * each.period])
         back = states_by_scipy(rate, np.array([each.max, 0.0]), times, 1e-13)[-1]
@@ -370,7 +376,7 @@ def test_the_cycles_around_a_node_close_in_scipy() -> None:
 def test_no_multiplier_is_given_that_differences_do_not_resolve() -> None:
     """By Liouville it is 661 at ε = 1, where the central difference alone gives 781."""
     for eps, resolved in ((0.3, True), (1.0, False)):
-        found = own(damping="1 - 4*y**2 + 0.5*y**4", eps=eps).unstable
+        found = own(damping="1 - 4*y**2 + 0.5*y**4", eps=eps).unstable_cycle
         assert found is not None
         assert (found.multiplier is not None) is resolved
 

@@ -53,7 +53,7 @@ def test_front_and_threshold_of_the_paper_as_text_are_those_of_the_built_in_chai
     )
     options: dict[str, Any] = {"method": "bisection", "accuracy": 1e-2, "tests": 0, "lowest": 0.1}
     found = [
-        threshold(chain.replace(sites=7), Nucleus(1), final_time=10.0, **options).c
+        threshold(chain.replace(sites=7), Nucleus(1), final_time=10.0, **options).c_crit
         for chain in (text, built_in)
     ]
     assert found[0] == found[1]
@@ -191,7 +191,7 @@ def test_disorder_spreads_the_threshold_the_more_the_stronger_it_is() -> None:
         "nucleus": Nucleus(9, "0" * 8), "final_time": 200.0, "accuracy": 1e-3, "tests": 0,
         "lowest": 0.01,
     }  # fmt: skip
-    clean = threshold(chain, **options).c
+    clean = threshold(chain, **options).c_crit
     found = [
         ensemble(threshold, chain.replace(disorder={"alpha": size}), range(6), workers=1, **options)
         for size in (0.02, 0.15)

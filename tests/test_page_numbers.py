@@ -229,7 +229,7 @@ def test_smoothed_friction_is_wrong_in_every_solver_by_the_stored_benchmark() ->
     errors = [float(row["error"]) for row in rows if row["setting"] == setting]
     assert len(errors) >= 3
     assert min(errors) > error
-    assert fr.cell(fr.FrictionCell(v_d=1.25)).stable.amplitude == pytest.approx(1.0, abs=0.5)
+    assert fr.cell(fr.FrictionCell(v_d=1.25)).stable_cycle.amplitude == pytest.approx(1.0, abs=0.5)
 
 
 def test_no_orbit_is_sought_where_damping_is_strong() -> None:
@@ -261,7 +261,7 @@ def test_the_thresholds_of_the_friction_chain_are_those_said() -> None:
             highest=0.1, final_time=end,
         )  # fmt: skip
         digit = 10.0 ** (math.floor(math.log10(coupling)) - (2 if coupling == first else 1))
-        assert abs(found.c - coupling) <= 0.5 * digit + 1e-5, (definition, end)
+        assert abs(found.c_crit - coupling) <= 0.5 * digit + 1e-5, (definition, end)
     assert 2.5 < whole / first < 3.5  # "a factor of three", in the tutorial
     assert "differ by a factor of three" in page("docs/tutorials/t5_friction.py")
 
@@ -312,7 +312,7 @@ def test_the_gallery_names_the_folds_and_the_loss_of_stability_that_are_there() 
     (fold,) = said(
         "meets an unstable one at c = # and", page("docs/gallery/more_breather_through_fold.py")
     )
-    assert fold == pytest.approx(fr.threshold(AveragedChain(a=2.5, b=0.5, c=0.1)).c, abs=5e-5)
+    assert fold == pytest.approx(fr.threshold(AveragedChain(a=2.5, b=0.5, c=0.1)).c_crit, abs=5e-5)
     (c,) = said("stable up to c = #;", page("docs/gallery/more_branches_and_stability.py"))
     assert c == pytest.approx(kinetic_relation(c=0.5, eta=1 / 32).c_stable, abs=5e-4)
 
@@ -321,7 +321,7 @@ def test_the_humps_of_the_exponent_are_where_the_gallery_says() -> None:
     near = said("The humps near c = #, # and # are", page("docs/gallery/more_exponent.py"))
     c = np.concatenate([np.linspace(0.9 * c, 1.1 * c, 17) for c in near])
     fastest = [point.branches[-1] for point in kinetic_relation(c=c, eta=1 / 32).points]
-    exponent = np.array([x / f.v * f.by_coupling for x, f in zip(c, fastest, strict=True)])
+    exponent = np.array([x / f.v * f.by_c for x, f in zip(c, fastest, strict=True)])
     for hump, values in zip(near, exponent.reshape(len(near), -1), strict=True):
         assert 0 < values.argmax() < values.size - 1, hump
         assert values.max() > 0.6

@@ -25,11 +25,11 @@ def test_bisection_between_runs_meets_the_fold_of_continuation() -> None:
     runs = threshold(chain, method="bisection", accuracy=1e-4, lowest=0.1, tests=0, final_time=1e3)
     assert fold.definition is Definition.EXISTENCE
     assert isinstance(runs, RunThreshold)
-    assert runs.high > fold.c
-    assert -runs.error <= runs.c - fold.c < 3e-4
+    assert runs.high > fold.c_crit
+    assert -runs.error <= runs.c_crit - fold.c_crit < 3e-4
     stable = threshold(chain, definition="stability")
     assert stable.mechanism is Mechanism.SYMMETRY_BREAKING
-    assert stable.c < fold.c
+    assert stable.c_crit < fold.c_crit
 
 
 @pytest.mark.parametrize(

@@ -344,7 +344,7 @@ def test_derivatives_of_v_are_those_of_finite_differences(c: float, eta: float) 
         # second order in h, and the errors of v over the step
         noise = 4 * b.error / h
         by_c, by_eta = (r.v - le.v) / (2 * h * c), (u.v - d.v) / (2 * h * eta)
-        assert b.by_coupling == pytest.approx(by_c, rel=1e-5, abs=noise / c)
+        assert b.by_c == pytest.approx(by_c, rel=1e-5, abs=noise / c)
         assert b.by_eta == pytest.approx(by_eta, rel=1e-5, abs=noise / eta)
 
 
@@ -374,11 +374,11 @@ def test_the_errors_of_the_derivatives_of_v_bound_the_true_ones(c: float, eta: f
     for branch in velocities(c, eta):
         with mp.workdps(40):
             by_c, by_eta = exact_derivatives(branch, c, eta)
-            off_c, off_eta = abs(branch.by_coupling - by_c), abs(branch.by_eta - by_eta)
+            off_c, off_eta = abs(branch.by_c - by_c), abs(branch.by_eta - by_eta)
         # the differences are good to 1e-30/1e-10, and to 1e-20 of third derivatives
-        assert off_c <= branch.by_coupling_error + 1e-17 * abs(by_c)
+        assert off_c <= branch.by_c_error + 1e-17 * abs(by_c)
         assert off_eta <= branch.by_eta_error + 1e-17 * abs(by_eta)
-        assert branch.by_coupling_error < 1e-3 * abs(branch.by_coupling)
+        assert branch.by_c_error < 1e-3 * abs(branch.by_c)
         assert branch.by_eta_error < 1e-3 * abs(branch.by_eta)
 
 
@@ -389,7 +389,7 @@ def test_where_the_fold_is_within_the_error_the_derivatives_have_no_bound_and_sa
     c = fold.value + np.arange(-8, 9) * math.ulp(fold.value)
     for answer in trace_kinetic_relation(c, ETA, admissibility=False):
         for branch in answer.branches:
-            if math.isinf(branch.by_coupling_error):
+            if math.isinf(branch.by_c_error):
                 seen += 1
                 assert math.isinf(branch.by_eta_error)
                 shown = branch.to_dict()

@@ -9,15 +9,13 @@ How to write a new result
 2. A field's metadata say what the field is where that is not plain from its type. All are optional.
 
    ``json``
-       Its key in `Result.to_dict`; ``None`` leaves the field out. By default its name.
+       ``None`` leaves the field out of `Result.to_dict`, where its key is its name.
    ``dims``
        Names of the dimensions of an array, as ``("t", "site")``. Fields that have them make the
        result tabular: `Result.to_pandas` has one row for each index of the first dimension,
        `Result.to_xarray` has them all.
    ``axis``
        Name of the dimension along which this one-dimensional array is the coordinate.
-   ``unit``, ``help``, ``symbol``
-       Words for tables, labels and the command line.
 
 3. Properties that belong in the JSON object as well are named in the class variable ``derived``.
 4. A picture is a function in `fronts.pictures`, entered there under the name of the class; nothing
@@ -126,14 +124,8 @@ class Result:
         TypeError
             If a field holds what has no such form.
         """
-        found: dict[str, Any] = {}
-        for each in _fields(self):
-            key = each.metadata.get("json", each.name)
-            if key is not None:
-                found[key] = plain(getattr(self, each.name))
-        for name in self.derived:
-            found[name] = plain(getattr(self, name))
-        return found
+        listed = [each.name for each in _fields(self) if "json" not in each.metadata]
+        return {name: plain(getattr(self, name)) for name in (*listed, *self.derived)}
 
     def row(self) -> dict[str, Any]:
         """Return the entries of `to_dict` as cells of one row of a table.
@@ -160,11 +152,8 @@ class Result:
 
     def parts(self) -> dict[str, Result]:
         """Return the entries of `to_dict` that are results themselves, by their keys there."""
-        held = (
-            (each.metadata.get("json", each.name), getattr(self, each.name))
-            for each in _fields(self)
-        )
-        return {str(key): part for key, part in held if isinstance(part, Result)}
+        held = ((each.name, getattr(self, each.name)) for each in _fields(self))
+        return {name: part for name, part in held if isinstance(part, Result)}
 
     def plot(self, axes: Axes | None = None, **style: Any) -> Axes:
         """Draw the result with Matplotlib.

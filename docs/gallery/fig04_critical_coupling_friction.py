@@ -25,6 +25,6 @@ for place, marker in (("edge", "o-"), ("bulk", "s--")):
         )
         for size in sizes
     ]
-    axes.plot(sizes, [each.c for each in found], marker, label=place)
+    axes.plot(sizes, [each.c_crit for each in found], marker, label=place)
 axes.set(xlabel="sites of the nucleus", ylabel="critical coupling c", ylim=(0, None))
 axes.legend()

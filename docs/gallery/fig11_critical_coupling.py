@@ -14,5 +14,5 @@ chain = fr.AveragedChain(a=2.5, b=0.5, c=0)
 sizes = (1, 3, 5, 7, 9)
 found = [fr.threshold(chain, fr.Nucleus(n, "-" * (n // 2) + "+" * (n // 2))) for n in sizes]
 axes = plt.subplots(layout="constrained")[1]
-axes.plot(sizes, [each.c for each in found], "o-")
+axes.plot(sizes, [each.c_crit for each in found], "o-")
 axes.set(xlabel="sites of the nucleus", ylabel="coupling c at the fold", xticks=sizes)

@@ -15,6 +15,6 @@ import fronts as fr
 points = fr.kinetic_relation(c=np.geomspace(0.45, 100, 250), eta=1 / 32).points
 fastest = [(point.c, point.branches[-1]) for point in points if point.branches]
 axes = plt.subplots(layout="constrained")[1]
-axes.semilogx([c for c, _ in fastest], [c / front.v * front.by_coupling for c, front in fastest])
+axes.semilogx([c for c, _ in fastest], [c / front.v * front.by_c for c, front in fastest])
 axes.axhline(0.5, color="0.6", lw=0.8)
 axes.set(xlabel="coupling c", ylabel="d ln v / d ln c", ylim=(0, 2.5))

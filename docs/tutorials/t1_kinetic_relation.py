@@ -59,4 +59,4 @@ curve.plot()
 
 for c in (1.0, 10.0, 100.0, 1000.0):
     fastest = fr.kinetic_relation(c=c, eta=1 / 32).branches[-1]
-    print(f"c = {c:7g}: v = {fastest.v:.6f}, exponent {c / fastest.v * fastest.by_coupling:.4f}")
+    print(f"c = {c:7g}: v = {fastest.v:.6f}, exponent {c / fastest.v * fastest.by_c:.4f}")

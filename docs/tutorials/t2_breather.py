@@ -71,4 +71,4 @@ print(f"orbit:                  {moduli[-2]:.6f}")
 # the branch around it, so that the coupling at the fold has an error of its own.
 
 threshold = fr.threshold(chain)
-print(f"c = {threshold.c:.8f} (error {threshold.error:.1e}); {threshold.mechanism.sentence}")
+print(f"c = {threshold.c_crit:.8f} (error {threshold.error:.1e}); {threshold.mechanism.sentence}")

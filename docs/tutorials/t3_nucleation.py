@@ -46,7 +46,7 @@ panels[0].set_ylabel("site n")
 
 for size, pattern in ((1, ""), (3, "-+"), (5, "--++")):
     found = fr.threshold(fr.AveragedChain(a=2.5, b=0.5, c=0.1), fr.Nucleus(size, pattern))
-    print(f"{size} site(s): exists up to c = {found.c:.7f}; {found.mechanism.value}")
+    print(f"{size} site(s): exists up to c = {found.c_crit:.7f}; {found.mechanism.value}")
 
 # %%
 # Phases matter

@@ -19,7 +19,7 @@ import fronts as fr
 
 one = fr.cell(fr.FrictionCell(v_d=1.25))
 print(one.status.sentence)
-print(f"period {one.stable.period:.9f}, error {one.error:.1e}; basin {one.basin}")
+print(f"period {one.stable_cycle.period:.9f}, error {one.error:.1e}; basin {one.basin}")
 
 # %%
 # Events

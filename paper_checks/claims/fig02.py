@@ -78,7 +78,7 @@ class TwoStates:
 def two_states() -> TwoStates:
     """Find both cycles by shooting; run from both sides of the inner one with scipy."""
     orbits = _orbits()
-    stable, unstable, basin = orbits.stable, orbits.unstable, orbits.basin
+    stable, unstable, basin = orbits.stable_cycle, orbits.unstable_cycle, orbits.basin
     if stable is None or unstable is None or basin is None:
         raise ArithmeticError("the cell of Fig. 2 has no two cycles")
     cell = orbits.cell
@@ -381,7 +381,7 @@ def switch_model() -> SwitchModel:
     from verification.references.switch_model import PAPER_BAND, run_switch
 
     orbits = _orbits()
-    stable = orbits.stable
+    stable = orbits.stable_cycle
     if stable is None:
         raise ArithmeticError("no cycle")
     chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)

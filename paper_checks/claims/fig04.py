@@ -42,7 +42,7 @@ def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> flo
 
     chain = replace(chain_of(0.0), ends=Ends(ends))
     spreading = Spreading(size, Place(place), **options)
-    return spreading_threshold(chain, spreading, lowest=0.005, accuracy=ACCURACY, tests=0).c
+    return spreading_threshold(chain, spreading, lowest=0.005, accuracy=ACCURACY, tests=0).c_crit
 
 
 @dataclass(frozen=True, kw_only=True)

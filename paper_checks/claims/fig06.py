@@ -168,7 +168,7 @@ def no_propagation() -> NoPropagation:
     single, wide = (
         spreading_threshold(
             chain_of(0.0), Spreading(size), lowest=0.005, accuracy=2e-5, tests=0
-        ).c
+        ).c_crit
         for size in (1, WIDE)
     )  # fmt: skip
     arrived = []

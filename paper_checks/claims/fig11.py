@@ -91,12 +91,12 @@ def folds() -> Folds:
     runs = {n: escape_threshold(chain, Preparation(n), tolerance=1e-4) for n in (1, 3, 5)}
     one = orbit[1]
     return Folds(
-        orbit={n: found.c for n, found in orbit.items()},
-        averaged={n: found.c for n, found in averaged.items()},
-        runs={n: run.c for n, run in runs.items()},
+        orbit={n: found.c_crit for n, found in orbit.items()},
+        averaged={n: found.c_crit for n, found in averaged.items()},
+        runs={n: run.c_crit for n, run in runs.items()},
         run_error=max(run.error for run in runs.values()),
         error=max(found.error for found in orbit.values()),
-        stable_to=one.c if one.c_stable is None else one.c_stable,
+        stable_to=one.c_crit if one.stable_to is None else one.stable_to,
     )
 
 
@@ -145,7 +145,7 @@ def sweeps() -> Sweeps:
         rates=tuple(found[1].rates),
         escapes={n: tuple(each.escapes) for n, each in found.items()},
         exponents={
-            n: required(each.exponent, f"exponent for size {n}") for n, each in found.items()
+            n: required(each.delay_exponent, f"exponent for size {n}") for n, each in found.items()
         },
     )
 

@@ -102,7 +102,7 @@ def scaling() -> Scaling:
     return Scaling(
         c=tuple(each for each, _ in fastest),
         v=tuple(branch.v for _, branch in fastest),
-        exponent=tuple(branch.by_coupling * each / branch.v for each, branch in fastest),
+        exponent=tuple(branch.by_c * each / branch.v for each, branch in fastest),
         by_series=_exponent_by_series(c, v),
         limit=required(strong_coupling_velocity(ETA), "law for strong coupling"),
         runs=tuple(simulate_front(each, ETA) for each in RUNS),

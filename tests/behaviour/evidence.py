@@ -66,26 +66,26 @@ def _threshold(chain: Any, spreading: Any, **options: Any) -> Any:
     """Return made-up thresholds of spreading that fall with the size of the nucleus."""
     del chain
     falls = 0.2 if spreading.place is Place.BULK else 0.4
-    return SimpleNamespace(c=0.0138 * (1.0 - falls * (spreading.size > 1)), **options)
+    return SimpleNamespace(c_crit=0.0138 * (1.0 - falls * (spreading.size > 1)), **options)
 
 
 def _breather_threshold(chain: Any, nucleus: Any, by: ThresholdMethod) -> Any:
     """Return made-up folds by size, those of (8) a little below the averaged ones."""
     c = {1: 0.19, 3: 0.2, 5: 0.199, 7: 0.1985, 9: 0.19849}[nucleus.size] + chain.c
     c -= 1e-4 * (by is ThresholdMethod.ORBIT)
-    return SimpleNamespace(c=c, c_stable=c - 1e-3, error=1e-6 * nucleus.size)
+    return SimpleNamespace(c_crit=c, stable_to=c - 1e-3, error=1e-6 * nucleus.size)
 
 
 def _escape_threshold(chain: Any, preparation: Any, tolerance: float) -> Any:
     fold = _breather_threshold(chain, preparation, ThresholdMethod.ENVELOPE)
-    return SimpleNamespace(c=fold.c + 0.3 * tolerance * preparation.size, error=tolerance)
+    return SimpleNamespace(c_crit=fold.c_crit + 0.3 * tolerance * preparation.size, error=tolerance)
 
 
 def _measure_delay(chain: Any, preparation: Any) -> Any:
     rates = np.array([4e-5, 2e-5, 1e-5])
     fold = _breather_threshold(chain, preparation, ThresholdMethod.ENVELOPE)
-    late = fold.c + preparation.size * rates ** (2.0 / 3.0)
-    return SimpleNamespace(rates=rates.tolist(), escapes=late.tolist(), exponent=0.66)
+    late = fold.c_crit + preparation.size * rates ** (2.0 / 3.0)
+    return SimpleNamespace(rates=rates.tolist(), escapes=late.tolist(), delay_exponent=0.66)
 
 
 def _with(function: Callable[..., Any], **changed: Any) -> Callable[..., Any]:

@@ -53,9 +53,9 @@ class KineticBranch(Result):
         Bound on the error of v.
     slope : int
         Sign of d|Σ|/d|v|: -1 on the branch that a direct run follows.
-    by_coupling, by_eta : float
+    by_c, by_eta : float
         ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
-    by_coupling_error, by_eta_error : float
+    by_c_error, by_eta_error : float
         Their errors, which grow like that of v towards a fold; infinite (null in JSON) where the
         fold is nearer than the error of v. They are estimates and no proven bounds: within the
         error of v the derivatives of g are taken to be between those at its middle and its ends.
@@ -75,9 +75,9 @@ class KineticBranch(Result):
     v: float
     error: float
     slope: int
-    by_coupling: float = field(metadata={"json": "by_c"})
+    by_c: float
     by_eta: float
-    by_coupling_error: float = field(metadata={"json": "by_c_error"})
+    by_c_error: float
     by_eta_error: float
     admissible: bool | None
     fails_at: float | None
@@ -292,9 +292,9 @@ class KineticRelation(Result):
             "v": listed("v", float),
             "error": listed("error", float),
             "slope": listed("slope", object),
-            "by_c": listed("by_coupling", float),
+            "by_c": listed("by_c", float),
             "by_eta": listed("by_eta", float),
-            "by_c_error": listed("by_coupling_error", float),
+            "by_c_error": listed("by_c_error", float),
             "by_eta_error": listed("by_eta_error", float),
             "admissible": listed("admissible", object),
             "fails_at": listed("fails_at", float),
@@ -458,9 +458,9 @@ def _branches(
         "v": v,
         "error": found.error,
         "slope": np.sign(found.slope).astype(int),
-        "by_coupling": -inverse * found.by_coupling,
+        "by_c": -inverse * found.by_coupling,
         "by_eta": inverse * by_eta,
-        "by_coupling_error": found.error_along_coupling,
+        "by_c_error": found.error_along_coupling,
         "by_eta_error": by_eta * (found.error_along_target + 1e-15 * np.abs(inverse)),
     }
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)

@@ -346,7 +346,7 @@ def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, 
         fold = breather_threshold(chain, nucleus, ThresholdMethod(own_method(chain)))
     except (ParameterError, NotConvergedError):
         return None, None
-    return (fold.c, fold.error) if chain.c > fold.c + fold.error else (None, None)
+    return (fold.c_crit, fold.error) if chain.c > fold.c_crit + fold.error else (None, None)
 
 
 _METHODS: dict[BreatherMethod, Callable[[VanDerPolChain, Nucleus, _Choice], Breather]] = {

@@ -49,7 +49,7 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
     Examples
     --------
     >>> found = cell(FrictionCell())
-    >>> found.status.value, round(found.stable.period, 6), found.error < 1e-8
+    >>> found.status.value, round(found.stable_cycle.period, 6), found.error < 1e-8
     ('bistable', 6.353749, True)
     >>> cell(VdpChain(a=1.0, b=0.2, c=0.0)).status.sentence
     'rest is stable, and there is no cycle.'

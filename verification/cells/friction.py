@@ -48,7 +48,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     Examples
     --------
     >>> found = friction_cell(FrictionCell())
-    >>> found.status.value, round(found.stable.period, 6), found.error < 1e-8
+    >>> found.status.value, round(found.stable_cycle.period, 6), found.error < 1e-8
     ('bistable', 6.353749, True)
 
     Raises
@@ -88,10 +88,10 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
         cell=cell,
         parameters=asdict(cell),
         status=status,
-        rest=cell.steady_sliding,
+        steady_sliding=cell.steady_sliding,
         effective_damping=cell.effective_damping,
-        stable=stable,
-        unstable=unstable,
+        stable_cycle=stable,
+        unstable_cycle=unstable,
         hopf_velocity=0.0 if coulomb else cell.hopf_velocity,
         cycle_begin_velocity=first,
         cycle_end_velocity=end,

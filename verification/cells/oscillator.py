@@ -56,7 +56,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
     Examples
     --------
     >>> found = oscillator_cell(OscillatorChain(damping="v**2 - 1", c=0.0))
-    >>> found.status.value, round(found.stable.amplitude, 4), found.error < 1e-9
+    >>> found.status.value, round(found.stable_cycle.amplitude, 4), found.error < 1e-9
     ('cycle only', 1.1547, True)
     """
     begin = perf_counter()
@@ -86,10 +86,10 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
         model=chain.model,
         parameters=chain.parameters(),
         status=_status(rests, sum(each.stable for each in limits)),
-        rest=0.0,
+        steady_sliding=0.0,
         effective_damping=damping,
-        stable=stable,
-        unstable=unstable,
+        stable_cycle=stable,
+        unstable_cycle=unstable,
         cycles=cycles,
         seconds=perf_counter() - begin,
     )

@@ -82,13 +82,13 @@ class Cell(Result):
         Those of the cell.
     status : CellStatus
         Which states are stable.
-    rest : float
+    steady_sliding : float
         y of the state of rest: steady sliding, or 0.
     effective_damping : float
         Linear damping about rest, which is stable where this is positive.
-    stable, unstable : Cycle or None
+    stable_cycle, unstable_cycle : Cycle or None
         The large cycle and the one that separates the basins, where they exist. Where the two are
-        one, semistable, it is ``unstable``.
+        one, semistable, it is ``unstable_cycle``.
     seconds : float
         Run time.
     """
@@ -98,10 +98,10 @@ class Cell(Result):
     model: str
     parameters: dict[str, Any]
     status: CellStatus
-    rest: float = field(metadata={"json": "steady_sliding"})
+    steady_sliding: float
     effective_damping: float
-    stable: Cycle | None = field(metadata={"json": "stable_cycle"})
-    unstable: Cycle | None = field(metadata={"json": "unstable_cycle"})
+    stable_cycle: Cycle | None
+    unstable_cycle: Cycle | None
     seconds: float
 
     def to_dict(self) -> dict[str, Any]:
@@ -120,14 +120,16 @@ class Cell(Result):
         """
         if self.status in (CellStatus.SLIDING, CellStatus.REST):
             return -math.inf, math.inf
-        if self.unstable is None or self.status is CellStatus.CYCLES:
+        if self.unstable_cycle is None or self.status is CellStatus.CYCLES:
             return None
-        return self.unstable.min, self.unstable.max
+        return self.unstable_cycle.min, self.unstable_cycle.max
 
     @property
     def error(self) -> float:
         """Largest of the errors; infinite where one is not known."""
-        return max((each.error for each in (self.stable, self.unstable) if each), default=0.0)
+        return max(
+            (each.error for each in (self.stable_cycle, self.unstable_cycle) if each), default=0.0
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,8 +139,9 @@ class OwnCell(Cell):
     Attributes
     ----------
     cycles : tuple of Cycle
-        All of them, inner to outer. ``unstable`` is the innermost unstable one, ``stable`` the
-        next stable one outside of it, as `stable_amplitude` of the chain, or the only one.
+        All of them, inner to outer. ``unstable_cycle`` is the innermost unstable one,
+        ``stable_cycle`` the next stable one outside of it, as `stable_amplitude` of the chain, or
+        the only one.
     """
 
     cycles: tuple[Cycle, ...]

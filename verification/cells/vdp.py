@@ -74,7 +74,7 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     Examples
     --------
     >>> found = vdp_cell(2.5, 0.5, 0.01, 1e-12)
-    >>> abs(found.stable.amplitude - found.stable.averaged) < 1e-3
+    >>> abs(found.stable_cycle.amplitude - found.stable_cycle.averaged) < 1e-3
     True
     """
     begin = perf_counter()
@@ -102,10 +102,10 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
         model="vdp",
         parameters={"a": a, "b": b, "eps": eps},
         status=CellStatus.REST if stable is None else CellStatus.BISTABLE,
-        rest=0.0,
+        steady_sliding=0.0,
         effective_damping=eps,
-        stable=stable,
-        unstable=unstable,
+        stable_cycle=stable,
+        unstable_cycle=unstable,
         seconds=perf_counter() - begin,
     )
 
@@ -123,7 +123,7 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
     Examples
     --------
     >>> found = averaged_cell(4, 0.5, 0.01)
-    >>> round(found.unstable.amplitude, 6), round(found.stable.amplitude, 6)
+    >>> round(found.unstable_cycle.amplitude, 6), round(found.stable_cycle.amplitude, 6)
     (1.035276, 3.863703)
     """
     begin = perf_counter()
@@ -147,10 +147,10 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
         model="averaged",
         parameters={"a": a, "b": b, "eps": eps},
         status=status,
-        rest=0.0,
+        steady_sliding=0.0,
         effective_damping=eps,
-        stable=stable,
-        unstable=unstable,
+        stable_cycle=stable,
+        unstable_cycle=unstable,
         seconds=perf_counter() - begin,
     )
 

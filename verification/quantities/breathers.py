@@ -304,7 +304,7 @@ def _farthest(values: Any, others: Any) -> float:
 
 def _threshold(at: Mapping[str, float]) -> StatedValue:
     found = breather_threshold(_chain({**at, "c": 0.1}, 15), Nucleus(1), ThresholdMethod.ENVELOPE)
-    return StatedValue.of(found, found.c)
+    return StatedValue.of(found, found.c_crit)
 
 
 def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:

@@ -54,7 +54,7 @@ def breather_threshold(
     Examples
     --------
     >>> found = breather_threshold(VdpChain(a=2.5, b=0.5, c=0), Nucleus(3, "-+"))
-    >>> round(found.c, 6), found.stability_lost_by.value
+    >>> round(found.c_crit, 6), found.lost_by.value
     (0.199234, 'never stable')
     """
     started = time.perf_counter()
@@ -80,7 +80,7 @@ def breather_threshold(
     mirrored = nucleus.mirrored(here.sites)
     c_stable, error_stable = _stable_until(crossing, branch, error)
     return BranchThreshold(
-        c=branch.fold.parameter,
+        c_crit=branch.fold.parameter,
         error=error,
         method=method,
         definition=Definition.EXISTENCE,
@@ -88,11 +88,11 @@ def breather_threshold(
         model=here.model,
         nucleus=nucleus,
         sites=here.sites,
-        c_stable=c_stable,
-        error_stable=error_stable,
-        stability_lost_by=_mechanism(crossing, family, branch),
-        growth=branch.monitored[at_half][0],
-        growth_mirrored=branch.monitored[at_half][1] if mirrored else None,
+        stable_to=c_stable,
+        stable_to_error=error_stable,
+        lost_by=_mechanism(crossing, family, branch),
+        growth_half_way=branch.monitored[at_half][0],
+        growth_half_way_mirrored=branch.monitored[at_half][1] if mirrored else None,
         seconds=time.perf_counter() - started,
     )
 

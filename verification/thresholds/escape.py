@@ -160,7 +160,7 @@ def escape_range(
     pad = 0.0 if monotone else PAD * (high - low)
     low, high = low - pad, high + pad
     return RunThreshold(
-        c=0.5 * (low + high),
+        c_crit=0.5 * (low + high),
         # It bounds what was run, not longer times or other seeds.
         error=0.5 * (high - low),
         method=ThresholdMethod.HOLD,
@@ -171,7 +171,7 @@ def escape_range(
         sites=preparation.chain(chain, 0.0).sites,
         low=low,
         high=high,
-        by_seed={runs.preparation.seed: runs.range() for runs in every},
+        range_by_seed={runs.preparation.seed: runs.range() for runs in every},
         perturbation=preparation.perturbation,
         final_time=duration,
         monotone=monotone,
@@ -226,7 +226,7 @@ def escape_threshold(
     short, c = bisect(0.5 * duration), bisect(duration)
     error = 0.5 * tolerance + abs(short - c)
     return RunThreshold(
-        c=c,
+        c_crit=c,
         error=error,
         method=ThresholdMethod.HOLD,
         definition=Definition.FIRST,

@@ -77,7 +77,7 @@ class Threshold(Result):
 
     Attributes
     ----------
-    c, error : float
+    c_crit, error : float
         The coupling, and a bound on its error or half the interval that holds it. The error is
         that of a solution of ``equation``: how far this is from (8) at ε > 0 is not in it.
     method : ThresholdMethod
@@ -102,7 +102,7 @@ class Threshold(Result):
 
     derived: ClassVar[tuple[str, ...]] = ("equation",)
 
-    c: float = field(metadata={"json": "c_crit", "symbol": "c"})
+    c_crit: float
     error: float
     method: ThresholdMethod
     definition: Definition
@@ -138,27 +138,27 @@ class BranchThreshold(Threshold):
 
     Attributes
     ----------
-    c_stable : float or None
+    stable_to : float or None
         Up to where the breather is stable against every small perturbation; None if it never is.
-    error_stable : float
-        Error of ``c_stable``.
-    stability_lost_by : Mechanism
+    stable_to_error : float
+        Error of ``stable_to``.
+    lost_by : Mechanism
         At the fold itself, before it, or never held.
-    growth : float
+    growth_half_way : float
         Largest rate per unit of slow time, trivial one apart, half way to the fold.
-    growth_mirrored : float or None
+    growth_half_way_mirrored : float or None
         The same for perturbations that keep the mirror symmetry; None without it.
     """
 
-    c_stable: float | None = field(metadata={"json": "stable_to"})
-    error_stable: float = field(metadata={"json": "stable_to_error"})
-    stability_lost_by: Mechanism = field(metadata={"json": "lost_by"})
-    growth: float = field(metadata={"json": "growth_half_way"})
-    growth_mirrored: float | None = field(metadata={"json": "growth_half_way_mirrored"})
+    stable_to: float | None
+    stable_to_error: float
+    lost_by: Mechanism
+    growth_half_way: float
+    growth_half_way_mirrored: float | None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""
-        unknown = {"stable_to_error": None} if self.c_stable is None else {}
+        unknown = {"stable_to_error": None} if self.stable_to is None else {}
         return super().to_dict() | unknown
 
 
@@ -176,14 +176,14 @@ class RunThreshold(Threshold):
     monotone : bool or None
         Whether escape or spreading was monotone in c among the couplings tested; None if that was
         not tested.
-    late : float or None
+    c_crit_at_twice_the_time : float or None
         The threshold for twice the final time, where that was tested.
     fuzzy : tuple of float or None
-        Interval around ``c`` in which runs contradict one sharp threshold: spreading that takes
-        more than the final time, or that is not monotone in c. None if there is none.
+        Interval around ``c_crit`` in which runs contradict one sharp threshold: spreading that
+        takes more than the final time, or that is not monotone in c. None if there is none.
     perturbation : float
         Size of the noise on the start.
-    by_seed : mapping of int to (float, float)
+    range_by_seed : mapping of int to (float, float)
         The interval for each seed of the noise.
     runs : int
         Runs made.
@@ -199,12 +199,10 @@ class RunThreshold(Threshold):
     high: float
     final_time: float
     monotone: bool | None = None
-    late: float | None = field(default=None, metadata={"json": "c_crit_at_twice_the_time"})
+    c_crit_at_twice_the_time: float | None = None
     fuzzy: tuple[float, float] | None = None
     perturbation: float = 0.0
-    by_seed: Mapping[int, tuple[float, float]] = field(
-        default_factory=dict, metadata={"json": "range_by_seed"}
-    )
+    range_by_seed: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     runs: int
     ends: Ends | None = None
     start_point: StartPoint | None = None
@@ -242,7 +240,7 @@ class Delay(Result):
         where the escapes do not follow this law.
     error : float or None
         How far it is from the extrapolation without K' through the two slowest.
-    exponent : float or None
+    delay_exponent : float or None
         ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest: 2/3 at a fold; None where
         the escapes do not fall with the rate.
     seconds : float
@@ -253,5 +251,5 @@ class Delay(Result):
     escapes: tuple[float, ...]
     c_0: float | None
     error: float | None
-    exponent: float | None = field(metadata={"json": "delay_exponent"})
+    delay_exponent: float | None
     seconds: float

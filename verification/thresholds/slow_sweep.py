@@ -92,7 +92,7 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
     --------
     >>> rates = [8e-3, 1e-3, 1.25e-4]
     >>> delay = fit_delay(rates, [0.2 + 0.5 * rate ** (2 / 3) for rate in rates])
-    >>> round(delay.c_0, 12), round(delay.exponent, 9)
+    >>> round(delay.c_0, 12), round(delay.delay_exponent, 9)
     (0.2, 0.666666667)
     >>> print(fit_delay(rates, [0.2 + 5 * rate for rate in rates]).c_0)
     None
@@ -110,7 +110,7 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
         escapes=tuple(escapes),
         c_0=c_0,
         error=error,
-        exponent=exponent,
+        delay_exponent=exponent,
         seconds=seconds,
     )
 
@@ -162,7 +162,7 @@ def sweep_threshold(chain: VanDerPolChain, preparation: Preparation) -> Threshol
         held = escape_range(chain, preparation)
         return replace(held, delay=delay, seconds=held.seconds + delay.seconds)
     return Threshold(
-        c=delay.c_0,
+        c_crit=delay.c_0,
         error=delay.error,
         method=ThresholdMethod.SWEEP,
         definition=Definition.EXISTENCE,

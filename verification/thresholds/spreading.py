@@ -295,7 +295,7 @@ def spreading_threshold(
         if ends[1] - ends[0] > 2.0 * accuracy:
             fuzzy = ends
     return RunThreshold(
-        c=c,
+        c_crit=c,
         error=error,
         method=ThresholdMethod.BISECTION,
         definition=spreading.definition,
@@ -308,7 +308,7 @@ def spreading_threshold(
         final_time=spreading.final_time,
         ends=getattr(chain, "ends", None),
         start_point=spreading.point if _from_cycle(chain, spreading) else None,
-        late=late,
+        c_crit_at_twice_the_time=late,
         fuzzy=fuzzy,
         monotone=monotone,
         runs=search.runs,

@@ -129,7 +129,7 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     --------
     >>> from theory.chains.vdp import AveragedChain
     >>> found = threshold(AveragedChain(a=2.5, b=0.5, c=0))
-    >>> round(found.c, 6), found.mechanism.value, found.stability_lost_by.value
+    >>> round(found.c_crit, 6), found.mechanism.value, found.lost_by.value
     (0.190788, 'fold', 'symmetry-breaking')
     >>> from theory.chains.friction import FrictionChain
     >>> edge = Nucleus(1, place="edge")
@@ -205,7 +205,7 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
     fold = folds[Reading.NEIGHBOUR]
     assert fold.c is not None  # only the reading at the centre has none
     return Threshold(
-        c=fold.c,
+        c_crit=fold.c,
         error=fold.error,
         method=ThresholdMethod.CLOSED_FORM,
         definition=Definition.EXISTENCE,
@@ -259,15 +259,15 @@ def _by_runs_of_43(
 
 
 def _of_stability(found: BranchThreshold) -> Threshold:
-    if found.c_stable is None:
+    if found.stable_to is None:
         raise ParameterError(
             "pattern", repr(found.nucleus.pattern), "one that is stable at some coupling",
             "name another, or ask for its existence",
         )  # fmt: skip
     return replace(
         found,
-        c=found.c_stable,
-        error=found.error_stable,
+        c_crit=found.stable_to,
+        error=found.stable_to_error,
         definition=Definition.STABILITY,
-        mechanism=found.stability_lost_by,
+        mechanism=found.lost_by,
     )

@@ -23,6 +23,7 @@ from verification.breathers.result import Breather
 from verification.cells.cell import cell
 from verification.cells.result import BeltCell, CellStatus
 from verification.references.equations import full_rate
+from verification.thresholds.threshold import threshold
 
 A, B, EPS, SITES = 2.5, 0.5, 0.01, 11
 CHAIN = VdpChain(a=A, b=B, c=0.1, eps=EPS, sites=SITES)
@@ -81,6 +82,39 @@ def test_a_method_that_refuses_the_chain_is_left_out_with_its_reason() -> None:
 def test_a_chain_that_every_method_refuses_is_refused() -> None:
     with pytest.raises(ParameterError, match="at most the 5 sites"):
         breather(dataclasses.replace(CHAIN, sites=5), nucleus=Nucleus(9), method="all")
+
+
+@pytest.mark.parametrize("method", ["closed-form", "all"])
+@pytest.mark.parametrize("ends", ["free", "periodic"])
+def test_two_sites_have_no_closed_form(ends: str, method: Any) -> None:
+    """The centre of (9) has two neighbours; two sites, each coupled twice to the other, have no
+    breather at this coupling, which scipy shows: the second site is excited too."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=2, ends=ends)  # type: ignore[arg-type]
+    if method == "all":
+        assert "closed-form" not in breather(chain, method="all").methods
+    else:
+        with pytest.raises(ParameterError, match=r"number of sites n = 2 .* at least 3"):
+            breather(chain, method=method)
+        with pytest.raises(ParameterError, match=r"number of sites n = 2 .* at least 3"):
+            threshold(chain, Nucleus(1), method=method)
+    if ends == "periodic":
+        start = np.array([chain.stable_amplitude, 0.0, 0.0, 0.0])
+
+        def rate(_: float, state: np.ndarray) -> np.ndarray:
+            y, v = state[:2], state[2:]
+            pull = 2.0 * 0.1 * (y[::-1] - y)
+            return np.concatenate([v, -y + 0.01 * (pull - v * (1 - 2.5 * y**2 + 0.5 * y**4))])
+
+        run = solve_ivp(rate, (0.0, 3000.0), start, rtol=1e-9, atol=1e-9)
+        assert abs(run.y[1, run.t > 2900.0]).max() > 2.0
+
+
+def test_a_breather_says_from_which_pattern_it_has_relaxed() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=9)
+    for asked, was in ((Nucleus(3), "00"), (Nucleus(3, "00"), "00"), (Nucleus(3, "-+"), "")):
+        found = breather(chain, nucleus=asked, method="envelope").to_dict()
+        assert found["pattern"] == "-+"
+        assert found["nucleus"].get("relaxed_from", "") == was
 
 
 def test_of_the_averaged_chain_the_envelope_is_exact_and_the_closed_form_is_not() -> None:

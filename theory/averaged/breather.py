@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
+from theory.chains.chain import MAX_SITES
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, at_least
@@ -139,24 +140,27 @@ class ClosedFormBreather:
         return np.array([self.alpha_0 * self.decay**n for n in range(count)])
 
 
-def has_closed_form(nucleus: Nucleus) -> bool:
-    """Return whether (9) is about such a nucleus: it has one centre, far from the ends."""
-    return nucleus.size == 1 and nucleus.place is Place.BULK
+def has_closed_form(nucleus: Nucleus, sites: int) -> bool:
+    """Return whether (9) is about such a nucleus: one centre with a neighbour on either side."""
+    return nucleus.size == 1 and nucleus.place is Place.BULK and sites > 2
 
 
-def check_closed_form(nucleus: Nucleus) -> None:
-    """Refuse a nucleus that (9) is not about.
+def check_closed_form(nucleus: Nucleus, sites: int) -> None:
+    """Refuse a nucleus, or a chain of so many sites, that (9) is not about.
 
     Raises
     ------
     ParameterError
-        If it is not one site in the bulk.
+        If it is not one site in the bulk, or two sites are no bulk.
     """
-    if not has_closed_form(nucleus):
-        raise ParameterError(
-            "nucleus", nucleus.size, "one site in the bulk: (9) has one centre",
-            "take the method envelope or orbit",
-        )  # fmt: skip
+    if has_closed_form(nucleus, sites):
+        return
+    remedy = "take the method envelope or orbit"
+    if has_closed_form(nucleus, MAX_SITES):
+        allowed = "at least 3: (9) has two neighbours of its centre"
+        raise ParameterError("number of sites n", sites, allowed, remedy)
+    allowed = "one site in the bulk: (9) has one centre"
+    raise ParameterError("nucleus", nucleus.size, allowed, remedy)
 
 
 def decay_of_centre(alpha_0: float, chain: VanDerPolChain) -> float:

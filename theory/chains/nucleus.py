@@ -10,7 +10,8 @@ nucleus of three or more sites stays in phase. An even one has K free at this or
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +44,12 @@ class Nucleus:
     size : int
         Number of excited sites, at least 1.
     pattern : str
-        One of ``+-0x`` for each of the ``size - 1`` links; if empty, all are in phase.
+        One of ``+-0x`` for each of the ``size - 1`` links; if empty, all are in phase: of three or
+        more such sites the breather is that to which they relax.
     place : Place
         ``bulk``: in the middle; ``edge``: from the first site on.
+    relaxed_from : str
+        The pattern that was asked for where this is what it relaxes to; else empty.
 
     Raises
     ------
@@ -63,6 +67,7 @@ class Nucleus:
     size: int
     pattern: str = ""
     place: Place = Place.BULK
+    relaxed_from: str = field(default="", init=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")
@@ -79,16 +84,30 @@ class Nucleus:
             )
         object.__setattr__(self, "place", Place(self.place))
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what makes it again, and from which pattern it relaxed, if it did."""
+        found = {"size": self.size, "pattern": self.pattern, "place": self.place.value}
+        return found | ({"relaxed_from": self.relaxed_from} if self.relaxed_from else {})
+
     @property
     def in_phase(self) -> bool:
         """Whether every step is zero."""
         return set(self.pattern) <= {"0"}
 
     def relaxed(self) -> Nucleus:
-        """Return three or more sites in phase, not at an edge, as what they relax to."""
+        """Return three or more sites in phase, not at an edge, as what they relax to.
+
+        Examples
+        --------
+        >>> nucleus = Nucleus(3).relaxed()
+        >>> nucleus.pattern, nucleus.relaxed_from
+        ('-+', '00')
+        """
         if self.size < 3 or self.place is Place.EDGE or not self.in_phase:
             return self
-        return Nucleus(self.size, outward_pattern(self.size))
+        found = Nucleus(self.size, outward_pattern(self.size))
+        object.__setattr__(found, "relaxed_from", self.pattern)
+        return found
 
     def phases(self) -> NDArray[np.float64]:
         """Return the phases θ_n of the excited sites, the first one zero."""

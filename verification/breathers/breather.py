@@ -198,12 +198,12 @@ def _check_length(chain: VanDerPolChain, method: BreatherMethod) -> None:
 
 def _applies(method: BreatherMethod, chain: VanDerPolChain, nucleus: Nucleus) -> bool:
     if method is BreatherMethod.CLOSED_FORM:
-        return has_closed_form(nucleus)
+        return has_closed_form(nucleus, chain.sites)
     return method is not BreatherMethod.ORBIT or isinstance(chain, VdpChain)
 
 
 def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
-    check_closed_form(nucleus)
+    check_closed_form(nucleus, chain.sites)
     full = chain.full()
     found = solve_breather(full, choice.reading)
     fold = found.fold

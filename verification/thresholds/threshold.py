@@ -197,10 +197,10 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
     Raises
     ------
     ParameterError
-        If the nucleus is not one site in the bulk: (9) has one centre.
+        If the nucleus is not one site in the bulk: (9) has one centre, with two neighbours.
     """
     started = time.perf_counter()
-    check_closed_form(nucleus)
+    check_closed_form(nucleus, chain.sites)
     folds = {reading: closed_form_fold(chain, reading) for reading in Reading}
     fold = folds[Reading.NEIGHBOUR]
     assert fold.c is not None  # only the reading at the centre has none

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -200,6 +201,20 @@ def test_disorder_spreads_the_threshold_the_more_the_stronger_it_is() -> None:
     assert found[0].spread < 0.5 * found[1].spread
     assert abs(found[0].mean - clean) < 0.005
     assert found[1].quantity == "c"
+
+
+def test_the_error_of_a_number_in_an_ensemble_is_the_one_of_that_number() -> None:
+    """A breather has an error of its amplitudes as well."""
+    chain = nagumo(c=1.0, sites=9, values={"alpha": 0.2}, disorder={"alpha": 0.1})
+
+    def found(_: OscillatorChain) -> SimpleNamespace:
+        return SimpleNamespace(frequency=1.5, frequency_error=0.25, error=4.0)
+
+    def other(_: OscillatorChain) -> SimpleNamespace:
+        return SimpleNamespace(v=1.5, error=4.0)
+
+    assert ensemble(found, chain, [1], workers=1).errors.tolist() == [0.25]
+    assert ensemble(other, chain, [1], workers=1).errors.tolist() == [4.0]
 
 
 def test_an_ensemble_is_the_same_on_two_processes() -> None:

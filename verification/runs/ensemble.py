@@ -40,7 +40,8 @@ class Ensemble(Result):
     seeds : int array, shape (K,)
         Of the disorder.
     values, errors : float array, shape (K,)
-        The number and its error for each seed; nan where it does not exist.
+        The number and its error for each seed; nan where it does not exist. Of a result with a
+        ``frequency_error`` that is the error of the frequency.
     reasons : str array, shape (K,)
         Why it does not exist; empty where it does.
     seconds : float
@@ -105,7 +106,8 @@ class SeedTask:
         if value is None:
             status = getattr(found, "status", None)
             return _MISSING | {"reason": getattr(status, "sentence", "there is no such number.")}
-        value, error = _number(name or "value", value), getattr(found, "error", None)
+        value = _number(name or "value", value)
+        error = getattr(found, f"{name}_error", getattr(found, "error", None))
         if not math.isfinite(value):
             return _MISSING | {"reason": "the number is not finite."}
         return {

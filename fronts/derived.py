@@ -51,7 +51,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
         result, parameters = _computed(options, bound, live.report)
     payload = result.to_dict()
     if isinstance(bound.call, Run):
-        payload |= located("fronts.nucleus_evolution:evolution")(result)
+        payload |= located("fronts.nucleus_evolution:evolution_in_time")(result)
     if options.out:
         write_output(options.out, result, parameters, payload)
     text = in_words(result, payload)

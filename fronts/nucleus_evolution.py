@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from verification.runs.trajectory import Trajectory
 
 
-def evolution(run: Trajectory) -> dict[str, Any]:
-    """Return the entry ``nucleus`` of a run that has one: how it ended, and its sizes.
+def evolution_in_time(run: Trajectory) -> dict[str, Any]:
+    """Return the entry ``nucleus`` of a run that has one: how it ended, and its sizes, in time t.
 
     Parameters
     ----------
@@ -28,9 +28,10 @@ def evolution(run: Trajectory) -> dict[str, Any]:
     chain = run.chain
     if not isinstance(chain, VanDerPolChain) or not chain.bistable or chain.ends is not Ends.FREE:
         return {}
-    from verification.breathers.outcome import evolution_of
+    from verification.breathers.outcome import PAUSE, evolution
 
-    found = evolution_of(run)
+    end, size = float(run.times[-1]), int(run.width[-1])
+    found = evolution(run.arrivals, end, size, pause=PAUSE / chain.eps)
     return {
         "nucleus": {
             "end": plain(found.outcome),

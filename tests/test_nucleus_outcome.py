@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from fronts.cli import main
 from paper_checks.claims import text_nuclei
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
@@ -168,3 +171,22 @@ def test_the_longest_pause_is_between_two_sites_that_join(
     joined: list[float], longest: float | None
 ) -> None:
     assert evolution(np.array(joined), 100.0, len(joined)).longest_pause == longest
+
+
+@pytest.mark.parametrize("eps", [0.01, 0.04])
+def test_beside_a_run_the_nucleus_has_the_times_of_the_run(
+    eps: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those at which sites were reached, in t; the rules are about slow time all the same."""
+    end = 35.0 / eps
+    line = f"simulate vdp --n 9 --c 0.25 --eps {eps} --excite 5 --t-end {end} --json"
+    assert main(line.split()) == 0
+    found = json.loads(capsys.readouterr().out)
+    reached = sorted(t for t in found["arrivals"] if t is not None)
+    moments = sorted(set(reached))
+    assert len(moments) > 2
+    sizes = [[t, sum(each <= t for each in reached)] for t in moments]
+    assert found["nucleus"]["sizes"] == sizes
+    pauses = np.diff([t for t in reached if t > 0])
+    assert found["nucleus"]["longest_pause"] == pytest.approx(pauses.max())
+    assert found["nucleus"]["end"] == "front"

@@ -72,7 +72,7 @@ class Outcome(Status):
 
 @dataclass(frozen=True, kw_only=True)
 class Evolution:
-    """How a nucleus changed in one run.
+    """How a nucleus changed in one run; times in slow time, unless `evolution` was given others.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ def evolution_of(run: Trajectory) -> Evolution:
 
 
 def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PAUSE) -> Evolution:
-    """Apply the rules of the module to when sites joined.
+    """Apply the rules of the module to when sites joined, in slow time or another unit throughout.
 
     Parameters
     ----------

@@ -42,10 +42,12 @@ _LONGEST_GRID = 1200
 """Points of the quadrature from which steepest descent is shorter."""
 _NEAR = 2.0
 """Sites about ζ = 0 where values are always taken."""
-_MAX_LABEL = 300_000
-"""Labels of roots that are found, up to c/v: some seconds."""
+_MAX_LABEL = 10**10
+"""Largest label of a root, c/v, up to which phases c/v keep digits enough."""
 _SLOW = 24
 """Terms of each sum that are followed beyond ``_NEAR``."""
+_BENT = 0.02
+"""What a term, and a rate, may exceed those at both ends of a block of labels by."""
 _MAX_CELLS = 20_000
 _VALUES_AT_ONCE = 1 << 16
 """Values of φ held at once, near the processor."""
@@ -180,7 +182,7 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     if not SMALLEST <= abs(v) <= LARGEST:
         reason = f"velocities beyond {LARGEST:g} are not looked at"
     elif c > _MAX_LABEL * abs(v):
-        reason = f"fronts with c/v above {_MAX_LABEL} are not looked at"
+        reason = f"fronts with c/v above {_MAX_LABEL:g} are not looked at"
     if reason is not None:
         return Admissibility(None, None, (math.inf, math.inf), 0, reason)
     shape = _Descent(NearShape(v, c))
@@ -249,14 +251,16 @@ class _Proven:
 
 @dataclass(frozen=True)
 class _Side:
-    """φ/φ_s on one side of ζ = 0: limit + Σ_j terms_j e^{rates_j a}, a = |ζ|.
+    """φ/φ_s on one side of ζ = 0: limit + Σ_j terms_j e^{rates_j a} + others, a = |ζ|.
 
     Attributes
     ----------
     limit : float
         0 ahead, 1 behind.
-    terms, rates : ndarray of complex, shape (n,)
-        The largest at a = ``_NEAR`` first; Re rates < 0.
+    terms, rates : ndarray of complex, shape (``_SLOW``,)
+        The largest at a = ``_NEAR``; Re rates < 0.
+    size, decay : ndarray of float, shape (n,)
+        The others are at most Σ_j size_j e^{decay_j a}; decay < 0.
     tail : float
         Bound on the sum of the moduli of all that is left out, at a = 0.
     """
@@ -264,6 +268,8 @@ class _Side:
     limit: float
     terms: ComplexArray
     rates: ComplexArray
+    size: FloatArray
+    decay: FloatArray
     tail: float
 
     @classmethod
@@ -271,20 +277,33 @@ class _Side:
         """Take the roots of one half-plane with labels up to c/v.
 
         Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
-        with a faster than 9^{-a}.
+        with a faster than 9^{-a}. Between the labels whose roots are found, terms and rates are
+        taken to lie between those at both, to within ``_BENT`` of them.
         """
-        last = max(24, math.ceil(c / speed))
-        k = labelled_roots(speed, c, np.arange(-last, last + 1), upper).k
+        last = max(_SLOW, math.ceil(c / speed))
+        labels = _sampled_labels(last, c / (math.pi * speed))
+        k = labelled_roots(speed, c, labels, upper).k
         terms = (0.5j if limit == 1.0 else -0.5j) / (k * (speed + c * np.sin(k)))
         rates = 1j * k if upper else -1j * k
-        order = np.argsort(-np.abs(terms) * np.exp(_NEAR * rates.real))
+        size, decay = np.abs(terms), rates.real
+        between = (np.diff(labels) - 1.0) * (1.0 + _BENT) * np.maximum(size[1:], size[:-1])
+        slowest = (1.0 - _BENT) * np.maximum(decay[1:], decay[:-1])
+        slow, others = np.split(np.argsort(-size * np.exp(_NEAR * decay)), [_SLOW])
         tail = 1.0 / (math.pi**2 * speed * (last - 0.5))
-        return cls(limit, terms[order], rates[order], tail)
+        return cls(
+            limit,
+            terms[slow],
+            rates[slow],
+            np.append(size[others], between),
+            np.append(decay[others], slowest),
+            tail,
+        )
 
     def reach(self, r: float) -> tuple[float, float]:
         """Return how far to look, and from where on (47) is proven by the sum of all moduli."""
         room = r if self.limit == 0.0 else 1.0 - r
-        size, decay = np.abs(self.terms), self.rates.real
+        size = np.append(np.abs(self.terms), self.size)
+        decay = np.append(self.rates.real, self.decay)
         far = _NEAR
         tail = self.tail * 9.0**-_NEAR
         least = max(room - tail, tail)  # where the tail is no proof, a look at the rest
@@ -297,11 +316,10 @@ class _Side:
         far, none = self.reach(r)[0], np.empty((2, 0))
         if far == _NEAR:
             return _Proven(None, none)
-        size, decay = np.abs(self.terms), self.rates.real
         knots = np.geomspace(_NEAR, far, 64)
-        rest = np.exp(np.outer(knots, decay[_SLOW:])) @ size[_SLOW:]
+        rest = np.exp(np.outer(knots, self.decay)) @ self.size
         rest += self.tail * 9.0**-_NEAR
-        terms, rates = self.terms[:_SLOW], self.rates[:_SLOW]
+        terms, rates = self.terms, self.rates
         steepness = np.abs(terms * rates)
         a, b = knots[:-1], knots[1:]
         nearest, thin = math.inf, [none]
@@ -326,6 +344,22 @@ class _Side:
         stretches = np.concatenate(thin, axis=1)
         stretches = stretches[:, stretches[0] < nearest]
         return _Proven(nearest if nearest < math.inf else None, stretches)
+
+
+def _sampled_labels(last: int, resonance: float) -> IntArray:
+    """Return labels from -last to last: one by one near 0 and ± resonance, and fewer farther off.
+
+    Beyond the nearest, roots, terms and rates vary with the label over a distance like that from
+    these three: at -c/πv, where the linear wave at k = π runs with the front, the largest term is.
+    """
+    away = np.arange(2.0 * _SLOW)
+    if last > away[-1]:
+        steps = math.ceil(math.log(last / away[-1]) / math.log1p(1.0 / _SLOW))
+        away = np.append(away, np.ceil(np.geomspace(away[-1], last, steps + 1)[1:]))
+    centres = np.array([[0.0], [round(resonance)]])
+    labels = np.concatenate([centres - away, centres + away]).astype(np.int64)
+    near: IntArray = np.union1d(labels, -labels)
+    return near[np.abs(near) <= last]
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -204,11 +205,18 @@ def _panels(v: float, c: float, g: float, points: int) -> tuple[FloatArray, Floa
             first + 2.0 * math.pi - _graded(0.5 * (first + 2.0 * math.pi - second), inner)[::-1],
         ]
     )
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+    nodes, weights = _gauss(points)
     half, middle = 0.5 * np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
     kept = half > 0.0
     x = middle[kept, None] + half[kept, None] * nodes
     return x.ravel(), np.outer(half[kept], weights).ravel()
+
+
+@lru_cache(maxsize=8)
+def _gauss(points: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of a panel from -1 to 1."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    return nodes, weights
 
 
 def _pole_distance(v: float, c: float, k: float) -> float:

@@ -199,14 +199,14 @@ def test_a_number_of_one_seed_has_its_error_where_there_is_one(
 ) -> None:
     chain = SimpleNamespace(replace=lambda seed: seed)
     made: Any = SeedTask(
-        function=lambda seed, more: SimpleNamespace(c=value, error=error, seed=seed + more),
+        function=lambda seed, more: SimpleNamespace(c_crit=value, error=error, seed=seed + more),
         chain=chain,  # type: ignore[arg-type]
         options={"more": 1},
     )
     found = made({"seed": 3})
     for name, expected in (("value", value), ("error", error)):
         assert found[name] == pytest.approx(math.nan if expected is None else expected, nan_ok=True)
-    assert found["quantity"] == "c"
+    assert found["quantity"] == "c_crit"
 
 
 @pytest.mark.parametrize("tolerance", [1e-11, 1e-6])

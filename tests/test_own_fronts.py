@@ -200,7 +200,7 @@ def test_disorder_spreads_the_threshold_the_more_the_stronger_it_is() -> None:
     assert [each.missing for each in found] == [0, 0]
     assert found[0].spread < 0.5 * found[1].spread
     assert abs(found[0].mean - clean) < 0.005
-    assert found[1].quantity == "c"
+    assert found[1].quantity == "c_crit"
 
 
 def test_the_error_of_a_number_in_an_ensemble_is_the_one_of_that_number() -> None:

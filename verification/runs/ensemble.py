@@ -21,7 +21,7 @@ from verification.execution.progress import ProgressCallback
 
 FloatArray = npt.NDArray[np.float64]
 
-VALUES = ("v", "c", "frequency", "value")
+VALUES = ("v", "c_crit", "frequency", "value")
 """Attributes of results that are the number asked for."""
 
 MAX_SEED = 2**32 - 1

@@ -22,8 +22,8 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -138,30 +138,30 @@ def _peaks(y: FloatArray) -> FloatArray:
     return np.abs(derivative(0))
 
 
-def _envelope(chain: VdpChain) -> Answer:
+def _envelope(chain: VdpChain) -> MethodAnswer:
     found = solve_envelope_breather(chain, Nucleus(1))
-    return Answer(value=np.append(found.amplitudes, 1.0 + chain.eps * found.unknowns[-1]))
+    return MethodAnswer(value=np.append(found.amplitudes, 1.0 + chain.eps * found.unknowns[-1]))
 
 
-def _shooting(chain: VdpChain, steps: int) -> Answer:
+def _shooting(chain: VdpChain, steps: int) -> MethodAnswer:
     orbit = solve_orbit(chain, Nucleus(1), steps=steps)
-    return Answer(
+    return MethodAnswer(
         value=np.append(orbit.amplitudes, 2.0 * math.pi / orbit.period), claimed=orbit.error
     )
 
 
-def _run(chain: VdpChain, tolerance: float) -> Answer:
+def _run(chain: VdpChain, tolerance: float) -> MethodAnswer:
     run = run_breather(chain, Nucleus(1), tolerance=tolerance)
     if run.status is not BreatherStatus.SETTLED or run.frequency is None:
         raise ArithmeticError(f"the run is {run.status.value}")
-    return Answer(value=np.append(run.amplitudes, run.frequency), claimed=run.error)
+    return MethodAnswer(value=np.append(run.amplitudes, run.frequency), claimed=run.error)
 
 
-def _root(chain: VdpChain, tolerance: float) -> Answer:
-    return Answer(value=by_scipy(chain, tolerance))
+def _root(chain: VdpChain, tolerance: float) -> MethodAnswer:
+    return MethodAnswer(value=by_scipy(chain, tolerance))
 
 
-def _long(chain: VdpChain, end: float, tolerance: float) -> Answer:
+def _long(chain: VdpChain, end: float, tolerance: float) -> MethodAnswer:
     """Wait until slow time ``end``, then take the last period between two rising zeros."""
     from scipy.integrate import solve_ivp
 
@@ -183,7 +183,7 @@ def _long(chain: VdpChain, end: float, tolerance: float) -> Answer:
     zeros = run.t_events[0]
     period = float(zeros[1] - zeros[0])
     y = run.y[: chain.sites, run.t <= period]
-    return Answer(value=np.append(np.abs(y).max(axis=1), 2.0 * math.pi / period))
+    return MethodAnswer(value=np.append(np.abs(y).max(axis=1), 2.0 * math.pi / period))
 
 
 @dataclass(frozen=True)

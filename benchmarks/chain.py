@@ -23,8 +23,8 @@ import numpy.typing as npt
 
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -60,7 +60,7 @@ TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(6, 25))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Task:
+class TrajectoryTask:
     """A trajectory: of which chain, from where (y, ẏ), until when."""
 
     chain: VdpChain
@@ -73,12 +73,12 @@ class Task:
         return np.array([self.chain.a, self.chain.b, self.chain.c, self.chain.eps])
 
 
-def task_of(problem: Problem) -> Task:
+def task_of(problem: Problem) -> TrajectoryTask:
     """Return the trajectory of a test problem: the first site on its cycle."""
     chain = problem.vdp_chain()
     start = np.zeros(2 * chain.sites)
     start[0] = chain.stable_amplitude
-    return Task(chain=chain, start=start, end=problem["t"])
+    return TrajectoryTask(chain=chain, start=start, end=problem["t"])
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
@@ -92,9 +92,9 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     return Prepared(agreement=apart, settings=[*_ours(task, true, few), *peers], failures=missing)
 
 
-def _ours(task: Task, true: FloatArray, few: bool) -> list[Setting]:
+def _ours(task: TrajectoryTask, true: FloatArray, few: bool) -> list[Setting]:
     tolerances = TOLERANCES[::4] if few else TOLERANCES
-    rows: list[tuple[str, str, Callable[[], Answer]]] = []
+    rows: list[tuple[str, str, Callable[[], MethodAnswer]]] = []
     for tolerance in tolerances:
         for name, solve in ((OURS, ours), (SERIES, by_series)):
             call = partial(_value, partial(solve, task), tolerance)
@@ -114,7 +114,7 @@ def _ours(task: Task, true: FloatArray, few: bool) -> list[Setting]:
 
 
 def _peers(
-    task: Task, true: FloatArray, few: bool, report: Report
+    task: TrajectoryTask, true: FloatArray, few: bool, report: Report
 ) -> tuple[list[Setting], list[tuple[str, str, str]]]:
     """Return the peers at every tolerance, and those that are not there or do not compile."""
     settings: list[Setting] = []
@@ -146,11 +146,11 @@ def _peers(
     return settings, missing
 
 
-def _value(solve: Solve, tolerance: float) -> Answer:
-    return Answer(value=solve(tolerance))
+def _value(solve: Solve, tolerance: float) -> MethodAnswer:
+    return MethodAnswer(value=solve(tolerance))
 
 
-def ours(task: Task, tolerance: float) -> FloatArray:
+def ours(task: TrajectoryTask, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) of our default stepper."""
     times = np.array([0.0, task.end])
     run = SmoothIntegration(
@@ -162,13 +162,13 @@ def ours(task: Task, tolerance: float) -> FloatArray:
     return final
 
 
-def _stated(task: Task, tolerance: float) -> Answer:
+def _stated(task: TrajectoryTask, tolerance: float) -> MethodAnswer:
     """Return the final state with its error: the run as a user asks for it."""
     run = simulate(task.chain, excite(task.chain, [1]), task.end, tolerance=tolerance, samples=2)
-    return Answer(value=run.states[-1].ravel(), claimed=run.error)
+    return MethodAnswer(value=run.states[-1].ravel(), claimed=run.error)
 
 
-def by_series(task: Task, tolerance: float) -> FloatArray:
+def by_series(task: TrajectoryTask, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) by Taylor series."""
     state = task.start.reshape(2, -1).copy()
     order = taylor_order(tolerance)
@@ -177,7 +177,7 @@ def by_series(task: Task, tolerance: float) -> FloatArray:
     return state.ravel()
 
 
-def _fixed(task: Task, order: int, steps: int) -> Answer:
+def _fixed(task: TrajectoryTask, order: int, steps: int) -> MethodAnswer:
 
     state = task.start.reshape(2, -1).copy()
     h = task.end / steps
@@ -185,14 +185,14 @@ def _fixed(task: Task, order: int, steps: int) -> Answer:
         fixed_steps(task.chain, state, h, steps, order)
     else:
         split_steps(state, task.parameters, False, h, steps, *saba(4))
-    return Answer(value=state.ravel())
+    return MethodAnswer(value=state.ravel())
 
 
 ScipyMethod = Literal["DOP853", "LSODA"]
 SCIPY: tuple[ScipyMethod, ...] = ("DOP853", "LSODA")
 
 
-def scipy_solver(task: Task, method: ScipyMethod) -> Solve:
+def scipy_solver(task: TrajectoryTask, method: ScipyMethod) -> Solve:
     """Return ``solve_ivp`` with one of its methods."""
     rate = full_rate(task.chain)
 
@@ -217,12 +217,12 @@ def _forces(chain: VdpChain, y: Any, w: Any) -> list[Any]:
     return found
 
 
-def jitcode_solver(task: Task, method: str) -> Solve:
+def jitcode_solver(task: TrajectoryTask, method: str) -> Solve:
     """Return jitcode's integrator, compiled."""
     return compiled_by_jitcode(partial(_forces, task.chain), task.start, task.end, method)
 
 
-def heyoka_solver(task: Task, tolerance: float) -> Solve:
+def heyoka_solver(task: TrajectoryTask, tolerance: float) -> Solve:
     """Return heyoka's Taylor integrator at one tolerance, compiled.
 
     The whole step unrolled: slower to compile than compact mode, and twice as fast.

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from benchmarks.record import Record, WorkPoint, read_record
+from benchmarks.record import BenchmarkRecord, WorkPoint, read_record
 from benchmarks.registry import quantity_of
 from benchmarks.work_precision import WorkPrecision
 from verification.execution.files import write_json
@@ -85,7 +85,7 @@ class Choice:
         return not self.beaten and bool(self.fastest)
 
 
-def choices(benchmark: WorkPrecision, quantity: Quantity, record: Record) -> list[Choice]:
+def choices(benchmark: WorkPrecision, quantity: Quantity, record: BenchmarkRecord) -> list[Choice]:
     """Return one choice a test problem.
 
     Raises

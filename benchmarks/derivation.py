@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -151,13 +151,13 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     return Prepared(agreement=reference_apart(order), settings=settings)
 
 
-def _derived(name: str, order: int, limit: float, repeats: int | None) -> Answer:
+def _derived(name: str, order: int, limit: float, repeats: int | None) -> MethodAnswer:
     runs = answers(name, order, limit, repeats)
     undriven = "" if runs[0]["driven"] else (
         "resonance: a drive at the linear frequency does not enter the equation"
     )  # fmt: skip
     seconds = tuple(run["seconds"] for run in runs)
-    return Answer(value=judged(runs[0], order), seconds=seconds, defect=undriven)
+    return MethodAnswer(value=judged(runs[0], order), seconds=seconds, defect=undriven)
 
 
 def program_of(name: str) -> str:

@@ -17,8 +17,8 @@ import numpy.typing as npt
 
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -72,7 +72,7 @@ def chain_of(problem: Problem) -> FrictionChain:
 
 def methods(
     chain: FrictionChain, start: FloatArray, end: float, few: bool
-) -> Iterator[tuple[str, str, Callable[[], Answer]]]:
+) -> Iterator[tuple[str, str, Callable[[], MethodAnswer]]]:
     """Yield every method at every setting."""
     here = (chain, start, end)
     for tolerance in (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
@@ -96,18 +96,18 @@ def methods(
 
 def _exact(
     chain: FrictionChain, start: FloatArray, end: float, tolerance: float, stated: bool = False
-) -> Answer:
+) -> MethodAnswer:
     run = simulate(chain, start, end, tolerance=tolerance, samples=SAMPLES, estimate_error=stated)
-    return Answer(value=run.y, claimed=run.error)
+    return MethodAnswer(value=run.y, claimed=run.error)
 
 
 def _switch(
     chain: FrictionChain, start: FloatArray, end: float, options: dict[str, float]
-) -> Answer:
+) -> MethodAnswer:
     run = run_switch(chain, start, end, samples=SAMPLES, **options)
     if run.reached < end:
         raise ArithmeticError(f"gave up at tau = {run.reached:.4g}")
-    return Answer(value=run.y)
+    return MethodAnswer(value=run.y)
 
 
 def _regularised(
@@ -117,13 +117,13 @@ def _regularised(
     solver: Solver,
     delta: float,
     tolerance: float,
-) -> Answer:
+) -> MethodAnswer:
     run = run_regularised(
         chain, start, end, solver=solver, delta=delta, tolerance=tolerance, samples=SAMPLES
     )
     if not run.finished:
         raise ArithmeticError("the solver gave up")
-    return Answer(value=run.y)
+    return MethodAnswer(value=run.y)
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
@@ -153,7 +153,7 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[T
     )  # fmt: skip
 
 
-def _first(method: str) -> Answer:
+def _first(method: str) -> MethodAnswer:
     """Run a tenth of the ordinary problem."""
     problem = timed("friction")[0]
     chain = chain_of(problem)

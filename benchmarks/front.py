@@ -25,8 +25,8 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -105,27 +105,27 @@ def chain_of(problem: Problem, sites: int = 32) -> VdpChain | AveragedChain:
     return chain if problem["eps"] else chain.averaged()
 
 
-def _measured(chain: Chain, tolerance: float, accuracy: float) -> Answer:
+def _measured(chain: Chain, tolerance: float, accuracy: float) -> MethodAnswer:
     found = measure_front(chain, tolerance=tolerance, accuracy=accuracy, max_sites=2000)
     if found.v is None:
         raise ArithmeticError(f"the front is {found.status.value}")
-    return Answer(value=found.v, claimed=found.error)
+    return MethodAnswer(value=found.v, claimed=found.error)
 
 
-def _wave(chain: Chain) -> Answer:
+def _wave(chain: Chain) -> MethodAnswer:
     found = measure_front(chain, method="wave")
-    return Answer(value=found.v, claimed=found.error)
+    return MethodAnswer(value=found.v, claimed=found.error)
 
 
-def _averaged(problem: Problem, tolerance: float, accuracy: float) -> Answer:
+def _averaged(problem: Problem, tolerance: float, accuracy: float) -> MethodAnswer:
     """Return v of the averaged chain, whose claim is not about (8)."""
-    return Answer(value=_measured(chain_of(problem).averaged(), tolerance, accuracy).value)
+    return MethodAnswer(value=_measured(chain_of(problem).averaged(), tolerance, accuracy).value)
 
 
-def _timed(problem: Problem, sites: int, tolerance: float) -> Answer:
+def _timed(problem: Problem, sites: int, tolerance: float) -> MethodAnswer:
     arrivals = by_scipy(problem, sites, tolerance)
     half = arrivals[arrivals.size // 2 :]
-    return Answer(value=1.0 / float(np.polyfit(np.arange(half.size), half, 1)[0]))
+    return MethodAnswer(value=1.0 / float(np.polyfit(np.arange(half.size), half, 1)[0]))
 
 
 def by_us(problem: Problem, sites: int, tolerance: float) -> FloatArray:
@@ -206,7 +206,7 @@ def smooth_velocity(arrivals: FloatArray) -> float:
     return float(weights.sum() / (weights @ intervals))
 
 
-def _first(method: str) -> Answer:
+def _first(method: str) -> MethodAnswer:
     """Measure the front of (8) once."""
     problem = next(problem for problem in timed("front") if problem["eps"])
     if method == OURS:

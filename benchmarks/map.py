@@ -22,8 +22,8 @@ import numpy as np
 
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -80,10 +80,10 @@ def _peers(problem: Problem, true: float) -> Iterator[Setting]:
         )  # fmt: skip
 
 
-def _bisected(problem: Problem, sends: Sends, claims: bool) -> Answer:
+def _bisected(problem: Problem, sends: Sends, claims: bool) -> MethodAnswer:
     """Return the boundary; half of the last interval is a claim only where states are certain."""
     found, half = boundary(sends, problem["low"], problem["high"], STEPS)
-    return Answer(value=found, claimed=half if claims else None)
+    return MethodAnswer(value=found, claimed=half if claims else None)
 
 
 def boundary(sends: Sends, low: float, high: float, steps: int) -> tuple[float, float]:

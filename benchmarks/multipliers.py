@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -80,26 +80,26 @@ def _peers(
         )  # fmt: skip
 
 
-def by_taylor(chain: VdpChain, state: FloatArray, period: float, steps: int) -> Answer:
+def by_taylor(chain: VdpChain, state: FloatArray, period: float, steps: int) -> MethodAnswer:
     """Return the multipliers by our integrator."""
     return _multipliers(integrate_variations(chain, state, period, steps).monodromy)
 
 
-def _multipliers(monodromy: FloatArray) -> Answer:
-    return Answer(value=np.asarray(np.linalg.eigvals(monodromy), dtype=complex))
+def _multipliers(monodromy: FloatArray) -> MethodAnswer:
+    return MethodAnswer(value=np.asarray(np.linalg.eigvals(monodromy), dtype=complex))
 
 
-def _stated(chain: VdpChain, state: FloatArray, period: float, steps: int) -> Answer:
+def _stated(chain: VdpChain, state: FloatArray, period: float, steps: int) -> MethodAnswer:
     """Return them with the claim of the matrix: its change when the steps are halved."""
     coarse, fine = (integrate_variations(chain, state, period, n) for n in (steps, 2 * steps))
     change = float(np.abs(fine.monodromy - coarse.monodromy).max())
     found = floquet_multipliers(fine.monodromy, period, chain.eps, parity=0, error=change)
-    return Answer(value=np.asarray(found.values, dtype=complex), claimed=found.error)
+    return MethodAnswer(value=np.asarray(found.values, dtype=complex), claimed=found.error)
 
 
 def by_differences(
     chain: VdpChain, state: FloatArray, period: float, tolerance: float, h: float
-) -> Answer:
+) -> MethodAnswer:
     """Return the multipliers by central differences of ``solve_ivp``."""
     rate = full_rate(chain)
 
@@ -111,7 +111,9 @@ def by_differences(
     return _multipliers(np.array(columns).T)
 
 
-def by_equations(chain: VdpChain, state: FloatArray, period: float, tolerance: float) -> Answer:
+def by_equations(
+    chain: VdpChain, state: FloatArray, period: float, tolerance: float
+) -> MethodAnswer:
     """Return the multipliers by (42) and ``solve_ivp``."""
     size = state.size
     start = np.column_stack([state, np.eye(size)]).ravel()

@@ -31,7 +31,7 @@ _HALF, _TENTH = sp.Rational(1, 2), sp.Rational(1, 10)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class ModelFinding:
     """What came of one derivation.
 
     Attributes
@@ -88,19 +88,19 @@ def random_model(seed: int) -> ChainModel:
     return ChainModel(damping=damping, stiffness=stiffness, coupling=coupling, weights=weights)
 
 
-def findings(model: ChainModel) -> Iterator[Finding]:
+def findings(model: ChainModel) -> Iterator[ModelFinding]:
     """Yield the first check of each derivation that fails, refusals, and errors besides."""
     for name in WITH_MODEL:
         try:
             for step, evidence in load(name, model=model).examined():
                 if not evidence.holds:
                     said = f"{step.name}: {evidence.statement}"
-                    yield Finding(derivation=name, said=said, fails=True)
+                    yield ModelFinding(derivation=name, said=said, fails=True)
         except DerivationInputError as error:
-            yield Finding(derivation=name, said=str(error), fails=False)
+            yield ModelFinding(derivation=name, said=str(error), fails=False)
         except Exception as error:
             said = f"{type(error).__name__}: {error}"
-            yield Finding(derivation=name, said=said, fails=True)
+            yield ModelFinding(derivation=name, said=said, fails=True)
 
 
 def _seeds(text: str) -> range:

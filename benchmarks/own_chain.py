@@ -22,8 +22,8 @@ import numpy.typing as npt
 from benchmarks.chain import Solve, compiled_by_heyoka, compiled_by_jitcode
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -71,10 +71,10 @@ def ours(chain: OscillatorChain, end: float, tolerance: float) -> FloatArray:
     return final
 
 
-def _stated(chain: OscillatorChain, end: float, tolerance: float) -> Answer:
+def _stated(chain: OscillatorChain, end: float, tolerance: float) -> MethodAnswer:
     """Return the final state with its error: the run as a user asks for it."""
     run = simulate(chain, start_of(chain), end, tolerance=tolerance, samples=2, active_window=False)
-    return Answer(value=run.states[-1].ravel(), claimed=run.error)
+    return MethodAnswer(value=run.states[-1].ravel(), claimed=run.error)
 
 
 def _forces(chain: OscillatorChain, y: Any, w: Any) -> list[Any]:
@@ -112,7 +112,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     times = np.array([0.0, end])
     true = states_by_scipy(rate_of(problem.values), start_of(chain).ravel(), times, 1e-13)[-1]
     apart = float(np.abs(ours(chain, end, 1e-13) - true).max())
-    rows: list[tuple[str, float, Callable[[], Answer]]] = [
+    rows: list[tuple[str, float, Callable[[], MethodAnswer]]] = [
         (OURS, tolerance, partial(_value, partial(ours, chain, end), tolerance))
         for tolerance in TOLERANCES[:: 4 if quick else 1]
     ]
@@ -141,8 +141,8 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     return Prepared(agreement=apart, settings=settings, failures=missing)
 
 
-def _value(solve: Solve, tolerance: float) -> Answer:
-    return Answer(value=solve(tolerance))
+def _value(solve: Solve, tolerance: float) -> MethodAnswer:
+    return MethodAnswer(value=solve(tolerance))
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:

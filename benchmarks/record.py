@@ -61,7 +61,7 @@ class WorkPoint:
 
 
 @dataclass(frozen=True)
-class Failure:
+class BenchmarkFailure:
     """One method that gave no value at one setting, and why."""
 
     quantity: str
@@ -136,7 +136,7 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Record:
+class BenchmarkRecord:
     """One run of the benchmarks.
 
     Attributes
@@ -164,7 +164,7 @@ class Record:
     versions: Mapping[str, str | None]
     agreement: Mapping[str, float]
     points: tuple[WorkPoint, ...]
-    failures: tuple[Failure, ...]
+    failures: tuple[BenchmarkFailure, ...]
     targets: tuple[Target, ...]
     first_calls: tuple[FirstCall, ...] = ()
     code: Mapping[str, object] | None = None
@@ -175,19 +175,19 @@ def record_of(
     agreement: Mapping[str, float],
     *,
     points: Sequence[WorkPoint],
-    failures: Sequence[Failure],
+    failures: Sequence[BenchmarkFailure],
     targets: Sequence[Target] = (),
     first_calls: Sequence[FirstCall] = (),
     code: Mapping[str, object] | None = None,
-) -> Record:
+) -> BenchmarkRecord:
     """Return the record of a run that has just ended here."""
-    return Record(
+    return BenchmarkRecord(
         command, now(), this_machine(), installed_versions(PACKAGES), agreement, tuple(points),
         tuple(failures), tuple(targets), tuple(first_calls), code,
     )  # fmt: skip
 
 
-def as_payload(record: Record) -> dict[str, Any]:
+def as_payload(record: BenchmarkRecord) -> dict[str, Any]:
     """Return a record for JSON, each target with its verdict."""
     payload = asdict(record)
     for row, target in zip(payload["targets"], record.targets, strict=True):
@@ -195,19 +195,20 @@ def as_payload(record: Record) -> dict[str, Any]:
     return payload
 
 
-def write_record(record: Record, path: Path) -> None:
+def write_record(record: BenchmarkRecord, path: Path) -> None:
     """Write a record as JSON."""
     write_json(path, as_payload(record))
 
 
-def read_record(path: Path) -> Record:
+def read_record(path: Path) -> BenchmarkRecord:
     """Read what :func:`write_record` wrote."""
     payload = json.loads(path.read_text(encoding="utf-8"))
     for row in payload["targets"]:
         del row["verdict"]
     rows = {
-        "points": WorkPoint, "failures": Failure, "targets": Target, "first_calls": FirstCall,
+        "points": WorkPoint, "failures": BenchmarkFailure, "targets": Target,
+        "first_calls": FirstCall,
     }  # fmt: skip
     for name, kind in rows.items():
         payload[name] = tuple(kind(**row) for row in payload.get(name, ()))
-    return Record(**payload)
+    return BenchmarkRecord(**payload)

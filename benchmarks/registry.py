@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from benchmarks.first_call import first_calls
-from benchmarks.record import Failure, Record, WorkPoint, record_of
+from benchmarks.record import BenchmarkFailure, BenchmarkRecord, WorkPoint, record_of
 from benchmarks.work_precision import Report, WorkPrecision, measure_side_by_side
 from theory.parameters import ParameterError
 from verification.execution.discovery import check_distinct, exposed
@@ -55,11 +55,11 @@ def chosen(names: Sequence[str]) -> tuple[WorkPrecision, ...]:
     return tuple(known[name] for name in dict.fromkeys(names)) if names else tuple(known.values())
 
 
-def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> Record:
+def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> BenchmarkRecord:
     """Return the record of a benchmark; a quick one is without first calls."""
     code = asdict(Code.of([benchmark.module, *benchmark.code]))  # as it is at the start
     points: list[WorkPoint] = []
-    failures: list[Failure] = []
+    failures: list[BenchmarkFailure] = []
     agreement: dict[str, float] = {}
     problems = quantity_of(benchmark).timed_problems[: benchmark.quick_problems if quick else None]
     for problem in problems:
@@ -73,7 +73,7 @@ def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> Record:
         done, failed = measure_side_by_side(*where, settings, effort=effort, error=benchmark.error)
         points += done
         failures += failed
-        failures += [Failure(*where, *each) for each in prepared.failures]
+        failures += [BenchmarkFailure(*where, *each) for each in prepared.failures]
     targets = benchmark.targets(points, quick, report)
     calls = () if quick else first_calls(benchmark, report)
     command = f"fronts bench {benchmark.name}" + " --quick" * quick

@@ -20,8 +20,8 @@ import mpmath as mp
 import numpy as np
 
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -103,21 +103,21 @@ def _methods(v: float, c: float) -> Iterator[tuple[str, str, Any, bool, bool]]:
         yield FINDROOT, f"{across * up} guesses", found, up == 1, True
 
 
-def _double(v: float, c: float) -> Answer:
+def _double(v: float, c: float) -> MethodAnswer:
     found = labelled_roots(v, c, LABELS, upper=True)
-    return Answer(value=found.k.tolist(), claimed=float(found.radius.max()))
+    return MethodAnswer(value=found.k.tolist(), claimed=float(found.radius.max()))
 
 
-def _precise(v: float, c: float, digits: int) -> Answer:
-    return Answer(value=precise_roots(v, c, LABELS, True, digits))
+def _precise(v: float, c: float, digits: int) -> MethodAnswer:
+    return MethodAnswer(value=precise_roots(v, c, LABELS, True, digits))
 
 
-def _certified(v: float, c: float) -> Answer:
+def _certified(v: float, c: float) -> MethodAnswer:
     found = certify_roots(v, c, LABELS, upper=True).roots
-    return Answer(value=found.k.tolist(), claimed=float(found.radius.max()))
+    return MethodAnswer(value=found.k.tolist(), claimed=float(found.radius.max()))
 
 
-def _contour(v: float, c: float, options: dict[str, Any]) -> Answer:
+def _contour(v: float, c: float, options: dict[str, Any]) -> MethodAnswer:
     from cxroots import Rectangle
 
     logging.getLogger("cxroots").setLevel(logging.ERROR)
@@ -127,7 +127,7 @@ def _contour(v: float, c: float, options: dict[str, Any]) -> Answer:
         lambda k: dispersion_slope(v, c, k, np.sin),
         **options,
     )
-    return Answer(value=list(found.roots))
+    return MethodAnswer(value=list(found.roots))
 
 
 def _guesses(v: float, c: float, across: int, up: int) -> Any:
@@ -138,7 +138,7 @@ def _guesses(v: float, c: float, across: int, up: int) -> Any:
     return (x[None, :] + 1j * y[:, None]).ravel()
 
 
-def _newton(v: float, c: float, across: int, up: int) -> Answer:
+def _newton(v: float, c: float, across: int, up: int) -> MethodAnswer:
     from scipy.optimize import newton
 
     found: Any = newton(
@@ -149,15 +149,15 @@ def _newton(v: float, c: float, across: int, up: int) -> Answer:
         maxiter=100,
         full_output=True,
     )
-    return Answer(value=found[0][found[1]].tolist())
+    return MethodAnswer(value=found[0][found[1]].tolist())
 
 
-def _findroot(v: float, c: float, across: int, up: int) -> Answer:
+def _findroot(v: float, c: float, across: int, up: int) -> MethodAnswer:
     found = []
     for guess in _guesses(v, c, across, up).tolist():
         with contextlib.suppress(ValueError, ZeroDivisionError, OverflowError):
             found.append(mp.findroot(_exact_dispersion(v, c), mp.mpc(guess)))
-    return Answer(value=found)
+    return MethodAnswer(value=found)
 
 
 def largest_error(found: Sequence[Any], true: Sequence[Any]) -> float:

@@ -24,8 +24,8 @@ import numpy as np
 
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -133,33 +133,35 @@ def _peers(v: float, c: float, true: Any) -> Iterator[Setting]:
 
 def _ours(
     method: Callable[..., KineticSum], v: float, c: float, knob: float
-) -> Callable[[], Answer]:
-    def evaluate() -> Answer:
+) -> Callable[[], MethodAnswer]:
+    def evaluate() -> MethodAnswer:
         result = method(v, c, knob)
-        return Answer(value=result.value, claimed=result.error)
+        return MethodAnswer(value=result.value, claimed=result.error)
 
     return evaluate
 
 
-def _batch(v: float, c: float, tolerance: float = 1e-12) -> Answer:
+def _batch(v: float, c: float, tolerance: float = 1e-12) -> MethodAnswer:
     """Return Σ(v, c), the first of a batch whose velocities go up by one per cent."""
     many = sums(v * np.geomspace(1.0, 1.01, BATCH_SIZE), c, tolerance)
-    return Answer(value=complex(many.value[0]), claimed=float(many.error[0]))
+    return MethodAnswer(value=complex(many.value[0]), claimed=float(many.error[0]))
 
 
-def _cut_off(v: float, c: float, count: int) -> Answer:
+def _cut_off(v: float, c: float, count: int) -> MethodAnswer:
     """Return the printed series as it stands, over ``count`` roots about the origin; no bound."""
     labels = np.arange(count) - count // 2
     k = labelled_roots(v, c, labels, upper=True).k
-    return Answer(value=complex(np.sum(1.0 / (-1j * k * (v + c * np.sin(k))))))
+    return MethodAnswer(value=complex(np.sum(1.0 / (-1j * k * (v + c * np.sin(k))))))
 
 
-def _by_quad(v: float, c: float, tolerance: float | None, limit: int) -> Answer:
+def _by_quad(v: float, c: float, tolerance: float | None, limit: int) -> MethodAnswer:
     value, claimed = piecewise.sum_by_quadrature(v, c, tolerance, limit)
-    return Answer(value=value, claimed=claimed)
+    return MethodAnswer(value=value, claimed=claimed)
 
 
-def _by_contour(v: float, c: float, reach: int, tail: bool, options: Mapping[str, Any]) -> Answer:
+def _by_contour(
+    v: float, c: float, reach: int, tail: bool, options: Mapping[str, Any]
+) -> MethodAnswer:
     """Return Σ from the roots that cxroots finds in the strips -reach … reach above the axis.
 
     With ``tail`` the terms beyond are added by the Euler–Maclaurin tail of
@@ -190,12 +192,12 @@ def _by_contour(v: float, c: float, reach: int, tail: bool, options: Mapping[str
         raise MissedRootError(f"{k.size} roots found, {required.size} exist in the box")
     terms = 1.0 / (k * slope(k))
     if not tail:
-        return Answer(value=complex(np.sum(terms)))
+        return MethodAnswer(value=complex(np.sum(terms)))
     terms = np.where(np.abs(labels) == reach, 0.5 * terms, terms)  # the tail holds the other half
     with mp.workdps(_TAIL_DIGITS + 15):
         scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
         rest = [tail_sum(scene, side * reach, side, _MAX_TAIL_TERMS) for side in (-1, 1)]
-        return Answer(value=complex(sum(part for part, _ in rest)) + complex(np.sum(terms)))
+        return MethodAnswer(value=complex(sum(part for part, _ in rest)) + complex(np.sum(terms)))
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from benchmarks.record import Record
+from benchmarks.record import BenchmarkRecord
 
 
-def as_text(run: Record) -> str:
+def as_text(run: BenchmarkRecord) -> str:
     """Return the whole record as tables."""
     return "\n".join(
         [*_head(run), *_points(run), *_first_calls(run), *_failures(run), *_targets(run)]
     )
 
 
-def _head(run: Record) -> Iterator[str]:
+def _head(run: BenchmarkRecord) -> Iterator[str]:
     yield f"{run.command}    {run.date}"
     yield ", ".join(f"{name} {value}" for name, value in run.machine.items())
     yield ", ".join(f"{name} {value}" for name, value in run.versions.items())
 
 
-def _points(run: Record) -> Iterator[str]:
+def _points(run: BenchmarkRecord) -> Iterator[str]:
     for problem in dict.fromkeys(point.problem for point in run.points):
         yield ""
         yield f"{problem}: references without common code differ by {run.agreement[problem]:.0e}"
@@ -41,7 +41,7 @@ def _points(run: Record) -> Iterator[str]:
             )
 
 
-def _first_calls(run: Record) -> Iterator[str]:
+def _first_calls(run: BenchmarkRecord) -> Iterator[str]:
     if not run.first_calls:
         return
     yield ""
@@ -53,14 +53,14 @@ def _first_calls(run: Record) -> Iterator[str]:
         yield f"  {each.method:32} {shown}" + (f"  {each.reason}" if each.reason else "")
 
 
-def _failures(run: Record) -> Iterator[str]:
+def _failures(run: BenchmarkRecord) -> Iterator[str]:
     yield ""
     yield "failures" if run.failures else "failures: none"
     for each in run.failures:
         yield f"  {each.problem}, {each.method}, {each.knob}: {each.reason}"
 
 
-def _targets(run: Record) -> Iterator[str]:
+def _targets(run: BenchmarkRecord) -> Iterator[str]:
     if not run.targets:
         return
     yield ""

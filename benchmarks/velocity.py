@@ -17,8 +17,8 @@ import mpmath as mp
 import numpy as np
 
 from benchmarks.work_precision import (
-    Answer,
     Effort,
+    MethodAnswer,
     Prepared,
     Report,
     Setting,
@@ -112,23 +112,23 @@ def _peers(
         )  # fmt: skip
 
 
-def _relation(c: float, eta: float) -> Answer:
+def _relation(c: float, eta: float) -> MethodAnswer:
     branch = kinetic_relation(c, eta).branches[-1]
-    return Answer(value=branch.v, claimed=branch.error)
+    return MethodAnswer(value=branch.v, claimed=branch.error)
 
 
-def _batch(c: float, eta: float) -> Answer:
+def _batch(c: float, eta: float) -> MethodAnswer:
     """Return the first of many couplings that go up by one per cent."""
     branch = trace_kinetic_relation(c * np.geomspace(1.0, 1.01, MANY), eta)[0].branches[-1]
-    return Answer(value=branch.v, claimed=branch.error)
+    return MethodAnswer(value=branch.v, claimed=branch.error)
 
 
-def _bare(c: float, eta: float, refine: float) -> Answer:
+def _bare(c: float, eta: float, refine: float) -> MethodAnswer:
     found = all_velocities(np.array([c]), np.array([2.0 * threshold_ratio(eta)]), refine=refine)
-    return Answer(value=float(found.v[-1]), claimed=float(found.error[-1]))
+    return MethodAnswer(value=float(found.v[-1]), claimed=float(found.error[-1]))
 
 
-def _by_quad(c: float, eta: float, bracket: Interval, tolerance: float) -> Answer:
+def _by_quad(c: float, eta: float, bracket: Interval, tolerance: float) -> MethodAnswer:
     from scipy.optimize import brentq
 
     target = 2.0 * threshold_ratio(eta)
@@ -138,10 +138,10 @@ def _by_quad(c: float, eta: float, bracket: Interval, tolerance: float) -> Answe
         value, _ = piecewise.sum_by_quadrature(v, c, 0.1 * tolerance, 2000)
         return abs(value) - target
 
-    return Answer(value=float(brentq(relation, *bracket[:2], xtol=tolerance)))
+    return MethodAnswer(value=float(brentq(relation, *bracket[:2], xtol=tolerance)))
 
 
-def _cut_off(c: float, eta: float, bracket: Interval, count: int) -> Answer:
+def _cut_off(c: float, eta: float, bracket: Interval, count: int) -> MethodAnswer:
     from scipy.optimize import brentq
 
     target = 2.0 * threshold_ratio(eta)
@@ -151,10 +151,10 @@ def _cut_off(c: float, eta: float, bracket: Interval, count: int) -> Answer:
         k = labelled_roots(float(v), c, labels, upper=True).k
         return float(abs(np.sum(1.0 / (-1j * k * (v + c * np.sin(k)))))) - target
 
-    return Answer(value=float(brentq(relation, *bracket[:2], xtol=1e-13)))
+    return MethodAnswer(value=float(brentq(relation, *bracket[:2], xtol=1e-13)))
 
 
-def _by_series(c: float, eta: float, bracket: Interval, digits: int) -> Answer:
+def _by_series(c: float, eta: float, bracket: Interval, digits: int) -> MethodAnswer:
     with mp.workdps(digits + 5):
         target = 2 * piecewise.threshold_ratio(eta)
         value = mp.findroot(
@@ -163,7 +163,7 @@ def _by_series(c: float, eta: float, bracket: Interval, digits: int) -> Answer:
             tol=mp.mpf(10) ** (-2 * digits),
             verify=False,
         )
-    return Answer(value=value)
+    return MethodAnswer(value=value)
 
 
 _ONE = "one branch in an interval that it is given; the default finds all branches, given nothing"

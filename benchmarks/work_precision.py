@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath as mp
 import numpy as np
 
-from benchmarks.record import Failure, Target, WorkPoint
+from benchmarks.record import BenchmarkFailure, Target, WorkPoint
 from verification.execution.time_limit import time_limit
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _MAX_REASON = 160
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answer:
+class MethodAnswer:
     """What one call of a method gave.
 
     Attributes
@@ -79,7 +79,7 @@ class Setting:
 
     method: str
     knob: str
-    evaluate: Callable[[], Answer]
+    evaluate: Callable[[], MethodAnswer]
     reference: Any
     batch: int = 1
     quick: bool = True
@@ -251,7 +251,7 @@ def measure_side_by_side(
     effort: Effort,
     clock: Callable[[], float] = process_time,
     error: Callable[[Any, Any], float] = distance,
-) -> tuple[tuple[WorkPoint, ...], tuple[Failure, ...]]:
+) -> tuple[tuple[WorkPoint, ...], tuple[BenchmarkFailure, ...]]:
     """Return one point for each setting that gave a value, one failure for each that did not.
 
     Parameters
@@ -267,18 +267,20 @@ def measure_side_by_side(
     error : callable
         From a value and its reference to the error.
     """
-    failures: list[Failure] = []
-    running: list[tuple[Setting, Answer, float, float, str, list[float]]] = []
+    failures: list[BenchmarkFailure] = []
+    running: list[tuple[Setting, MethodAnswer, float, float, str, list[float]]] = []
     for each in settings:
         try:
             answer, first, warned = _first_call(each, effort.limit, clock)
             off = error(answer.value, each.reference)
         except Exception as reason:  # whatever a peer raises is its result
             text = _short(f"{type(reason).__name__}: {reason}")
-            failures.append(Failure(quantity, problem, each.method, each.knob, text))
+            failures.append(BenchmarkFailure(quantity, problem, each.method, each.knob, text))
             continue
         if answer.defect:
-            failures.append(Failure(quantity, problem, each.method, each.knob, answer.defect))
+            failures.append(
+                BenchmarkFailure(quantity, problem, each.method, each.knob, answer.defect)
+            )
         first = answer.seconds[0] if answer.seconds else first
         running.append((each, answer, off, first, warned, list(answer.seconds)))
     waiting = [(each, first, times) for each, _, _, first, _, times in running if not times]
@@ -303,7 +305,7 @@ def measure_side_by_side(
 
 def _first_call(
     setting: Setting, limit: float, clock: Callable[[], float]
-) -> tuple[Answer, float, str]:
+) -> tuple[MethodAnswer, float, str]:
     with warnings.catch_warnings(record=True) as caught, time_limit(limit):
         warnings.simplefilter("always")
         start = clock()

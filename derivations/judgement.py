@@ -21,17 +21,17 @@ from derivations.algebra.equations import same
 from derivations.algebra.errors import CheckFailedError, DerivationInputError
 from derivations.algebra.rendering import equation_latex, source_of
 from derivations.algebra.steps import Derivation, Evidence, Step
-from derivations.printing import Printed, Verdict
+from derivations.printing import EquationVerdict, PrintedEquation
 from derivations.transcription.readings import found_changes, read_correction, stated_changes
 
 
 @dataclass(frozen=True)
-class Judgement:
+class EquationJudgement:
     """What the checks said about a printed equation.
 
     Attributes
     ----------
-    printed : Printed
+    printed : PrintedEquation
         The equation.
     step : Step
         The derivation step with the same number.
@@ -50,7 +50,7 @@ class Judgement:
         the derived equation.
     """
 
-    printed: Printed
+    printed: PrintedEquation
     step: Step
     corrected: str | None
     on_print: Evidence
@@ -64,16 +64,16 @@ class Judgement:
         """Whether the checks give the verdict on record."""
         if not self.on_derived.holds:
             return False
-        if self.printed.verdict is Verdict.MISPRINT:
+        if self.printed.verdict is EquationVerdict.MISPRINT:
             return not self.on_print.holds and not self.agrees and self.correction_agrees
         expected = [reading.holds for reading in self.printed.readings]
         as_expected = expected == [found.holds for found in self.on_readings]
-        if self.printed.verdict is Verdict.AMBIGUOUS:
+        if self.printed.verdict is EquationVerdict.AMBIGUOUS:
             return as_expected and any(expected)
-        if self.printed.verdict is Verdict.INCONSISTENT:
+        if self.printed.verdict is EquationVerdict.INCONSISTENT:
             both = any(expected) and not all(expected)
             return self.on_print.holds and self.agrees and as_expected and both
-        if self.printed.verdict is Verdict.HOLDS:
+        if self.printed.verdict is EquationVerdict.HOLDS:
             return self.on_print.holds and self.agrees
         return self.on_print.holds  # a definition or an assumption is not derived
 
@@ -101,23 +101,23 @@ class Judgement:
         }
 
 
-def _transcribed(name: str) -> tuple[Printed, ...]:
+def _transcribed(name: str) -> tuple[PrintedEquation, ...]:
     """Return the printed equations that stand beside a derivation."""
     folder = catalogue.LISTING[name][0].partition(".")[0]
-    entries: tuple[Printed, ...] = importlib.import_module(
+    entries: tuple[PrintedEquation, ...] = importlib.import_module(
         f"derivations.{folder}.printed"
     ).EQUATIONS
     return entries
 
 
 @lru_cache(maxsize=1)
-def equations() -> tuple[Printed, ...]:
+def equations() -> tuple[PrintedEquation, ...]:
     """All 54 displayed equations in order."""
     found = [entry for name in catalogue.NUMBERED for entry in _transcribed(name)]
     return tuple(sorted(found, key=lambda printed: printed.number))
 
 
-def printed(number: int) -> Printed:
+def printed(number: int) -> PrintedEquation:
     """One displayed equation.
 
     Raises
@@ -131,12 +131,12 @@ def printed(number: int) -> Printed:
     raise DerivationInputError("equation", number, "from 1 to 54", "choose one of these numbers")
 
 
-def judge(found: Printed, derivation: Derivation) -> Judgement:
+def judge(found: PrintedEquation, derivation: Derivation) -> EquationJudgement:
     """Run the checks on a printed equation.
 
     Parameters
     ----------
-    found : Printed
+    found : PrintedEquation
         The equation.
     derivation : Derivation
         The derivation that contains its number.
@@ -151,23 +151,23 @@ def judge(found: Printed, derivation: Derivation) -> Judgement:
             readings.append(check(reading.equation))
         except (TypeError, ValueError, ArithmeticError, AttributeError) as error:
             readings.append(Evidence(False, f"it could not be evaluated ({error})"))
-    wrong = found.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS)
+    wrong = found.verdict in (EquationVerdict.MISPRINT, EquationVerdict.AMBIGUOUS)
     corrected = equation_latex(step.result) if wrong else None
     agrees = _agrees(found, step)
-    return Judgement(found, step, corrected, on_print, on_derived, tuple(readings), agrees,
+    return EquationJudgement(found, step, corrected, on_print, on_derived, tuple(readings), agrees,
                      correction_agrees=_corrects(found, step))  # fmt: skip
 
 
-def _agrees(found: Printed, step: Step) -> bool:
+def _agrees(found: PrintedEquation, step: Step) -> bool:
     """Whether print is the step's equation; an assumption may be read as its amendments say."""
-    if found.verdict is Verdict.ASSUMPTION and found.amendments:
+    if found.verdict is EquationVerdict.ASSUMPTION and found.amendments:
         return same(read_correction(found), step.result)
     return same(found.expression, step.result)
 
 
-def _corrects(found: Printed, step: Step) -> bool:
+def _corrects(found: PrintedEquation, step: Step) -> bool:
     """Whether a misprint becomes the derived equation by its stated tokens alone."""
-    if found.verdict is not Verdict.MISPRINT or not found.amendments:
+    if found.verdict is not EquationVerdict.MISPRINT or not found.amendments:
         return False
     if found_changes(found) != stated_changes(found):
         return False
@@ -175,12 +175,12 @@ def _corrects(found: Printed, step: Step) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class EquationReport:
     """The verdict on every equation, with all derivations checked on the way.
 
     Attributes
     ----------
-    judgements : tuple of Judgement
+    judgements : tuple of EquationJudgement
         One a number, 1 to 54.
     failures : tuple of str
         Derivations that stopped, and verdicts that were not confirmed.
@@ -188,15 +188,15 @@ class Report:
         Time taken, by the wall.
     """
 
-    judgements: tuple[Judgement, ...]
+    judgements: tuple[EquationJudgement, ...]
     failures: tuple[str, ...]
     seconds: float
 
 
-def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
+def report(keys: Sequence[str] = catalogue.NUMBERED) -> EquationReport:
     """Check every step of every derivation and judge every printed equation."""
     start = time.perf_counter()
-    judgements: list[Judgement] = []
+    judgements: list[EquationJudgement] = []
     failures: list[str] = []
     for key in keys:
         derivation = catalogue.load(key)
@@ -214,7 +214,7 @@ def report(keys: Sequence[str] = catalogue.NUMBERED) -> Report:
         if not found.confirmed
     ]
     judgements.sort(key=lambda found: found.printed.number)
-    return Report(
+    return EquationReport(
         judgements=tuple(judgements), failures=tuple(failures),
         seconds=time.perf_counter() - start,
     )  # fmt: skip

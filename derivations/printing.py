@@ -1,4 +1,4 @@
-"""The transcription of the paper's displayed equations: what a `Printed` equation is.
+"""The transcription of the paper's displayed equations: what a `PrintedEquation` is.
 
 Each folder of this package has its own ``printed.py`` with the equations it derives. An equation
 stands there once as LaTeX, which is shown to people, and once as an expression, which is computed
@@ -15,7 +15,7 @@ import sympy as sp
 from derivations.algebra.steps import Check
 
 
-class Verdict(StrEnum):
+class EquationVerdict(StrEnum):
     """The possible verdicts on a printed equation."""
 
     HOLDS = "holds"
@@ -52,7 +52,7 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedEquation:
     """A displayed equation of the paper.
 
     Attributes
@@ -63,7 +63,7 @@ class Printed:
         As printed.
     expression : Basic
         The same as a live object: an ``Eq``, an inequality, a ``Tuple`` of them, or an expression.
-    verdict : Verdict
+    verdict : EquationVerdict
         On record; `derivations.judgement.judge` must find it again.
     note : str
         Why, in a sentence or two.
@@ -82,7 +82,7 @@ class Printed:
     number: int
     latex: str
     expression: sp.Basic
-    verdict: Verdict
+    verdict: EquationVerdict
     note: str
     affects: str = ""
     readings: tuple[Reading, ...] = ()

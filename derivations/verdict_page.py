@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from derivations.judgement import Judgement, Report
-from derivations.printing import Verdict
+from derivations.judgement import EquationJudgement, EquationReport
+from derivations.printing import EquationVerdict
 
 HEAD = """# Derivations
 
@@ -62,26 +62,26 @@ ever evaluated.
 """
 
 
-def page(report: Report) -> str:
+def page(report: EquationReport) -> str:
     """Return the page.
 
     Parameters
     ----------
-    report : Report
+    report : EquationReport
         Of all derivations.
     """
     lines = ["| | verdict | kind | follows from | note |", "|---|---|---|---|---|"]
     lines += [_row(found) for found in report.judgements]
     wrong = [found for found in report.judgements
-             if found.printed.verdict in (Verdict.MISPRINT, Verdict.AMBIGUOUS,
-                                          Verdict.INCONSISTENT)]  # fmt: skip
+             if found.printed.verdict in (EquationVerdict.MISPRINT, EquationVerdict.AMBIGUOUS,
+                                          EquationVerdict.INCONSISTENT)]  # fmt: skip
     parts = ["", "### What is not right as it stands", ""]
     for found in wrong:
         parts += [_entry(found), ""]
     return (HEAD + "\n".join(lines + parts) + TAIL).rstrip()
 
 
-def _row(found: Judgement) -> str:
+def _row(found: EquationJudgement) -> str:
     sources = ", ".join(f"({source.number})" if source.number is not None else source.name
                         for source in found.step.sources)  # fmt: skip
     note = found.printed.note.replace("|", r"\|")
@@ -91,7 +91,7 @@ def _row(found: Judgement) -> str:
     )
 
 
-def _entry(found: Judgement) -> str:
+def _entry(found: EquationJudgement) -> str:
     printed = found.printed
     lines = [f"**({printed.number})**, {printed.verdict.value}. {printed.note}"]
     if printed.affects:

@@ -12,7 +12,7 @@ LOADING = {"script": "src", "img": "src", "iframe": "src", "source": "src", "lin
 """What a browser fetches by itself."""
 
 
-class Page(HTMLParser):
+class SitePage(HTMLParser):
     """The links, the anchors and the resources of a page."""
 
     def __init__(self, path: Path) -> None:
@@ -40,7 +40,7 @@ class Page(HTMLParser):
 def faults(site: Path) -> list[str]:
     """Return one sentence for each link, anchor, resource or address that is wrong."""
     pages = {
-        path.resolve(): Page(path)
+        path.resolve(): SitePage(path)
         for path in sorted(site.rglob("*.html"))
         if "_static" not in path.parts
     }

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fronts.checking import derivation as derivation
     from fronts.checking import derive_cell as derive_cell
     from fronts.checking import judge as judge
-    from fronts.checking import stability as stability
+    from fronts.checking import robustness as robustness
     from fronts.piecewise.kinetic_relation import kinetic_relation as kinetic_relation
     from fronts.piecewise.profile import front_profile as front_profile
     from fronts.piecewise.roots import roots as roots

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.arguments import real, real_or_range
-from fronts.catalogue import EVERY, Call, Command, Map, Measurement, Run
+from fronts.catalogue import EVERY, Command, CommandCall, Map, Measurement, RunCall
 from fronts.options import Group, option
 from fronts.output import add_output_options
 from fronts.signatures import Described, described
@@ -31,7 +31,7 @@ _NUCLEUS = "theory.chains.nucleus:Nucleus"
 class Bound:
     """A call with the model that was named, and what its options are read from."""
 
-    call: Call
+    call: CommandCall
     model: str
 
     @property
@@ -42,7 +42,7 @@ class Bound:
     @property
     def filmed(self) -> bool:
         """Whether it returns a run, of which there is a film."""
-        return isinstance(self.call, Run)
+        return isinstance(self.call, RunCall)
 
     @property
     def chain(self) -> type[Chain] | None:
@@ -78,7 +78,7 @@ class Bound:
     @property
     def start(self) -> Group:
         """Options of the function that makes the start."""
-        own = described(located(self.call.start)) if isinstance(self.call, Run) else ()
+        own = described(located(self.call.start)) if isinstance(self.call, RunCall) else ()
         return self._group("start.", own)
 
     @property
@@ -131,7 +131,7 @@ def models() -> dict[str, type[Chain]]:
     return CHAINS
 
 
-def models_of(command: Command) -> dict[str, Call]:
+def models_of(command: Command) -> dict[str, CommandCall]:
     """Return the calls of a command by model, those of further registered models included.
 
     A model without a number of sites is not among them: it is endless, and nothing runs it.

@@ -12,7 +12,7 @@ from typing import Any
 
 
 @dataclass(frozen=True, kw_only=True)
-class Call:
+class CommandCall:
     """A public function behind a command, for one model; of this class itself, one of no chain.
 
     Attributes
@@ -31,7 +31,7 @@ class Call:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run(Call):
+class RunCall(CommandCall):
     """A run of a chain.
 
     Attributes
@@ -46,7 +46,7 @@ class Run(Call):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Map(Call):
+class Map(CommandCall):
     """States of a chain over axes: parameters that are ranges.
 
     Attributes
@@ -61,7 +61,7 @@ class Map(Call):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measurement(Call):
+class Measurement(CommandCall):
     """What is measured on a chain; one of its fields given as a range gives a curve.
 
     Attributes
@@ -113,7 +113,7 @@ class Command:
     line: str
     examples: str = ""
     notes: str = ""
-    calls: Mapping[str, Call] = field(default_factory=dict)
+    calls: Mapping[str, CommandCall] = field(default_factory=dict)
     default: str = ""
     module: str = ""
 
@@ -133,7 +133,7 @@ _OF_RUNNING_FRONTS = (
 )  # fmt: skip
 _OWN_FRONT = Measurement(function=_FRONT, hidden=("point", "method"))
 
-_VDP_RUN = Run(presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start_point",))
+_VDP_RUN = RunCall(presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start_point",))
 
 _CELL = "verification.cells.cell:cell"
 _ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
@@ -184,14 +184,14 @@ COMMANDS: dict[str, Command] = {
   fronts kinetic --c 0.5 --eta 0.03125 --certify
   fronts kinetic --c 0.3:3:200 --eta 0.03125 --out curve.png
   fronts kinetic --c 0.3 --eta 0.001:0.12:200 --out curve.csv""",
-        calls={"": Call(function="fronts.piecewise.kinetic_relation:kinetic_relation")},
+        calls={"": CommandCall(function="fronts.piecewise.kinetic_relation:kinetic_relation")},
     ),
     "sum": Command(
         line="the sum of the kinetic relation, by five methods (Eq. 53)",
         examples="""
   fronts sum --v 0.3 --c 0.5
   fronts sum --v 0.3 --c 0.5 --method series --digits 50 --json""",
-        calls={"": Call(function="fronts.piecewise.sigma:sigma")},
+        calls={"": CommandCall(function="fronts.piecewise.sigma:sigma")},
     ),
     "roots": Command(
         line="labelled complex roots of the dispersion relation (Eqs. 50-52)",
@@ -199,7 +199,7 @@ COMMANDS: dict[str, Command] = {
   fronts roots --v 0.3 --c 0.5 --count 8
   fronts roots --v 0.3 --c 0.5 --extent 40 --certify --json
   fronts roots --v 0.3 --c 0.5 --count 4 --digits 40""",
-        calls={"": Call(function="fronts.piecewise.roots:roots")},
+        calls={"": CommandCall(function="fronts.piecewise.roots:roots")},
     ),
     "profile": Command(
         line="the shape of the front (Eq. 49) and whether it is admissible (Eq. 47)",
@@ -207,7 +207,7 @@ COMMANDS: dict[str, Command] = {
   fronts profile --c 0.5 --eta 0.03125
   fronts profile --c 0.5 --a 4 --b 0.5 --out profile.png
   fronts profile --c 0.45 --eta 0.03125 --branch 1 --from -5 --to 5 --out profile.csv""",
-        calls={"": Call(function="fronts.piecewise.profile:front_profile")},
+        calls={"": CommandCall(function="fronts.piecewise.profile:front_profile")},
     ),
     "front": Command(
         line="velocity of a front, by direct simulation or as a wave (Eqs. 5, 8, 43, 44)",
@@ -268,8 +268,8 @@ COMMANDS: dict[str, Command] = {
         calls={
             "vdp": _VDP_RUN,
             "averaged": _VDP_RUN,
-            "friction": Run(presets={"chain.c": 0.02, "t_end": 1000.0}, hidden=("level",)),
-            EVERY: Run(presets={"t_end": 1000.0}, hidden=("start_point",)),
+            "friction": RunCall(presets={"chain.c": 0.02, "t_end": 1000.0}, hidden=("level",)),
+            EVERY: RunCall(presets={"t_end": 1000.0}, hidden=("start_point",)),
         },
     ),
     "cell": Command(

@@ -1,7 +1,7 @@
-"""Derivations, verdicts and the stability table, from Python.
+"""Derivations, verdicts and the robustness table, from Python.
 
 The public functions `fronts.derivation`, `fronts.derive_cell`, `fronts.judge` and
-`fronts.stability`. SymPy and the claims are imported when one is called.
+`fronts.robustness`. SymPy and the claims are imported when one is called.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation, Evidence, Step
     from derivations.averaging.cycles import LimitCycle
     from derivations.cell.envelope import Envelope
-    from paper_checks.outcome import Outcome
-    from verification.quantities.robustness import Stability
+    from paper_checks.outcome import JudgedClaim
+    from verification.quantities.robustness import Robustness
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,22 +154,22 @@ class Verdicts(Result):
 
     Attributes
     ----------
-    outcomes : tuple of Outcome
+    outcomes : tuple of JudgedClaim
         One a claim, in the order of the paper; each has ``claim``, ``judgement``, ``status``.
     seconds : float
         Wall-clock time.
     """
 
-    outcomes: tuple[Outcome, ...] = field(metadata={"json": None})
+    outcomes: tuple[JudgedClaim, ...] = field(metadata={"json": None})
     seconds: float
 
-    def __iter__(self) -> Iterator[Outcome]:
+    def __iter__(self) -> Iterator[JudgedClaim]:
         return iter(self.outcomes)
 
     def __len__(self) -> int:
         return len(self.outcomes)
 
-    def __getitem__(self, place: int) -> Outcome:
+    def __getitem__(self, place: int) -> JudgedClaim:
         return self.outcomes[place]
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -338,9 +338,9 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     return Verdicts(outcomes=outcomes, seconds=perf_counter() - begin)
 
 
-def stability(
+def robustness(
     quantities: Sequence[str] = (), *, points: int = 1000, seed: int = 0, workers: int | None = None
-) -> Stability:
+) -> Robustness:
     """Hold every quantity against another method over all decades of its parameters.
 
     Parameters
@@ -356,7 +356,7 @@ def stability(
 
     Returns
     -------
-    Stability
+    Robustness
         Counts by quantity of what is right, refused, undecided, unchecked or wrong, and each wrong
         point.
 
@@ -368,11 +368,11 @@ def stability(
     Examples
     --------
     >>> import fronts as fr
-    >>> found = fr.stability(["c-pin"], points=12, workers=1)
+    >>> found = fr.robustness(["c-pin"], points=12, workers=1)
     >>> found.bad, found.counts["exceeded"]
     ((), 0)
     """
-    from verification.quantities.robustness import stability as table
+    from verification.quantities.robustness import robustness as table
 
     if isinstance(quantities, str):
         quantities = (quantities,)  # one name, and not its letters; an empty one is none

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 import fronts
 from fronts.answer import Answer, UsageError
 from fronts.arguments import BadText, with_values_joined
-from fronts.catalogue import ALIASES, COMMANDS, Call, Command
+from fronts.catalogue import ALIASES, COMMANDS, Command, CommandCall
 
 _OF_A_FILE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
@@ -171,7 +171,7 @@ def _not_models(command: Command, words: Iterable[str]) -> set[str]:
 
 
 def _model(
-    name: str, command: Command, calls: Mapping[str, Call], rest: Sequence[str]
+    name: str, command: Command, calls: Mapping[str, CommandCall], rest: Sequence[str]
 ) -> tuple[str, list[str]]:
     """Return the model that is named first, or the default, and the words after it."""
     if "" in calls:
@@ -199,7 +199,7 @@ def _model(
 
 
 def _renamed(
-    model: str, rest: list[str], calls: Mapping[str, Call], command: str
+    model: str, rest: list[str], calls: Mapping[str, CommandCall], command: str
 ) -> tuple[str, list[str]]:
     """Read ``vdp --model envelope`` as the model averaged, and ``vdp --model full`` as vdp."""
     for index, word in enumerate(rest):

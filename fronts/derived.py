@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_seed, is_range, values_of
 from fronts.bound import Bound, located
-from fronts.catalogue import Map, Measurement, Run
+from fronts.catalogue import Map, Measurement, RunCall
 from fronts.options import option
 from fronts.output import beside_files, check_output, command_line, write_output
 from fronts.signatures import described
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
     with saved, Progress(words[0], quiet=options.json) as live:
         result, parameters = _computed(options, bound, live.report)
     payload = result.to_dict()
-    if isinstance(bound.call, Run):
+    if isinstance(bound.call, RunCall):
         payload |= located("fronts.nucleus_evolution:evolution_in_time")(result)
     if options.out:
         write_output(options.out, result, parameters, payload)
@@ -79,7 +79,7 @@ def _computed(
         _check_picture(options, function)
         return function(**_arrays(arguments), **further), parameters
     match bound.call:
-        case Run(start=start):
+        case RunCall(start=start):
             chain = new_chain(**_with_eta(bound, _fields(bound, options), options))
             started = located(start)(chain, **bound.start.given(options))
             further["start"], parameters["start"] = started.state, started.parameters

@@ -321,7 +321,7 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "KineticRelation": _kinetic_point,
     "KineticCurve": _kinetic_curve,
     "Roots": _roots,
-    "Profile": _profile,
+    "FrontProfile": _profile,
     "Bifurcation": _bifurcation,
     "FollowedBranch": _branch,
     "Curve": _curve,

@@ -97,7 +97,7 @@ class Judgement:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class JudgedClaim:
     """A claim together with its judgement."""
 
     entry: Entry

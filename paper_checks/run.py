@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from paper_checks.discover import PACKAGE, Entry, find_entries
-from paper_checks.outcome import Judgement, Outcome, judge, judged_by
+from paper_checks.outcome import JudgedClaim, Judgement, judge, judged_by
 from paper_checks.shipped import Shipped
 from verification.execution.imports import SOURCES
 from verification.execution.interruption import terminated_as_interrupted
@@ -23,13 +23,13 @@ KEPT = ("evidence", "seconds", "judged", "shared")
 logger = logging.getLogger(__name__)
 
 
-class Progress(Protocol):
+class JudgingProgress(Protocol):
     """Who is called as the run goes on."""
 
     def start(self, key: str) -> None:
         """Note that a claim is about to be judged."""
 
-    def done(self, outcome: Outcome) -> None:
+    def done(self, outcome: JudgedClaim) -> None:
         """Note that a claim has been judged."""
 
 
@@ -39,7 +39,7 @@ class Silence:
     def start(self, key: str) -> None:
         """Ignore."""
 
-    def done(self, outcome: Outcome) -> None:
+    def done(self, outcome: JudgedClaim) -> None:
         """Ignore."""
 
 
@@ -51,8 +51,8 @@ def run(
     store: Store | None = None,
     packages: Sequence[str] = SOURCES,
     shipped: Shipped | None = None,
-    progress: Progress | None = None,
-) -> tuple[Outcome, ...]:
+    progress: JudgingProgress | None = None,
+) -> tuple[JudgedClaim, ...]:
     """Judge claims.
 
     Parameters
@@ -72,12 +72,12 @@ def run(
         Packages whose classes stored evidence may hold.
     shipped : Shipped, optional
         Findings of expensive claims that are used instead of computed anew.
-    progress : Progress, optional
+    progress : JudgingProgress, optional
         Called at each start and end.
 
     Returns
     -------
-    tuple of Outcome
+    tuple of JudgedClaim
         In the order of ``entries``, whatever the number of processes.
     """
     progress = progress or Silence()
@@ -88,7 +88,7 @@ def run(
         judged[key] = judgement
         if store is not None and judgement.evidence is not None:
             store.add(key, {name: getattr(judgement, name) for name in KEPT})
-        progress.done(Outcome(entry, judgement))
+        progress.done(JudgedClaim(entry, judgement))
 
     for entry in entries:
         found = _stored(store, entry, packages) or (shipped.load(entry) if shipped else None)
@@ -99,7 +99,7 @@ def run(
     groups = [(entry,) for entry in left] if jobs == 1 else sharing(left)
     for entry, judgement in _computed(groups, judges, jobs, progress):
         note(entry, judgement)
-    return tuple(Outcome(entry, judged[entry.claim.key]) for entry in entries)
+    return tuple(JudgedClaim(entry, judged[entry.claim.key]) for entry in entries)
 
 
 def sharing(entries: Sequence[Entry]) -> list[tuple[Entry, ...]]:
@@ -114,7 +114,10 @@ def sharing(entries: Sequence[Entry]) -> list[tuple[Entry, ...]]:
 
 
 def _computed(
-    groups: Sequence[tuple[Entry, ...]], judges: _Here | _ByKey, jobs: int, progress: Progress
+    groups: Sequence[tuple[Entry, ...]],
+    judges: _Here | _ByKey,
+    jobs: int,
+    progress: JudgingProgress,
 ) -> Iterator[tuple[Entry, Judgement]]:
     """Judge claims group by group and yield each judgement as it comes.
 

@@ -27,12 +27,12 @@ from benchmarks import (
 from benchmarks import sum as sum_benchmark
 from benchmarks.diagram import draw, worth_choosing
 from benchmarks.growth_diagram import draw_growth
-from benchmarks.record import Record, Target, WorkPoint, read_record, write_record
+from benchmarks.record import BenchmarkRecord, Target, WorkPoint, read_record, write_record
 from benchmarks.registry import all_benchmarks, chosen, quantity_of
 from benchmarks.work_precision import (
     RESULTS,
-    Answer,
     Effort,
+    MethodAnswer,
     Setting,
     Style,
     WorkPrecision,
@@ -55,7 +55,7 @@ from verification.runs.simulate import simulate
 def _fake(method, log, value=1.0, claimed=0.5, **options):
     def evaluate():
         log.append(method)
-        return Answer(value=value, claimed=claimed)
+        return MethodAnswer(value=value, claimed=claimed)
 
     return Setting(method=method, knob="knob", evaluate=evaluate, reference=1.25, **options)
 
@@ -204,7 +204,9 @@ def test_the_diagram_of_growth_has_memory_workers_and_what_is_expected(tmp_path)
 def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     point = WorkPoint("sum", "s", "m", "k", 2.0, 1.0, 0.1, 0.1, 3)
     missed = Target("speed", 2.0, "below", 1.0, "s", "detail")
-    run = Record("c", "d", {"system": "x"}, {"numpy": "1"}, {"s": 0.0}, (point,), (), (missed,))
+    run = BenchmarkRecord(
+        "c", "d", {"system": "x"}, {"numpy": "1"}, {"s": 0.0}, (point,), (), (missed,)
+    )
     write_record(run, tmp_path / "run.json")
     assert read_record(tmp_path / "run.json") == run
     text = tables.as_text(run)
@@ -220,7 +222,7 @@ def test_an_array_is_compared_by_its_largest_difference_and_must_be_finite():
 
 def test_seconds_of_processes_are_taken_as_they_are_and_a_defect_is_listed():
     def evaluate():
-        return Answer(value=1.0, seconds=(3.0, 1.0, 2.0), defect="it lacks a drive")
+        return MethodAnswer(value=1.0, seconds=(3.0, 1.0, 2.0), defect="it lacks a drive")
 
     setting = Setting(method="m", knob="k", evaluate=evaluate, reference=1.0)
     (point,), (failure,) = measure_side_by_side("q", "p", [setting], effort=Effort())
@@ -361,7 +363,7 @@ def _choices(record, **options):
 
 def _record(*points):
     rows = tuple(WorkPoint("q", "s", m, "k", e, None, t, t, 3) for m, e, t in points)
-    return Record("c", "d", {}, {}, {"s": 0.0}, rows, (), ())
+    return BenchmarkRecord("c", "d", {}, {}, {"s": 0.0}, rows, (), ())
 
 
 def test_a_default_is_judged_at_each_decade_of_error():

@@ -23,7 +23,7 @@ from verification.breathers.run import run_breather
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
-from verification.thresholds.preparation import Preparation, hold, phase_steps
+from verification.thresholds.preparation import NucleusPreparation, hold, phase_steps
 from verification.thresholds.result import Mechanism, ThresholdMethod
 from verification.thresholds.slow_sweep import START, measure_delay
 
@@ -77,7 +77,7 @@ def test_a_run_ends_when_a_watched_site_passes_the_limit() -> None:
 
 
 def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:
-    run = hold(CHAIN, Preparation(5), 0.1, 500.0)
+    run = hold(CHAIN, NucleusPreparation(5), 0.1, 500.0)
     assert np.array_equal(run.phi, run.phi[::-1])
 
 
@@ -86,9 +86,9 @@ def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(
     size: int, start: float
 ) -> None:
     fold = breather_threshold(CHAIN, Nucleus(size, outward_pattern(size))).c_crit
-    runs = escape_threshold(CHAIN, Preparation(size), low=start, high=0.21, tolerance=1e-5)
+    runs = escape_threshold(CHAIN, NucleusPreparation(size), low=start, high=0.21, tolerance=1e-5)
     assert abs(runs.c_crit - fold) <= runs.error
-    delay = measure_delay(CHAIN, Preparation(size))
+    delay = measure_delay(CHAIN, NucleusPreparation(size))
     assert delay.c_0 is not None
     assert delay.error is not None
     assert abs(delay.c_0 - fold) <= delay.error
@@ -102,7 +102,7 @@ def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
     chain = CHAIN.replace(b=0.2)
     fold = breather_threshold(chain, Nucleus(size, outward_pattern(size))).c_crit
     assert fold < START
-    delay = measure_delay(chain, Preparation(size))
+    delay = measure_delay(chain, NucleusPreparation(size))
     assert all(fold < slow < fast for fast, slow in itertools.pairwise(delay.escapes))
     assert delay.c_0 is not None
     assert delay.error is not None
@@ -112,7 +112,7 @@ def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
 def test_a_sweep_of_what_holds_nowhere_is_refused() -> None:
     """Noise on the start above the unstable cycle."""
     with pytest.raises(ParameterError, match=r"holds at some c from 0\.001"):
-        measure_delay(CHAIN, Preparation(1, perturbation=10.0))
+        measure_delay(CHAIN, NucleusPreparation(1, perturbation=10.0))
 
 
 def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
@@ -174,9 +174,11 @@ def test_opposed_patterns_grow_at_half_the_coupling_as_it_vanishes() -> None:
 
 
 def test_a_nucleus_of_three_leaves_its_phase() -> None:
-    settled = hold(CHAIN, Preparation(3), 0.1, 400.0)
-    assert np.abs(phase_steps(settled, Preparation(3))) == pytest.approx([0.5, 0.5], abs=1e-6)
-    noisy = Preparation(3, perturbation=1e-6)
+    settled = hold(CHAIN, NucleusPreparation(3), 0.1, 400.0)
+    assert np.abs(phase_steps(settled, NucleusPreparation(3))) == pytest.approx(
+        [0.5, 0.5], abs=1e-6
+    )
+    noisy = NucleusPreparation(3, perturbation=1e-6)
     steps = [np.abs(phase_steps(hold(CHAIN, noisy, 0.1, time), noisy)) for time in (320, 330, 340)]
     assert max(np.abs(step - 0.5).max() for step in steps) > 0.1
 
@@ -184,7 +186,7 @@ def test_a_nucleus_of_three_leaves_its_phase() -> None:
 def test_perturbed_nuclei_of_three_escape_below_the_threshold_of_one() -> None:
     single = breather_threshold(CHAIN, Nucleus(1)).c_crit
     for seed in range(3):
-        noisy = Preparation(3, perturbation=1e-6, seed=seed)
+        noisy = NucleusPreparation(3, perturbation=1e-6, seed=seed)
         assert hold(CHAIN, noisy, 0.188, 1500.0).escaped
         assert not hold(CHAIN, noisy, 0.18, 1500.0).escaped
     assert single > 0.19
@@ -193,7 +195,7 @@ def test_perturbed_nuclei_of_three_escape_below_the_threshold_of_one() -> None:
 @pytest.mark.parametrize("size", [3, 5, 9])
 def test_sweeps_of_what_leaves_its_breather_are_not_extrapolated(size: int) -> None:
     """A perturbed nucleus escapes away from the fold: its delay has another exponent."""
-    delay = measure_delay(CHAIN, Preparation(size, perturbation=1e-6))
+    delay = measure_delay(CHAIN, NucleusPreparation(size, perturbation=1e-6))
     assert delay.c_0 is None
     assert delay.error is None
 
@@ -206,7 +208,7 @@ def test_the_range_of_escape_holds_every_run_that_contradicts_one_threshold(
     size: int, lowest: float, highest: float
 ) -> None:
     """At couplings far and near; sizes 7, 9 escape, hold and escape again."""
-    noisy = Preparation(size, perturbation=1e-6)
+    noisy = NucleusPreparation(size, perturbation=1e-6)
     found = escape_range(CHAIN, noisy)
     assert found.low < found.high
     assert found.monotone is (size < 7)
@@ -220,7 +222,7 @@ def test_the_range_of_escape_holds_every_run_that_contradicts_one_threshold(
 
 def test_a_range_of_escape_needs_a_coupling_at_which_the_nucleus_holds() -> None:
     with pytest.raises(ParameterError, match="holds at some c"):
-        escape_range(CHAIN, Preparation(3, perturbation=1.0), seeds=1)
+        escape_range(CHAIN, NucleusPreparation(3, perturbation=1.0), seeds=1)
 
 
 def test_a_run_of_the_chain_settles_on_the_orbit() -> None:

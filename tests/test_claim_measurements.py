@@ -45,7 +45,7 @@ from paper_checks.claims._friction import SITES
 from paper_checks.prose import template
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import eta_from_damping
-from verification.breathers.outcome import Evolution, Outcome
+from verification.breathers.outcome import Evolution, NucleusOutcome
 from verification.execution.table import Table
 
 Patch = pytest.MonkeyPatch
@@ -409,10 +409,12 @@ def test_sites_are_counted_until_all_have_stuck_or_none_does_for_the_stall_time(
     assert fig04._reached(0.01, 1, "edge", at.size, stall) == reached
 
 
-def friction_velocities(v: Callable[[float], float], error: float = 0.0) -> fig06.Velocities:
+def friction_velocities(
+    v: Callable[[float], float], error: float = 0.0
+) -> fig06.FrictionVelocities:
     c = (*fig06.COUPLINGS, *fig06.LARGE)
     return evidence(
-        fig06.Velocities, c=c, v=tuple(v(each) for each in c), error=(error,) * len(c),
+        fig06.FrictionVelocities, c=c, v=tuple(v(each) for each in c), error=(error,) * len(c),
         waves=c, gap=0.0, threshold=0.0106,
     )  # fmt: skip
 
@@ -545,7 +547,7 @@ def test_a_front_is_one_in_which_every_site_joins_after_the_one_before(
 
     def evolution(joined: Any, *_: Any) -> Evolution:
         assert joined[SITES // 2] == 0.0  # the one that is excited is there from the start
-        return Evolution(outcome=Outcome.FRONT, size=1, sizes=(1,), longest_pause=0.0,
+        return Evolution(outcome=NucleusOutcome.FRONT, size=1, sizes=(1,), longest_pause=0.0,
                          slow_time=1.0)  # fmt: skip
 
     monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
@@ -658,7 +660,7 @@ def test_phase_steps_are_followed_along_the_run_and_shapes_are_those_without_noi
     monkeypatch: Patch,
 ) -> None:
     """In a chain in which each site turns faster than the one before, by half a turn in 1000."""
-    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.preparation import NucleusPreparation
 
     starts = {}
 
@@ -685,7 +687,7 @@ def test_phase_steps_are_followed_along_the_run_and_shapes_are_those_without_noi
     from theory.chains.vdp import VdpChain
 
     for size, shape in found.shapes.items():
-        preparation = Preparation(size)
+        preparation = NucleusPreparation(size)
         chain = preparation.chain(VdpChain(a=fig10.A, b=fig10.B, c=fig10.C, eps=fig10.EPS), fig10.C)
         assert shape == pytest.approx(np.abs(preparation.start(chain)), abs=1e-13)
     assert found.gap == 0.5  # all in phase at first, as the start is
@@ -974,8 +976,8 @@ def test_the_local_exponent_of_a_power_law_is_its_power(power: float) -> None:
 def test_velocities_are_held_against_a_line_and_the_law_at_the_last_coupling() -> None:
     c = (1.0, 2.0, 6.0)
     found = evidence(
-        fig13.Scaling, c=c, v=(1.0, 2.0, 18.0), kappa=0.5, full_c=c, full_v=(3.0, 5.0, 13.0),
-        full_error=(0.3, 1.0, 1.3),
+        fig13.AveragedScaling, c=c, v=(1.0, 2.0, 18.0), kappa=0.5, full_c=c,
+        full_v=(3.0, 5.0, 13.0), full_error=(0.3, 1.0, 1.3),
     )  # fmt: skip
     assert found.line == pytest.approx((1.0, 2.0))
     assert found.residual == pytest.approx(0.0, abs=1e-12)
@@ -1161,10 +1163,12 @@ def run_of(v: float | None, steady: bool = True) -> Any:
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_steady_run_counts_and_the_worst_of_them(side: float) -> None:
     runs = (run_of(1.0), run_of(2.0), run_of(9.0, steady=False))
-    found = evidence(fig17.Scaling, runs=runs, theory=(1.0 + 0.25 * side, 2.0, 3.0))
+    found = evidence(fig17.PiecewiseScaling, runs=runs, theory=(1.0 + 0.25 * side, 2.0, 3.0))
     assert found.gap == 0.25
     pairs = tuple(zip(fig18.ETAS, (runs[1], runs[0], runs[2], runs[0], runs[0]), strict=True))
-    alike = evidence(fig18.Alike, runs=pairs, simplified=(2.0, 1.0 + 0.25 * side, 1.0, 1.0, 1.0))
+    alike = evidence(
+        fig18.VelocityAgreement, runs=pairs, simplified=(2.0, 1.0 + 0.25 * side, 1.0, 1.0, 1.0)
+    )
     assert alike.gap == 0.25
 
 
@@ -1202,7 +1206,7 @@ def test_a_chain_that_moves_at_an_inadmissible_velocity_is_told(
 def test_the_range_of_a_nearly_linear_velocity_is_below_the_resonances(side: float) -> None:
     c = (0.5, 1.0, 2.0, 4.0, 50.0)
     exponent = (0.5, 1.0 + 0.09 * side, 1.0 - 0.09 * side, 1.0 + 0.2 * side, 1.0)
-    found = evidence(fig17.Scaling, c=c, exponent=exponent, by_series=1.0 + 0.25 * side)
+    found = evidence(fig17.PiecewiseScaling, c=c, exponent=exponent, by_series=1.0 + 0.25 * side)
     assert found.linear_range == (1.0, 2.0)
     assert found.series_gap == 0.25
     assert found.last == 1.0
@@ -1319,7 +1323,9 @@ def test_the_profiles_of_three_methods_are_apart_by_their_largest_difference(
 
 def test_slopes_of_both_chains_are_told_from_one_eta_to_the_next() -> None:
     eta = np.array(fig18.ETAS)
-    found = evidence(fig18.Alike, averaged=tuple(eta**-0.5), simplified=tuple(3.0 * eta**-1.25))
+    found = evidence(
+        fig18.VelocityAgreement, averaged=tuple(eta**-0.5), simplified=tuple(3.0 * eta**-1.25)
+    )
     assert found.slopes == ", ".join(["-0.50 and -1.25"] * (eta.size - 1))
 
 

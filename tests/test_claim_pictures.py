@@ -35,7 +35,7 @@ from paper_checks.claims import (
     text_nuclei,
 )
 from paper_checks.report.cell_picture import draw_bifurcation
-from paper_checks.report.velocity_plot import Curve, curve_of
+from paper_checks.report.velocity_plot import PlottedSolutions, curve_of
 from verification.execution.table import Table
 from verification.pictures.figures import new_axes
 
@@ -210,8 +210,8 @@ def test_regions_are_drawn_with_the_velocity_of_the_figure(drawn: Any) -> None:
 @pytest.mark.parametrize(
     ("draw", "of", "times", "excited"),
     [
-        (fig03.draw_breather, fig03.Breather, fig03.TIMES_A, fig03.CORE),
-        (fig03.draw_front, fig03.Front, fig03.TIMES_B, (1,)),
+        (fig03.draw_breather, fig03.BreatherEnvelopes, fig03.TIMES_A, fig03.CORE),
+        (fig03.draw_front, fig03.FrontEnvelopes, fig03.TIMES_B, (1,)),
     ],
 )
 def test_envelopes_are_drawn_over_a_band_of_the_excited_sites(
@@ -266,7 +266,8 @@ def test_measured_velocities_are_drawn_over_their_couplings(drawn: Any) -> None:
     c = (*fig06.COUPLINGS, *fig06.LARGE)
     v = tuple(0.25 + 3.0 * each for each in c)
     (panel,) = drawn(fig06.draw_velocities, known(
-        fig06.Velocities, c=c, v=v, error=(1e-3,) * len(c), waves=v, gap=0.0, threshold=0.0106
+        fig06.FrictionVelocities, c=c, v=v, error=(1e-3,) * len(c), waves=v, gap=0.0,
+        threshold=0.0106
     ))  # fmt: skip
     inside = len(fig06.COUPLINGS)
     assert panel.lines["measured"] == points(c[:inside], v[:inside])
@@ -374,7 +375,7 @@ def test_amplitudes_are_drawn_over_coupling_beside_the_closed_form(
 
     monkeypatch.setattr(fig08, "closed_form", closed_form)
     exact = closed_form(None, 2.0 * np.array(fig08.COUPLINGS))
-    (panel,) = drawn(fig08.draw_amplitudes, known(fig08.Amplitudes, exact=exact))
+    (panel,) = drawn(fig08.draw_amplitudes, known(fig08.OrbitAmplitudes, exact=exact))
     for n in (0, 1):
         orbit, theory = (panel.lines[f"n = {n}, {by}"] for by in (
             "periodic orbit of (8)", "paper: (29), (37), (38)"))  # fmt: skip
@@ -425,8 +426,8 @@ def test_velocity_and_its_exponent_are_drawn_over_coupling(drawn: Any) -> None:
     c = (1.0, 2.0, 4.0)
     full = (0.5, 1.0)
     left, right = drawn(fig13.draw, known(
-        fig13.Scaling, c=c, v=(1.0, 4.0, 16.0), error=(0.0,) * 3, full_c=full, full_v=(2.0, 3.0),
-        full_error=(0.0,) * 2))  # fmt: skip
+        fig13.AveragedScaling, c=c, v=(1.0, 4.0, 16.0), error=(0.0,) * 3, full_c=full,
+        full_v=(2.0, 3.0), full_error=(0.0,) * 2))  # fmt: skip
     assert left.lines["averaged chain (43)"] == [(1.0, 1.0), (2.0, 4.0)]
     assert left.lines["(8), ε = 0.01"] == [(0.5, 2.0), (1.0, 3.0)]
     (line,) = (found for name, found in left.lines.items() if name.startswith("line"))
@@ -499,7 +500,7 @@ def test_velocities_of_several_a_are_drawn_over_eta(drawn: Any) -> None:
 def test_the_profile_is_drawn_in_units_of_the_chain_with_both_amplitudes(drawn: Any) -> None:
     zeta, few, sites = np.linspace(-10, 10, 5), np.array([-1.5, 1.5]), np.array([-1.0, 0.0, 1.0])
     (panel,) = drawn(fig16.draw, known(
-        fig16.Profile, zeta=zeta, phi=1j * zeta, few=few, series=-few, sites=sites,
+        fig16.ProfileValues, zeta=zeta, phi=1j * zeta, few=few, series=-few, sites=sites,
         chain=1j * sites, amplitude=4.0, threshold=0.25))  # fmt: skip
     assert panel.lines["solution of (48), periodised integral"] == points(zeta, 4 * np.abs(zeta))
     assert panel.lines["root series (49)"] == points(few, 4 * np.abs(few))
@@ -513,15 +514,15 @@ def steady(c: float, v: float | None) -> Any:
     return SimpleNamespace(coupling=c, v=v, steady=v is not None)
 
 
-def curve(*rows: tuple[float, float, bool]) -> Curve:
+def curve(*rows: tuple[float, float, bool]) -> PlottedSolutions:
     x, v, kinds = zip(*rows, strict=True)
-    return Curve(x, v, kinds)
+    return PlottedSolutions(x, v, kinds)
 
 
 ALL, NEAR = curve((0.5, 1.0, True), (0.5, 2.0, False)), curve((0.44, 0.1, False), (0.45, 0.2, True))
 
 
-def shows_solutions(panel: Panel, found: Curve) -> None:
+def shows_solutions(panel: Panel, found: PlottedSolutions) -> None:
     rows = list(zip(found.x, found.v, found.admissible, strict=True))
     assert panel.lines["admissible"] == [(x, v) for x, v, kind in rows if kind]
     assert panel.lines["not admissible"] == [(x, v) for x, v, kind in rows if not kind]
@@ -531,8 +532,9 @@ def test_every_solution_is_drawn_beside_runs_and_thresholds(drawn: Any) -> None:
     both = SimpleNamespace(couplings=(0.43, 0.44), moving=(steady(0.43, 0.3), steady(0.44, 0.4)),
                            resting=(steady(0.43, None), steady(0.44, 0.5)))  # fmt: skip
     held = known(
-        fig17.Scaling, solutions=ALL, near=NEAR, runs=(steady(0.5, 1.0), steady(0.6, None)),
-        c_fold=0.44, c_pin=0.455, hysteresis=both, c=(1.0, 4.0), v=(2.0, 8.0), exponent=(0.5, 1.0),
+        fig17.PiecewiseScaling, solutions=ALL, near=NEAR,
+        runs=(steady(0.5, 1.0), steady(0.6, None)), c_fold=0.44, c_pin=0.455, hysteresis=both,
+        c=(1.0, 4.0), v=(2.0, 8.0), exponent=(0.5, 1.0),
         limit=3.0)  # fmt: skip
     first, second, left, right = drawn(fig17.draw_scaling, held)
     shows_solutions(first, ALL)
@@ -556,8 +558,8 @@ def test_velocities_are_drawn_over_eta_beside_the_averaged_chain(drawn: Any) -> 
     averaged = np.arange(5.0, 5.0 + len(fig18.ETAS))
     moving = tuple(float(k) for k in range(len(fig18.CROSSING)))
     left, right = drawn(fig18.draw, known(
-        fig18.Alike, solutions=ALL, near=NEAR, runs=runs, averaged=averaged, moving=moving,
-        resting=(None,) * len(moving), fold=0.021, pin=0.02))  # fmt: skip
+        fig18.VelocityAgreement, solutions=ALL, near=NEAR, runs=runs, averaged=averaged,
+        moving=moving, resting=(None,) * len(moving), fold=0.021, pin=0.02))  # fmt: skip
     shows_solutions(left, ALL)
     shows_solutions(right, NEAR)
     assert left.lines["chain (44)"] == [(eta, run.v) for eta, run in runs]

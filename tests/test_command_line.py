@@ -354,12 +354,12 @@ def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
 @pytest.mark.parametrize(("size", "held", "escaped"), [(3, 0.184, 0.186), (5, 0.183, 0.184)])
 def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(size, held, escaped, capsys):
     from theory.chains.vdp import VdpChain
-    from verification.thresholds.preparation import Preparation, hold
+    from verification.thresholds.preparation import NucleusPreparation, hold
 
     found = _json(capsys, f"threshold vdp --nucleus {size} --method sweep --perturbation 1e-6")
     for c, wanted in ((held, False), (escaped, True)):
         for seed in range(3):
-            noisy = Preparation(size, perturbation=1e-6, seed=seed)
+            noisy = NucleusPreparation(size, perturbation=1e-6, seed=seed)
             assert hold(VdpChain(a=2.5, b=0.5, c=0), noisy, c, 2000.0).escaped is wanted
     assert held < found["c_crit"] - found["error"]
     assert escaped > found["c_crit"] + found["error"]

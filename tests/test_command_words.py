@@ -211,7 +211,7 @@ def test_no_worker_is_refused_before_any_point_is_tried(
 ) -> None:
     from verification.quantities import robustness
 
-    monkeypatch.setattr(robustness, "stability", None)
+    monkeypatch.setattr(robustness, "robustness", None)
     for count in ("0", "1025"):
         assert main(["stress", "--workers", count, "--json"]) == 2
         error = json.loads(capsys.readouterr().err)["error"]
@@ -378,7 +378,7 @@ def test_a_seed_that_no_generator_takes_is_refused_by_its_option_before_any_poin
     def tried(*_: Any, **__: Any) -> Any:
         raise AssertionError("tried")
 
-    monkeypatch.setattr("verification.quantities.robustness.stability", tried)
+    monkeypatch.setattr("verification.quantities.robustness.robustness", tried)
     assert main(["stress", "--seed", "-1", "--json"]) == 2
     assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--seed"
 

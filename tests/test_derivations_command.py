@@ -220,7 +220,7 @@ def test_the_graph_is_of_one_derivation_or_of_all(capsys, monkeypatch):
 def test_all_verdicts_are_shown_in_the_form_that_is_asked_for(failures, capsys, monkeypatch):
     from derivations import verdict_page
 
-    made = judgement.Report(judgements=(), failures=failures, seconds=1.5)
+    made = judgement.EquationReport(judgements=(), failures=failures, seconds=1.5)
     monkeypatch.setattr(judgement, "report", lambda: made)
     monkeypatch.setattr(verdict_page, "page", lambda found: f"page of {found.seconds}")
     code = int(bool(failures))

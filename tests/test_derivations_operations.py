@@ -40,8 +40,8 @@ from derivations.algebra.expansion import (
 from derivations.algebra.harmonics import Harmonics, chain_ring
 from derivations.algebra.lattice import (
     CloseChain,
-    Ends,
     InsertPlaneWave,
+    LatticeEnds,
     ReadMatrix,
     WriteFirstOrder,
 )
@@ -460,7 +460,7 @@ CASES = {
     "ratio of cycles": (RatioOfCycles(), (RADIUS,), equation(ratio, HALF)),
     # finite chains
     "free ends": (
-        CloseChain(y, n, t, 3, Ends.FREE),
+        CloseChain(y, n, t, 3, LatticeEnds.FREE),
         (equation(here.diff(t) + 2 * here - y(n + 1, t) - y(n - 1, t)),),
         sp.Tuple(
             equation(y(1, t).diff(t) + y(1, t) - y(2, t)),
@@ -469,7 +469,7 @@ CASES = {
         ),
     ),
     "ring": (
-        CloseChain(y, n, t, 3, Ends.RING),
+        CloseChain(y, n, t, 3, LatticeEnds.RING),
         (equation(here.diff(t) - y(n + 1, t)),),
         sp.Tuple(*(equation(y(site, t).diff(t) - y(site % 3 + 1, t)) for site in (1, 2, 3))),
     ),

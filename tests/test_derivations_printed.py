@@ -11,7 +11,7 @@ from derivations import judgement as printed
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi
-from derivations.printing import Verdict
+from derivations.printing import EquationVerdict
 from derivations.symbols import a, b, c, epsilon, n, omega, t
 
 MISPRINTS = {2, 3, 4, 32, 33, 42}
@@ -31,7 +31,7 @@ def report():
     parts = [report_of(key) for key in catalogue.NUMBERED]
     judgements = sorted((j for part in parts for j in part.judgements), key=number_of)
     failures = tuple(text for part in parts for text in part.failures)
-    return printed.Report(
+    return printed.EquationReport(
         judgements=tuple(judgements), failures=failures,
         seconds=sum(part.seconds for part in parts),
     )  # fmt: skip
@@ -65,13 +65,13 @@ def test_every_number_has_one_confirmed_verdict(report):
 def test_the_verdicts_are_these(report):
     by_kind = {
         kind: {q.printed.number for q in report.judgements if q.printed.verdict == kind}
-        for kind in Verdict
+        for kind in EquationVerdict
     }
-    assert by_kind[Verdict.MISPRINT] == MISPRINTS
-    assert by_kind[Verdict.AMBIGUOUS] == AMBIGUOUS
-    assert by_kind[Verdict.INCONSISTENT] == INCONSISTENT
-    assert by_kind[Verdict.ASSUMPTION] == ASSUMPTIONS
-    assert by_kind[Verdict.DEFINITION] == DEFINITIONS
+    assert by_kind[EquationVerdict.MISPRINT] == MISPRINTS
+    assert by_kind[EquationVerdict.AMBIGUOUS] == AMBIGUOUS
+    assert by_kind[EquationVerdict.INCONSISTENT] == INCONSISTENT
+    assert by_kind[EquationVerdict.ASSUMPTION] == ASSUMPTIONS
+    assert by_kind[EquationVerdict.DEFINITION] == DEFINITIONS
 
 
 def test_a_misprint_fails_its_check_and_its_correction_passes(report):
@@ -85,7 +85,7 @@ def test_a_misprint_fails_its_check_and_its_correction_passes(report):
 def test_the_record_of_each_equation_is_plain_data(report):
     for found in report.judgements:
         record = json.loads(json.dumps(found.record()))
-        assert record["verdict"] in {kind.value for kind in Verdict}
+        assert record["verdict"] in {kind.value for kind in EquationVerdict}
         assert record["note"]
         assert (record["corrected"] is None) == (record["number"] not in MISPRINTS | AMBIGUOUS)
 
@@ -94,9 +94,9 @@ def test_a_false_verdict_would_not_be_confirmed():
     from dataclasses import replace
 
     derivation = catalogue.load("friction")
-    claimed = replace(printed.printed(2), verdict=Verdict.HOLDS)
+    claimed = replace(printed.printed(2), verdict=EquationVerdict.HOLDS)
     assert not printed.judge(claimed, derivation).confirmed
-    claimed = replace(printed.printed(5), verdict=Verdict.MISPRINT)
+    claimed = replace(printed.printed(5), verdict=EquationVerdict.MISPRINT)
     assert not printed.judge(claimed, derivation).confirmed
 
 
@@ -123,7 +123,7 @@ def test_the_signs_of_34_are_those_of_print_and_no_others():
 
 def test_print_agrees_symbolically_with_what_is_derived_where_it_holds(report):
     for found in report.judgements:
-        if found.printed.verdict is not Verdict.MISPRINT:
+        if found.printed.verdict is not EquationVerdict.MISPRINT:
             # (47) is printed without the modulus that complex envelopes need.
             assert found.agrees or found.printed.number in {6, 44, 45, 47, 51, 53}, number_of(found)
         else:

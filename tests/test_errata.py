@@ -16,8 +16,8 @@ from derivations import judgement as printed_module
 from derivations import printing as printed_lines
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi
-from derivations.judgement import Judgement
-from derivations.printing import Verdict as Verdict_
+from derivations.judgement import EquationJudgement
+from derivations.printing import EquationVerdict
 from derivations.symbols import a, b, c, epsilon, n, omega, t
 from paper_checks.claim import Fault, Finding, Formula, Verdict
 from paper_checks.claims import _equation_numbers, equations
@@ -30,7 +30,7 @@ MISPRINTED = {2, 4, 33, 42}
 
 
 @pytest.fixture(scope="module")
-def judgements() -> dict[int, Judgement]:
+def judgements() -> dict[int, EquationJudgement]:
     return equations.judgements()  # those that the claims judge by
 
 
@@ -73,7 +73,7 @@ def test_each_states_what_proves_it_and_what_it_affects(findings: dict[int, Find
     ],
 )
 def test_a_correction_shows_what_differs_and_nothing_else(
-    judgements: dict[int, Judgement], number: int, right: str, wrong: str
+    judgements: dict[int, EquationJudgement], number: int, right: str, wrong: str
 ) -> None:
     shown = correction(judgements[number])
     assert right in shown
@@ -110,7 +110,7 @@ def test_of_a_changed_line_the_last_reading_that_holds_is_the_correction(line: s
     """And of one that stays as it is, each that holds."""
     holding, failing = (SimpleNamespace(holds=x, statement="s") for x in (True, False))
     printed = SimpleNamespace(
-        verdict=Verdict_.AMBIGUOUS, amended_latex=line, latex="x", note="", affects="",
+        verdict=EquationVerdict.AMBIGUOUS, amended_latex=line, latex="x", note="", affects="",
         readings=tuple(SimpleNamespace(meaning=word) for word in ("one", "other", "third")),
     )  # fmt: skip
     step = SimpleNamespace(name="step", operation="add")
@@ -131,7 +131,7 @@ def test_the_remark_on_the_derivative_stands_at_the_equation_that_prints_it() ->
 
 
 def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(
-    judgements: dict[int, Judgement],
+    judgements: dict[int, EquationJudgement],
 ) -> None:
     found = judgements[33]
     printed, derived = found.printed.expression, found.step.result
@@ -151,10 +151,10 @@ def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(
 
 
 def test_a_misprint_that_passes_its_check_is_no_erratum_and_changes_the_verdict(
-    monkeypatch: pytest.MonkeyPatch, judgements: dict[int, Judgement]
+    monkeypatch: pytest.MonkeyPatch, judgements: dict[int, EquationJudgement]
 ) -> None:
     found = judgements[4]
-    passing = printed_module.Judgement(
+    passing = printed_module.EquationJudgement(
         found.printed,
         found.step,
         found.corrected,
@@ -175,7 +175,9 @@ def _letters(latex: str) -> Counter[str]:
     return Counter(re.findall(r"[A-Za-z0-9]", plain))
 
 
-def test_every_equation_is_typeset_and_keeps_each_letter(judgements: dict[int, Judgement]) -> None:
+def test_every_equation_is_typeset_and_keeps_each_letter(
+    judgements: dict[int, EquationJudgement],
+) -> None:
     for number, found in judgements.items():
         for latex in filter(None, (found.printed.latex, found.corrected)):
             text = mathml(latex, block=True)
@@ -253,7 +255,7 @@ X, Y = sp.symbols("x y")
 
 def made_up(printed: sp.Basic, derived: sp.Basic, **known: Any) -> Any:
     """Return a judgement of a misprint with these equations."""
-    line = {"slip": None, "number": 99, "verdict": printed_lines.Verdict.MISPRINT,
+    line = {"slip": None, "number": 99, "verdict": printed_lines.EquationVerdict.MISPRINT,
             "amended_latex": None, "latex": "x = 3", "note": "A note.", "affects": ""}  # fmt: skip
     line |= {name: known.pop(name) for name in tuple(known) if name in line}
     return SimpleNamespace(
@@ -310,7 +312,7 @@ def test_the_proof_of_a_misprint_has_both_checks_and_the_step_and_what_differs()
 def test_of_an_equation_with_several_readings_those_that_hold_are_named_and_all_are_proved() -> (
     None
 ):
-    def read(verdict: printed_lines.Verdict) -> Any:
+    def read(verdict: printed_lines.EquationVerdict) -> Any:
         found = made_up(sp.Eq(X, 3), sp.Eq(X, 4), verdict=verdict)
         found.printed.readings = [
             SimpleNamespace(meaning=name) for name in ("one", "other", "third")
@@ -321,17 +323,17 @@ def test_of_an_equation_with_several_readings_those_that_hold_are_named_and_all_
         ]
         return erratum_of(found, "two-scales")
 
-    either = read(printed_lines.Verdict.AMBIGUOUS)
+    either = read(printed_lines.EquationVerdict.AMBIGUOUS)
     assert either.fault is Fault.AMBIGUOUS
     assert either.corrected == "$x = 3$; read: other; or read: third"
     for said in ("“one” fails: one is tried.", "“other” holds: other is tried."):
         assert f"The reading {said}" in either.proof
     assert "print is off" not in either.proof
-    against = read(printed_lines.Verdict.INCONSISTENT)
+    against = read(printed_lines.EquationVerdict.INCONSISTENT)
     assert against.fault is Fault.INCONSISTENT
     assert against.corrected == "other; or third"
     assert "By itself the print passes: print is off. “one” fails: one is tried." in against.proof
-    assert read(printed_lines.Verdict.HOLDS) is None
+    assert read(printed_lines.EquationVerdict.HOLDS) is None
 
 
 def test_of_several_roots_the_one_that_fails_most_counts(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -343,14 +345,14 @@ def test_of_several_roots_the_one_that_fails_most_counts(monkeypatch: pytest.Mon
 # ------------------------------------------------------------ what a claim says of an equation
 
 
-def printed_as(**changes: Any) -> equations.Printed:
+def printed_as(**changes: Any) -> equations.CheckedEquation:
     """Return evidence on an equation that holds and has no remark."""
     held: dict[str, Any] = {
         "number": 1, "kind": "holds", "passes": True, "derived_passes": True, "confirmed": True,
         "note": "", "test": "", "derived_test": "", "readings": (), "latex": "x = 3",
         "derived": "x = 4", "affects": "", "residual": None,
     }  # fmt: skip
-    return equations.Printed(**held | changes)
+    return equations.CheckedEquation(**held | changes)
 
 
 def test_remarks_are_the_way_of_writing_and_then_the_readings() -> None:
@@ -406,7 +408,7 @@ def test_numbers_satisfy_the_equation_itself_and_none_with_another_right_side(
 
 
 def test_the_printed_equations_with_a_remark_on_writing_fail_their_literal_check(
-    judgements: dict[int, Judgement],
+    judgements: dict[int, EquationJudgement],
 ) -> None:
     failing = {n for n, found in judgements.items() if not found.on_print.holds}
     assert failing >= MISPRINTED

@@ -21,7 +21,7 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
 from verification.cells.friction import ROUND_OFF, _with_error
-from verification.cells.result import Cycle
+from verification.cells.result import CellCycle
 from verification.fronts.arrival_fit import Trial, settle
 from verification.fronts.network import _slope
 from verification.fronts.resting import pinning_eta, static_fold
@@ -37,7 +37,7 @@ from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers import friction, smooth, stiff_stage
 from verification.steppers.friction_series import CLOCK
 from verification.thresholds import escape
-from verification.thresholds.preparation import Preparation
+from verification.thresholds.preparation import NucleusPreparation
 
 
 def test_the_slope_of_the_averaging_error_bounds_what_errors_of_the_runs_can_do() -> None:
@@ -65,7 +65,7 @@ def partial_averaging_error(
 
 @pytest.mark.parametrize("period", [7.0, 700.0])
 def test_a_cycle_is_no_better_than_rounding_of_its_period(period: float) -> None:
-    one = Cycle(max=2.0, min=-2.0, period=period, slip_time=period, error=0.0)
+    one = CellCycle(max=2.0, min=-2.0, period=period, slip_time=period, error=0.0)
     found = _with_error(FrictionCell(), one, one)
     assert found is not None
     assert found.error == ROUND_OFF * period
@@ -276,11 +276,11 @@ def test_of_several_seeds_the_range_of_escape_holds_every_one(
 ) -> None:
     ends = {0: 0.19, 1: 0.2, 2: 0.21}
 
-    def hold(chain: object, preparation: Preparation, c: float, duration: float) -> object:
+    def hold(chain: object, preparation: NucleusPreparation, c: float, duration: float) -> object:
         return SimpleNamespace(time=1.0, escaped=c > ends[preparation.seed])
 
     monkeypatch.setattr(escape, "hold", hold)
-    noisy = Preparation(1, perturbation=1e-3)
+    noisy = NucleusPreparation(1, perturbation=1e-3)
     found = escape.escape_range(AveragedChain(a=2.5, b=0.5, c=0.0), noisy, 500.0, 1e-4)
     assert found.low <= ends[0]
     assert found.high >= ends[2]

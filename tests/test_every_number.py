@@ -165,7 +165,7 @@ SLOW = {
     "sum-by-bessel": lambda v, c: above(c, 1e2),
     "stability": lambda v, c: above(v, 1e2),
 }
-"""Parameters at which an answer takes seconds; the stability table (``fronts stress``) has them."""
+"""Parameters at which an answer takes seconds; ``fronts stress`` has them."""
 
 
 def above(value, bound):

@@ -576,7 +576,7 @@ def test_bad_input_in_python_is_a_parameter_error():
         fr.front_profile(0.2, 0.03125)
 
 
-def test_verdicts_cells_and_the_stability_table_are_results() -> None:
+def test_verdicts_cells_and_the_robustness_table_are_results() -> None:
     verdicts = fr.judge("fig16-admissible")
     assert [each.claim.key for each in verdicts] == ["fig16-admissible"]
     assert verdicts[0].claim.key == verdicts.to_dict()["claims"][0]["key"]
@@ -591,7 +591,7 @@ def test_verdicts_cells_and_the_stability_table_are_results() -> None:
     assert "<math" in derived._repr_html_()
     assert all(evidence.holds for evidence in derived.verify())
     json.dumps(derived.to_dict(), allow_nan=False)
-    table = fr.stability(["c-pin"], points=12, workers=1)
+    table = fr.robustness(["c-pin"], points=12, workers=1)
     assert table.columns()["right"].tolist() == [table.counts["right"]]
     for each in (verdicts, cell, table):
         assert isinstance(each, fr.Result)

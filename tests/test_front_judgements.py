@@ -74,7 +74,7 @@ def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
     assert usual.settling_tolerance == pytest.approx(1e-3 * chain.stable_amplitude)
 
 
-def _numbers(made: measure.Preparation) -> tuple[Any, ...]:
+def _numbers(made: measure.FrontPreparation) -> tuple[Any, ...]:
     return (made.excited, made.sites, made.max_sites, made.accuracy, made.tolerance,
             made.stall_time)  # fmt: skip
 
@@ -822,12 +822,12 @@ class _Lattice:
     def __init__(self, *courses: Any, stopped: FrontStatus | None = None) -> None:
         self.courses, self.stopped = courses, stopped
 
-    def __call__(self, chain: Any, start: Any, **given: Any) -> network._Runs:
+    def __call__(self, chain: Any, start: Any, **given: Any) -> network._SpreadingRuns:
         self.start, self.given = start, given
         run, coarser = (
             None if each is None else SimpleNamespace(arrivals=each) for each in self.courses
         )
-        made: Any = network._Runs(self.stopped, run, coarser, 10)  # type: ignore[arg-type]
+        made: Any = network._SpreadingRuns(self.stopped, run, coarser, 10)  # type: ignore[arg-type]
         return made
 
 
@@ -1016,7 +1016,7 @@ def _made_up_holds(
 
     def hold(chain: object, preparation: object, c: float, duration: float) -> Any:
         assert chain is AVERAGED
-        assert isinstance(preparation, escape.Preparation)
+        assert isinstance(preparation, escape.NucleusPreparation)
         tried.append(c)
         return SimpleNamespace(escaped=c > highest, time=share(c) * duration)
 
@@ -1029,7 +1029,7 @@ def test_the_range_of_escape_is_looked_for_downwards_and_upwards(
 ) -> None:
     """From 0.2 by a fifth down until it holds, by a quarter up until it escapes soon."""
     tried = _made_up_holds(monkeypatch, 0.12, lambda c: 0.75 if c < 0.3 else 0.5)
-    runs = escape._Runs(AVERAGED, escape.Preparation(1), 100.0)
+    runs = escape._EscapeRuns(AVERAGED, escape.NucleusPreparation(1), 100.0)
     runs.bracket()
     assert tried == pytest.approx([0.2, 0.16, 0.128, 0.1024, 0.25, 0.3125])
     assert runs.ends() == (
@@ -1041,7 +1041,7 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     tried = _made_up_holds(monkeypatch, 0.19, lambda _: 0.25)
-    found = escape.escape_range(AVERAGED, escape.Preparation(1), 100.0, 1e-5)
+    found = escape.escape_range(AVERAGED, escape.NucleusPreparation(1), 100.0, 1e-5)
     assert found.c_crit == pytest.approx(0.19, abs=1e-5)
     near = np.sort([c for c in tried if abs(c / 0.19 - 1.0) < 0.0101])
     assert (near[0] / 0.19, near[-1] / 0.19) == pytest.approx((0.99, 1.01), abs=2e-3)
@@ -1061,7 +1061,7 @@ def test_a_nucleus_that_always_holds_or_always_escapes_or_never_soon_is_refused(
 
     monkeypatch.setattr(escape, "hold", hold)
     with pytest.raises(ParameterError, match="take another size") as refusal:
-        escape._Runs(AVERAGED, escape.Preparation(3), 100.0).bracket()
+        escape._EscapeRuns(AVERAGED, escape.NucleusPreparation(3), 100.0).bracket()
     assert (refusal.value.quantity, refusal.value.value) == ("nucleus", 3)
 
 
@@ -1070,7 +1070,7 @@ def test_escapes_are_monotone_where_none_lies_below_a_run_that_held() -> None:
         ({0.1: math.inf, 0.2: 10.0, 0.3: 5.0}, True),
         ({0.1: math.inf, 0.2: 10.0, 0.3: math.inf, 0.4: 5.0}, False),
     ):
-        runs = escape._Runs(AVERAGED, escape.Preparation(1), 100.0, escapes)
+        runs = escape._EscapeRuns(AVERAGED, escape.NucleusPreparation(1), 100.0, escapes)
         assert runs.monotone() is monotone
 
 
@@ -1084,7 +1084,7 @@ def test_an_escape_apart_that_only_a_run_around_the_range_shows_is_bisected_as_w
         return SimpleNamespace(escaped=c > 0.19 or apart < c < 0.189, time=0.25 * duration)
 
     monkeypatch.setattr(escape, "hold", hold)
-    found = escape.escape_range(AVERAGED, escape.Preparation(1), 100.0, tolerance)
+    found = escape.escape_range(AVERAGED, escape.NucleusPreparation(1), 100.0, tolerance)
     assert not found.monotone
     pad = (found.high - found.low) * escape.PAD / (1.0 + 2.0 * escape.PAD)
     assert apart - tolerance <= found.low + pad <= apart
@@ -1093,7 +1093,7 @@ def test_an_escape_apart_that_only_a_run_around_the_range_shows_is_bisected_as_w
 
 def test_every_run_of_a_bisection_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     made = _made_up_holds(monkeypatch, 0.19, lambda _: 1.0)
-    found = escape.escape_threshold(AVERAGED, escape.Preparation(1), tolerance=1e-3)
+    found = escape.escape_threshold(AVERAGED, escape.NucleusPreparation(1), tolerance=1e-3)
     assert found.runs == len(made)
     assert made[:2] == [0.15, 0.25]
 

@@ -20,8 +20,8 @@ from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
 from paper_checks.independence import engines
 from paper_checks.outcome import (
     FAILED,
+    JudgedClaim,
     Judgement,
-    Outcome,
     Provenance,
     checked_finding,
     judge,
@@ -79,7 +79,7 @@ def test_an_outcome_is_changed_if_its_verdict_is_not_the_recorded_one_or_its_jud
     verdict: Verdict | None, status: str, changed: bool
 ) -> None:
     found = None if verdict is None else replace(FINDING, verdict=verdict, because="It is off.")
-    outcome = Outcome(
+    outcome = JudgedClaim(
         Entry("fig01", made_up()), Judgement(found, None if found else "No root.", 1.0, "")
     )
     assert (outcome.status, outcome.changed) == (status, changed)

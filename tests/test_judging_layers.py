@@ -62,7 +62,7 @@ from verification.piecewise import verdict as front_verdict
 from verification.quantities import fronts as fronts_of
 from verification.quantities import judging, robustness
 from verification.quantities import kinetic_relation as velocities
-from verification.quantities.judging import BAD, Outcome, RobustnessTask, is_clear, judge
+from verification.quantities.judging import BAD, PointOutcome, RobustnessTask, is_clear, judge
 from verification.quantities.quantity import (
     Axis,
     Computation,
@@ -87,16 +87,16 @@ NAN = math.nan
 # ------------------------------------------------------------------------------- the command line
 
 
-def test_the_exit_code_of_the_stability_table_is_one_if_a_point_is_bad(
+def test_the_exit_code_of_the_robustness_table_is_one_if_a_point_is_bad(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    good = robustness.stability(["c-pin"], 1, workers=1)
+    good = robustness.robustness(["c-pin"], 1, workers=1)
     row = dict[str, object](next(iter(good.table.rows())))
-    row["outcome"] = Outcome.EXCEEDED.value
+    row["outcome"] = PointOutcome.EXCEEDED.value
     line = ["stress", "--json", "--quantity", "c-pin", "--points", "1"]
     for bad in ([], [row]):
         found = replace(good, bad=tuple(bad))
-        monkeypatch.setattr(robustness, "stability", lambda *_, found=found, **__: found)
+        monkeypatch.setattr(robustness, "robustness", lambda *_, found=found, **__: found)
         assert main(line) == len(bad)
     capsys.readouterr()
 
@@ -121,7 +121,7 @@ def test_a_negative_error_is_as_bad_as_none() -> None:
         check=lambda *_: ReferenceCheck(distance=0.0, uncertainty=1e-3, method="this test"),
         seconds=1.0,
     )
-    assert judge(quantity, {"x": 1.0})["outcome"] == Outcome.NAN.value
+    assert judge(quantity, {"x": 1.0})["outcome"] == PointOutcome.NAN.value
 
 
 # ------------------------------------------------------------------------------------------ files
@@ -579,7 +579,7 @@ def test_a_nucleus_is_confirmed_by_a_run_of_another_tolerance_that_ends_alike(
 
         monkeypatch.setattr(nuclei, "simulate", made_up)
         found = nuclei.follow_nucleus(chain, slow_time=200.0)
-        assert found.evolution.outcome is nuclei.Outcome.LARGER
+        assert found.evolution.outcome is nuclei.NucleusOutcome.LARGER
         assert found.confirmed is same
         assert found.same_until == (200.0 if same else pytest.approx(30.0))
         assert found.mirrored is not same
@@ -596,7 +596,7 @@ def _monodromy(even: list[float], odd: list[float]) -> np.ndarray:
 
 
 def test_of_the_multipliers_the_trivial_one_leads_nothing() -> None:
-    def found(even: list[float], odd: list[float], **options: Any) -> exponents.Stability:
+    def found(even: list[float], odd: list[float], **options: Any) -> exponents.BreatherStability:
         return floquet_multipliers(_monodromy(even, odd), 2.0, 0.1, **options)
 
     stable = found([1.0, 0.9, -0.8, 0.3], [0.7, 0.2], parity=1, error=1e-9)
@@ -639,7 +639,7 @@ def test_a_store_that_is_begun_anew_forgets_what_it_held(tmp_path: Path) -> None
             store.add("1", 2.0)
 
 
-# ------------------------------------------------------------------------- the stability table
+# ------------------------------------------------------------------------- the robustness table
 
 
 def _judged(stated: StatedValue, distance: float = 0.0, uncertainty: float = 0.0) -> dict[str, Any]:
@@ -656,13 +656,13 @@ def test_a_value_is_right_up_to_its_error_and_the_uncertainty_of_the_reference()
     stated = StatedValue(value=1.0, error=0.5)
     row = _judged(stated, distance=0.75, uncertainty=0.25)
     assert (row["outcome"], row["stated"], row["distance"], row["uncertainty"]) == (
-        Outcome.RIGHT.value, 0.5, 0.75, 0.25,
+        PointOutcome.RIGHT.value, 0.5, 0.75, 0.25,
     )  # fmt: skip
     assert row["by"] == "a; b"  # a comma would end the cell
     assert 0.0 <= row["seconds"] < 1.0
     assert row["said"] == "-"
     for distance, uncertainty in ((0.7500001, 0.25), (0.75, 0.2499999)):
-        assert _judged(stated, distance, uncertainty)["outcome"] == Outcome.EXCEEDED.value
+        assert _judged(stated, distance, uncertainty)["outcome"] == PointOutcome.EXCEEDED.value
 
 
 @pytest.mark.parametrize(
@@ -683,7 +683,7 @@ def test_a_value_or_an_error_that_is_no_number_is_nan(
     value: Any, error: float, right: bool
 ) -> None:
     row = _judged(StatedValue(value=value, error=error))
-    assert row["outcome"] == (Outcome.RIGHT if right else Outcome.NAN).value
+    assert row["outcome"] == (PointOutcome.RIGHT if right else PointOutcome.NAN).value
     assert row["stated"] == error or math.isnan(error)
 
 
@@ -745,16 +745,16 @@ def test_a_value_is_given_up_after_five_times_its_limit_and_a_reference_after_te
 @pytest.mark.parametrize(
     ("error", "outcome", "said"),
     [
-        (TimeIsUpError(), Outcome.SLOW, "given up"),
-        (ParameterError("c", 3, "below 2", "take less"), Outcome.REFUSED, None),
-        (RunError('the "run", it seems, stands: begin anew.'), Outcome.REFUSED,
+        (TimeIsUpError(), PointOutcome.SLOW, "given up"),
+        (ParameterError("c", 3, "below 2", "take less"), PointOutcome.REFUSED, None),
+        (RunError('the "run", it seems, stands: begin anew.'), PointOutcome.REFUSED,
          "the 'run'; it seems; stands: begin anew."),
-        (RunError("No."), Outcome.CRASH, "No."),
-        (ZeroDivisionError("by zero"), Outcome.CRASH, "ZeroDivisionError: by zero"),
+        (RunError("No."), PointOutcome.CRASH, "No."),
+        (ZeroDivisionError("by zero"), PointOutcome.CRASH, "ZeroDivisionError: by zero"),
     ],
 )  # fmt: skip
 def test_what_gives_no_value_is_slow_refused_or_a_crash(
-    error: Exception, outcome: Outcome, said: str | None, monkeypatch: pytest.MonkeyPatch
+    error: Exception, outcome: PointOutcome, said: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _Given(monkeypatch, 100.0, 103.0)
     row = _point(_fails(error))
@@ -766,14 +766,14 @@ def test_what_gives_no_value_is_slow_refused_or_a_crash(
 @pytest.mark.parametrize(
     ("took", "error", "outcome", "said"),
     [
-        (2.0, NoReferenceError("there is none"), Outcome.UNCHECKED, "there is none"),
-        (2.125, NoReferenceError("there is none"), Outcome.SLOW, "limit 2 s"),
-        (1.0, TimeIsUpError("time is up"), Outcome.UNCHECKED, "time is up"),
-        (1.0, KeyError("v"), Outcome.CRASH, "in the reference: KeyError: 'v'"),
+        (2.0, NoReferenceError("there is none"), PointOutcome.UNCHECKED, "there is none"),
+        (2.125, NoReferenceError("there is none"), PointOutcome.SLOW, "limit 2 s"),
+        (1.0, TimeIsUpError("time is up"), PointOutcome.UNCHECKED, "time is up"),
+        (1.0, KeyError("v"), PointOutcome.CRASH, "in the reference: KeyError: 'v'"),
     ],
 )
 def test_a_value_that_cannot_be_checked_is_unchecked_unless_it_is_slow_or_the_reference_broken(
-    took: float, error: Exception, outcome: Outcome, said: str, monkeypatch: pytest.MonkeyPatch
+    took: float, error: Exception, outcome: PointOutcome, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _Given(monkeypatch, 100.0, 100.0 + took)
     row = _point(lambda _: StatedValue(value=1.0, error=0.25), _fails(error))
@@ -781,7 +781,7 @@ def test_a_value_that_cannot_be_checked_is_unchecked_unless_it_is_slow_or_the_re
     assert row["said"] == said
 
 
-def test_a_point_of_the_stability_table_is_known_by_its_seed_and_number() -> None:
+def test_a_point_of_the_robustness_table_is_known_by_its_seed_and_number() -> None:
     computation, number = (
         computation_named("c-pin"),
         500,
@@ -939,7 +939,7 @@ def test_the_bracket_of_an_escape_holds_the_coupling_at_which_runs_begin_to(
     monkeypatch.setattr(escape, "hold", hold)
     chain = AveragedChain(a=4, b=0.5, c=0.6)
     found = escape.escape_threshold(
-        chain, escape.Preparation(1), duration=100.0, tolerance=1e-4, low=0.15, high=0.25
+        chain, escape.NucleusPreparation(1), duration=100.0, tolerance=1e-4, low=0.15, high=0.25
     )
     assert found.low is not None
     assert found.high is not None
@@ -954,7 +954,7 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
     class Made:
         escapes: ClassVar[dict[float, float]] = {}
 
-        def __init__(self, _: object, preparation: escape.Preparation, __: float) -> None:
+        def __init__(self, _: object, preparation: escape.NucleusPreparation, __: float) -> None:
             self.preparation = preparation
 
         def range(self) -> tuple[float, float]:
@@ -967,8 +967,8 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
         def refine(self, _: float) -> None: ...
         def escape(self, _: float) -> None: ...
 
-    monkeypatch.setattr(escape, "_Runs", Made)
-    noisy = escape.Preparation(1, perturbation=1e-3, seed=1)
+    monkeypatch.setattr(escape, "_EscapeRuns", Made)
+    noisy = escape.NucleusPreparation(1, perturbation=1e-3, seed=1)
     found = escape.escape_range(AveragedChain(a=4, b=0.5, c=0.6), noisy, seeds=2)
     assert not found.monotone  # one of the two seeds has gaps
     assert (found.low, found.high) == pytest.approx((0.18, 0.22))

@@ -15,14 +15,14 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mutation.__main__ import chosen
-from benchmarks.mutation.children import Answer, Task, in_children
+from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import by_statement, mutants_of
 from benchmarks.mutation.outcome import (
     KILLED,
     SURVIVED,
     UNREACHED,
-    Outcome,
+    MutationOutcome,
     matches,
     read_explained,
     still_known,
@@ -116,7 +116,7 @@ def test_the_record_counts_what_was_run(tmp_path: Path) -> None:
     found = dict.fromkeys((mutant.name for mutant in mutants[:-1]), KILLED)
     found[mutants[0].name] = found[mutants[1].name] = SURVIVED
     found[mutants[2].name] = UNREACHED
-    outcome = Outcome(mutants, found, {mutants[0].name: "because"})
+    outcome = MutationOutcome(mutants, found, {mutants[0].name: "because"})
     (tmp_path / "m.py").write_text(JUDGEMENT, encoding="utf-8")
     outcome.write(tmp_path / "m.json", tmp_path, {"part": 1.0}, [{"changes": 8}])
     record = json.loads((tmp_path / "m.json").read_text(encoding="utf-8"))
@@ -142,7 +142,7 @@ def test_a_record_is_known_again_but_for_what_was_open_not_run_withdrawn_or_has_
         (tmp_path / name).write_text(JUDGEMENT, encoding="utf-8")
 
     def known() -> dict[str, str]:
-        outcome = Outcome(mutants, found, {mutants[0].name: "because"})
+        outcome = MutationOutcome(mutants, found, {mutants[0].name: "because"})
         outcome.write(path, tmp_path, {"left_out": left_out}, [])
         (tmp_path / "m.py").write_text(now, encoding="utf-8")
         record = json.loads(path.read_text(encoding="utf-8"))
@@ -186,9 +186,9 @@ def test_an_explanation_that_is_not_needed_is_named() -> None:
     mutants = mutants_of("m.py", SOURCE)
     found = dict.fromkeys((mutant.name for mutant in mutants), KILLED)
     explained = {mutants[0].name: "because", "m.py:f:0 ...": "because", "other.py:f:0": "because"}
-    assert Outcome(mutants, found, explained).stale == list(explained)[:2]
+    assert MutationOutcome(mutants, found, explained).stale == list(explained)[:2]
     found[mutants[0].name] = SURVIVED
-    assert Outcome(mutants, found, explained).stale == ["m.py:f:0 ..."]
+    assert MutationOutcome(mutants, found, explained).stale == ["m.py:f:0 ..."]
 
 
 @pytest.mark.parametrize(
@@ -335,6 +335,6 @@ def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:
         while time.time():
             pass
 
-    tasks = [Task(run=run, seconds=0.0, take=answers.append) for run in (crash, spin)]
+    tasks = [ChildTask(run=run, seconds=0.0, take=answers.append) for run in (crash, spin)]
     in_children(iter(tasks), 1)
     assert answers == [[{"by": "time limit or crash"}], [{"before": 1}]]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from benchmarks.mutation import children, survey
-from benchmarks.mutation.children import Answer, Task, in_children
+from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.places import outermost_functions
 from benchmarks.mutation.records import Records
 
@@ -181,6 +181,6 @@ def test_a_change_that_hangs_is_noticed_by_the_clock(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(children, "HANGING", 0.1)
     answers: list[list[Answer]] = []
     in_children(
-        iter([Task(run=lambda write: time.sleep(3600.0), seconds=0.0, take=answers.append)]), 1
+        iter([ChildTask(run=lambda write: time.sleep(3600.0), seconds=0.0, take=answers.append)]), 1
     )
     assert answers[0][0] == {"by": children.HUNG}

@@ -15,7 +15,7 @@ from theory.parameters import ParameterError
 from verification.breathers.outcome import (
     PAUSE,
     SAME,
-    Outcome,
+    NucleusOutcome,
     _same_until,
     distance_from_breather,
     evolution,
@@ -72,7 +72,10 @@ def test_sites_join_when_they_do_by_scipy() -> None:
 
 def test_a_pause_is_long_if_it_is_longer_than_that_of_a_front() -> None:
     """Up to the last site of the chain, or up to the end of the run."""
-    for pause, outcome in ((PAUSE, Outcome.FRONT), (np.nextafter(PAUSE, 2 * PAUSE), Outcome.CREEP)):
+    for pause, outcome in (
+        (PAUSE, NucleusOutcome.FRONT),
+        (np.nextafter(PAUSE, 2 * PAUSE), NucleusOutcome.CREEP),
+    ):
         times = pause * np.arange(1.0, 5.0)
         joined = np.concatenate([times[::-1], [0.0], times])
         assert evolution(joined, 10.0 * PAUSE, 9).outcome is outcome
@@ -91,7 +94,7 @@ def test_two_runs_are_the_same_until_the_first_site_that_joins_at_another_time(o
 
 def test_where_a_mirrored_nucleus_stands_it_is_the_periodic_orbit_of_its_size() -> None:
     followed = follow_nucleus(chain(0.193), slow_time=500.0)
-    assert (followed.evolution.outcome, followed.evolution.size) == (Outcome.LARGER, 5)
+    assert (followed.evolution.outcome, followed.evolution.size) == (NucleusOutcome.LARGER, 5)
     assert followed.mirrored
     assert followed.confirmed
     assert followed.same_until == 500.0
@@ -105,7 +108,7 @@ def test_where_a_mirrored_nucleus_stands_it_is_the_periodic_orbit_of_its_size() 
 def test_noise_drives_the_same_nucleus_on() -> None:
     followed = follow_nucleus(chain(0.193), perturbation=1e-3, seed=1, slow_time=800.0)
     assert followed.evolution.size_at(300.0) == 5
-    assert followed.evolution.outcome is Outcome.CREEP
+    assert followed.evolution.outcome is NucleusOutcome.CREEP
     assert followed.evolution.size > 5
     assert not followed.mirrored
     assert followed.confirmed
@@ -114,25 +117,29 @@ def test_noise_drives_the_same_nucleus_on() -> None:
 
 
 def test_below_the_loss_it_holds_and_beyond_the_range_a_front_runs() -> None:
-    assert follow_nucleus(chain(0.19), slow_time=300.0).evolution.outcome is Outcome.HELD
-    assert follow_nucleus(chain(0.21, 21), slow_time=400.0).evolution.outcome is Outcome.FRONT
+    assert follow_nucleus(chain(0.19), slow_time=300.0).evolution.outcome is NucleusOutcome.HELD
+    assert (
+        follow_nucleus(chain(0.21, 21), slow_time=400.0).evolution.outcome is NucleusOutcome.FRONT
+    )
 
 
 @pytest.mark.parametrize(
     ("joined", "size", "outcome"),
     [
-        ([NAN, 0, NAN], 0, Outcome.SHRUNK),
-        ([NAN, 0, NAN], 1, Outcome.HELD),
-        ([NAN, NAN, 40, 0, 40, NAN, NAN], 3, Outcome.LARGER),
-        ([NAN, NAN, 60, 0, 60, NAN, NAN], 3, Outcome.UNDECIDED),
-        ([NAN, 90, 60, 30, 0, 30, 60, 90, NAN], 7, Outcome.FRONT),
-        ([NAN, 99, 60, 30, 0, 30, 60, 99, NAN], 7, Outcome.FRONT),
-        ([40, 30, 20, 0, 20, 30, 40], 7, Outcome.FRONT),
-        ([0, 10, 20, 30, 40, 50, 60, 70], 8, Outcome.FRONT),
-        ([0, 0, NAN, NAN], 2, Outcome.HELD),
+        ([NAN, 0, NAN], 0, NucleusOutcome.SHRUNK),
+        ([NAN, 0, NAN], 1, NucleusOutcome.HELD),
+        ([NAN, NAN, 40, 0, 40, NAN, NAN], 3, NucleusOutcome.LARGER),
+        ([NAN, NAN, 60, 0, 60, NAN, NAN], 3, NucleusOutcome.UNDECIDED),
+        ([NAN, 90, 60, 30, 0, 30, 60, 90, NAN], 7, NucleusOutcome.FRONT),
+        ([NAN, 99, 60, 30, 0, 30, 60, 99, NAN], 7, NucleusOutcome.FRONT),
+        ([40, 30, 20, 0, 20, 30, 40], 7, NucleusOutcome.FRONT),
+        ([0, 10, 20, 30, 40, 50, 60, 70], 8, NucleusOutcome.FRONT),
+        ([0, 0, NAN, NAN], 2, NucleusOutcome.HELD),
     ],
 )
-def test_the_rules_on_made_up_arrivals(joined: list[float], size: int, outcome: Outcome) -> None:
+def test_the_rules_on_made_up_arrivals(
+    joined: list[float], size: int, outcome: NucleusOutcome
+) -> None:
     assert evolution(np.array(joined, dtype=float), 100.0, size).outcome is outcome
 
 
@@ -140,9 +147,9 @@ def test_one_long_pause_makes_creep_of_a_front() -> None:
     """In the middle of the growth, or at its end if the run goes on."""
     even = np.array([NAN, 90, 60, 30, 0, 30, 60, 90, NAN])
     late = np.array([NAN, 290, 260, 30, 0, 30, 260, 290, NAN])
-    assert evolution(even, 150.0, 7).outcome is Outcome.FRONT
-    assert evolution(late, 300.0, 7).outcome is Outcome.CREEP
-    assert evolution(even + 0.9 * 90 * (even > 0), 300.0, 7).outcome is Outcome.CREEP
+    assert evolution(even, 150.0, 7).outcome is NucleusOutcome.FRONT
+    assert evolution(late, 300.0, 7).outcome is NucleusOutcome.CREEP
+    assert evolution(even + 0.9 * 90 * (even > 0), 300.0, 7).outcome is NucleusOutcome.CREEP
 
 
 def test_a_nucleus_wider_than_the_chain_is_refused() -> None:

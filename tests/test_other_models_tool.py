@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks import other_models
-from benchmarks.other_models import Finding, findings, main, random_model
+from benchmarks.other_models import ModelFinding, findings, main, random_model
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import Evidence
 from derivations.catalogue import WITH_MODEL
@@ -52,11 +52,13 @@ def test_a_failing_check_an_error_and_a_refusal_are_told_apart(
     _load(monkeypatch, averaging=FAILS, linearisation=ZeroDivisionError("oops"),
           piecewise_front=refusal)  # fmt: skip
     expected = {
-        "averaging": Finding(derivation="averaging", said="second: off by a half", fails=True),
-        "linearisation": Finding(
+        "averaging": ModelFinding(derivation="averaging", said="second: off by a half", fails=True),
+        "linearisation": ModelFinding(
             derivation="linearisation", said="ZeroDivisionError: oops", fails=True
         ),
-        "piecewise-front": Finding(derivation="piecewise-front", said=str(refusal), fails=False),
+        "piecewise-front": ModelFinding(
+            derivation="piecewise-front", said=str(refusal), fails=False
+        ),
     }
     found = list(findings(random_model(1)))
     assert found == [expected[name] for name in WITH_MODEL if name in expected]

@@ -17,7 +17,7 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.cells import oscillator
 from verification.cells.cell import cell
-from verification.cells.result import Cell, CellStatus, Cycle, OwnCell
+from verification.cells.result import Cell, CellCycle, CellStatus, OwnCell
 from verification.cells.vdp import longest_step, vdp_cell
 from verification.references.network import oscillator_rate, states_by_scipy
 
@@ -252,7 +252,7 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
 
 
 def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
-    one = Cycle(max=1.0, min=-1.0, period=6.0, slip_time=6.0, error=1e-3)
+    one = CellCycle(max=1.0, min=-1.0, period=6.0, slip_time=6.0, error=1e-3)
     for errors in ((1e-3, 1e-6), (1e-6, 1e-3)):
         stable, unstable = (replace(one, error=each) for each in errors)
         found = Cell(

@@ -202,7 +202,7 @@ def test_a_curve_of_cells_is_drawn_by_its_cycles() -> None:
     values = np.array([0.5, 0.6])
     cells = tuple(fr.cell(fr.VdpChain(a=2.5, b=float(b), c=0)) for b in values)
     axes = draw(Curve(along="b", values=values, points=cells, seconds=0.0))
-    for kind, style in (("stable", "-"), ("unstable", "--")):
+    for kind, style in (("stable_cycle", "-"), ("unstable_cycle", "--")):
         lines = [each for each in axes.lines if each.get_linestyle() == style]
         turning = [(getattr(each, kind).min, getattr(each, kind).max) for each in cells]
         assert [tuple(each.get_ydata()) for each in lines] == [*zip(*turning, strict=True)]
@@ -471,7 +471,7 @@ def test_the_controls_say_eta_or_what_follows_from_a_and_b() -> None:
 @needs_explorer
 def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -> None:
     from fronts.explore.calls import Settings
-    from fronts.explore.page import Page
+    from fronts.explore.page import ExplorerPage
 
     shown: list[str] = []
 
@@ -487,6 +487,6 @@ def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -
     for count, expected in ((1, ["c"]), (2, ["a", "c"]), (3, ["a", "b"]), (4, [])):
         shown.clear()
         found = dict(list(results.items())[:count])
-        Page._shower(page, Settings(), found)()
+        ExplorerPage._shower(page, Settings(), found)()
         assert shown == expected
         assert bool(page.status.object) is (count >= 3)

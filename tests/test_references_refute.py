@@ -14,7 +14,7 @@ import pytest
 
 from verification.quantities.chains import vdp_chain
 from verification.quantities.friction import _root_energy
-from verification.quantities.judging import Outcome, compared
+from verification.quantities.judging import PointOutcome, compared
 from verification.quantities.quantity import StatedValue
 from verification.quantities.registry import computation_named
 from verification.quantities.states import _label_holds
@@ -48,9 +48,9 @@ def test_what_is_right_is_confirmed_and_what_is_a_hundredth_off_refuted(
     row = computation_named(name)
     stated = row.compute(at)
     check = row.check(at, stated)
-    assert compared(stated.error, check) is Outcome.RIGHT, check
+    assert compared(stated.error, check) is PointOutcome.RIGHT, check
     off = row.check(at, replace(stated, value=1.01 * stated.value))
-    assert compared(stated.error, off) is Outcome.EXCEEDED, off
+    assert compared(stated.error, off) is PointOutcome.EXCEEDED, off
     # In the units of the error: of the value, or relative to it.
     size = float(np.abs(np.asarray(stated.value, dtype=complex)).max())
     assert off.distance == pytest.approx(0.01, rel=0.1) or off.distance <= 0.0101 * size
@@ -63,12 +63,12 @@ def test_a_root_or_a_velocity_that_is_left_out_is_missed() -> None:
     k = stated.extra.k.copy()
     k[2] = k[1]  # twice the one, and not the other
     wrong = replace(stated, extra=replace(stated.extra, k=k + 1e-3))
-    assert compared(stated.error, roots.check(at, wrong)) is Outcome.EXCEEDED
+    assert compared(stated.error, roots.check(at, wrong)) is PointOutcome.EXCEEDED
     kinetic = computation_named("kinetic")
     at = {"c": 0.45, "eta": 0.03125}
     stated = kinetic.compute(at)
     one = replace(stated, extra=replace(stated.extra, branches=stated.extra.branches[1:]))
-    assert compared(stated.error, kinetic.check(at, one)) is Outcome.EXCEEDED
+    assert compared(stated.error, kinetic.check(at, one)) is PointOutcome.EXCEEDED
 
 
 @pytest.mark.parametrize(

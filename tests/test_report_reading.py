@@ -18,7 +18,7 @@ from fronts.commands.check import STORE
 from paper_checks import discover
 from paper_checks.claim import Claim, Verdict
 from paper_checks.discover import Entry
-from paper_checks.outcome import Outcome, judge
+from paper_checks.outcome import JudgedClaim, judge
 from paper_checks.report import measurements, terminal
 from paper_checks.report.document import make_report, pictures_listed
 from paper_checks.report.figure_links import modules_named
@@ -145,7 +145,7 @@ def test_shared_work_is_not_charged_to_the_first_claim() -> None:
     first, second = judge(claim), judge(claim)
     assert first.shared >= 0.2
     assert second.shared < 0.2
-    outcomes = [Outcome(Entry("one", claim), first), Outcome(Entry("one", claim), second)]
+    outcomes = [JudgedClaim(Entry("one", claim), first), JudgedClaim(Entry("one", claim), second)]
     report = make_report(outcomes, seconds=1.0, available=2, versions={}, source="0")
     assert report.shared == first.shared + second.shared
 

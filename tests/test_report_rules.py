@@ -19,7 +19,7 @@ from paper_checks import prose, run, shipped
 from paper_checks.claim import Claim, Method, Verdict
 from paper_checks.discover import Entry
 from paper_checks.finding import Finding, Picture
-from paper_checks.outcome import Judgement, Outcome
+from paper_checks.outcome import JudgedClaim, Judgement
 from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
 from paper_checks.report.inline_svg import width_of
@@ -47,12 +47,14 @@ def claim(key: str, **changes: Any) -> Claim:
     )  # fmt: skip
 
 
-def outcome(key: str, finding: Finding | None = FINDING, **changes: Any) -> Outcome:
+def outcome(key: str, finding: Finding | None = FINDING, **changes: Any) -> JudgedClaim:
     failure = None if finding else "ArithmeticError: no root."
-    return Outcome(Entry("fig16", claim(key, **changes)), Judgement(finding, failure, 1.0, "now"))
+    return JudgedClaim(
+        Entry("fig16", claim(key, **changes)), Judgement(finding, failure, 1.0, "now")
+    )
 
 
-def report_of(*outcomes: Outcome) -> Any:
+def report_of(*outcomes: JudgedClaim) -> Any:
     return make_report(outcomes, seconds=1.0, available=9, versions={}, source="0")
 
 
@@ -177,7 +179,7 @@ def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> Non
 
 
 def test_pictures_of_the_gallery_are_captioned_with_their_figure_or_else_the_first() -> None:
-    def shown(group: str, **captions: str) -> Outcome:
+    def shown(group: str, **captions: str) -> JudgedClaim:
         pictures = tuple(Picture(*each, "<svg/>", "") for each in captions.items())
         found = replace(FINDING, pictures=pictures)
         return replace(outcome(group, found), entry=Entry(group, claim(group)))

@@ -1,4 +1,4 @@
-"""The stability table: a fast part of it, and that it can see what it is there to see."""
+"""The robustness table: a fast part of it, and that it can see what it is there to see."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import judging
 from verification.quantities.friction import cycle_by_scipy, stable_cycle
-from verification.quantities.judging import BAD, Outcome, is_clear, judge
+from verification.quantities.judging import BAD, PointOutcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
 from verification.quantities.registry import computation_named
-from verification.quantities.robustness import points_of, stability
+from verification.quantities.robustness import points_of, robustness
 from verification.references import pace
 
 pytestmark = pytest.mark.usefixtures("unhurried")
@@ -50,9 +50,9 @@ SLIDING = {
 
 @pytest.mark.parametrize("name", [*QUICK, *POINTS])
 def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
-    found = stability([name], POINTS.get(name, 80), workers=1)
+    found = robustness([name], POINTS.get(name, 80), workers=1)
     # a slow point may be another process's fault; time is judged by the whole table
-    assert not [row for row in found.bad if row["outcome"] != Outcome.SLOW.value], found.bad
+    assert not [row for row in found.bad if row["outcome"] != PointOutcome.SLOW.value], found.bad
     assert found.counts["right"] > 0.4 * len(found.table)
 
 
@@ -121,14 +121,14 @@ def test_costly_computations_are_right_at_single_points(
     name: str, values: Mapping[str, float]
 ) -> None:
     found = judge(computation_named(name), values)
-    assert found["outcome"] == Outcome.RIGHT.value, found
+    assert found["outcome"] == PointOutcome.RIGHT.value, found
 
 
 def test_what_a_costly_reference_cannot_confirm_it_does_not_refute() -> None:
     """Steady sliding is unstable here: roundings grow a thousandfold and more."""
     sliding = {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0}
     found = judge(computation_named("run-friction"), sliding)
-    assert found["outcome"] == Outcome.UNDECIDED.value, found
+    assert found["outcome"] == PointOutcome.UNDECIDED.value, found
     assert float(found["distance"]) < float(found["uncertainty"])
 
 
@@ -148,7 +148,7 @@ def test_cycles_on_thin_friction_curves_and_slow_belts_are_held_against_scipy(
     values: Mapping[str, float],
 ) -> None:
     """No limit of v_d or v0 keeps scipy from them: it gives up where it is too slow."""
-    assert judge(computation_named("cycle-friction"), values)["outcome"] == Outcome.RIGHT.value
+    assert judge(computation_named("cycle-friction"), values)["outcome"] == PointOutcome.RIGHT.value
 
 
 @pytest.mark.parametrize("belt", [1e-3, 0.012, 1.0])
@@ -158,7 +158,7 @@ def test_a_cycle_that_is_denied_is_seen_however_long_its_stick_phase(belt: float
     values = {**CELL, "v_d": belt, "mu_st": 5.0}
     assert stable_cycle(values).value[0] > 0.0
     check = cycle_by_scipy(values, denied)
-    assert judging.compared(denied.error, check) is Outcome.EXCEEDED
+    assert judging.compared(denied.error, check) is PointOutcome.EXCEEDED
 
 
 def test_a_belt_too_slow_for_scipy_is_left_unchecked_at_once(
@@ -169,7 +169,7 @@ def test_a_belt_too_slow_for_scipy_is_left_unchecked_at_once(
     clock = SimpleNamespace(process_time=lambda: 1e-3 * next(milliseconds))
     monkeypatch.setattr(pace, "time", clock)
     found = judge(computation_named("cycle-friction"), {**CELL, "v_d": 1e-8, "v0": 1e-6})
-    assert found["outcome"] == Outcome.UNCHECKED.value
+    assert found["outcome"] == PointOutcome.UNCHECKED.value
     assert "too stiff or too long" in str(found["said"])
     assert clock.process_time() < 0.06 * pace.MAX_SECONDS  # 0.05 of it are the first part
 
@@ -180,21 +180,21 @@ def test_the_reference_of_a_running_front_knows_its_velocity() -> None:
     It is uncertain by more than half of the error that is stated, and so does not confirm it.
     """
     found = judge(computation_named("front-vdp"), {"c": 0.6, "eta": 0.03125, "eps": 0.01})
-    assert found["outcome"] == Outcome.UNDECIDED.value, found
+    assert found["outcome"] == PointOutcome.UNDECIDED.value, found
     assert float(found["distance"]) < float(found["uncertainty"]) < 1e-3
 
 
 def test_a_breather_that_pulses_keeps_its_label() -> None:
     """Far from a harmonic motion |Ψ| itself changes manifold within a period."""
     pulsing = {"eta": 0.03, "c": 0.01, "displacement": 3.0, "eps": 0.5}
-    assert judge(computation_named("label-vdp"), pulsing)["outcome"] == Outcome.RIGHT.value
+    assert judge(computation_named("label-vdp"), pulsing)["outcome"] == PointOutcome.RIGHT.value
 
 
 def test_an_orbit_too_stiff_to_be_found_is_refused_at_once() -> None:
     stiff = {"eta": 0.005, "c": 1e-6, "eps": 1.0}  # it once took more than 100 s
     for name in ("orbit", "multipliers"):
         found = judge(computation_named(name), stiff)
-        assert found["outcome"] == Outcome.REFUSED.value
+        assert found["outcome"] == PointOutcome.REFUSED.value
         assert float(found["seconds"]) < 1.0
 
 
@@ -258,7 +258,7 @@ def test_an_error_understated_by_a_factor_of_two_is_never_confirmed(share: float
             check = ReferenceCheck(
                 distance=abs(1.0 + own * uncertainty), uncertainty=uncertainty, method="another"
             )
-            assert judging.compared(stated, check) is Outcome.EXCEEDED
+            assert judging.compared(stated, check) is PointOutcome.EXCEEDED
 
 
 def test_what_is_undecided_is_counted_and_shown_and_not_passed(
@@ -293,22 +293,33 @@ def _slow(at: Mapping[str, float]) -> StatedValue:
 @pytest.mark.parametrize(
     ("quantity", "outcome"),
     [
-        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.05), Outcome.RIGHT),
-        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.2), Outcome.EXCEEDED),
-        (_computation(lambda at: StatedValue(value=math.nan, error=0.1)), Outcome.NAN),
+        (_computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.05), PointOutcome.RIGHT),
+        (
+            _computation(lambda at: StatedValue(value=1.0, error=0.1), off=0.2),
+            PointOutcome.EXCEEDED,
+        ),
+        (_computation(lambda at: StatedValue(value=math.nan, error=0.1)), PointOutcome.NAN),
         (
             _computation(lambda at: StatedValue(value=np.array([1.0, math.inf]), error=0.1)),
-            Outcome.NAN,
+            PointOutcome.NAN,
         ),
-        (_computation(lambda at: StatedValue(value=1.0, error=math.inf)), Outcome.NAN),
-        (_computation(_raising(ParameterError("x", 1, "below 1", "take less"))), Outcome.REFUSED),
-        (_computation(_raising(PrecisionError("x = 1 is too much; take less."))), Outcome.REFUSED),
-        (_computation(_raising(PrecisionError("no"))), Outcome.CRASH),
-        (_computation(_raising(ZeroDivisionError())), Outcome.CRASH),
-        (_computation(_slow, seconds=0.02), Outcome.SLOW),
+        (_computation(lambda at: StatedValue(value=1.0, error=math.inf)), PointOutcome.NAN),
+        (
+            _computation(_raising(ParameterError("x", 1, "below 1", "take less"))),
+            PointOutcome.REFUSED,
+        ),
+        (
+            _computation(_raising(PrecisionError("x = 1 is too much; take less."))),
+            PointOutcome.REFUSED,
+        ),
+        (_computation(_raising(PrecisionError("no"))), PointOutcome.CRASH),
+        (_computation(_raising(ZeroDivisionError())), PointOutcome.CRASH),
+        (_computation(_slow, seconds=0.02), PointOutcome.SLOW),
     ],
 )
-def test_every_outcome_differs_from_the_others(quantity: Computation, outcome: Outcome) -> None:
+def test_every_outcome_differs_from_the_others(
+    quantity: Computation, outcome: PointOutcome
+) -> None:
     assert judge(quantity, {"x": 1.0})["outcome"] == outcome.value
 
 
@@ -317,7 +328,7 @@ def test_a_wrong_reference_is_a_crash_of_the_table_and_not_a_success() -> None:
         raise ZeroDivisionError
 
     quantity = replace(_computation(lambda at: StatedValue(value=1.0, error=0.1)), check=broken)
-    assert judge(quantity, {"x": 1.0})["outcome"] == Outcome.CRASH.value
+    assert judge(quantity, {"x": 1.0})["outcome"] == PointOutcome.CRASH.value
 
 
 def test_an_understated_error_is_seen_in_every_quick_computation(
@@ -336,9 +347,9 @@ def test_an_understated_error_is_seen_in_every_quick_computation(
         wrong = replace(quantity, compute=moved)
         found = [judge(wrong, wrong.point(0, i))["outcome"] for i in range(16)]
         claimed = [word for word in found if word not in ("refused", "unchecked", "undecided")]
-        right = claimed.count(Outcome.RIGHT.value)
+        right = claimed.count(PointOutcome.RIGHT.value)
         # zero is right where nothing is claimed: c_pin that does not exist
-        assert claimed.count(Outcome.EXCEEDED.value) > right / 2, (name, found)
+        assert claimed.count(PointOutcome.EXCEEDED.value) > right / 2, (name, found)
 
 
 def test_the_points_of_each_quantity_are_spread_over_the_whole() -> None:
@@ -363,8 +374,8 @@ def test_points_are_the_same_again_and_others_with_another_seed() -> None:
 
 
 def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
-    neither = {Outcome.REFUSED, Outcome.UNDECIDED, Outcome.UNCHECKED}
-    assert {*BAD, Outcome.RIGHT, *neither} == set(Outcome)
+    neither = {PointOutcome.REFUSED, PointOutcome.UNDECIDED, PointOutcome.UNCHECKED}
+    assert {*BAD, PointOutcome.RIGHT, *neither} == set(PointOutcome)
     assert not is_clear("two sentences.\nhere.")
 
 

@@ -1,4 +1,4 @@
-"""Each check of the stability table knows a wrong value by how far it is off, to either side.
+"""Each check of the robustness table knows a wrong value by how far it is off, to either side.
 
 Where a reference takes long, it is given small problems, or results that are made up, so that only
 what the check itself says of them is asked.
@@ -26,7 +26,7 @@ from theory.parameters import RunError
 from verification.breathers.envelope import solve_envelope_breather
 from verification.execution.table import Table, table_of
 from verification.quantities import breathers, chains, friction, own_chains, robustness
-from verification.quantities.judging import Outcome, compared
+from verification.quantities.judging import PointOutcome, compared
 from verification.quantities.problems import PROBLEMS
 from verification.quantities.quantity import Axis, ReferenceCheck, StatedValue, axes
 from verification.quantities.registry import computation_named
@@ -217,7 +217,7 @@ def test_a_breather_of_the_branch_beyond_the_fold_is_refuted(reading: float, c: 
     row, a, b = computation_named("closed-form-breather"), 2.5, 0.5
     at = {"a": a, "eta": 0.08, "c": c, "reading": reading}
     stated = row.compute(at)
-    assert compared(stated.error, row.check(at, stated)) is Outcome.RIGHT
+    assert compared(stated.error, row.check(at, stated)) is PointOutcome.RIGHT
 
     def decay(S: float) -> float:
         """Return w of (37) for given S, a cubic; with the reading of the tail it is linear."""
@@ -235,7 +235,7 @@ def test_a_breather_of_the_branch_beyond_the_fold_is_refuted(reading: float, c: 
     falls = [i for i in range(S.size - 1) if excess(S[i]) > 0.0 >= excess(S[i + 1])]
     other = brentq(excess, S[falls[0]], S[falls[0] + 1], xtol=1e-14)
     wrong = replace(stated, value=np.sqrt([other, decay(other)]))
-    assert compared(stated.error, row.check(at, wrong)) is Outcome.EXCEEDED
+    assert compared(stated.error, row.check(at, wrong)) is PointOutcome.EXCEEDED
 
 
 @pytest.mark.parametrize("reading", [1.0, 2.0])
@@ -384,7 +384,7 @@ def test_a_run_of_ones_own_chain_is_that_of_the_equation_written_again(
     stated = own_chains.own_run(at)
     assert np.abs(stated.extra).max() == pytest.approx(at["displacement"])
     check = own_chains.own_precisely(at, stated)
-    assert compared(stated.error, check) is Outcome.RIGHT, check
+    assert compared(stated.error, check) is PointOutcome.RIGHT, check
     for off in (1e-3, -1e-3):
         wrong = stated.value.copy()
         wrong[0, -1] += off
@@ -446,7 +446,7 @@ def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.Monkey
     monkeypatch.setattr(friction, "_TAU", 4.0)
     stated = friction.friction_state(BELT)
     check = friction.friction_by_scipy(BELT, stated)
-    assert compared(stated.error, check) is Outcome.RIGHT, check
+    assert compared(stated.error, check) is PointOutcome.RIGHT, check
     for off in (1e-3, -1e-3):
         wrong = replace(stated, value=stated.value + off * np.eye(3)[1])
         assert friction.friction_by_scipy(BELT, wrong).distance == pytest.approx(1e-3, rel=1e-3)
@@ -460,7 +460,7 @@ def test_of_a_long_friction_chain_only_the_sites_that_move_are_followed(
     at = BELT | {"c": 1e-5, "sites": 500.0}
     stated = friction.friction_state(at)
     check = friction.friction_by_scipy(at, stated)
-    assert compared(stated.error, check) is Outcome.RIGHT, check
+    assert compared(stated.error, check) is PointOutcome.RIGHT, check
     far = replace(stated, value=stated.value + 1e-3 * (np.arange(500) == 400))
     assert friction.friction_by_scipy(at, far).distance == pytest.approx(1e-3, rel=1e-6)
 

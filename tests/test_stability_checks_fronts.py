@@ -25,7 +25,7 @@ from verification.fronts.wave import front_wave
 from verification.maps.state import State
 from verification.quantities import fronts, roots, runs, states, sums
 from verification.quantities import kinetic_relation as relation
-from verification.quantities.judging import Outcome, compared, judge
+from verification.quantities.judging import PointOutcome, compared, judge
 from verification.quantities.quantity import ReferenceCheck, StatedValue
 from verification.quantities.registry import computation_named
 from verification.quantities.scipy_states import compared as states_compared
@@ -61,7 +61,7 @@ def test_no_method_of_the_sum_is_its_own_reference(name: str) -> None:
     at = {axis.name: given[axis.name] for axis in row.axes}
     stated = row.compute(at)
     check = row.check(at, stated)
-    assert compared(stated.error, check) is Outcome.RIGHT
+    assert compared(stated.error, check) is PointOutcome.RIGHT
     assert check.method == ("integral in many digits" if name == "series" else "series")
     for off in (1e-4, -1e-4j):
         assert row.check(at, replace(stated, value=stated.value + off)).distance == pytest.approx(
@@ -140,7 +140,7 @@ def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
     )
     monkeypatch.setattr(relation, "kinetic_relation", lambda *_: wrong)
     row = judge(computation_named("kinetic"), {"c": 0.5, "eta": 0.03125})
-    assert row["outcome"] == Outcome.NAN.value
+    assert row["outcome"] == PointOutcome.NAN.value
 
 
 def test_an_excess_that_the_sum_does_not_resolve_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -561,7 +561,7 @@ def test_a_stiff_run_is_held_against_an_implicit_method() -> None:
     stated = runs._run(at, True)
     check = runs._full_precisely(at, stated)
     assert check.method == "scipy's Radau"
-    assert compared(stated.error, check) is Outcome.RIGHT, check
+    assert compared(stated.error, check) is PointOutcome.RIGHT, check
     wrong = stated.value.copy()
     wrong[0] += 1e-3
     off = runs._full_precisely(at, replace(stated, value=wrong))

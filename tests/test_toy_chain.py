@@ -28,9 +28,9 @@ from verification.fronts.status import FrontStatus
 from verification.maps.smooth_rules import find_smooth_state
 from verification.maps.state import Reason, State
 from verification.maps.state_map import StateTask, state_map
-from verification.quantities.judging import Outcome, judge
+from verification.quantities.judging import PointOutcome, judge
 from verification.quantities.registry import computation_named
-from verification.quantities.robustness import stability
+from verification.quantities.robustness import robustness
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
@@ -160,9 +160,9 @@ def test_its_front_is_pinned_where_the_coupling_is_weak() -> None:
     assert "at rest" in front.status.sentence
 
 
-def test_its_runs_are_a_row_of_the_stability_table(capsys: pytest.CaptureFixture[str]) -> None:
+def test_its_runs_are_a_row_of_the_robustness_table(capsys: pytest.CaptureFixture[str]) -> None:
     """They are tried, held against scipy and listed; a shifted value is seen."""
-    found = stability(["run-nagumo"], 12, workers=1)
+    found = robustness(["run-nagumo"], 12, workers=1)
     assert found.bad == ()
     assert found.counts["right"] >= 3
     assert found.counts["refused"] > 0  # alpha above one half
@@ -170,9 +170,9 @@ def test_its_runs_are_a_row_of_the_stability_table(capsys: pytest.CaptureFixture
     inside = {"alpha": 0.2, "c": 0.5, "sites": 8.0, "tolerance": 1e-8}
     stated = row.compute(inside)
     shifted = replace(stated, value=stated.value + 100.0 * stated.error)
-    assert judge(row, inside)["outcome"] == Outcome.RIGHT.value
+    assert judge(row, inside)["outcome"] == PointOutcome.RIGHT.value
     off = replace(row, compute=lambda _: shifted)
-    assert judge(off, inside)["outcome"] == Outcome.EXCEEDED.value
+    assert judge(off, inside)["outcome"] == PointOutcome.EXCEEDED.value
     assert main(["stress", "--list"]) == 0
     assert row.name in capsys.readouterr().out
 

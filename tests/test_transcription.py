@@ -11,7 +11,7 @@ import sympy as sp
 from derivations import catalogue, judgement
 from derivations.algebra.equations import same
 from derivations.algebra.errors import DerivationInputError
-from derivations.printing import Verdict
+from derivations.printing import EquationVerdict
 from derivations.transcription.latex_reader import Notation, read
 from derivations.transcription.latex_tokens import changed_tokens, tokens_of
 from derivations.transcription.readings import (
@@ -23,7 +23,7 @@ from derivations.transcription.readings import (
 
 ALL = judgement.equations()
 BY_NUMBER = {entry.number: entry for entry in ALL}
-MISPRINTS = [entry.number for entry in ALL if entry.verdict is Verdict.MISPRINT]
+MISPRINTS = [entry.number for entry in ALL if entry.verdict is EquationVerdict.MISPRINT]
 LAID_OUT = (39, 40, 41, 42)
 x, y = sp.symbols("x y")
 PLAIN = Notation(names={"x": x, "y": y}, functions={"f": sp.Function("f")})

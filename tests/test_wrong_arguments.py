@@ -128,8 +128,8 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "no-c": (lambda: fr.kinetic_relation([], 0.03), "coupling c"),
     "no-eta": (lambda: fr.kinetic_relation(0.5, []), "eta"),
     "values": (lambda: fr.derive_cell("1 - y**2", values=True), "values = bool"),
-    "quantities": (lambda: fr.stability(None), "quantities = NoneType"),
-    "quantity": (lambda: fr.stability(""), "quantity = "),
+    "quantities": (lambda: fr.robustness(None), "quantities = NoneType"),
+    "quantity": (lambda: fr.robustness(""), "quantity = "),
     "no-number": (
         lambda: fr.OscillatorChain(damping=numba.njit(lambda y, v: np.nan), c=0.1),
         "damping = no number",
@@ -278,9 +278,9 @@ NUMBERS: dict[str, Callable[[Any], object]] = {
     "number of folds": lambda one: fr.follow_breather(CHAINS["vdp"], [0.1], folds=one),
     "workers": lambda one: fr.sweep(len, {"x": [1.0]}, workers=one),
     "workers of a map": lambda one: fr.state_map(CHAINS["averaged"], c=0.05, refine=0, workers=one),
-    "points": lambda one: fr.stability("c-pin", points=one),
+    "points": lambda one: fr.robustness("c-pin", points=one),
     "runs": lambda one: fr.ensemble(one, CHAINS["vdp"]),
-    "seed": lambda one: fr.stability("c-pin", points=40, seed=one),
+    "seed": lambda one: fr.robustness("c-pin", points=40, seed=one),
     "extent": lambda one: fr.roots(0.3, 0.5, extent=one),
 }
 

@@ -9,7 +9,7 @@
 ``references``
     Independent methods that share nothing with the steppers.
 ``quantities``
-    The registry of what can be computed, and the stability table over it; ``work_reduction``.
+    The registry of what can be computed, and the robustness table over it; ``work_reduction``.
 ``pictures``
     One style of pictures, and the numbers behind them as CSV.
 ``execution``

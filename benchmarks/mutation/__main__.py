@@ -16,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.mutants import Mutant, by_statement, mutants_of
-from benchmarks.mutation.outcome import Outcome, read_explained, stamp, still_known
+from benchmarks.mutation.outcome import MutationOutcome, read_explained, stamp, still_known
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         random.Random(seed).shuffle(mutants)
     mutants, found = run(mutants, options)
     left = {mutant.name for mutant in mutants} | known.keys()
-    outcome = Outcome([m for m in every if m.name in left], found | known, explained)
+    outcome = MutationOutcome([m for m in every if m.name in left], found | known, explained)
     print(outcome)
     if options.record:
         asked = {name: getattr(options, name) for name in ("tests", "seconds", "longest")}

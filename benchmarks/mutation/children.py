@@ -22,7 +22,7 @@ HANGING = 60.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Task:
+class ChildTask:
     """What a child does: it writes answers; processor seconds allowed; what takes the answers."""
 
     run: Callable[[Callable[[Answer], None]], None]
@@ -30,7 +30,7 @@ class Task:
     take: Callable[[list[Answer]], None]
 
 
-def in_children(tasks: Iterator[Task], count: int) -> None:
+def in_children(tasks: Iterator[ChildTask], count: int) -> None:
     """Do tasks in forked children, so many at a time; what they start ends with them.
 
     A child that is ended by a signal, or by its processor time, answers with that as what noticed
@@ -64,7 +64,7 @@ def in_children(tasks: Iterator[Task], count: int) -> None:
             _ended(key.data[1], b"")
 
 
-def _begin(task: Task) -> tuple[int, int]:
+def _begin(task: ChildTask) -> tuple[int, int]:
     reading, writing = os.pipe()
     child = os.fork()
     if child:

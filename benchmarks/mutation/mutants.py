@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from benchmarks.mutation.places import Place, Scope, called, places_of
+from benchmarks.mutation.places import ExpressionPlace, Scope, called, places_of
 
 OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub,
@@ -118,7 +118,7 @@ class Mutant:
     outermost: str
     change: str
     tree: ast.Module = field(repr=False, compare=False)
-    place: Place = field(repr=False, compare=False)
+    place: ExpressionPlace = field(repr=False, compare=False)
     changed: ast.AST = field(repr=False, compare=False)
 
     @property
@@ -217,7 +217,7 @@ def _short(node: ast.AST) -> str:
     return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"
 
 
-def _changes(place: Place) -> Iterator[ast.expr | ast.AugAssign]:
+def _changes(place: ExpressionPlace) -> Iterator[ast.expr | ast.AugAssign]:
     """Yield what takes the place of an expression or statement, one after another."""
     node = place.node
     first = _of_a_formula(node)
@@ -250,7 +250,7 @@ def _of_a_formula(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | 
     return new
 
 
-def _of_a_judgement(place: Place, node: ast.expr) -> Iterator[ast.expr]:
+def _of_a_judgement(place: ExpressionPlace, node: ast.expr) -> Iterator[ast.expr]:
     """Yield what loosens, drops or exchanges: one boundary, term, condition, branch or call."""
     if isinstance(node, ast.Compare) and (moved := _compared(node, BOUNDARIES)):
         yield moved
@@ -272,7 +272,7 @@ def _of_a_judgement(place: Place, node: ast.expr) -> Iterator[ast.expr]:
     yield from _of_a_setting(place, node)
 
 
-def _of_a_setting(place: Place, node: ast.expr) -> Iterator[ast.expr]:
+def _of_a_setting(place: ExpressionPlace, node: ast.expr) -> Iterator[ast.expr]:
     """Yield the other flag, a tolerance a thousandfold, a stated error too small or negative."""
     if isinstance(node, ast.Constant) and isinstance(node.value, bool):
         yield ast.Constant(not node.value)

@@ -75,7 +75,7 @@ def matches(form: str, name: str) -> bool:
     return name.startswith(form[:-3]) if form.endswith("...") else name == form
 
 
-class Outcome:
+class MutationOutcome:
     """What became of changes.
 
     Parameters

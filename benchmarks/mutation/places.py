@@ -43,7 +43,7 @@ class Scope:
 
 
 @dataclass(frozen=True)
-class Place:
+class ExpressionPlace:
     """Where an expression, or a statement like ``x += 1``, hangs."""
 
     parent: ast.AST
@@ -60,7 +60,7 @@ class Place:
             getattr(self.parent, self.field)[self.position] = node
 
 
-def places_of(tree: ast.AST, scope: Scope) -> Iterator[Place]:
+def places_of(tree: ast.AST, scope: Scope) -> Iterator[ExpressionPlace]:
     """Yield each expression that may be changed, with where it hangs, outermost first."""
     for field, value in ast.iter_fields(tree):
         if _left_alone(tree, field):
@@ -71,7 +71,7 @@ def places_of(tree: ast.AST, scope: Scope) -> Iterator[Place]:
                 continue
             inner = _inner(tree, node, scope)
             if isinstance(node, ast.expr | ast.AugAssign):
-                yield Place(tree, field, position, node, inner)
+                yield ExpressionPlace(tree, field, position, node, inner)
             yield from places_of(node, inner)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from benchmarks.mutation.children import HUNG, STOPPED, Answer, Task
+from benchmarks.mutation.children import HUNG, STOPPED, Answer, ChildTask
 from benchmarks.mutation.judge import Judge
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
@@ -56,7 +56,7 @@ class Runs:
         self._begin = self._shown = time.monotonic()
         self.found: dict[str, str] = {}
 
-    def tasks(self, mutants: Sequence[Mutant], until: float) -> Iterator[Task]:
+    def tasks(self, mutants: Sequence[Mutant], until: float) -> Iterator[ChildTask]:
         """Yield what children do, a change each, until a time of the monotonic clock."""
         for mutant in mutants:
             if time.monotonic() > until:
@@ -69,11 +69,11 @@ class Runs:
             usual = sum(self._survey.seconds[test] for test in tests)
             run = partial(self._judge.by_tests, mutant, tests)
             begins = self._judge.seconds_to_begin(mutant)
-            yield Task(run=run, seconds=4.0 * usual + begins, take=take)
+            yield ChildTask(run=run, seconds=4.0 * usual + begins, take=take)
 
     def tasks_of_checks(
         self, mutants: Sequence[Mutant], checks: DerivationChecks, until: float
-    ) -> Iterator[Task]:
+    ) -> Iterator[ChildTask]:
         """Yield what children do with changes of derivations that no test noticed."""
         for mutant in mutants:
             if time.monotonic() > until:
@@ -82,7 +82,7 @@ class Runs:
             if self.found.get(mutant.name, KILLED) != KILLED and seconds:
                 run = partial(self._judge.by_checks, mutant, checks)
                 take = partial(self._take_of_checks, mutant)
-                yield Task(run=run, seconds=2.0 * seconds + 2.0, take=take)
+                yield ChildTask(run=run, seconds=2.0 * seconds + 2.0, take=take)
 
     def _take_of_checks(self, mutant: Mutant, answers: list[Answer]) -> None:
         by = answers[0]["by"] if answers else None

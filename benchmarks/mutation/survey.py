@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
-from benchmarks.mutation.children import STOPPED, Answer, Task, in_children
+from benchmarks.mutation.children import STOPPED, Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.records import Records
@@ -135,7 +135,7 @@ def survey(
         print(f"recorded {file}: {len(passed)} tests, {took:.1f} s{said}",
               file=sys.stderr, flush=True)  # fmt: skip
 
-    def tasks() -> Iterator[Task]:
+    def tasks() -> Iterator[ChildTask]:
         for file, near in imported.items():
             known = records.known(file, near)
             if known is not None:
@@ -143,7 +143,7 @@ def survey(
                 continue
             seconds = FILE_SECONDS + 2.0 * limit * len(session.tests_of(file))
             run = partial(session.record, file, limit)
-            yield Task(run=run, seconds=seconds, take=partial(take, file))
+            yield ChildTask(run=run, seconds=seconds, take=partial(take, file))
 
     in_children(tasks(), jobs)
     return found

@@ -15,7 +15,7 @@ from derivations.algebra.operations import Operation, OperationError, listed, sp
 from derivations.algebra.rearrangement import with_cosines
 
 
-class Ends(Enum):
+class LatticeEnds(Enum):
     """How the two ends of a chain of N sites are closed; the value says it in words."""
 
     RING = "a ring: site 1 and site N are neighbours"
@@ -34,7 +34,7 @@ class CloseChain(Operation):
         The site and the time in the equation.
     sites : int
         N.
-    ends : Ends
+    ends : LatticeEnds
         What the neighbours beyond the ends are.
     """
 
@@ -42,7 +42,7 @@ class CloseChain(Operation):
     index: sp.Symbol
     time: sp.Symbol
     sites: int
-    ends: Ends
+    ends: LatticeEnds
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the equations of sites 1 to N."""
@@ -53,7 +53,7 @@ class CloseChain(Operation):
     def _at(self, whole: sp.Expr, site: int) -> sp.Expr:
         def neighbour(place: sp.Expr, when: sp.Expr) -> sp.Expr:
             neighbour = int(place.subs(self.index, site))
-            if self.ends is Ends.RING:
+            if self.ends is LatticeEnds.RING:
                 return self.field((neighbour - 1) % self.sites + 1, when)
             return self.field(neighbour if 1 <= neighbour <= self.sites else site, when)
 

@@ -53,7 +53,7 @@ def direct_average(field: dict[int, complex], rate: complex, p: ChainNumbers, w:
     return fast_average(lambda phase: at(phase / w), samples=128)
 
 
-class Checks:
+class AveragingChecks:
     """The checks of the derivation for one chain; each judges any equation in a step's place.
 
     Parameters

@@ -6,10 +6,10 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.averaging import readings
-from derivations.averaging.checks import Checks
+from derivations.averaging.checks import AveragingChecks
 from derivations.averaging.symbols import A_n, phi, psi
 from derivations.chain import PAPER
-from derivations.printing import Printed, Reading, Verdict
+from derivations.printing import EquationVerdict, PrintedEquation, Reading
 from derivations.symbols import a, alpha_0, b, c, epsilon, i, k_1, k_2, n, omega, t, y
 
 _Psi, _bar = psi(n, t), sp.conjugate(psi(n, t))
@@ -55,7 +55,7 @@ _BALANCE = equation(
                  + b * alpha_0**4 * sp.exp(4 * k_1 * n) / (16 * omega**4)),
 )  # fmt: skip
 _FAR = sp.Tuple(*(part.subs({sp.exp(2 * k_1 * n): 0, sp.exp(4 * k_1 * n): 0}) for part in _DECAY))
-_BY_DISPLACEMENT = Checks(PAPER).phases_by_displacement
+_BY_DISPLACEMENT = AveragingChecks(PAPER).phases_by_displacement
 
 
 def _phases(omega_of_bracket: sp.Expr) -> sp.Tuple:
@@ -70,7 +70,7 @@ def _phases(omega_of_bracket: sp.Expr) -> sp.Tuple:
 
 
 _TO_AVERAGE = (
-    Printed(
+    PrintedEquation(
         number=31,
         latex=r"y_n = -i\frac{\Psi_n - \Psi_n^*}{2\omega}, \quad \dot{y}_n = \frac{\Psi_n + "
               r"\Psi_n^*}{2}, \quad \ddot{y}_n = \dot{\Psi}_n - i\omega\left(\frac{\Psi_n + "
@@ -79,10 +79,10 @@ _TO_AVERAGE = (
             equation(y(n, t), -i * (_Psi - _bar) / (2 * omega)),
             equation(y(n, t).diff(t), (_Psi + _bar) / 2),
             equation(y(n, t).diff(t, 2), _Psi.diff(t) - i * omega * (_Psi + _bar) / 2)),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="The same as Psi = y' + i omega y; the third part follows.",
     ),
-    Printed(
+    PrintedEquation(
         number=32,
         latex=r"\begin{aligned}&\dot{\Psi}_n - i\omega\left(\frac{\Psi_n + \Psi_n^*}{2}\right) - "
               r"i(1 + 2\varepsilon c)\left(\frac{\Psi_n - \Psi_n^*}{2\omega}\right) \\ &+ "
@@ -97,12 +97,12 @@ _TO_AVERAGE = (
            - sp.conjugate(psi(n + 1, t)))
         + epsilon * (_Psi + _bar) / 2 * (1 + a * ((_Psi - _bar) / (2 * omega)) ** 2
                                          + b * ((_Psi - _bar) / (2 * omega)) ** 4),
-        verdict=Verdict.MISPRINT,
+        verdict=EquationVerdict.MISPRINT,
         note="The '= 0' is missing: an expression is printed, not an equation. Every term is "
              "right.",
         amendments=((r"^4\right)\end{aligned}", r"^4\right) = 0\end{aligned}"),),
     ),
-    Printed(
+    PrintedEquation(
         number=33,
         latex=r"\begin{aligned}&\dot{\varphi}_n + \frac{i\omega}{2}\varphi_n - \frac{i\omega "
               r"\varphi_n^* e^{-2i\omega t}}{2} - i(1 + 2\varepsilon c)\left(\frac{\varphi_n - "
@@ -116,13 +116,13 @@ _TO_AVERAGE = (
               r"e^{-2i\omega t} + \left(\varphi_n^*\right)^4 e^{-4i\omega t}}{16\omega^4}"
               r"\end{aligned}\right) = 0\end{aligned}",
         expression=_rotating(-1),
-        verdict=Verdict.MISPRINT,
+        verdict=EquationVerdict.MISPRINT,
         note="In the a-term the sign of (phi*)^2 e^{-2 i omega t} must be plus: it is a square.",
         affects="Nothing: this term has no mean, so (34) is the same with either sign.",
         slip=(-(_q**2) * _fast, _q**2 * _fast, _rotating(1)),
         amendments=((r"2|\varphi_n|^2 - \left(", r"2|\varphi_n|^2 + \left("),),
     ),
-    Printed(
+    PrintedEquation(
         number=34,
         latex=r"\dot{\varphi}_n + i\left(\omega - \frac{1}{\omega}\right)\frac{\varphi_n}{2} - "
               r"\frac{i\varepsilon c}{2\omega}(2\varphi_n - \varphi_{n-1} - \varphi_{n+1}) + "
@@ -133,10 +133,10 @@ _TO_AVERAGE = (
             - i * epsilon * c / (2 * omega) * (2 * _p - _left - _right)
             + epsilon * _p / 2 * (1 - a * _size**2 / (4 * omega**2)
                                   + b * _size**4 / (8 * omega**4))),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Every term and sign, for any omega, when phi is frozen over the period.",
     ),
-    Printed(
+    PrintedEquation(
         number=43,
         latex=r"\dot{\varphi}_n - \frac{i\varepsilon c}{2}\left(2\varphi_n - \varphi_{n-1} - "
               r"\varphi_{n+1}\right) + \varepsilon \frac{\varphi_n}{2}\left(1 - "
@@ -144,20 +144,20 @@ _TO_AVERAGE = (
         expression=equation(
             _p.diff(t) - i * epsilon * c / 2 * (2 * _p - _left - _right)
             + epsilon * _p / 2 * (1 - a * _size**2 / 4 + b * _size**4 / 8)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="(34) at omega = 1.",
     ),
 )  # fmt: skip
 
 _DECAYING = (
-    Printed(
+    PrintedEquation(
         number=35,
         latex=r"\begin{aligned}&\frac{i\omega}{2} - i(1+2\varepsilon c)\left(\frac{1}{2\omega}"
               r"\right) \\ &+ \frac{i\varepsilon c}{2\omega}\left(e^{-(k_1+ik_2)} + e^{(k_1+ik_2)}"
               r"\right) + \varepsilon\left(\frac{1}{2} - a\frac{\alpha_0^2 e^{2k_1 n}}{8\omega^2} "
               r"+ b\frac{\alpha_0^4 e^{4k_1 n}}{16\omega^4}\right) = 0\end{aligned}",
         expression=_BALANCE,
-        verdict=Verdict.AMBIGUOUS,
+        verdict=EquationVerdict.AMBIGUOUS,
         note="n is left open while k_1 and k_2 are constants. The ansatz is written with n, not "
              "|n|: it is meant for n >= 1. Its alpha_0 is an amplitude of phi, omega times that of "
              "y: see (36).",
@@ -170,14 +170,14 @@ _DECAYING = (
                     readings.at_every_site),
         ),
     ),
-    Printed(
+    PrintedEquation(
         number=36,
         latex=r"\begin{aligned}\sin k_2 &= \frac{2(1+\varepsilon c)}{c(e^{k_1} - e^{-k_1})}"
               r"\left(\frac{1}{2} - a\frac{\alpha_0^2 e^{2k_1 n}}{8(1+\varepsilon c)^2} + "
               r"b\frac{\alpha_0^4 e^{4k_1 n}}{16(1+\varepsilon c)^4}\right) \\ \cos k_2 &= "
               r"-\frac{\varepsilon c}{(e^{k_1} + e^{-k_1})}\end{aligned}",
         expression=_phases(1 + epsilon * c),
-        verdict=Verdict.INCONSISTENT,
+        verdict=EquationVerdict.INCONSISTENT,
         note="The parts of (35) at the same single site n, with omega = 1 + eps c; right for "
              "alpha_0 as an amplitude of phi. By (31) |phi| = omega |y|, so this alpha_0 is omega "
              "times the alpha_0 of (9), (29) and (38), which is an amplitude of y.",
@@ -192,12 +192,12 @@ _DECAYING = (
                     "one alpha_0 throughout", _BY_DISPLACEMENT),
         ),
     ),
-    Printed(
+    PrintedEquation(
         number=37,
         latex=r"\frac{2}{c(e^{k_1} - e^{-k_1})}\left(\frac{1}{2} - a\frac{\alpha_0^2 e^{2k_1 n}}"
               r"{8} + b\frac{\alpha_0^4 e^{4k_1 n}}{16}\right) = -1, \quad k_2 = -\frac{\pi}{2}",
         expression=_DECAY,
-        verdict=Verdict.AMBIGUOUS,
+        verdict=EquationVerdict.AMBIGUOUS,
         note="A site must be chosen before (29) and (37) can be solved. -pi/2 is the branch for "
              "k_1 < 0 and a positive bracket, that is below the unstable cycle.",
         affects="Fig. 8: alpha_0 and k_1. Against the averaged chain at a = 2.5, b = 0.5, c = 0.1.",
@@ -214,11 +214,11 @@ _DECAYING = (
         ),
         amendments=(("e^{2k_1 n}", "e^{2k_1}"), ("e^{4k_1 n}", "e^{4k_1}")),
     ),
-    Printed(
+    PrintedEquation(
         number=38,
         latex=r"A_n = \alpha_0 e^{k_1|n|}",
         expression=equation(A_n, alpha_0 * sp.exp(k_1 * sp.Abs(n))),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="The amplitude of (9), said again, with its one ratio of neighbours.",
     ),
 )  # fmt: skip

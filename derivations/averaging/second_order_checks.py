@@ -19,7 +19,7 @@ from derivations.averaging import symbols as own
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
-from derivations.multiple_scales.checks import Checks as ScalesChecks
+from derivations.multiple_scales.checks import ScalesChecks
 from derivations.symbols import n, omega, t
 
 _SAMPLES = 128

@@ -21,7 +21,7 @@ from derivations.algebra.rearrangement import (
 from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import Eliminate, Substitute, mirrored
-from derivations.averaging.checks import Checks
+from derivations.averaging.checks import AveragingChecks
 from derivations.averaging.symbols import A_n, divided, phi, psi, r, square, squares
 from derivations.chain import PAPER, ChainModel
 from derivations.multiple_scales.steps import derive as derive_scales
@@ -44,7 +44,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     -------
     Derivation
     """
-    draft, checks = Draft(derive_scales(model)), Checks(model)
+    draft, checks = Draft(derive_scales(model)), AveragingChecks(model)
     _to_average(draft, model, checks)
     _decaying(draft, model, checks)
     _at_sites(draft, model, checks)
@@ -57,7 +57,7 @@ def _sites(model: ChainModel) -> tuple[sp.Expr, ...]:
     return tuple(n + offset for offset in range(-model.reach, model.reach + 1))
 
 
-def _to_average(draft: Draft, model: ChainModel, checks: Checks) -> None:
+def _to_average(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
     own, sites = psi(n, t), _sites(model)
     velocity = (own + sp.conjugate(own)) / 2
     draft.definition("complex variable",
@@ -79,7 +79,7 @@ def _to_average(draft: Draft, model: ChainModel, checks: Checks) -> None:
                   check=checks.averaged_at_unit, number=43)
 
 
-def _decaying(draft: Draft, model: ChainModel, checks: Checks) -> None:
+def _decaying(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
     wave = alpha_0 * sp.exp((k_1 + i * k_2) * n)
     draft.ansatz("decaying wave", equation(phi(n, t), wave),
                  "a steady state that decays along the chain", check=checks.wave)
@@ -118,7 +118,7 @@ def _decaying(draft: Draft, model: ChainModel, checks: Checks) -> None:
                   "branch of the phase step", check=checks.second_relation, number=37)
 
 
-def _at_sites(draft: Draft, model: ChainModel, checks: Checks) -> None:
+def _at_sites(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
     """Write down what the decaying wave amounts to at several sites."""
     draft.derived("amplitudes", CompareFundamental(omega * t, A_n), "breather",
                   check=checks.amplitude, number=38)
@@ -139,7 +139,7 @@ def _at_sites(draft: Draft, model: ChainModel, checks: Checks) -> None:
                        "cannot: no decaying wave with constant k₁ solves (34)")
 
 
-def _quarter_turn(draft: Draft, model: ChainModel, checks: Checks) -> None:
+def _quarter_turn(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
     turn = sp.exp(-i * sp.pi * n / 2) * sp.exp(i * epsilon * model.total_coupling * t)
     draft.ansatz("quarter-turn phase steps", equation(phi(n, t), r(n, t) * turn),
                  "what is true instead: phase steps of -π/2 from site to site, n ≥ 0",

@@ -17,7 +17,7 @@ from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
 from derivations.front.numbers import Lattice, evaluated, kinetic_sum
 from derivations.front.symbols import v as v_front
-from derivations.multiple_scales.checks import Checks as ScalesChecks
+from derivations.multiple_scales.checks import ScalesChecks
 from derivations.symbols import n, t
 
 _SAMPLED = "the equation averaged by direct sampling"

@@ -20,7 +20,7 @@ from derivations.averaging.cycles import (
 )
 from derivations.averaging.symbols import phi, square
 from derivations.cell.polynomial_input import Coefficients, coefficients, number, values_of
-from derivations.cell.results import Compiled, KineticRelation
+from derivations.cell.results import CellKineticRelation, Compiled
 from derivations.cell.steps import derive, shift_mean
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon, n, t
@@ -99,7 +99,7 @@ class Envelope:
         """
         return ratio_of_cycles(self.damping_mean, self.cycles, self.model.damping)
 
-    def kinetic_relation(self) -> KineticRelation:
+    def kinetic_relation(self) -> CellKineticRelation:
         """Return the kinetic relation (54) of the simplified model of this cell.
 
         Raises
@@ -112,7 +112,7 @@ class Envelope:
         if self.shift_mean.has(square):
             neglected = "the dependence of the frequency on amplitude is left out"
         relation = self.derivation.named("kinetic relation of the cell").result
-        return KineticRelation(ratio, rest, relation, neglected)
+        return CellKineticRelation(ratio, rest, relation, neglected)
 
     def compiled(self, **given: float) -> Compiled:
         """Fast numeric functions, once every letter has a value.

@@ -37,7 +37,7 @@ _TOKEN = re.compile(
 
 
 @dataclass
-class _Reader:
+class _TokenReader:
     """The tokens and the place reached."""
 
     quantity: str
@@ -95,7 +95,7 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> dict[Monomial, F
 allowed: it must be a polynomial such as 1 - a*y**2 + b*y**4; '_' cannot be read; use numbers, \
 letters, + - * / ** and brackets only.
     """
-    reader = _Reader(quantity, text, [])
+    reader = _TokenReader(quantity, text, [])
     if len(text) > LONGEST:
         raise reader.refuse(f"it is longer than {LONGEST} characters")
     end = 0
@@ -113,7 +113,7 @@ letters, + - * / ** and brackets only.
     return {monomial: number for monomial, number in terms.items() if number}
 
 
-def _sum(reader: _Reader) -> dict[Monomial, Fraction]:
+def _sum(reader: _TokenReader) -> dict[Monomial, Fraction]:
     total = _product(reader)
     while reader.peek() in ("+", "-"):
         sign = 1 if reader.take() == "+" else -1
@@ -122,7 +122,7 @@ def _sum(reader: _Reader) -> dict[Monomial, Fraction]:
     return total
 
 
-def _product(reader: _Reader) -> dict[Monomial, Fraction]:
+def _product(reader: _TokenReader) -> dict[Monomial, Fraction]:
     total = _signed(reader)
     while reader.peek() in ("*", "/"):
         operation, other = reader.take(), _signed(reader)
@@ -134,7 +134,7 @@ def _product(reader: _Reader) -> dict[Monomial, Fraction]:
     return total
 
 
-def _signed(reader: _Reader) -> dict[Monomial, Fraction]:
+def _signed(reader: _TokenReader) -> dict[Monomial, Fraction]:
     if reader.peek() not in ("+", "-"):
         return _power(reader)
     reader.depth += 1
@@ -146,7 +146,7 @@ def _signed(reader: _Reader) -> dict[Monomial, Fraction]:
     return inner
 
 
-def _power(reader: _Reader) -> dict[Monomial, Fraction]:
+def _power(reader: _TokenReader) -> dict[Monomial, Fraction]:
     base = _atom(reader)
     if reader.peek() not in ("**", "^"):
         return base
@@ -162,7 +162,7 @@ def _power(reader: _Reader) -> dict[Monomial, Fraction]:
     return result
 
 
-def _atom(reader: _Reader) -> dict[Monomial, Fraction]:
+def _atom(reader: _TokenReader) -> dict[Monomial, Fraction]:
     token = reader.take()
     if token == "(":
         reader.depth += 1
@@ -186,7 +186,7 @@ def _atom(reader: _Reader) -> dict[Monomial, Fraction]:
     raise reader.refuse(f"'{token}' is out of place" if token else "it ends too early")
 
 
-def _multiply(reader: _Reader, left: Terms, right: Terms) -> dict[Monomial, Fraction]:
+def _multiply(reader: _TokenReader, left: Terms, right: Terms) -> dict[Monomial, Fraction]:
     if len(left) * len(right) > 20 * MAX_TERMS:
         raise reader.refuse(f"it expands to more than {MAX_TERMS} terms")
     total: dict[Monomial, Fraction] = {}

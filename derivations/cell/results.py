@@ -32,7 +32,7 @@ class Compiled:
 
 
 @dataclass(frozen=True)
-class KineticRelation:
+class CellKineticRelation:
     """``|Sum over M+ of 1/(k L_k)| = 2 ratio`` for velocity and coupling over ``rest_rate``.
 
     Attributes

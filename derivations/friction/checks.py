@@ -248,7 +248,7 @@ def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
     return float(abs(lost / (2 * math.pi * small) / mean - 1))
 
 
-class Checks:
+class FrictionChecks:
     """The checks of the derivation for one friction chain.
 
     Parameters
@@ -320,7 +320,7 @@ class Checks:
         """Alone, the first part of (6)."""
         whole = sp.Tuple(candidate, sp.Ne(s.v_tilde_rel, 0), sp.Abs(s.F_tilde) <= s.mu_st,
                          sp.Eq(s.v_tilde_rel, 0))  # fmt: skip
-        return Checks.scaled_law(whole)
+        return FrictionChecks.scaled_law(whole)
 
     @staticmethod
     def scales(candidate: sp.Basic) -> Evidence:

@@ -18,7 +18,7 @@ from derivations.algebra.substitution import (
     TakeBranch,
     alike,
 )
-from derivations.friction.checks import Checks
+from derivations.friction.checks import FrictionChecks
 from derivations.friction.model import PAPER, FrictionModel
 from derivations.friction.symbols import (
     F_N,
@@ -66,7 +66,7 @@ def derive(chain: FrictionModel = PAPER) -> Derivation:
     chain : FrictionModel
         The chain; that of the paper by default.
     """
-    draft, checks = Draft(), Checks(chain)
+    draft, checks = Draft(), FrictionChecks(chain)
     _given(draft, chain, checks)
     _scaled(draft, chain, checks)
     _sliding(draft, chain, checks)
@@ -74,7 +74,7 @@ def derive(chain: FrictionModel = PAPER) -> Derivation:
     return draft.finished("friction", title)
 
 
-def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
+def _given(draft: Draft, chain: FrictionModel, checks: FrictionChecks) -> None:
     falling = mu_far + mu_fall * chain.decay(sp.Abs(v_rel) / v_0)
     law = sp.Tuple(
         equation(F, -sp.sign(v_rel) * F_N * mu(v_rel)), sp.Ne(v_rel, 0),
@@ -112,7 +112,7 @@ def _given(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
                      check=checks.relative)
 
 
-def _scaled(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
+def _scaled(draft: Draft, chain: FrictionModel, checks: FrictionChecks) -> None:
     draft.derived("friction coefficient", SolveLimits(v_rel, (mu_far, mu_fall)), "falling friction",
                   "friction at rest and at speed", check=checks.coefficient, number=2)
     draft.derived("scaled equation of motion", (ChangeVariables(t, tau), Divide(F_N)),
@@ -148,7 +148,7 @@ def _scaled(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
                   check=checks.slip)
 
 
-def _sliding(draft: Draft, chain: FrictionModel, checks: Checks) -> None:
+def _sliding(draft: Draft, chain: FrictionModel, checks: FrictionChecks) -> None:
     """Steady sliding, its waves and its loss of stability; then the cycle of pure slip."""
     draft.derived("slip backwards", TakeBranch(v_tilde_rel < 0), "slip law in scaled velocities",
                   check=checks.backwards, note="the belt is faster than the site")

@@ -13,7 +13,7 @@ from derivations.algebra.steps import Draft
 from derivations.algebra.substitution import Eliminate, Substitute, TakeBranch, alike
 from derivations.averaging.cycles import FindCycles, GrowthRates, RatioOfAmplitudes
 from derivations.chain import ChainModel
-from derivations.front.checks_cell import CellChecks
+from derivations.front.checks_cell import FrontCellChecks
 from derivations.front.symbols import (
     deviation,
     eta,
@@ -48,7 +48,7 @@ def eliminated(chain: ChainModel) -> tuple[sp.Symbol, ...]:
 
 def steps(draft: Draft, chain: ChainModel) -> None:
     """From (43) to the ratio of the two cycles, for a cell that has them in closed form."""
-    checks = CellChecks(chain)
+    checks = FrontCellChecks(chain)
     draft.derived("averaged cell", alike(phi, n, t, chain.reach),
                   "averaged chain at unit frequency", check=checks.averaged_cell)
     draft.definition("amplitude and phase", equation(phi(n, t), radius * sp.exp(i * phase)),
@@ -84,7 +84,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
 
 def comparison(draft: Draft, chain: ChainModel) -> None:
     """Write down what (44) keeps of (43), and what it drops."""
-    checks = CellChecks(chain)
+    checks = FrontCellChecks(chain)
     size, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
     below, above = (side(size, threshold) for side in (sp.Lt, sp.Gt))
     draft.derived("averaged chain near rest", Linearise({phi: phi}, at_rest=True),

@@ -23,7 +23,7 @@ from derivations.symbols import n, t
 _OWN = s.phi(n, t)
 
 
-class CellChecks(SampledChecks):
+class FrontCellChecks(SampledChecks):
     """What the cell is held against: Eq. (8) averaged by equal samples in time."""
 
     def _cells(self) -> Iterator[tuple[Sample, random.Random]]:

@@ -24,7 +24,7 @@ from derivations.front.symbols import (
     v,
     zeta,
 )
-from derivations.printing import Printed, Reading, Verdict
+from derivations.printing import EquationVerdict, PrintedEquation, Reading
 from derivations.symbols import a, b, c, epsilon, i, n, t
 
 _half = sp.Rational(1, 2)
@@ -69,13 +69,13 @@ _modulus = ((r"\varphi_n < \varphi_{us}", r"|\varphi_n| < |\varphi_{us}|"),
             (r"\varphi_n > \varphi_{us}", r"|\varphi_n| > |\varphi_{us}|"))  # fmt: skip
 
 EQUATIONS = (
-    Printed(
+    PrintedEquation(
         number=44,
         latex=r"\dot{\varphi}_n - \frac{i\varepsilon c}{2}\left(2\varphi_n - \varphi_{n-1} - "
               r"\varphi_{n+1}\right) = -\frac{1}{2}\varepsilon \begin{cases} \varphi_n, & "
               r"\varphi_n < \varphi_{us} \\ \varphi_n - \varphi_s, & \varphi_n > \varphi_{us} "
               r"\end{cases}",
-        expression=_lines(_own, phi_us), verdict=Verdict.AMBIGUOUS,
+        expression=_lines(_own, phi_us), verdict=EquationVerdict.AMBIGUOUS,
         note="An inequality between complex numbers has no meaning. The model also fixes the phase "
              "of phi_s, which (43) leaves free, and gives the cycle the decay rate of the rest "
              "state; in (43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2.",
@@ -89,11 +89,11 @@ EQUATIONS = (
         ),
         amendments=_modulus,
     ),
-    Printed(
+    PrintedEquation(
         number=45,
         latex=r"F = -\frac{1}{2}\varepsilon\varphi_n + \frac{1}{2}\varepsilon\varphi_s \theta\left("
               r"\varphi_n - \varphi_{us}\right)",
-        expression=_force(_own - phi_us), verdict=Verdict.AMBIGUOUS,
+        expression=_force(_own - phi_us), verdict=EquationVerdict.AMBIGUOUS,
         note="The right side of (44) with a step function: the same, and with the same comparison "
              "of complex numbers. The letter F is the friction force in model I.",
         affects="(48).",
@@ -105,7 +105,7 @@ EQUATIONS = (
         ),
         amendments=((r"\varphi_n - \varphi_{us}", r"|\varphi_n| - |\varphi_{us}|"),),
     ),
-    Printed(
+    PrintedEquation(
         number=46,
         latex=r"\begin{aligned} \varphi_n &= \varphi(n - vt) = \varphi(\zeta) \\ \varphi_{n+1} &= "
               r"\varphi(n - vt + 1) = \varphi(\zeta + 1) \\ \varphi_{n-1} &= \varphi(n - vt - 1) = "
@@ -114,20 +114,20 @@ EQUATIONS = (
             equation(_own, phi(_place)), equation(phi(_place), phi(zeta)),
             equation(_right, phi(_place + 1)), equation(phi(_place + 1), phi(zeta + 1)),
             equation(_left, phi(_place - 1)), equation(phi(_place - 1), phi(zeta - 1))),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="A travelling wave that does not turn its phase on the way; the fixed phase of phi_s "
              "in (44) forces that.",
     ),
-    Printed(
+    PrintedEquation(
         number=47,
         latex=r"\varphi_n > \varphi_{us} \Leftrightarrow \zeta < 0",
-        expression=_passage(_own, phi_us), verdict=Verdict.ASSUMPTION,
+        expression=_passage(_own, phi_us), verdict=EquationVerdict.ASSUMPTION,
         note="To be checked for each solution. Read by modulus, as (44). It holds for the front of "
              "Fig. 16.",
         affects="(48)-(54); fronts that fail it are to be dropped.",
         amendments=((r"\varphi_n > \varphi_{us}", r"|\varphi_n| > |\varphi_{us}|"),),
     ),
-    Printed(
+    PrintedEquation(
         number=48,
         latex=r"-\hat{v}\dot{\varphi}(\zeta) - \frac{ic}{2}\left[2\varphi(\zeta) - \varphi(\zeta + "
               r"1) - \varphi(\zeta - 1)\right] + \frac{1}{2}\varphi = \frac{1}{2}\varphi_s "
@@ -136,10 +136,10 @@ EQUATIONS = (
             -v * phi(zeta).diff(zeta)
             - i * c / 2 * (2 * phi(zeta) - phi(zeta + 1) - phi(zeta - 1)) + phi(zeta) / 2,
             phi_s * sp.Heaviside(-zeta, _half) / 2),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="With v = eps v_hat; the dot is now d/dzeta.",
     ),
-    Printed(
+    PrintedEquation(
         number=49,
         latex=r"\varphi(\zeta) = \begin{cases} \varphi_s + \dfrac{1}{2}\varphi_s \sum_{k \in M^-} "
               r"\dfrac{e^{ik\zeta}}{kL_k} & \zeta < 0 \\ -\dfrac{1}{2}\varphi_s \sum_{k \in M^+} "
@@ -147,19 +147,19 @@ EQUATIONS = (
         expression=equation(phi(zeta), sp.Piecewise(
             (phi_s + _half * phi_s * SumOver(_wave, k, M_minus), zeta < 0),
             (-_half * phi_s * SumOver(_wave, k, M_plus), zeta > 0))),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Both signs, for v > 0. The series converges only like 1/N at zeta = 0.",
     ),
-    Printed(
+    PrintedEquation(
         number=50,
         latex=r"L(k) = -i\hat{v}k - 2ic\sin^2\dfrac{k}{2} + \dfrac{1}{2}",
         expression=equation(L(k), -i * v * k - 2 * i * c * sp.sin(k / 2) ** 2 + _half),
-        verdict=Verdict.HOLDS, note="The symbol of the left side of (48).",
+        verdict=EquationVerdict.HOLDS, note="The symbol of the left side of (48).",
     ),
-    Printed(
+    PrintedEquation(
         number=51,
         latex=r"L_k(k) = -\dfrac{1}{2k} + \dfrac{2ic}{k}\sin^2\dfrac{k}{2} - ic\sin k",
-        expression=_slope, verdict=Verdict.AMBIGUOUS,
+        expression=_slope, verdict=EquationVerdict.AMBIGUOUS,
         note="Called the derivative of L, it is so only where L = 0.",
         affects="Nothing: (49), (53) and (54) use it on the roots only.",
         readings=(
@@ -169,18 +169,18 @@ EQUATIONS = (
                     "the same number there, with v_hat eliminated", _checks.slope_on_roots),
         ),
     ),
-    Printed(
+    PrintedEquation(
         number=52,
         latex=r"\begin{aligned} M^+ &= \{k : L(k) = 0,\ \mathrm{Im}\,k > 0\} \\ M^- &= \{k : L(k) "
               r"= 0,\ \mathrm{Im}\,k < 0\} \end{aligned}",
         expression=sp.Tuple(equation(M_plus, _set(sp.Gt)), equation(M_minus, _set(sp.Lt))),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="No root is real and none is double, so the two sets are all roots.",
     ),
-    Printed(
+    PrintedEquation(
         number=53,
         latex=r"\sum_{k \in M^+} \dfrac{1}{kL_k} = -\dfrac{2\varphi_{us}}{\varphi_s}",
-        expression=_threshold, verdict=Verdict.AMBIGUOUS,
+        expression=_threshold, verdict=EquationVerdict.AMBIGUOUS,
         note="Sign and factor are right. But it is one complex equation, two real ones, for the "
              "single unknown v_hat.",
         affects="(54) and Figs. 16-18.",
@@ -192,7 +192,7 @@ EQUATIONS = (
                     readings.real_ratio),
         ),
     ),
-    Printed(
+    PrintedEquation(
         number=54,
         latex=r"\left|\sum_{k \in M^+} \dfrac{1}{kL_k}\right| = \dfrac{2|\varphi_{us}|}"
               r"{|\varphi_s|} = 2\sqrt{\dfrac{1-\sqrt{1-8\eta}}{1+\sqrt{1-8\eta}}},\quad \eta "
@@ -201,7 +201,7 @@ EQUATIONS = (
             equation(sp.Abs(_total), 2 * sp.Abs(phi_us) / sp.Abs(phi_s)),
             equation(2 * sp.Abs(phi_us) / sp.Abs(phi_s), 2 * sp.sqrt((1 - _root) / (1 + _root))),
             equation(eta, b / a**2)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="By modulus, for eta < 1/8. Several v_hat can solve it; (47) chooses.",
     ),
 )  # fmt: skip

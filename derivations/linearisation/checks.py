@@ -19,7 +19,7 @@ from derivations.algebra.evidence import (
     solved_for,
     value,
 )
-from derivations.algebra.lattice import Ends
+from derivations.algebra.lattice import LatticeEnds
 from derivations.algebra.steps import Check, Evidence
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn
@@ -53,7 +53,7 @@ def state(candidate: sp.Basic) -> Evidence:
     return Evidence(holds, f"positions of a moving chain, then its rates: off by {off:.1e}")
 
 
-def _forces(chain: ChainNumbers, ends: Ends, x: Any) -> Any:
+def _forces(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
     """Accelerations of all sites, from springs between pairs of sites."""
     size = len(x) // 2
     places, rates = x[:size], x[size:]
@@ -62,13 +62,13 @@ def _forces(chain: ChainNumbers, ends: Ends, x: Any) -> Any:
         field = {}
         for offset in range(-chain.reach, chain.reach + 1):
             other = site + offset
-            inside = ends is Ends.RING or 0 <= other < size
+            inside = ends is LatticeEnds.RING or 0 <= other < size
             field[offset] = places[other % size] if inside else places[site]
         out.append(-chain.rest(field, rates[site]))
     return np.array(out)
 
 
-def _rates(chain: ChainNumbers, ends: Ends, x: Any) -> Any:
+def _rates(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
     return np.concatenate([x[len(x) // 2 :], _forces(chain, ends, x)])
 
 
@@ -83,7 +83,7 @@ def _sample(model: ChainModel, sites: int) -> tuple[ChainNumbers, Any, Any]:
     return chain, x, change
 
 
-def closed(model: ChainModel, ends: Ends) -> Check:
+def closed(model: ChainModel, ends: LatticeEnds) -> Check:
     """Every site of the closed chain."""
 
     def check(candidate: sp.Basic) -> Evidence:
@@ -105,7 +105,7 @@ def closed(model: ChainModel, ends: Ends) -> Check:
     return check
 
 
-def field(model: ChainModel, ends: Ends) -> Check:
+def field(model: ChainModel, ends: LatticeEnds) -> Check:
     """Entry by entry the rates of the state."""
 
     def check(candidate: sp.Basic) -> Evidence:
@@ -127,27 +127,27 @@ def _point(chain: ChainNumbers, x: Any, change: Any = None) -> dict[Any, Any]:
     return point
 
 
-def _entries(matrix: Any, exact: Any, point: Point, ends: Ends) -> Evidence:
+def _entries(matrix: Any, exact: Any, point: Point, ends: LatticeEnds) -> Evidence:
     wrong = [
         (row + 1, column + 1)
         for row in range(matrix.shape[0])
         for column in range(matrix.shape[1])
         if abs(value(matrix[row, column], point) - exact[row, column]) > 1e-11
     ]
-    kind = "ring" if ends is Ends.RING else "open chain"
+    kind = "ring" if ends is LatticeEnds.RING else "open chain"
     if wrong:
         return Evidence(False, f"{len(wrong)} entries differ, the first at {wrong[0]}")
     return Evidence(True, f"all {exact.size} entries agree with the {kind}, numerically")
 
 
-def _jacobian(chain: ChainNumbers, ends: Ends, x: Any) -> Any:
+def _jacobian(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
     """Complex-step derivative of the rates: exact to rounding."""
     step = 1e-30
     columns = [_rates(chain, ends, x + 1j * step * row).imag / step for row in np.eye(len(x))]
     return np.array(columns).T
 
 
-def linear(model: ChainModel, ends: Ends) -> Check:
+def linear(model: ChainModel, ends: LatticeEnds) -> Check:
     """Entry by entry the complex-step derivative of the rates along the perturbation."""
 
     def check(candidate: sp.Basic) -> Evidence:
@@ -166,7 +166,7 @@ def linear(model: ChainModel, ends: Ends) -> Check:
     return check
 
 
-def jacobian(model: ChainModel, ends: Ends) -> Check:
+def jacobian(model: ChainModel, ends: LatticeEnds) -> Check:
     """Entry by entry the complex-step derivative."""
 
     def check(candidate: sp.Basic) -> Evidence:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derivations.algebra.equations import equation
-from derivations.algebra.lattice import Ends
+from derivations.algebra.lattice import LatticeEnds
 from derivations.chain import PAPER
 from derivations.linearisation import checks, layout
 from derivations.linearisation.symbols import (
@@ -17,7 +17,7 @@ from derivations.linearisation.symbols import (
     delta_rate,
     perturbations,
 )
-from derivations.printing import Printed, Reading, Verdict
+from derivations.printing import EquationVerdict, PrintedEquation, Reading
 from derivations.symbols import a, b, c, epsilon, t, y
 
 _x, _delta = components(SITES), perturbations(SITES)
@@ -77,19 +77,19 @@ def _jacobian() -> sp.Eq:
     return equation(J, sp.ImmutableMatrix(matrix))
 
 
-_open_check = checks.field(PAPER, Ends.FREE)
+_open_check = checks.field(PAPER, LatticeEnds.FREE)
 
 EQUATIONS = (
-    Printed(
+    PrintedEquation(
         number=39,
         latex=r"X = \begin{pmatrix} Y \\ V \end{pmatrix}, \quad Y = \begin{pmatrix} y_1 \\ y_2 \\ "
               r"\vdots \\ y_N \end{pmatrix}, \quad V = \dot{Y}",
         expression=equation(X, sp.ImmutableMatrix(
             [*(y(site + 1, t) for site in _SITES), *(y(site + 1, t).diff(t) for site in _SITES)])),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="Displacements first, then velocities; shown for N = 4.",
     ),
-    Printed(
+    PrintedEquation(
         number=40,
         latex=r"\dot{X} = f(X) = \begin{pmatrix} x_{N+1} \\ x_{N+2} \\ \vdots \\ -x_1 - "
               r"\varepsilon c(2x_1 - x_2 - x_N) - \varepsilon x_{N+1}(1 - ax_1^2 + bx_1^4) \\ "
@@ -97,7 +97,7 @@ EQUATIONS = (
               r"\\ \vdots \\ -x_N - \varepsilon c(2x_N - x_1 - x_{N-1}) - "
               r"\varepsilon x_{2N}(1 - ax_N^2 + bx_N^4) \end{pmatrix}",
         expression=_field(),
-        verdict=Verdict.INCONSISTENT,
+        verdict=EquationVerdict.INCONSISTENT,
         note="The printed corners, like those of (42), close the chain to a ring; Figs. 12 and 15 "
              "state open ends, and (8) does not say.",
         affects="Fig. 9. For a breather far from the ends the difference is of the size of its "
@@ -112,16 +112,16 @@ EQUATIONS = (
         amendments=((r"2x_1 - x_2 - x_N", r"x_1 - x_2"),
                     (r"2x_N - x_1 - x_{N-1}", r"x_N - x_{N-1}")),
     ),
-    Printed(
+    PrintedEquation(
         number=41,
         latex=r"\dot{\hat{X}} + \dot{\delta} = J\big|_{X=\hat{X}} \delta + f(\hat{X}) + "
               r"O(\delta^2) \quad \rightarrow \quad \dot{\delta} = J\big|_{X=\hat{X}} \delta",
         expression=_linearised(),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Linearisation, with J the derivative of f; shown for N = 4. The letter delta is that "
              "of (27).",
     ),
-    Printed(
+    PrintedEquation(
         number=42,
         latex=r"J = \begin{pmatrix} 0_{N \times N} & I_{N \times N} \\ A_{N \times N} & "
               r"B_{N \times N} \end{pmatrix} \\ A_{N \times N} = \begin{bmatrix} -1 - "
@@ -134,7 +134,7 @@ EQUATIONS = (
               r"0 & -\varepsilon(1 - ax_2^2 + bx_2^4) & \\ & & 0 \\ 0 & & "
               r"-\varepsilon(1 - ax_N^2 + bx_N^4) \end{bmatrix}",
         expression=_jacobian(),
-        verdict=Verdict.MISPRINT,
+        verdict=EquationVerdict.MISPRINT,
         note="The '1' in the bracket of A_nn must go: the derivative of 1 - a x^2 + b x^4 is "
              "-2 a x + 4 b x^3. All other entries agree, with the corners of the ring (40).",
         affects="Fig. 9 if the matrix was coded as printed. The extra term has no resonant mean, "

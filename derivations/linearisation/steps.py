@@ -7,7 +7,7 @@ import sympy as sp
 from derivations.algebra.equations import equation
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.expansion import Linearise
-from derivations.algebra.lattice import CloseChain, Ends, ReadMatrix, WriteFirstOrder
+from derivations.algebra.lattice import CloseChain, LatticeEnds, ReadMatrix, WriteFirstOrder
 from derivations.algebra.oscillation import CollectHarmonic
 from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import Substitute
@@ -61,8 +61,8 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
     vector = sp.ImmutableMatrix([*places, *(place.diff(t) for place in places)])
     draft.definition("state", equation(X, vector), "displacements, then velocities",
                      check=checks.state, number=39)
-    for ends in (Ends.RING, Ends.FREE):
-        suffix, numbered = ("", True) if ends is Ends.RING else (" with free ends", False)
+    for ends in (LatticeEnds.RING, LatticeEnds.FREE):
+        suffix, numbered = ("", True) if ends is LatticeEnds.RING else (" with free ends", False)
         draft.derived(f"closed chain{suffix}", CloseChain(y, n, t, count, ends), "chain",
                       check=checks.closed(chain, ends))
         draft.derived(f"first-order system{suffix}", WriteFirstOrder(X_rate, own, t),

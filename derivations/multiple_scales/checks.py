@@ -77,7 +77,7 @@ def _partials(function: Callable[[Any, Any], Any], symbol: sp.Expr, p: Any, q: A
     return point
 
 
-class Checks:
+class ScalesChecks:
     """The checks of the derivation for one chain; each judges any equation in a step's place.
 
     Parameters

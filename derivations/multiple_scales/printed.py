@@ -6,7 +6,7 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.multiple_scales.symbols import Y_0, Y_1, A, R_slow, Y, theta_slow
-from derivations.printing import Printed, Verdict
+from derivations.printing import EquationVerdict, PrintedEquation
 from derivations.symbols import (
     R,
     a,
@@ -42,60 +42,60 @@ def _damping(displacement: sp.Expr) -> sp.Expr:
 
 
 _TO_ORDERS = (
-    Printed(
+    PrintedEquation(
         number=8,
         latex=r"\ddot{y}_n + y_n + \varepsilon c(2y_n - y_{n-1} - y_{n+1}) + \varepsilon "
               r"\dot{y}_n(1 - ay_n^2 + by_n^4) = 0",
         expression=equation(
             _y.diff(t, 2) + _y + epsilon * c * (2 * _y - y(n - 1, t) - y(n + 1, t))
             + epsilon * _y.diff(t) * _damping(_y)),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="The model. The ends of the chain are not stated here; see (40). With y / sqrt(a) in "
              "the place of y only eta = b / a^2 is left of a and b.",
     ),
-    Printed(
+    PrintedEquation(
         number=9,
         latex=r"y_n = \alpha_0 e^{k_1 |n|} \sin(\omega t + k_2 |n|)",
         expression=equation(
             _y, alpha_0 * sp.exp(k_1 * sp.Abs(n)) * sp.sin(omega * t + k_2 * sp.Abs(n))),
-        verdict=Verdict.ASSUMPTION,
+        verdict=EquationVerdict.ASSUMPTION,
         note="Constant k_1 and k_2. No such motion solves the averaged chain at three or more "
              "sites; see (35).",
         affects="(11), (29), (35)-(38), Fig. 8.",
     ),
-    Printed(
+    PrintedEquation(
         number=10,
         latex=r"\ddot{y}_0 + y_0 + 2\varepsilon c(y_0 - y_1) + \varepsilon \dot{y}_0 "
               r"(1 - a y_0^2 + b y_0^4) = 0",
         expression=equation(_y0.diff(t, 2) + _y0 + 2 * epsilon * c * (_y0 - _y1)
                             + epsilon * _y0.diff(t) * _damping(_y0)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="For a solution with y_1 = y_{-1}.",
     ),
-    Printed(
+    PrintedEquation(
         number=11,
         latex=r"\ddot{y}_0 + y_0 + 2\varepsilon c(y_0 - \alpha_0 e^{k_1} \sin(\omega t + k_2)) + "
               r"\varepsilon \dot{y}_0 (1 - a y_0^2 + b y_0^4) = 0",
         expression=equation(_y0.diff(t, 2) + _y0 + 2 * epsilon * c * (_y0 - _wave)
                             + epsilon * _y0.diff(t) * _damping(_y0)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="(9) at n = 1 put into (10).",
     ),
-    Printed(
+    PrintedEquation(
         number=12,
         latex=r"\omega = 1 + \varepsilon \omega_1 + \varepsilon^2 \omega_2 + \ldots",
         expression=equation(omega, 1 + epsilon * omega_1 + epsilon**2 * omega_2),
-        verdict=Verdict.ASSUMPTION,
+        verdict=EquationVerdict.ASSUMPTION,
         note="The expansion, kept here to the second order.",
     ),
-    Printed(
+    PrintedEquation(
         number=13,
         latex=r"\hat{t} = \omega t, \quad \tau = \varepsilon t",
         expression=sp.Tuple(equation(t_hat, omega * t), equation(tau, epsilon * t)),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="The two times. In model I the letter tau means omega_n t.",
     ),
-    Printed(
+    PrintedEquation(
         number=14,
         latex=r"\begin{aligned} \dot{y}_0 &= \omega y_{\hat{t}} + \varepsilon y_\tau \\ \ddot{y}_0 "
               r"&= \omega^2 y_{\hat{t}\hat{t}} + 2\omega\varepsilon y_{\tau \hat{t}} + "
@@ -104,10 +104,10 @@ _TO_ORDERS = (
             equation(_y0.diff(t), omega * Y.diff(t_hat) + epsilon * Y.diff(tau)),
             equation(_y0.diff(t, 2), omega**2 * Y.diff(t_hat, 2)
                      + 2 * omega * epsilon * Y.diff(tau, t_hat) + epsilon**2 * Y.diff(tau, 2))),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="The chain rule.",
     ),
-    Printed(
+    PrintedEquation(
         number=15,
         latex=r"\omega^2 y_{\hat{t}\hat{t}} + 2\omega\varepsilon y_{\hat{t}\tau} + y_0 + "
               r"2\varepsilon c(y_0 - \alpha_0 e^{k_1} \sin(\hat{t} + k_2)) + \varepsilon \omega "
@@ -115,10 +115,10 @@ _TO_ORDERS = (
         expression=equation(
             omega**2 * Y.diff(t_hat, 2) + 2 * omega * epsilon * Y.diff(t_hat, tau) + Y
             + 2 * epsilon * c * (Y - _fast_wave) + epsilon * omega * Y.diff(t_hat) * _damping(Y)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Up to O(eps^2). (14) is put into (11), not into (10) as the text says.",
     ),
-    Printed(
+    PrintedEquation(
         number=16,
         latex=r"(1+2\varepsilon\omega_1)y_{0,\hat{t}\hat{t}} + 2\varepsilon y_{0,\hat{t}\tau} + "
               r"y_0 + 2\varepsilon c\left(y_0 - \alpha_0 e^{k_1}\sin(\hat{t}+k_2)\right) + "
@@ -126,24 +126,24 @@ _TO_ORDERS = (
         expression=equation(
             (1 + 2 * epsilon * omega_1) * Y.diff(t_hat, 2) + 2 * epsilon * Y.diff(t_hat, tau) + Y
             + 2 * epsilon * c * (Y - _fast_wave) + epsilon * Y.diff(t_hat) * _damping(Y)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Up to O(eps^2).",
     ),
-    Printed(
+    PrintedEquation(
         number=17,
         latex=r"y_0 = y_0^{(0)} + \varepsilon y_0^{(1)} + \ldots",
         expression=equation(Y, Y_0 + epsilon * Y_1),
-        verdict=Verdict.ASSUMPTION,
+        verdict=EquationVerdict.ASSUMPTION,
         note="The expansion of the solution.",
     ),
-    Printed(
+    PrintedEquation(
         number=18,
         latex=r"y_{0,\hat{t}\hat{t}}^{(0)} + y_0^{(0)} = 0",
         expression=equation(Y_0.diff(t_hat, 2) + Y_0),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Order 1 of (16).",
     ),
-    Printed(
+    PrintedEquation(
         number=19,
         latex=r"y_{0,\hat{t}\hat{t}}^{(1)} + y_0^{(1)} = -2\omega_1 y_{0,\hat{t}\hat{t}}^{(0)} - "
               r"2y_{0,\hat{t}\tau}^{(0)} - 2c\left(y_0^{(0)} - \alpha_0 e^{k_1}\sin(\hat{t}+k_2)"
@@ -153,37 +153,37 @@ _TO_ORDERS = (
             Y_1.diff(t_hat, 2) + Y_1,
             -2 * omega_1 * Y_0.diff(t_hat, 2) - 2 * Y_0.diff(t_hat, tau)
             - 2 * c * (Y_0 - _fast_wave) - Y_0.diff(t_hat) * _damping(Y_0)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Order eps of (16).",
     ),
-    Printed(
+    PrintedEquation(
         number=20,
         latex=r"y_0^{(0)} = A(\tau)e^{i\hat{t}} + A(\tau)^* e^{-i\hat{t}}",
         expression=equation(Y_0, A * sp.exp(i * t_hat) + sp.conjugate(A) * sp.exp(-i * t_hat)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="The real solution of (18).",
     ),
 )  # fmt: skip
 
 _TO_BREATHER = (
-    Printed(
+    PrintedEquation(
         number=21,
         latex=r"2iA|A|^4 b - iA|A|^2 a + iA + 2cA + 2iA' - 2A\omega_1 + i\alpha_0 ce^{k_1}"
               r"e^{ik_2} = 0",
         expression=equation(
             2 * i * A * _size**2 * b - i * A * _size * a + i * A + 2 * c * A + 2 * i * A.diff(tau)
             - 2 * A * omega_1 + i * _lag * sp.exp(i * k_2)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Minus the resonant coefficient of (19).",
     ),
-    Printed(
+    PrintedEquation(
         number=22,
         latex=r"A = R \cdot e^{i\theta}",
         expression=equation(A, R_slow * sp.exp(i * theta_slow)),
-        verdict=Verdict.DEFINITION,
+        verdict=EquationVerdict.DEFINITION,
         note="Modulus and argument.",
     ),
-    Printed(
+    PrintedEquation(
         number=23,
         latex=r"2iR^5 b - iR^3 a + iR + 2cR + 2iR' - 2\theta' R - 2\omega_1 R + i\alpha_0 "
               r"ce^{k_1}e^{i(k_2-\theta)} = 0",
@@ -191,10 +191,10 @@ _TO_BREATHER = (
             2 * i * R_slow**5 * b - i * R_slow**3 * a + i * R_slow + 2 * c * R_slow
             + 2 * i * R_slow.diff(tau) - 2 * theta_slow.diff(tau) * R_slow - 2 * omega_1 * R_slow
             + i * _lag * sp.exp(i * (k_2 - theta_slow))),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="(22) in (21).",
     ),
-    Printed(
+    PrintedEquation(
         number=24,
         latex=r"\begin{cases} 2R^5 b - R^3 a + R + 2R' + \alpha_0 ce^{k_1}\cos(k_2-\theta) = 0 \\ "
               r"2cR - 2\theta' R - \alpha_0 ce^{k_1}\sin(k_2-\theta) - 2\omega_1 R = 0 \end{cases}",
@@ -203,58 +203,58 @@ _TO_BREATHER = (
                      + _lag * sp.cos(k_2 - theta_slow)),
             equation(2 * c * R_slow - 2 * theta_slow.diff(tau) * R_slow
                      - _lag * sp.sin(k_2 - theta_slow) - 2 * omega_1 * R_slow)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Imaginary part first, then the real part.",
     ),
-    Printed(
+    PrintedEquation(
         number=25,
         latex=r"\begin{cases} 2R^5 b - R^3 a + R + \alpha_0 ce^{k_1}\cos(k_2-\theta) = 0 \\ "
               r"2cR - \alpha_0 ce^{k_1}\sin(k_2-\theta) - 2\omega_1 R = 0 \end{cases}",
         expression=sp.Tuple(
             equation(2 * R**5 * b - R**3 * a + R + _lag * sp.cos(k_2 - theta)),
             equation(2 * c * R - _lag * sp.sin(k_2 - theta) - 2 * omega_1 * R)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Agreement with (9) at n = 0 also fixes theta = -pi/2, which the text does not use.",
     ),
-    Printed(
+    PrintedEquation(
         number=26,
         latex=r"4c^2 e^{2k_1} = \left(-2R^4 b + R^2 a - 1\right)^2 + 4\left(c - \omega_1\right)^2",
         expression=equation(4 * c**2 * sp.exp(2 * k_1), _damped**2 + 4 * (c - omega_1) ** 2),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="Squaring drops the phase k_2 - theta and with it one equation; with theta = -pi/2 "
              "and k_2 = -pi/2 the pair (25) fixes omega_1 = c by itself and (27) is not needed.",
     ),
-    Printed(
+    PrintedEquation(
         number=27,
         latex=r"\omega_1 = c + \delta; \quad \delta \ll c",
         expression=equation(omega_1, c + delta),
-        verdict=Verdict.ASSUMPTION,
+        verdict=EquationVerdict.ASSUMPTION,
         note="delta = -c e^{k_1} sin(k_2 - theta), which is zero for phase steps of -pi/2. The "
              "condition that (28) needs is delta << c e^{k_1}, stronger than the one printed. The "
              "letter delta returns in (41) as a perturbation.",
         affects="(28)-(30).",
     ),
-    Printed(
+    PrintedEquation(
         number=28,
         latex=r"4c^2 e^{2k_1} \approx \left(-2R^4 b + R^2 a - 1\right)^2",
         expression=equation(4 * c**2 * sp.exp(2 * k_1), _damped**2),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="With a relative error of (delta / (c e^{k_1}))^2.",
     ),
-    Printed(
+    PrintedEquation(
         number=29,
         latex=r"e^{k_1} = \frac{-\alpha_0^4 b + 2\alpha_0^2 a - 8}{16c}",
         expression=equation(sp.exp(k_1), (-(alpha_0**4) * b + 2 * alpha_0**2 * a - 8) / (16 * c)),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="The root of (28) with k_2 = theta, positive when alpha_0 lies between the two "
              "cycles. It is exact for site 0 of the averaged chain, with e^{k_1} the ratio "
              "r_1 / r_0.",
     ),
-    Printed(
+    PrintedEquation(
         number=30,
         latex=r"\omega = 1 + \varepsilon c",
         expression=equation(omega, 1 + epsilon * c),
-        verdict=Verdict.HOLDS,
+        verdict=EquationVerdict.HOLDS,
         note="To first order; the second order adds eps^2 omega_2 (see second-order).",
     ),
 )  # fmt: skip

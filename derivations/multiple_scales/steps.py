@@ -19,7 +19,7 @@ from derivations.algebra.solution import SelectSign, SolveFor, SolveOscillator
 from derivations.algebra.steps import Derivation, Draft
 from derivations.algebra.substitution import RescaleTime, Substitute, mirrored
 from derivations.chain import PAPER, ChainModel
-from derivations.multiple_scales.checks import Checks
+from derivations.multiple_scales.checks import ScalesChecks
 from derivations.multiple_scales.symbols import Y_0, Y_1, A, R_slow, Y, theta_slow
 from derivations.symbols import (
     R,
@@ -57,7 +57,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     -------
     Derivation
     """
-    draft, checks = Draft(), Checks(model)
+    draft, checks = Draft(), ScalesChecks(model)
     _to_orders(draft, model, checks)
     _to_amplitudes(draft, checks)
     _self_consistent(draft, checks)
@@ -65,7 +65,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     return draft.finished("multiple-scales", "Multiple scales for the central particle (8)-(30)")
 
 
-def _to_orders(draft: Draft, given: ChainModel, checks: Checks) -> None:
+def _to_orders(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
     draft.model("chain", given.equation(), "the chain of self-excited oscillators",
                 check=checks.chain, number=8)
     wave = alpha_0 * sp.exp(k_1 * sp.Abs(n)) * sp.sin(omega * t + k_2 * sp.Abs(n))
@@ -103,7 +103,7 @@ def _to_orders(draft: Draft, given: ChainModel, checks: Checks) -> None:
                   check=checks.free_solution, number=20)
 
 
-def _to_amplitudes(draft: Draft, checks: Checks) -> None:
+def _to_amplitudes(draft: Draft, checks: ScalesChecks) -> None:
     turn = sp.exp(i * theta_slow)
     draft.derived("secular condition", RemoveSecularTerms(t_hat, Y_1), "order eps",
                   "free oscillation", check=checks.secular, number=21)
@@ -119,7 +119,7 @@ def _to_amplitudes(draft: Draft, checks: Checks) -> None:
                   "amplitude and phase", check=checks.steady_parts, number=25)
 
 
-def _self_consistent(draft: Draft, checks: Checks) -> None:
+def _self_consistent(draft: Draft, checks: ScalesChecks) -> None:
     """Site 0 moves as was assumed of it."""
     draft.derived("assumed motion of site 0", Substitute({n: 0}), "breather",
                   check=checks.central_motion)
@@ -139,7 +139,7 @@ def _self_consistent(draft: Draft, checks: Checks) -> None:
                   check=checks.own)
 
 
-def _to_breather(draft: Draft, given: ChainModel, checks: Checks) -> None:
+def _to_breather(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
     """Decay and frequency of the breather."""
     draft.derived("modulus", SquareAndAdd(theta), "own amplitude", check=checks.modulus, number=26)
     draft.derived("frequency with neighbours at rest",
@@ -169,7 +169,7 @@ def _to_breather(draft: Draft, given: ChainModel, checks: Checks) -> None:
                   number=30)
 
 
-def _decay(draft: Draft, given: ChainModel, checks: Checks) -> None:
+def _decay(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
     """Write down the decay of the breather, of a cell that gains and loses energy."""
     draft.derived("both signs of the decay",
                   (Divide(4 * given.coupling**2), Apply(Function.SQUARE_ROOT)),

@@ -8,7 +8,7 @@ from functools import lru_cache
 import sympy as sp
 
 from derivations import catalogue
-from derivations.printing import Printed
+from derivations.printing import PrintedEquation
 from derivations.transcription.latex_reader import Notation, read
 from derivations.transcription.latex_tokens import changed_tokens
 
@@ -58,18 +58,18 @@ def as_object(number: int, latex: str) -> sp.Basic:
     return written_out(number, found, read(field.latex, notation_of(40)))
 
 
-def read_correction(entry: Printed) -> sp.Basic | None:
+def read_correction(entry: PrintedEquation) -> sp.Basic | None:
     """Return the corrected equation, read from its LaTeX; None where no token is on record."""
     corrected = entry.amended_latex
     return None if corrected is None else as_object(entry.number, corrected)
 
 
-def stated_changes(entry: Printed) -> tuple[tuple[str, str], ...]:
+def stated_changes(entry: PrintedEquation) -> tuple[tuple[str, str], ...]:
     """Return the tokens that a correction is said to change, one pair for each amendment."""
     return tuple(pair for one in entry.amendments for pair in changed_tokens(*one))
 
 
-def found_changes(entry: Printed) -> tuple[tuple[str, str], ...]:
+def found_changes(entry: PrintedEquation) -> tuple[tuple[str, str], ...]:
     """Return the tokens in which the corrected line differs from print."""
     corrected = entry.amended_latex
     return () if corrected is None else changed_tokens(entry.latex, corrected)

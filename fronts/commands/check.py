@@ -19,7 +19,7 @@ from fronts.options import Folder, refuse_beside
 from fronts.output import with_table
 from paper_checks import discover
 from paper_checks.claim import Verdict
-from paper_checks.outcome import Outcome, slug
+from paper_checks.outcome import JudgedClaim, slug
 from paper_checks.report.document import (
     PACKAGES,
     Report,
@@ -197,7 +197,7 @@ class _Reporter:
     def start(self, key: str) -> None:
         self._shown.begin(key)
 
-    def done(self, outcome: Outcome) -> None:
+    def done(self, outcome: JudgedClaim) -> None:
         notes = [duration(outcome.judgement.seconds)]
         if outcome.judgement.stored:
             notes.append("stored, stale" if outcome.judgement.stale else "stored")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
     from derivations.cell.envelope import Envelope
     from derivations.chain import ChainModel
-    from derivations.judgement import Judgement
+    from derivations.judgement import EquationJudgement
 
 EXAMPLE = """examples:
   fronts derive                                         list the derivations
@@ -212,7 +212,7 @@ def _one(
     return Answer(payload, text, answer.exit_code or int(not judgement.confirmed))
 
 
-def _verdict_lines(judgement: Judgement) -> str:
+def _verdict_lines(judgement: EquationJudgement) -> str:
     printed = judgement.printed
     lines = [f"In print: {printed.verdict.value}. {printed.note}"]
     if printed.affects:

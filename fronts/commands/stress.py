@@ -18,7 +18,7 @@ from verification.execution.record import Record
 
 if TYPE_CHECKING:
     from verification.quantities.quantity import Computation
-    from verification.quantities.robustness import Stability
+    from verification.quantities.robustness import Robustness
 
 EXAMPLE = """examples:
   fronts stress --quantity c-pin --quantity eta-pin --points 40
@@ -35,7 +35,7 @@ Exit code 1: a stated error was exceeded, or a point gave NaN, crashed or was to
 _MAX_SHOWN = 20
 RESUMABLE = (".csv", ".npz", ".zarr")
 """Tables with every point, which a killed run leaves to go on from."""
-STABILITY_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
+ROBUSTNESS_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
 REDUCTION_CODE = ("verification.work_reduction.table",)
 
 
@@ -102,10 +102,10 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
     check_seed(seed)
     points, seed = 1000 if points is None else points, seed or 0
     table = _checked_table(out, resume, workers)
-    from verification.quantities.robustness import stability
+    from verification.quantities.robustness import robustness
 
     with resumable_tables(table), Progress("stress", quiet=quiet) as live:
-        found = stability(
+        found = robustness(
             tuple(dict.fromkeys(quantity)),  # named twice is tried once
             points,
             seed,
@@ -120,7 +120,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
     payload = _payload(found, seed)
     if record:
         line = f"fronts stress --points {points} --seed {seed}"
-        _store("stability", payload, line, STABILITY_CODE)
+        _store("stability", payload, line, ROBUSTNESS_CODE)
     where = {"out": None if out is None else str(out)}
     return Answer(payload | where, _text(found), exit_code=1 if found.bad else 0)
 
@@ -137,7 +137,7 @@ def _checked_table(out: Path | None, resume: bool, workers: int | None) -> Path 
     return table
 
 
-def _payload(found: Stability, seed: int) -> dict[str, object]:
+def _payload(found: Robustness, seed: int) -> dict[str, object]:
     from verification.quantities.registry import computation_named
 
     return {
@@ -167,7 +167,7 @@ def _finite(value: Any) -> Any:
     return value
 
 
-def _text(found: Stability) -> str:
+def _text(found: Robustness) -> str:
     heads = tuple(found.counts)
     lines = [
         f"{'quantity':26}{'points':>7}"

@@ -65,7 +65,7 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Call:
+class PendingCall:
     """A call of a public function, not yet carried out.
 
     Attributes
@@ -73,7 +73,7 @@ class Call:
     function : str
         A public name of `fronts`.
     arguments : tuple
-        Arguments by position; a `Call` or a `Steps` is carried out first.
+        Arguments by position; a `PendingCall` or a `Steps` is carried out first.
     options : tuple of (str, object)
         Arguments by name.
     name : str
@@ -100,11 +100,11 @@ class Call:
 
 
 def _carried_out(value: Any) -> Any:
-    return value.run() if isinstance(value, (Call, Steps)) else value
+    return value.run() if isinstance(value, (PendingCall, Steps)) else value
 
 
-def _call(function: str, *arguments: Any, **options: Any) -> Call:
-    return Call(function, arguments, tuple(options.items()))
+def _call(function: str, *arguments: Any, **options: Any) -> PendingCall:
+    return PendingCall(function, arguments, tuple(options.items()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +136,7 @@ class Settings:
     nucleus: int = 1
 
 
-def calls(settings: Settings) -> dict[str, Call]:
+def calls(settings: Settings) -> dict[str, PendingCall]:
     """Return the calls behind the pictures, the quick ones first.
 
     Parameters
@@ -168,7 +168,7 @@ def calls(settings: Settings) -> dict[str, Call]:
         "curve": _call("kinetic_relation", c=Steps(0.025, 80), eta=eta),
         "states": _call(
             "state_map",
-            Call("AveragedChain", (), (("a", 4.0), ("b", 0.5), ("c", 0.6), ("sites", 16))),
+            PendingCall("AveragedChain", (), (("a", 4.0), ("b", 0.5), ("c", 0.6), ("sites", 16))),
             eta=Steps(0.01, 14),
             c=Steps(0.1, 20),
             refine=0.0,
@@ -177,7 +177,7 @@ def calls(settings: Settings) -> dict[str, Call]:
     }
 
 
-def _breather(settings: Settings) -> Call:
+def _breather(settings: Settings) -> PendingCall:
     """Return the call for the breather: of (8) a periodic orbit, where there may be one.
 
     That there is none is known from the fold of its branch, which takes (43) a tenth of the time;
@@ -185,7 +185,7 @@ def _breather(settings: Settings) -> Call:
     """
     size = settings.nucleus
     around = _chain(settings, size + 2 * AROUND, "around")
-    nucleus = Call("Nucleus", (size,))
+    nucleus = PendingCall("Nucleus", (size,))
     averaged = _call("breather", around, nucleus=nucleus, method="envelope")
     if settings.model != "vdp":
         return averaged
@@ -195,14 +195,14 @@ def _breather(settings: Settings) -> Call:
     return _call("breather", around, nucleus=nucleus, method="orbit")
 
 
-def _chain(settings: Settings, sites: int, name: str) -> Call:
+def _chain(settings: Settings, sites: int, name: str) -> PendingCall:
     a, b = (1.0, settings.eta) if settings.a is None else (settings.a, settings.b)
     options = {"a": a, "b": b, "c": settings.c, "eps": settings.eps, "sites": sites}
-    return Call(MODELS[settings.model], (), tuple(options.items()), name)
+    return PendingCall(MODELS[settings.model], (), tuple(options.items()), name)
 
 
 @lru_cache(maxsize=256)
-def outcome(call: Call) -> Any:
+def outcome(call: PendingCall) -> Any:
     """Return the result of a call, or the sentence with which it is refused."""
     try:
         return call.run()
@@ -226,8 +226,8 @@ def script(settings: Settings) -> str:
         if isinstance(found, str):
             lines.append(f"# {name}: {found}")
             continue
-        chains = [f"{each.name} = {each}" for each in call.arguments if isinstance(each, Call)
-                  and each.name]  # fmt: skip
+        named = (x for x in call.arguments if isinstance(x, PendingCall) and x.name)
+        chains = [f"{each.name} = {each}" for each in named]
         lines += [*chains, f"{name} = {call}"]
         if name in ("point", "breather"):
             lines.append(f"print({name})")

@@ -116,7 +116,7 @@ class Controls:
         return Settings(eta=b / a**2, a=a, b=b, **said)
 
 
-class Page:
+class ExplorerPage:
     """One reader's page.
 
     Calls are carried out in one thread, settings that are no longer current are skipped, and each
@@ -234,7 +234,7 @@ def serve(port: int, ready: Callable[[str], None], *, show: bool) -> None:
     """
     pn.extension(raw_css=[PAGE])
     server = pn.io.server.get_server(
-        lambda: Page().view(), port=port, address=ADDRESS, title="Excitation fronts",
+        lambda: ExplorerPage().view(), port=port, address=ADDRESS, title="Excitation fronts",
         websocket_origin=[f"{ADDRESS}:{port}"] if port else None,
     )  # fmt: skip
     parent = os.getppid()

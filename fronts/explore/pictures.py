@@ -1,6 +1,7 @@
 """The six pictures of the explorer: each draws results into a figure of Bokeh.
 
-A new picture derives from `Picture`, says which calls it needs, and is entered in `PICTURES`.
+A new picture derives from `ExplorerPicture`, says which calls it needs, and is entered in
+`PICTURES`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ GREY = "#777777"
 HEIGHT = 265
 
 
-class Picture:
+class ExplorerPicture:
     """A figure with a caption, in whose place a sentence stands where a call is refused.
 
     Attributes
@@ -96,7 +97,7 @@ class Picture:
         return span
 
 
-class KineticPicture(Picture):
+class KineticPicture(ExplorerPicture):
     """Every velocity over the coupling at this η, and those at this coupling."""
 
     name, title = "kinetic", "Kinetic relation (54)"
@@ -148,7 +149,7 @@ class KineticPicture(Picture):
         )
 
 
-class ProfilePicture(Picture):
+class ProfilePicture(ExplorerPicture):
     """The shape of the fastest admissible front."""
 
     name, title = "profile", "Profile of the front (49)"
@@ -177,7 +178,7 @@ class ProfilePicture(Picture):
         return f"v = {front.v:.6g}, {kind}; the threshold is |φ/φₛ| = {front.threshold:.4g}."
 
 
-class StatesPicture(Picture):
+class StatesPicture(ExplorerPicture):
     """The plane of η and c: states of the averaged chain, thresholds of (44), and the place."""
 
     name, title = "states", "Place in the map"
@@ -214,7 +215,7 @@ class StatesPicture(Picture):
         return "What becomes of 16 sites of (43), the last one displaced by 6 (Fig. 15), b = 0.5."
 
 
-class RunPicture(Picture):
+class RunPicture(ExplorerPicture):
     """Amplitudes of the chain over time and site, and the time that is shown beside."""
 
     name, title = "run", "The chain in space and time"
@@ -242,7 +243,7 @@ class RunPicture(Picture):
         return f"{reached} of {SITES} sites have passed the unstable cycle by εt = {SLOW_TIME:g}."
 
 
-class NowPicture(Picture):
+class NowPicture(ExplorerPicture):
     """Amplitudes of the chain at the time shown, beside those of the breather."""
 
     name, title = "amplitudes", "Amplitudes at that time"
@@ -275,7 +276,7 @@ class NowPicture(Picture):
         return f"Cycles of one cell: {cycles[0]:.5g}, stable, and {cycles[1]:.5g}, unstable."
 
 
-class MultipliersPicture(Picture):
+class MultipliersPicture(ExplorerPicture):
     """Floquet multipliers of the breather, and the unit circle."""
 
     name, title = "multipliers", "Floquet multipliers of the breather"

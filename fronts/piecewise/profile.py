@@ -20,7 +20,7 @@ _FARTHEST = 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Profile(Result):
+class FrontProfile(Result):
     """The shape φ(ζ)/φ_s of a front.
 
     Attributes
@@ -89,7 +89,7 @@ def front_profile(
     low: float = -8.0,
     high: float = 8.0,
     points: int = 321,
-) -> Profile:
+) -> FrontProfile:
     """Return the shape of a travelling front (Eq. 49) and whether it is admissible (Eq. 47).
 
     Parameters
@@ -111,7 +111,7 @@ def front_profile(
 
     Returns
     -------
-    Profile
+    FrontProfile
         Positions, values, and the front that they are of.
 
     Raises
@@ -157,7 +157,7 @@ def front_profile(
     else:  # a retreating front is 1 - φ(-ζ) of the advancing one
         shape = shape_of(-zeta, -chosen.v, answer.c)
         phi = 1.0 - shape.phi
-    return Profile(
+    return FrontProfile(
         c=answer.c,
         eta=answer.eta,
         v=chosen.v,

@@ -10,7 +10,7 @@ from paper_checks.finding import Erratum, Fault
 if TYPE_CHECKING:
     import sympy as sp
 
-    from derivations.judgement import Judgement
+    from derivations.judgement import EquationJudgement
 
 LONG = 420
 """Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
@@ -38,23 +38,23 @@ def readable(prose: str) -> str:
     return _LETTER.sub(lambda found: _LETTERS[found.group(1)], prose)
 
 
-def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
+def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:
     """Return the erratum of a misprinted, ambiguous or inconsistent equation, None for another.
 
     Parameters
     ----------
-    found : Judgement
+    found : EquationJudgement
         What the checks said in this run.
     derivation : str
         Name of the derivation that has the step.
     """
-    from derivations.printing import Verdict
+    from derivations.printing import EquationVerdict
 
     printed = found.printed
     line = printed.amended_latex
     differs = ""
     step = f"the step '{found.step.name}: {found.step.operation}' of the derivation '{derivation}'"
-    if printed.verdict is Verdict.MISPRINT:
+    if printed.verdict is EquationVerdict.MISPRINT:
         fault = Fault.MISPRINT
         differs = correction(found)
         corrected = f"${line}$" if line else differs
@@ -63,8 +63,8 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
             f"same check: {found.on_derived.statement}."
         )
         differs = f" The derivation differs from print in this: {differs}." if line else ""
-    elif printed.verdict in (Verdict.AMBIGUOUS, Verdict.INCONSISTENT):
-        ambiguous = printed.verdict is Verdict.AMBIGUOUS
+    elif printed.verdict in (EquationVerdict.AMBIGUOUS, EquationVerdict.INCONSISTENT):
+        ambiguous = printed.verdict is EquationVerdict.AMBIGUOUS
         fault = Fault.AMBIGUOUS if ambiguous else Fault.INCONSISTENT
         tried = list(zip(printed.readings, found.on_readings, strict=True))
         right = [reading for reading, evidence in tried if evidence.holds]
@@ -94,7 +94,7 @@ def erratum_of(found: Judgement, derivation: str) -> Erratum | None:
     )
 
 
-def correction(found: Judgement) -> str:
+def correction(found: EquationJudgement) -> str:
     """Return the part of the derived equation that differs from print, between dollar signs.
 
     Of a system, the equations that differ; of a matrix, the first entry that differs; where one

@@ -12,7 +12,7 @@ from paper_checks.claims._equation_numbers import method, residual
 from paper_checks.ruling import corrected, fails, holds
 
 if TYPE_CHECKING:
-    from derivations.judgement import Judgement
+    from derivations.judgement import EquationJudgement
 
 MISPRINTS = frozenset({2, 4, 33, 42})
 """Wrong as they stand; right after a correction that the derivation proves."""
@@ -48,7 +48,7 @@ KINDS = {
 
 
 @cache
-def judgements() -> dict[int, Judgement]:
+def judgements() -> dict[int, EquationJudgement]:
     """Return what the derivations say of every equation."""
     from derivations.judgement import report
 
@@ -56,7 +56,7 @@ def judgements() -> dict[int, Judgement]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Printed:
+class CheckedEquation:
     """A printed equation and what its derivation and its check say."""
 
     number: int
@@ -108,11 +108,11 @@ class Printed:
         return f"{kind}; the printed equation fails the numerical test"
 
 
-def printed(number: int) -> Printed:
+def printed(number: int) -> CheckedEquation:
     """Return the evidence on one equation."""
     found = judgements()[number]
     corrected_form = found.corrected or ""
-    return Printed(
+    return CheckedEquation(
         number=number,
         kind=found.printed.verdict.value,
         passes=found.on_print.holds,
@@ -138,7 +138,7 @@ def _said(statement: str) -> str:
     return meant if "could not be evaluated" in statement else readable(statement)
 
 
-def rule(e: Printed) -> Ruling:
+def rule(e: CheckedEquation) -> Ruling:
     """Ask: a printed equation that passes holds; a way of writing is only a remark."""
     if not e.confirmed or not e.derived_passes:
         return fails("the derivation does not give this equation, nor a corrected form of it.")
@@ -153,7 +153,7 @@ def rule(e: Printed) -> Ruling:
     return fails("the printed equation fails the numerical test.")
 
 
-def formulas(e: Printed) -> tuple[Formula, ...]:
+def formulas(e: CheckedEquation) -> tuple[Formula, ...]:
     """Return the equation as printed, and as derived where it differs."""
     shown = [Formula("As printed", e.latex)]
     if e.derived and not e.passes:
@@ -161,7 +161,7 @@ def formulas(e: Printed) -> tuple[Formula, ...]:
     return tuple(shown)
 
 
-def erratum(e: Printed) -> Erratum | None:
+def erratum(e: CheckedEquation) -> Erratum | None:
     """Return the line of the errata of a misprint; ways of writing have none."""
     if rule(e).verdict is not Verdict.CORRECTED:
         return None

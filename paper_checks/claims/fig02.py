@@ -269,7 +269,7 @@ def rule_subcritical(e: Subcritical) -> Ruling:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrictionLaw:
+class LawValues:
     """(2) at both ends, as printed and with μ_d in front; and the slopes of both at v_d."""
 
     printed: tuple[float, float]
@@ -280,7 +280,7 @@ class FrictionLaw:
     """Largest difference from the law as it is written for scipy."""
 
 
-def friction_law() -> FrictionLaw:
+def friction_law() -> LawValues:
     """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
     from theory.cells.friction import FrictionCell, friction_coefficient
     from verification.references.equations import dynamic_friction
@@ -295,7 +295,7 @@ def friction_law() -> FrictionLaw:
 
     step = 1e-5
     slopes = [(law(V_D + step) - law(V_D - step)) / (2.0 * step) for law in (printed, ours)]
-    return FrictionLaw(
+    return LawValues(
         printed=(printed(0.0), printed(1e3)),
         corrected=(ours(0.0), ours(1e3)),
         wanted=(cell.mu_st, cell.mu_d),
@@ -304,7 +304,7 @@ def friction_law() -> FrictionLaw:
     )
 
 
-def rule_friction_law(e: FrictionLaw) -> Ruling:
+def rule_friction_law(e: LawValues) -> Ruling:
     """Rule: both limits must be those of the text, by the printed line or by the corrected one."""
     if e.printed == e.wanted:
         return holds()

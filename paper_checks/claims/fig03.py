@@ -25,7 +25,7 @@ STYLES = (("o-", "blue"), ("s--", "vermilion"), ("^:", "green"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Breather:
+class BreatherEnvelopes:
     """Envelopes of the chain of Fig. 3a at its three times, shape (3, 31)."""
 
     envelope: NDArray[np.float64]
@@ -62,28 +62,28 @@ class Breather:
 
 
 @lru_cache(maxsize=1)
-def breather() -> Breather:
+def breather() -> BreatherEnvelopes:
     """Run the chain of Fig. 3a; compare its first sticks with scipy on a short chain."""
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
 
     chain = chain_of(0.004)
     run = simulate(chain, excite(chain, CORE), TIMES_A[-1], times=TIMES_A)
-    return Breather(
+    return BreatherEnvelopes(
         envelope=run.amplitude,
         stuck=tuple(int(n) + 1 for n in np.flatnonzero(np.isfinite(run.arrivals))),
         gap=disagreement(chain_of(0.004, 7), (3, 4, 5), 60.0),
     )
 
 
-def rule_superimposed(e: Breather) -> Ruling:
+def rule_superimposed(e: BreatherEnvelopes) -> Ruling:
     """Rule: the three curves must lie within the thickness of a line, the core alone sticking."""
     if e.stuck == CORE and e.apart < LINE and e.gap < AGREE:
         return holds()
     return fails("the three envelopes can be distinguished, or other sites stick as well.")
 
 
-def rule_vanishing(e: Breather) -> Ruling:
+def rule_vanishing(e: BreatherEnvelopes) -> Ruling:
     """Rule: outside the core the amplitude must be too small to be seen, and no site stick."""
     if e.stuck != CORE or not e.gap < AGREE:
         return fails("sites outside the nucleus stick.")
@@ -96,13 +96,17 @@ def rule_vanishing(e: Breather) -> Ruling:
     )
 
 
-def draw_breather(e: Breather) -> tuple[Picture, ...]:
+def draw_breather(e: BreatherEnvelopes) -> tuple[Picture, ...]:
     """Draw Fig. 3a."""
     return _draw("fig03-breather", e, TIMES_A, CORE, "0.4 %")
 
 
 def _draw(
-    name: str, e: Breather | Front, times: tuple[float, ...], core: tuple[int, ...], c: str
+    name: str,
+    e: BreatherEnvelopes | FrontEnvelopes,
+    times: tuple[float, ...],
+    core: tuple[int, ...],
+    c: str,
 ) -> tuple[Picture, ...]:
     """Draw the envelopes at some times, and where the chain is excited."""
     figure, axes = new_axes(
@@ -120,7 +124,7 @@ def _draw(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Front:
+class FrontEnvelopes:
     """The front of Fig. 3b at its three times."""
 
     envelope: NDArray[np.float64]
@@ -131,7 +135,7 @@ class Front:
     gap: float
 
 
-def front() -> Front:
+def front() -> FrontEnvelopes:
     """Count the sites that stick-slip at the three times, and compare amplitudes."""
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
@@ -139,7 +143,7 @@ def front() -> Front:
     chain = chain_of(0.02)
     run = simulate(chain, excite(chain, [1]), TIMES_B[-1], times=TIMES_B)
     arrived = [int(np.count_nonzero(run.arrivals <= time)) for time in TIMES_B]
-    return Front(
+    return FrontEnvelopes(
         envelope=run.amplitude,
         arrived=tuple(arrived),
         trailing=tuple(float(run.amplitude[k, : arrived[k] - 1].min()) for k in range(3)),
@@ -149,7 +153,7 @@ def front() -> Front:
     )
 
 
-def rule_front(e: Front) -> Ruling:
+def rule_front(e: FrontEnvelopes) -> Ruling:
     """Ask: more sites each time, ten times the amplitude behind the front than ahead of it."""
     moves = all(a < b for a, b in zip(e.arrived, (*e.arrived[1:], SITES), strict=True))
     if moves and min(e.trailing) > 10.0 * max(e.ahead) and e.gap < AGREE:
@@ -157,7 +161,7 @@ def rule_front(e: Front) -> Ruling:
     return fails("stick-slip does not spread from the excited site.")
 
 
-def draw_front(e: Front) -> tuple[Picture, ...]:
+def draw_front(e: FrontEnvelopes) -> tuple[Picture, ...]:
     """Draw Fig. 3b."""
     return _draw("fig03-front", e, TIMES_B, (1,), "2 %")
 

@@ -31,7 +31,7 @@ RESIDUAL = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class Velocities:
+class FrictionVelocities:
     """Front velocity by coupling, from one site at the edge."""
 
     c: tuple[float, ...]
@@ -87,7 +87,7 @@ class Velocities:
 
 
 @lru_cache(maxsize=1)
-def velocities() -> Velocities:
+def velocities() -> FrictionVelocities:
     """Measure the front at every coupling; compare arrivals with scipy at three."""
     from verification.fronts.measure import measure_front
 
@@ -99,28 +99,28 @@ def velocities() -> Velocities:
         error = required(front.error, f"error of the velocity at c = {c:g}: {front.status}")
         rows.append((c, v, error, front.chain.largest_group_velocity))
     columns = list(zip(*rows, strict=True))
-    return Velocities(
+    return FrictionVelocities(
         c=columns[0], v=columns[1], error=columns[2], waves=columns[3],
         gap=max(disagreement(chain_of(c, 6), (1,), end) for c, end in SCIPY),
         threshold=no_propagation().threshold,
     )  # fmt: skip
 
 
-def rule_linear(e: Velocities) -> Ruling:
+def rule_linear(e: FrictionVelocities) -> Ruling:
     """Rule: in the range of the figure a line must fit within the size of a mark."""
     if e.residual < RESIDUAL and e.gap < 1e-3:
         return holds()
     return fails("no line fits the velocities within the size of a mark.")
 
 
-def rule_rapid(e: Velocities) -> Ruling:
+def rule_rapid(e: FrictionVelocities) -> Ruling:
     """Rule: just above the threshold v must be steeper than the line, beyond the errors of both."""
     if e.slopes[0] > STEEPER * e.slopes[1] and e.gap < 1e-3:
         return holds()
     return fails("just above the threshold the velocity is no steeper than the line.")
 
 
-def draw_velocities(e: Velocities) -> tuple[Picture, ...]:
+def draw_velocities(e: FrictionVelocities) -> tuple[Picture, ...]:
     """Draw Fig. 6, with v = 0 below the critical coupling and the critical coupling itself."""
     figure, axes = new_axes(
         "column", height=2.8, xlabel="coupling c", ylabel=r"$\tilde{v}_\mathrm{front}$ (sites/τ)"

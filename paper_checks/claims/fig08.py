@@ -37,7 +37,7 @@ def closed_form(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.flo
 
 
 @dataclass(frozen=True, kw_only=True)
-class Amplitudes:
+class OrbitAmplitudes:
     """Amplitudes of n = 0 and 1 on the orbit and by the closed form, shape (11, 2)."""
 
     exact: NDArray[np.float64]
@@ -62,7 +62,7 @@ class Amplitudes:
         return float(np.abs(self.tail - self.exact)[:, 1].max())
 
 
-def amplitudes() -> Amplitudes:
+def amplitudes() -> OrbitAmplitudes:
     """Solve (29) and (37) and the periodic orbit of (8) along the couplings of the figure."""
     from theory.averaged.breather import Reading, solve_breather
     from theory.chains.vdp import VdpChain
@@ -75,7 +75,7 @@ def amplitudes() -> Amplitudes:
         for k in (4, 10)
     ]  # fmt: skip
     none = solve_breather(VdpChain(a=A, b=B, c=C, eps=EPS), Reading.CENTRE).status.value == "none"
-    return Amplitudes(
+    return OrbitAmplitudes(
         exact=np.array([orbit.amplitudes[CENTRE : CENTRE + 2] for orbit in orbits]),
         theory=closed_form(Reading.NEIGHBOUR, c),
         tail=closed_form(Reading.TAIL, c),
@@ -85,14 +85,14 @@ def amplitudes() -> Amplitudes:
     )
 
 
-def rule_amplitudes(e: Amplitudes) -> Ruling:
+def rule_amplitudes(e: OrbitAmplitudes) -> Ruling:
     """Rule: every circle of the figure must lie on its curve within its own width."""
     if e.closing < 1e-8 and max(e.off) < MARK:
         return holds()
     return fails("the closed form is off by more than a circle of the figure.")
 
 
-def draw_amplitudes(e: Amplitudes) -> tuple[Picture, ...]:
+def draw_amplitudes(e: OrbitAmplitudes) -> tuple[Picture, ...]:
     """Draw Fig. 8."""
     from theory.averaged.breather import Reading
 

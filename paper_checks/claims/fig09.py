@@ -70,9 +70,11 @@ def multipliers() -> Multipliers:
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.thresholds.continuation import breather_threshold
-    from verification.thresholds.result import ThresholdMethod as By
+    from verification.thresholds.result import ThresholdMethod
 
-    true = breather_threshold(VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES), Nucleus(1), By.ORBIT)
+    true = breather_threshold(
+        VdpChain(a=A, b=B, c=0.0, eps=EPS, sites=SITES), Nucleus(1), ThresholdMethod.ORBIT
+    )
     test = orbit_of(0.19)
     by_scipy = np.sort(
         np.abs(np.linalg.eigvals(monodromy_by_differences(test.state, 0.19, test.period)))

@@ -66,13 +66,13 @@ def in_phase() -> InPhase:
     """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
     from theory.chains.vdp import VdpChain
     from verification.runs.envelope_run import run_envelope
-    from verification.thresholds.preparation import Preparation, hold, phase_steps
+    from verification.thresholds.preparation import NucleusPreparation, hold, phase_steps
 
     chain = VdpChain(a=A, b=B, c=C, eps=EPS)
     steps, shapes = {}, {}
     for size in SIZES:
         for noise in (0.0, NOISE):
-            preparation = Preparation(size, perturbation=noise)
+            preparation = NucleusPreparation(size, perturbation=noise)
             here = preparation.chain(chain, C)
             phi, before, rows = preparation.start(here), 0.0, []
             outside = preparation.nucleus.outside(here.sites)
@@ -86,7 +86,7 @@ def in_phase() -> InPhase:
             if not noise:
                 shapes[size] = np.abs(phi)
     # The same preparation of size 3 in (8), by scipy: phases have left zero long ago.
-    preparation = Preparation(3)
+    preparation = NucleusPreparation(3)
     here = preparation.chain(chain, C)
     start = preparation.start(here)
     state = flow(np.concatenate([start.imag, start.real]), C, 12.0 / EPS, 1e-9)
@@ -100,7 +100,7 @@ def in_phase() -> InPhase:
         steps=steps,
         shapes=shapes,
         localised=all(
-            not hold(chain, Preparation(size, perturbation=noise), C, END).escaped
+            not hold(chain, NucleusPreparation(size, perturbation=noise), C, END).escaped
             for size in SIZES
             for noise in (0.0, NOISE)
         ),

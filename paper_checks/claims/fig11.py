@@ -81,14 +81,18 @@ def folds() -> Folds:
     from theory.chains.vdp import VdpChain
     from verification.thresholds.continuation import breather_threshold
     from verification.thresholds.escape import escape_threshold
-    from verification.thresholds.preparation import Preparation
-    from verification.thresholds.result import ThresholdMethod as By
+    from verification.thresholds.preparation import NucleusPreparation
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
     nuclei = {n: Nucleus(n, outward_pattern(n)) for n in ODD}
-    orbit = {n: breather_threshold(chain, each, By.ORBIT) for n, each in nuclei.items()}
-    averaged = {n: breather_threshold(chain, each, By.ENVELOPE) for n, each in nuclei.items()}
-    runs = {n: escape_threshold(chain, Preparation(n), tolerance=1e-4) for n in (1, 3, 5)}
+    orbit = {
+        n: breather_threshold(chain, each, ThresholdMethod.ORBIT) for n, each in nuclei.items()
+    }
+    averaged = {
+        n: breather_threshold(chain, each, ThresholdMethod.ENVELOPE) for n, each in nuclei.items()
+    }
+    runs = {n: escape_threshold(chain, NucleusPreparation(n), tolerance=1e-4) for n in (1, 3, 5)}
     one = orbit[1]
     return Folds(
         orbit={n: found.c_crit for n, found in orbit.items()},
@@ -135,11 +139,11 @@ class Sweeps:
 def sweeps() -> Sweeps:
     """Sweep c slowly through the folds of sizes 1 and 3."""
     from theory.chains.vdp import VdpChain
-    from verification.thresholds.preparation import Preparation
+    from verification.thresholds.preparation import NucleusPreparation
     from verification.thresholds.slow_sweep import measure_delay
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=EPS)
-    found = {n: measure_delay(chain, Preparation(n)) for n in PRINTED}
+    found = {n: measure_delay(chain, NucleusPreparation(n)) for n in PRINTED}
     return Sweeps(
         folds=folds(),
         rates=tuple(found[1].rates),

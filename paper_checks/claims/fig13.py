@@ -42,7 +42,7 @@ there."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scaling:
+class AveragedScaling:
     """v̂ against c, of the averaged chain and of (8)."""
 
     c: tuple[float, ...]
@@ -105,7 +105,7 @@ def _measured(fronts: Sequence[Front]) -> tuple[tuple[float, ...], tuple[float, 
 
 
 @lru_cache(maxsize=1)
-def scaling() -> Scaling:
+def scaling() -> AveragedScaling:
     """Measure v̂ of (43) and of (8), and compare with scipy and with the law for large c."""
     from theory.averaged.front import strong_coupling_front
     from theory.chains.vdp import VdpChain
@@ -123,7 +123,7 @@ def scaling() -> Scaling:
     ]
     (v, error), (full_v, full_error) = _measured(averaged), _measured(full)
     at = dict(zip(AVERAGED, v, strict=True))
-    return Scaling(
+    return AveragedScaling(
         c=AVERAGED,
         v=v,
         error=error,
@@ -135,7 +135,7 @@ def scaling() -> Scaling:
     )
 
 
-def rule_scaling(e: Scaling) -> Ruling:
+def rule_scaling(e: AveragedScaling) -> Ruling:
     """Ask: a line in the range of the figure and an exponent of one in the end."""
     straight = e.residual < MARK
     asymptotic = abs(e.exponent - 1.0) < LINEAR and abs(e.last[0] / e.last[1] - 1.0) < 1e-3
@@ -144,7 +144,7 @@ def rule_scaling(e: Scaling) -> Ruling:
     return fails("the velocity is not asymptotically linear in c.")
 
 
-def draw(e: Scaling) -> tuple[Picture, ...]:
+def draw(e: AveragedScaling) -> tuple[Picture, ...]:
     """Draw Fig. 13, and velocity over coupling up to c = 100."""
     figure, (left, right) = new_panels(2, width="page", height=2.6)
     c, v = np.array(e.c), np.array(e.v)

@@ -21,7 +21,7 @@ FAR = 25
 
 
 @dataclass(frozen=True, kw_only=True)
-class Profile:
+class ProfileValues:
     """The front of Fig. 16, in units of |φ_s|."""
 
     v: float
@@ -48,7 +48,7 @@ class Profile:
 
 
 @lru_cache(maxsize=1)
-def profile() -> Profile:
+def profile() -> ProfileValues:
     """Compute the profile by the integral, by the root series and by the running chain."""
     from theory.cells.vdp import eta_from_damping, threshold_ratio
     from theory.piecewise.admissibility import check_admissible
@@ -72,7 +72,7 @@ def profile() -> Profile:
     verdict = check_admissible(branch.v, C, r)
     pairs = [tail_bound(branch.v, C, way) for way in (False, True)]
     bounds = [float(K * np.exp(-s * FAR)) for s, K in pairs]
-    return Profile(
+    return ProfileValues(
         v=branch.v,
         v_error=branch.error,
         zeta=zeta,
@@ -96,11 +96,11 @@ def profile() -> Profile:
     )
 
 
-def _agreed(e: Profile) -> bool:
+def _agreed(e: ProfileValues) -> bool:
     return e.chain_gap < AGREE and e.series_gap <= e.series_error
 
 
-def rule_admissible(e: Profile) -> Ruling:
+def rule_admissible(e: ProfileValues) -> Ruling:
     """Rule: (47) must hold for every ζ, and all three profiles be one."""
     size = np.abs(e.phi)
     seen = bool(np.all(size[e.zeta < 0] > e.threshold) and np.all(size[e.zeta > 0] < e.threshold))
@@ -109,7 +109,7 @@ def rule_admissible(e: Profile) -> Ruling:
     return fails("the solution does not satisfy (47) for every ζ.")
 
 
-def rule_limits(e: Profile) -> Ruling:
+def rule_limits(e: ProfileValues) -> Ruling:
     """Rule: both limits within the proven bounds, in theory and in the chain."""
     near = e.behind <= e.bounds[0] + 1e-11 and e.ahead <= e.bounds[1] + 1e-11
     if _agreed(e) and near and e.chain_behind < AGREE:
@@ -117,7 +117,7 @@ def rule_limits(e: Profile) -> Ruling:
     return fails("the profile does not reach its limits.")
 
 
-def draw(e: Profile) -> tuple[Picture, ...]:
+def draw(e: ProfileValues) -> tuple[Picture, ...]:
     """Draw Fig. 16."""
     figure, axes = new_axes("column", height=3.4, xlabel=r"$\zeta$", ylabel=r"$|\varphi|$")
     black, curves = COLOURS["black"], Curves()

@@ -12,7 +12,7 @@ import numpy as np
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._required import required
 from paper_checks.report.velocity_plot import (
-    Curve,
+    PlottedSolutions,
     curve_of,
     draw_curve,
     draw_runs,
@@ -37,7 +37,7 @@ LAST = 1e4
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scaling:
+class PiecewiseScaling:
     """The fastest solution of (54) up to c = 10⁴, beside runs of the chain (44)."""
 
     c: tuple[float, ...]
@@ -50,9 +50,9 @@ class Scaling:
     runs: tuple[FrontRun, ...]
     theory: tuple[float, ...]
     """The fastest admissible solution at the coupling of each run."""
-    solutions: Curve
+    solutions: PlottedSolutions
     """Every solution of (54) up to c = 3."""
-    near: Curve
+    near: PlottedSolutions
     """Every solution close to the thresholds."""
     c_fold: float | None
     c_pin: float | None
@@ -83,7 +83,7 @@ class Scaling:
 
 
 @lru_cache(maxsize=1)
-def scaling() -> Scaling:
+def scaling() -> PiecewiseScaling:
     """Follow d ln v/d ln c along the fastest branch, and run the chain."""
     from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
     from theory.piecewise.limits import strong_coupling_velocity
@@ -99,7 +99,7 @@ def scaling() -> Scaling:
         [b.v for b in kinetic_relation(x, ETA).branches if b.admissible][-1] for x in RUNS
     ]
     drawn = trace_kinetic_relation(np.linspace(0.42, 3.0, 130), ETA)
-    return Scaling(
+    return PiecewiseScaling(
         c=tuple(each for each, _ in fastest),
         v=tuple(branch.v for _, branch in fastest),
         exponent=tuple(branch.by_c * each / branch.v for each, branch in fastest),
@@ -128,7 +128,7 @@ def _exponent_by_series(c: float, v: float) -> float:
     return -by_c / by_v
 
 
-def rule_scaling(e: Scaling) -> Ruling:
+def rule_scaling(e: PiecewiseScaling) -> Ruling:
     """Rule: the exponent must be one in the end; both methods and the chain must agree."""
     if e.gap < AGREE and e.series_gap < 1e-5 and abs(e.last - 1.0) < WINDOW:
         return holds()
@@ -137,12 +137,12 @@ def rule_scaling(e: Scaling) -> Ruling:
     )
 
 
-def draw_scaling(e: Scaling) -> tuple[Picture, ...]:
+def draw_scaling(e: PiecewiseScaling) -> tuple[Picture, ...]:
     """Draw Fig. 17 with every solution, its end near the fold, and the exponent."""
     return draw_velocities(e), draw_exponent(e)
 
 
-def draw_velocities(e: Scaling) -> Picture:
+def draw_velocities(e: PiecewiseScaling) -> Picture:
     """Draw Fig. 17, and the hysteresis at its left end."""
     figure, (first, second) = new_panels(2, width="page", height=2.7)
     draw_curve(first, e.solutions)
@@ -166,7 +166,7 @@ def draw_velocities(e: Scaling) -> Picture:
     return picture("fig17-velocity", figure, long_table(curves))
 
 
-def draw_exponent(e: Scaling) -> Picture:
+def draw_exponent(e: PiecewiseScaling) -> Picture:
     """Draw the fastest solution up to c = 10⁴ beside the two laws, and the local exponent."""
     c = np.array(e.c)
     curves = Curves({"fastest solution": {"c": c, "v": e.v, "exponent": e.exponent}})
@@ -232,7 +232,7 @@ def rule_implicit(e: Implicit) -> Ruling:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Admissibility:
+class AdmissibilityRuns:
     """Steady fronts of the chain (44), which assumes nothing of (47), against solutions of (54)."""
 
     rows: tuple[tuple[float, float, float], ...]
@@ -255,7 +255,7 @@ class Admissibility:
         return len(self.rows)
 
 
-def admissibility() -> Admissibility:
+def admissibility() -> AdmissibilityRuns:
     """Run the chain at several (c, η), and compare with admissible and other solutions."""
     from theory.piecewise.kinetic_relation import kinetic_relation
     from verification.piecewise.simulation import simulate_front
@@ -274,12 +274,12 @@ def admissibility() -> Admissibility:
             if branch.admissible is False:
                 bad.append((c, eta, branch.v))
                 reached.append(v is not None and abs(v - branch.v) < AGREE)
-    return Admissibility(
+    return AdmissibilityRuns(
         rows=tuple(rows), nearest=tuple(nearest), inadmissible=tuple(bad), reached=tuple(reached)
     )
 
 
-def rule_admissibility(e: Admissibility) -> Ruling:
+def rule_admissibility(e: AdmissibilityRuns) -> Ruling:
     """Ask: every steady front of the chain must be an admissible solution, and none another one."""
     if e.runs >= 5 and e.gap < AGREE and not any(e.reached):
         return holds()

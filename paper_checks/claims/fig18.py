@@ -12,7 +12,7 @@ import numpy as np
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._required import required
 from paper_checks.report.velocity_plot import (
-    Curve,
+    PlottedSolutions,
     curve_of,
     draw_curve,
     draw_runs,
@@ -34,7 +34,7 @@ CROSSING = (0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Alike:
+class VelocityAgreement:
     """v̂ against η by (54), by runs of (44), and of the averaged chain (43)."""
 
     simplified: tuple[float, ...]
@@ -45,9 +45,9 @@ class Alike:
     """An η beyond the fold at which (43) still has a front."""
     runs: tuple[tuple[float, FrontRun], ...]
     scipy_gap: float
-    solutions: Curve
+    solutions: PlottedSolutions
     """Every solution of (54) over η."""
-    near: Curve
+    near: PlottedSolutions
     """Every solution close to the thresholds."""
     moving: tuple[float | None, ...]
     """v̂ of the chain at `CROSSING`, started on a moving front."""
@@ -72,7 +72,7 @@ class Alike:
         )
 
 
-def alike() -> Alike:
+def alike() -> VelocityAgreement:
     """Measure and solve for v̂ along η."""
     from theory.chains.vdp import VdpChain
     from theory.piecewise.folds import fold_eta
@@ -92,7 +92,7 @@ def alike() -> Alike:
         for eta in ETAS
     ]
     beyond = measure_front(VdpChain(a=1.0, b=2.0 * fold, c=C).averaged(), max_sites=250).v
-    return Alike(
+    return VelocityAgreement(
         simplified=tuple(kinetic_relation(C, eta).branches[-1].v for eta in ETAS),
         averaged=tuple(averaged),
         fold=fold,
@@ -107,7 +107,7 @@ def alike() -> Alike:
     )
 
 
-def rule_alike(e: Alike) -> Ruling:
+def rule_alike(e: VelocityAgreement) -> Ruling:
     """Rule: both velocities must fall with η, at every step."""
     falls = all(a > b for row in (e.simplified, e.averaged) for a, b in pairwise(row))
     if falls and e.gap < AGREE and e.scipy_gap < 1e-4:
@@ -115,7 +115,7 @@ def rule_alike(e: Alike) -> Ruling:
     return fails("the two velocities do not vary with η in the same direction.")
 
 
-def draw(e: Alike) -> tuple[Picture, ...]:
+def draw(e: VelocityAgreement) -> tuple[Picture, ...]:
     """Draw Fig. 18 with every solution, beside the averaged chain, and its end."""
     figure, (left, right) = new_panels(2, width="page", height=2.7)
     curves = Curves(

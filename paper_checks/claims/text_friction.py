@@ -75,27 +75,27 @@ def rule_length(e: Scales) -> Ruling:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ends:
+class UnbalancedForce:
     """Unbalanced force on a uniform chain in steady sliding, c = 0.02."""
 
     free: float
     literal: float
 
 
-def ends() -> Ends:
+def ends() -> UnbalancedForce:
     """Pull a uniform chain by free ends, and by (1) with missing neighbours at zero."""
-    from theory.chains.ends import Ends as At
+    from theory.chains.ends import Ends
     from verification.references.equations import pull_matrix
 
     c, sliding = 0.02, np.full(SITES, chain_of(0.02).cell.steady_sliding)
     free, literal = (
         float(np.abs(c * pull_matrix(SITES, each) @ sliding).max())
-        for each in (At.FREE, At.LITERAL)
+        for each in (Ends.FREE, Ends.LITERAL)
     )
-    return Ends(free=free, literal=literal)
+    return UnbalancedForce(free=free, literal=literal)
 
 
-def rule_ends(e: Ends) -> Ruling:
+def rule_ends(e: UnbalancedForce) -> Ruling:
     """Rule: free ends must leave uniform steady sliding an equilibrium."""
     return holds() if e.free < EXACT else fails("free ends pull a uniform chain.")
 

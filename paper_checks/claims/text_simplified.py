@@ -113,7 +113,7 @@ def rule_equilibria(e: Equilibria) -> Ruling:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Velocities:
+class ModelVelocities:
     """v̂ at a = 4, b = 0.5, c = 0.6."""
 
     averaged: float
@@ -133,7 +133,7 @@ class Velocities:
 
 
 @lru_cache(maxsize=1)
-def velocities() -> Velocities:
+def velocities() -> ModelVelocities:
     """Run (43) and (44), and solve (54)."""
     from theory.chains.vdp import VdpChain
     from theory.piecewise.kinetic_relation import kinetic_relation
@@ -141,7 +141,7 @@ def velocities() -> Velocities:
     from verification.piecewise.simulation import simulate_front
 
     front = measure_front(VdpChain(a=A, b=B, c=0.6).averaged())
-    return Velocities(
+    return ModelVelocities(
         averaged=required(front.v, "front of (43)"),
         averaged_error=required(front.error, "error of the front of (43)"),
         kinetic=kinetic_relation(0.6, ETA).branches[-1].v,
@@ -149,14 +149,14 @@ def velocities() -> Velocities:
     )
 
 
-def rule_quantitative(e: Velocities) -> Ruling:
+def rule_quantitative(e: ModelVelocities) -> Ruling:
     """Rule: the two must differ by more than a tenth: what would count as a match."""
     if e.gap < 1e-8 and abs(e.ratio - 1.0) > 0.1:
         return holds()
     return fails("(54) matches the velocity of the averaged chain.")
 
 
-def rule_captions(e: Velocities) -> Ruling:
+def rule_captions(e: ModelVelocities) -> Ruling:
     """Rule: (54), which the figures show, must be the velocity of (43), or else of (44)."""
     if abs(e.averaged - e.kinetic) <= e.averaged_error:
         return holds()

@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 
 from paper_checks.finding import Erratum
-from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.outcome import FAILED, JudgedClaim, slug
 from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.section import Section
@@ -34,7 +34,7 @@ class Report:
 
     Attributes
     ----------
-    outcomes : tuple of Outcome
+    outcomes : tuple of JudgedClaim
         One a claim, in order.
     seconds : float
         Wall-clock time of the run.
@@ -52,7 +52,7 @@ class Report:
         Stored measurements that stand beside the claims.
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[JudgedClaim, ...]
     seconds: float
     available: int
     versions: Mapping[str, str | None]
@@ -68,12 +68,12 @@ class Report:
         return {name: statuses.count(name) for name in (*map(slug, Verdict), FAILED)}
 
     @property
-    def changed(self) -> tuple[Outcome, ...]:
+    def changed(self) -> tuple[JudgedClaim, ...]:
         """Outcomes that differ from the record, failed ones included."""
         return tuple(outcome for outcome in self.outcomes if outcome.changed)
 
     @property
-    def stale(self) -> tuple[Outcome, ...]:
+    def stale(self) -> tuple[JudgedClaim, ...]:
         """Outcomes that are stored findings of other code than that of this run."""
         return tuple(outcome for outcome in self.outcomes if outcome.judgement.stale)
 
@@ -95,7 +95,7 @@ class Report:
         return two, len(judged) - two
 
     @cached_property
-    def figures(self) -> Mapping[str, tuple[Outcome, ...]]:
+    def figures(self) -> Mapping[str, tuple[JudgedClaim, ...]]:
         """The claims of each figure of the paper, by their module."""
         names = dict.fromkeys(one.entry.group for one in self.outcomes)
         return {
@@ -127,7 +127,7 @@ class Report:
         return sum(len(one.claim.repeats) for one in self.outcomes)
 
     @property
-    def errata(self) -> tuple[tuple[Outcome, Erratum], ...]:
+    def errata(self) -> tuple[tuple[JudgedClaim, Erratum], ...]:
         """What the findings of this report prove to be misprinted, ambiguous or inconsistent."""
         return tuple(
             (outcome, outcome.finding.erratum)
@@ -136,7 +136,7 @@ class Report:
         )
 
     @property
-    def headlines(self) -> tuple[Outcome, ...]:
+    def headlines(self) -> tuple[JudgedClaim, ...]:
         """The three findings that a reader should see first.
 
         Those with a headline of their own come first. Then come those that disagree with the paper,
@@ -145,7 +145,7 @@ class Report:
         """
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
 
-        def rank(outcome: Outcome) -> tuple[bool, bool, int, int]:
+        def rank(outcome: JudgedClaim) -> tuple[bool, bool, int, int]:
             plain = not (outcome.finding and outcome.finding.headline)
             agrees = outcome.status == slug(Verdict.REPRODUCED)
             return plain, agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
@@ -172,7 +172,7 @@ _SEVERITY = tuple(
 
 
 def make_report(
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[JudgedClaim],
     *,
     seconds: float,
     available: int,
@@ -248,7 +248,7 @@ def pictures_listed(path: Path) -> set[str]:
 _KINDS = ("svg", "png", "pdf", "data")
 
 
-def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
+def _record(outcome: JudgedClaim, shown_by: Sequence[str]) -> Json:
     claim, finding = outcome.claim, outcome.finding
     provenance = outcome.judgement.provenance
     return {
@@ -293,7 +293,7 @@ def _record(outcome: Outcome, shown_by: Sequence[str]) -> Json:
     }
 
 
-def _one_picture_a_name(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
+def _one_picture_a_name(outcomes: Sequence[JudgedClaim]) -> tuple[JudgedClaim, ...]:
     """Fail a claim whose picture would overwrite another one; the same picture twice is fine."""
     owners: dict[str, tuple[str, object]] = {}
     checked = []

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from paper_checks.outcome import Outcome
+from paper_checks.outcome import JudgedClaim
 
 _FIGURES = re.compile(r"Figs?\.\s*(\d+)(?:\s+and\s+(\d+))?")
 
 
-def pictures_of(outcomes: Sequence[Outcome]) -> Mapping[str, tuple[str, ...]]:
+def pictures_of(outcomes: Sequence[JudgedClaim]) -> Mapping[str, tuple[str, ...]]:
     """Give the names of the pictures that show each claim, by its key.
 
     A claim without pictures of its own is shown by those of its module, which is about one figure
@@ -44,7 +44,7 @@ def modules_named(place: str) -> tuple[str, ...]:
     return tuple(f"fig{int(number):02d}" for number in numbers)
 
 
-def _names(outcome: Outcome) -> tuple[str, ...]:
+def _names(outcome: JudgedClaim) -> tuple[str, ...]:
     return tuple(picture.name for picture in outcome.pictures)
 
 

@@ -167,7 +167,7 @@ def _problems(records: Records, folder: Path) -> Section | None:
     return _section(
         "problems",
         "The test problems",
-        "Where the quantities are computed by tests, benchmarks and the stability table, and how "
+        "Where the quantities are computed by tests, benchmarks and the robustness table, and how "
         "the true value is known there: the independent method, to what accuracy, and how far the "
         "two references were apart where error and run time were measured.",
         records=measured,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from paper_checks.claim import Verdict
-from paper_checks.outcome import FAILED, Outcome, slug
+from paper_checks.outcome import FAILED, JudgedClaim, slug
 from paper_checks.report.document import Report
 from paper_checks.report.table import NARROWEST, duration
 
@@ -57,7 +57,7 @@ def _methods(report: Report) -> str:
     )
 
 
-def _headline(outcome: Outcome) -> str:
+def _headline(outcome: JudgedClaim) -> str:
     claim, finding = outcome.claim, outcome.finding
     if finding is not None and finding.headline:
         return f"- {finding.headline} ({claim.key})"
@@ -71,7 +71,7 @@ def _named(keys: list[str]) -> str:
     return ", ".join(keys[:NAMED]) + rest
 
 
-def _whole(outcome: Outcome, report: Report, width: int) -> str:
+def _whole(outcome: JudgedClaim, report: Report, width: int) -> str:
     claim, finding = outcome.claim, outcome.finding
     mark = " (changed)" if outcome.changed and finding else ""
     head = f"{claim.key} ({claim.place}): {outcome.status}{mark}"
@@ -103,7 +103,7 @@ def _whole(outcome: Outcome, report: Report, width: int) -> str:
     return "\n".join([head, *(_filled(line, width - 2, "  ") for line in lines)])
 
 
-def _origin(outcome: Outcome) -> list[str]:
+def _origin(outcome: JudgedClaim) -> list[str]:
     """Say when a stored finding was found, with what, whether it is stale, and how to recompute."""
     judged = outcome.judgement
     origin = judged.provenance

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Curve:
+class PlottedSolutions:
     """Solutions of (54) as points: abscissae x, velocities, and whether they are admissible."""
 
     x: tuple[float, ...]
@@ -41,7 +41,7 @@ class Curve:
         return {x_name: self.x, "v": self.v, "admissible": kinds}
 
 
-def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> Curve:
+def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> PlottedSolutions:
     """Return every solution in the answers over c or η; one not judged counts as inadmissible."""
     rows = [
         (float(getattr(answer, over)), branch.v, branch.admissible is True)
@@ -49,10 +49,10 @@ def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> C
         for branch in answer.branches
     ]
     x, v, kinds = zip(*rows, strict=True)
-    return Curve(x, v, kinds)
+    return PlottedSolutions(x, v, kinds)
 
 
-def draw_curve(axes: Axes, curve: Curve) -> None:
+def draw_curve(axes: Axes, curve: PlottedSolutions) -> None:
     """Draw admissible solutions full, the others hollow."""
     blue, red = COLOURS["blue"], COLOURS["vermilion"]
     axes.plot(*curve.part(True), "o", ms=1.8, color=blue, label="admissible")

@@ -40,7 +40,7 @@ _CLOSE = 4.0 * float(np.finfo(float).eps)
 """Smallest relative tolerance that scipy takes."""
 
 
-class Cycle(NamedTuple):
+class OscillatorCycle(NamedTuple):
     """A cycle of one cell: its largest y, its largest ẏ, its period, and whether it is stable."""
 
     amplitude: float
@@ -91,10 +91,12 @@ class Oscillator(ABC):
         return _LARGE
 
     @cached_property
-    def cycles(self) -> tuple[Cycle, ...]:
+    def cycles(self) -> tuple[OscillatorCycle, ...]:
         """All cycles, inner to outer; of an overdamped cell its rest states at y > 0."""
         if self.overdamped:
-            return tuple(Cycle(y, 0.0, math.inf, stable) for y, stable in self.rest_states())
+            return tuple(
+                OscillatorCycle(y, 0.0, math.inf, stable) for y, stable in self.rest_states()
+            )
         return tuple(
             self._cycle(
                 float(brentq(self.loss, low, high, xtol=1e-14, rtol=1e-14)), self.loss(high) > 0.0
@@ -165,8 +167,8 @@ class Oscillator(ABC):
             low *= 1.5
         return float(brentq(lambda y: float(self.potential(y)) - energy, low, 0.0, xtol=1e-15))
 
-    def _cycle(self, amplitude: float, stable: bool) -> Cycle:
-        return Cycle(amplitude, self.velocity(amplitude), self.period(amplitude), stable)
+    def _cycle(self, amplitude: float, stable: bool) -> OscillatorCycle:
+        return OscillatorCycle(amplitude, self.velocity(amplitude), self.period(amplitude), stable)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -244,7 +246,7 @@ class OscillatorCell(Oscillator):
         return found
 
     @cached_property
-    def cycles(self) -> tuple[Cycle, ...]:
+    def cycles(self) -> tuple[OscillatorCycle, ...]:
         """All cycles, as of any cell; where g = ω²y from the roots of H."""
         if self.overdamped or not self.harmonic:
             return super().cycles

@@ -192,7 +192,7 @@ polynomial in y and v = dy/dt such as 1 - a*y**2 + b*y**4; 'sin(y)' is none: use
         tree = ast.parse(plain, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise refuse("it cannot be read") from None
-    reader = _Reader(plain)
+    reader = _TermReader(plain)
     try:
         terms = reader.terms(tree)
     except _NotPolynomialError as error:
@@ -207,7 +207,7 @@ class _NotPolynomialError(ValueError):
 
 
 @dataclass(frozen=True)
-class _Reader:
+class _TermReader:
     """From a syntax tree to terms."""
 
     text: str

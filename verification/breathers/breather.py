@@ -23,7 +23,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, need_instance, refuse_unread, word
 from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.exponents import Stability
+from verification.breathers.exponents import BreatherStability
 from verification.breathers.families import own_family, own_method
 from verification.breathers.floquet import approximate_multipliers
 from verification.breathers.orbits import solve_orbit
@@ -219,7 +219,7 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         )
     odd = replace(full, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
     try:
-        multipliers: Stability | None = approximate_multipliers(odd, found)
+        multipliers: BreatherStability | None = approximate_multipliers(odd, found)
     except ParameterError:
         multipliers = None  # too stiff: the stability is then not decided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))

@@ -27,7 +27,7 @@ from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError
-from verification.breathers.exponents import Stability, exponents, rotating_jacobian, unpack
+from verification.breathers.exponents import BreatherStability, exponents, rotating_jacobian, unpack
 from verification.breathers.family import BreatherFamily
 from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.branch import ContinuationBranch, Fold, trace
@@ -112,7 +112,7 @@ class RotatingWaves(BreatherFamily):
         """Return the start of the branch, if that is no further than the coupling."""
         return self.start(0.0, self.chain.c) if self.chain.c <= START else None
 
-    def stability(self, u: Real, c: float, *, split: bool = True) -> Stability:
+    def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
         """Return the exponents."""
         mirrored = split and self.nucleus.mirrored(self.chain.sites)
         return exponents(*unpack(u), replace(self.chain, c=c), mirrored)

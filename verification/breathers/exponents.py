@@ -22,7 +22,7 @@ MARGINAL = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stability:
+class BreatherStability:
     """What becomes of small perturbations of a breather.
 
     Attributes
@@ -72,7 +72,7 @@ def rotating_jacobian(phi: Complex, omega: float, chain: VanDerPolChain) -> Real
 
 def exponents(
     phi: Complex, omega: float, chain: VanDerPolChain, mirrored: bool = False
-) -> Stability:
+) -> BreatherStability:
     """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``."""
     jacobian = rotating_jacobian(phi, omega, chain)
     if not mirrored:
@@ -91,7 +91,7 @@ def exponents(
         symmetric, antisymmetric = float(even.real.max()), float(odd.real.max())
         rest = np.concatenate([even, odd])
     leader = rest[int(rest.real.argmax())]
-    return Stability(
+    return BreatherStability(
         values=values,
         trivial=float(np.abs(values).min()),
         leader=complex(leader),

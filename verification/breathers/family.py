@@ -20,9 +20,9 @@ from typing import Any, ClassVar
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.parameters import ParameterError
-from verification.breathers.exponents import Stability
+from verification.breathers.exponents import BreatherStability
 from verification.breathers.result import Breather, BreatherMethod
-from verification.continuation.branch import ContinuationBranch, Fold, Steps, arrive, trace
+from verification.continuation.branch import ContinuationBranch, Fold, StepControl, arrive, trace
 from verification.continuation.newton import BranchPoint, Real, System
 
 
@@ -39,7 +39,7 @@ class BreatherFamily(ABC):
     """
 
     method: ClassVar[BreatherMethod]
-    steps_along: ClassVar[Steps] = Steps()
+    steps_along: ClassVar[StepControl] = StepControl()
 
     chain: Any
     nucleus: Nucleus
@@ -68,7 +68,7 @@ class BreatherFamily(ABC):
         """Return the solution at the coupling of the chain; None if its branch must be followed."""
 
     @abstractmethod
-    def stability(self, u: Real, c: float, *, split: bool = True) -> Stability:
+    def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
         """Return what becomes of small perturbations, split by reflection where there is one."""
 
     @abstractmethod

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from theory.averaged.breather import ClosedFormBreather
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.breathers.exponents import Stability, parity_basis, split_eigenvalues
+from verification.breathers.exponents import BreatherStability, parity_basis, split_eigenvalues
 from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 Real = NDArray[np.float64]
@@ -33,7 +33,7 @@ def floquet_multipliers(
     *,
     parity: int = 0,
     error: float = 0.0,
-) -> Stability:
+) -> BreatherStability:
     """Sort and split the eigenvalues of a monodromy matrix.
 
     The growth of one is ln|μ|/(ε period), comparable with that of an exponent of (43). Their errors
@@ -81,7 +81,7 @@ def floquet_multipliers(
         values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     leader = complex(rest[int(np.abs(rest).argmax())])
-    return Stability(
+    return BreatherStability(
         values=values,
         trivial=trivial,
         leader=leader,
@@ -114,7 +114,7 @@ def approximate_multipliers(
     breather: ClosedFormBreather,
     *,
     misprinted: bool = False,
-) -> Stability:
+) -> BreatherStability:
     """Return the multipliers along y_n = α_0 e^{k_1|n|} sin(ωt + k_2|n|), as the paper does.
 
     Parameters

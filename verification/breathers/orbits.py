@@ -22,12 +22,12 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
 from verification.breathers.envelope import solve_envelope_breather
-from verification.breathers.exponents import Stability
+from verification.breathers.exponents import BreatherStability
 from verification.breathers.family import BreatherFamily
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod
-from verification.continuation.branch import Fold, Steps, trace
+from verification.continuation.branch import Fold, StepControl, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.steppers.variational import STEPS, Flow, integrate_variations
 
@@ -36,7 +36,7 @@ Real = NDArray[np.float64]
 STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in order of trial:
 at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
-FIRST_STEPS = Steps(length=0.3)
+FIRST_STEPS = StepControl(length=0.3)
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
 
@@ -148,7 +148,7 @@ class Orbits(BreatherFamily):
         except (NotConvergedError, ParameterError):
             return None
 
-    def stability(self, u: Real, c: float, *, split: bool = True) -> Stability:
+    def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
         """Return the multipliers."""
         period = float(u[-1])
         matrix = self.flow(c, u[:-1], period, self.count).monodromy

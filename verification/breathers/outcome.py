@@ -59,7 +59,7 @@ SAMPLES = 201
 """States kept of a run."""
 
 
-class Outcome(Status):
+class NucleusOutcome(Status):
     """What became of a nucleus by the end of a run; the rules are in the module."""
 
     SHRUNK = "shrunk", "fewer sites oscillate at the end than at the start."
@@ -76,7 +76,7 @@ class Evolution:
 
     Attributes
     ----------
-    outcome : Outcome
+    outcome : NucleusOutcome
         See the module.
     size : int
         Sites above the level at the end.
@@ -88,7 +88,7 @@ class Evolution:
         Length of the run.
     """
 
-    outcome: Outcome
+    outcome: NucleusOutcome
     size: int
     sizes: tuple[tuple[float, int], ...]
     longest_pause: float | None
@@ -178,15 +178,19 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
     marks = grew if filled <= slow_time else np.append(grew, slow_time)
     longest = float(np.diff(grew).max()) if grew.size > 1 else None
     if size < started:
-        outcome = Outcome.SHRUNK
+        outcome = NucleusOutcome.SHRUNK
     elif not times.size:
-        outcome = Outcome.HELD
+        outcome = NucleusOutcome.HELD
     elif filled > slow_time and times[-1] <= 0.5 * slow_time:
-        outcome = Outcome.LARGER
+        outcome = NucleusOutcome.LARGER
     elif grew.size < SEVERAL and filled > slow_time:
-        outcome = Outcome.UNDECIDED
+        outcome = NucleusOutcome.UNDECIDED
     else:
-        outcome = Outcome.FRONT if np.diff(marks).max(initial=0.0) <= pause else Outcome.CREEP
+        outcome = (
+            NucleusOutcome.FRONT
+            if np.diff(marks).max(initial=0.0) <= pause
+            else NucleusOutcome.CREEP
+        )
     return Evolution(
         outcome=outcome, size=size, sizes=sizes, longest_pause=longest, slow_time=slow_time
     )

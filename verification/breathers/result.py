@@ -15,7 +15,7 @@ from theory.chains.nucleus import Nucleus
 from theory.parameters import RunError
 from theory.result import Result, plain
 from theory.status import Status
-from verification.breathers.exponents import Stability
+from verification.breathers.exponents import BreatherStability
 
 _UNITS = {"phases": "in units of π", "phase_step": "rad"}
 
@@ -79,7 +79,7 @@ class Breather(Result):
     unknowns : float array
         What was solved for: (y, ẏ) at the moment when y = 0 < ẏ at the centre, and the period; or
         (Re φ, Im φ, Ω), with which the frequency is 1 + εΩ. Empty if there is no solution.
-    stability : Stability or None
+    stability : BreatherStability or None
         Multipliers, or exponents of (43), with the growth of either parity.
     seconds : float
         Wall-clock time.
@@ -106,7 +106,7 @@ class Breather(Result):
     time: float | None = None
     drift: float | None = None
     unknowns: Real = field(default_factory=lambda: np.empty(0), repr=False, metadata={"json": None})
-    stability: Stability | None = field(default=None, repr=False, metadata={"json": None})
+    stability: BreatherStability | None = field(default=None, repr=False, metadata={"json": None})
     seconds: float
 
     @property

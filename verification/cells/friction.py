@@ -26,7 +26,7 @@ from verification.cells.friction_cycles import (
     stick_slip_once,
     unstable_once,
 )
-from verification.cells.result import BeltCell, CellStatus, Cycle
+from verification.cells.result import BeltCell, CellCycle, CellStatus
 from verification.runs.comparison import COARSER
 
 _SLOWEST_BELT = 1e-9
@@ -101,14 +101,14 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     )
 
 
-def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None:
+def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | None:
     """Return the stick-slip cycle, None if the slip phase from release never sticks again."""
     fine = stick_slip_once(cell, tolerance)
     coarse = stick_slip_once(cell, COARSER * tolerance)
     return _with_error(cell, fine, coarse)
 
 
-def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> Cycle | None:
+def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | None:
     """Return the cycle without stick that separates the two basins, None if there is none.
 
     It exists between the Hopf velocity and the end of the stick-slip cycle.
@@ -163,7 +163,9 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
     return first, float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
 
 
-def _with_error(cell: FrictionCell, fine: Cycle | None, coarse: Cycle | None) -> Cycle | None:
+def _with_error(
+    cell: FrictionCell, fine: CellCycle | None, coarse: CellCycle | None
+) -> CellCycle | None:
     if fine is None:
         return None
     if coarse is None:

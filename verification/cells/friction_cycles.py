@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from theory.cells.friction import FrictionCell, stick_phase
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.cells.result import Cycle
+from verification.cells.result import CellCycle
 from verification.runs.friction_integration import FrictionIntegration
 from verification.steppers import friction_cell_phase as phases
 from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room
@@ -96,7 +96,7 @@ def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
     return w if t >= 0.0 or w > 0.0 else -cell.v_d
 
 
-def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
+def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     """Return the stick-slip cycle its error zero so far; None if the cell does not stick again.
 
     Raises
@@ -128,7 +128,7 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
         stick = stick_phase(cell, y)
         if stick is not None:
             time = stick.duration
-            return Cycle(
+            return CellCycle(
                 max=max(highs),
                 min=min(lows),
                 period=slip + time,
@@ -212,7 +212,7 @@ def grazing_slip(cell: FrictionCell) -> tuple[float, float] | None:
     return cell.steady_sliding - low, cell.steady_sliding + high
 
 
-def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
+def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     """Return the unstable cycle; its error is what round-off alone does.
 
     Raises
@@ -250,7 +250,7 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> Cycle | None:
     multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else None
     # Round-off moves the fixed point by 1/(multiplier - 1) of itself.
     blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
-    return Cycle(
+    return CellCycle(
         max=y,
         min=low,
         period=period,
@@ -270,7 +270,7 @@ def _amplitude_near_hopf(cell: FrictionCell) -> float:
     return math.sqrt(8.0 * cell.effective_damping / third) if third > 0.0 else math.inf
 
 
-def _expanded(cell: FrictionCell, amplitude: float) -> Cycle:
+def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
     """Return the unstable cycle to second order in its amplitude; its error field is a bound.
 
     The quadratic term shifts both turning points by F₂A²/3 (mean 1/4, second harmonic 1/12).
@@ -281,7 +281,7 @@ def _expanded(cell: FrictionCell, amplitude: float) -> Cycle:
     period = 2.0 * math.pi
     growth = math.exp(period * cell.effective_damping)
     left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.curve.scale**2) + ROUND_OFF
-    return Cycle(
+    return CellCycle(
         max=centre + amplitude,
         min=centre - amplitude,
         period=period,

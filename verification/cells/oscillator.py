@@ -17,10 +17,10 @@ import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from theory.cells.oscillator import Cycle as Limit
+from theory.cells.oscillator import OscillatorCycle
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, within
-from verification.cells.result import CellStatus, Cycle, OwnCell
+from verification.cells.result import CellCycle, CellStatus, OwnCell
 from verification.cells.vdp import ROUNDING, Maximum, longest_step
 
 FloatArray = npt.NDArray[np.float64]
@@ -96,8 +96,8 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
 
 
 def _first(
-    cycles: tuple[Cycle, ...], limits: tuple[Limit, ...], *, stable: bool, above: int
-) -> Cycle | None:
+    cycles: tuple[CellCycle, ...], limits: tuple[OscillatorCycle, ...], *, stable: bool, above: int
+) -> CellCycle | None:
     """Return the innermost cycle of a kind, from a place on."""
     pairs = zip(cycles[above:], limits[above:], strict=True)
     return next((cycle for cycle, limit in pairs if limit.stable is stable), None)
@@ -157,7 +157,7 @@ def _turn(chain: OscillatorChain, y: float, period: float, tolerance: float) -> 
     return _Turn(top=float(run.y[0, -1]), bottom=bottom, period=float(run.t[-1]))
 
 
-def _cycle(chain: OscillatorChain, at: int, tolerance: float) -> Cycle:
+def _cycle(chain: OscillatorChain, at: int, tolerance: float) -> CellCycle:
     """Return one cycle with its error, from its limit as ε → 0."""
     limits = chain.cell.cycles
     _check_stiffness(chain, limits[at])
@@ -173,7 +173,7 @@ def _cycle(chain: OscillatorChain, at: int, tolerance: float) -> Cycle:
     )
     resolved = abs(ahead - behind) < _CURVED * max(1.0, abs(ahead))
     gaps = (fine - coarse, turn.bottom - other.bottom, turn.period - other.period)
-    return Cycle(
+    return CellCycle(
         max=fine,
         min=turn.bottom,
         period=turn.period,
@@ -184,7 +184,7 @@ def _cycle(chain: OscillatorChain, at: int, tolerance: float) -> Cycle:
     )
 
 
-def _check_stiffness(chain: OscillatorChain, limit: Limit) -> None:
+def _check_stiffness(chain: OscillatorChain, limit: OscillatorCycle) -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
     h = chain.cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
     stiffness = chain.eps * float(np.max(np.abs(h)))

@@ -28,7 +28,7 @@ class CellStatus(Status):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cycle(Result):
+class CellCycle(Result):
     """A cycle of one cell; all quantities dimensionless.
 
     Attributes
@@ -86,7 +86,7 @@ class Cell(Result):
         y of the state of rest: steady sliding, or 0.
     effective_damping : float
         Linear damping about rest, which is stable where this is positive.
-    stable_cycle, unstable_cycle : Cycle or None
+    stable_cycle, unstable_cycle : CellCycle or None
         The large cycle and the one that separates the basins, where they exist. Where the two are
         one, semistable, it is ``unstable_cycle``.
     seconds : float
@@ -100,8 +100,8 @@ class Cell(Result):
     status: CellStatus
     steady_sliding: float
     effective_damping: float
-    stable_cycle: Cycle | None
-    unstable_cycle: Cycle | None
+    stable_cycle: CellCycle | None
+    unstable_cycle: CellCycle | None
     seconds: float
 
     def to_dict(self) -> dict[str, Any]:
@@ -138,13 +138,13 @@ class OwnCell(Cell):
 
     Attributes
     ----------
-    cycles : tuple of Cycle
+    cycles : tuple of CellCycle
         All of them, inner to outer. ``unstable_cycle`` is the innermost unstable one,
         ``stable_cycle`` the next stable one outside of it, as `stable_amplitude` of the chain, or
         the only one.
     """
 
-    cycles: tuple[Cycle, ...]
+    cycles: tuple[CellCycle, ...]
 
     @property
     def error(self) -> float:

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from theory.cells.vdp import ETA_END, eta_from_damping, is_bistable
 from theory.parameters import ParameterError, within
-from verification.cells.result import Cell, CellStatus, Cycle
+from verification.cells.result import Cell, CellCycle, CellStatus
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -155,9 +155,9 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
     )
 
 
-def _closed(amplitude: float, spread: float) -> Cycle:
+def _closed(amplitude: float, spread: float) -> CellCycle:
     period = 2.0 * math.pi
-    return Cycle(
+    return CellCycle(
         max=amplitude,
         min=-amplitude,
         period=period,
@@ -183,13 +183,13 @@ def _check_stiffness(eta: float, eps: float) -> None:
 
 def _cycle(
     eta: float, eps: float, averaged: float, *, between: float, a: float, tolerance: float
-) -> Cycle:
+) -> CellCycle:
     """Return one cycle in y, from that in y√a at two tolerances."""
     (y, period), (coarse, other) = (
         _shoot(eta, eps, averaged, between, each) for each in (tolerance, 100.0 * tolerance)
     )
     scale = math.sqrt(a)
-    return Cycle(
+    return CellCycle(
         max=y / scale,
         min=-y / scale,
         period=period,

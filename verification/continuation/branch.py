@@ -104,7 +104,7 @@ class ContinuationBranch:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Steps:
+class StepControl:
     """How a branch is followed.
 
     Attributes
@@ -134,7 +134,7 @@ def trace(
     start: BranchPoint,
     p_end: float,
     monitor: Monitor | None = None,
-    steps: Steps = Steps(),
+    steps: StepControl = StepControl(),
 ) -> ContinuationBranch:
     """Follow a branch from a solution towards ``p_end``, through so many folds as ``steps`` says.
 
@@ -148,7 +148,7 @@ def trace(
         The branch ends where the parameter leaves the range between the start and here.
     monitor : callable, optional
         Evaluated at every point up to the first fold.
-    steps : Steps, optional
+    steps : StepControl, optional
         How it is followed.
 
     Raises
@@ -271,7 +271,7 @@ class _Bracket:
 
 
 def _find_fold(
-    system: System, before: BranchPoint, beyond: BranchPoint, length: float, steps: Steps
+    system: System, before: BranchPoint, beyond: BranchPoint, length: float, steps: StepControl
 ) -> Fold:
     """Find where dp/ds vanishes on a step from ``before`` of this length to ``beyond``.
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
-from verification.continuation.branch import Fold, Steps, solutions_at, trace
+from verification.continuation.branch import Fold, StepControl, solutions_at, trace
 from verification.continuation.newton import PARAMETER_WEIGHT, NotConvergedError, solve_at
 from verification.fronts.resting import need_eta
 from verification.fronts.wave import FrontWave, Window, not_found
@@ -63,7 +63,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         start = solve_at(system, window.guess, required[-1])
         # An end just below the last value, so that it is passed.
         longest = max(2.0, PARAMETER_WEIGHT * (required[-1] - required[0]) / 8.0)
-        steps = Steps(length=0.1, longest=longest, most=2000, turns=3)
+        steps = StepControl(length=0.1, longest=longest, most=2000, turns=3)
         branch = trace(system, start, required[0] * (1.0 - 1e-12), None, steps)
         fronts, legs = [], []
         for point, leg in solutions_at(system, branch, required):

@@ -2,7 +2,7 @@
 
 A front starts from the first sites of a chain with free ends and is timed at each site; the chain
 is made longer until the velocity has settled, or the front has stopped. The rule is the same for
-all models (``arrival_fit``, ``watch``). What differs is in :class:`Preparation`:
+all models (``arrival_fit``, ``watch``). What differs is in :class:`FrontPreparation`:
 
 * A smooth chain starts from sites on the stable cycle, with the phase step to which its fronts
   lock. Behind a front of (8) or (43) phase waves run at velocities up to c, undamped. A front with
@@ -257,7 +257,7 @@ RUN = ("accuracy", "tolerance", "excited", "max_sites", "stall_time")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Preparation:
+class FrontPreparation:
     """What one model has of its own when a front is measured.
 
     Attributes
@@ -306,7 +306,7 @@ def _measured(chain: Chain, request: Request) -> Front:
     )
 
 
-def _settled(preparation: Preparation, progress: ProgressCallback | None) -> Settled:
+def _settled(preparation: FrontPreparation, progress: ProgressCallback | None) -> Settled:
     """Measure on longer and longer chains until v is known well enough."""
     watch = Watch(
         stall_time=preparation.stall_time,
@@ -331,7 +331,7 @@ def _settled(preparation: Preparation, progress: ProgressCallback | None) -> Set
 
 
 def _front(
-    preparation: Preparation,
+    preparation: FrontPreparation,
     found: Settled,
     boundary: LeftBoundary | None,
     outruns: bool,
@@ -460,7 +460,9 @@ def _spreading_front(chain: OwnChain, request: Request) -> Front:
     )
 
 
-def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary) -> Preparation:
+def _prepare_smooth(
+    chain: SmoothChain, request: Request, boundary: LeftBoundary
+) -> FrontPreparation:
     excited = EXCITED if request.excited is None else request.excited
     count_within("excited sites", excited, 4, MAX_EXCITED)
     max_sites = 1000 if request.max_sites is None else request.max_sites
@@ -494,7 +496,7 @@ def _prepare_smooth(chain: SmoothChain, request: Request, boundary: LeftBoundary
             return True
         return v < waves and sites >= 4.0 * v * excited / (waves - v)
 
-    return Preparation(
+    return FrontPreparation(
         sized=sized,
         begin=begin,
         excited=excited,
@@ -555,7 +557,7 @@ def _friction_front(chain: FrictionChain, request: Request) -> Front:
             start = excite(longer, sites, request.point)
         return FrictionIntegration(longer, start, tolerance=each)
 
-    preparation = Preparation(
+    preparation = FrontPreparation(
         sized=lambda sites: chain.replace(sites=sites),
         begin=begin,
         excited=excited,

@@ -166,7 +166,7 @@ _Fit = tuple[FloatArray, FloatArray, FloatArray]
 """Directions, velocities per unit t, and their uncertainties."""
 
 
-class _Runs(NamedTuple):
+class _SpreadingRuns(NamedTuple):
     """What became of a motion that stopped, its run, and one at a coarser tolerance that did not.
 
     Velocities are then as uncertain as they differ; all of them if only the second run stopped.
@@ -186,20 +186,20 @@ def _runs(
     stall: float,
     within_reach: npt.NDArray[np.bool_],
     progress: ProgressCallback | None,
-) -> _Runs:
+) -> _SpreadingRuns:
     run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
     stopped = _follow(run, stall, within_reach, progress)
     if stopped is not None:
-        return _Runs(stopped, run, None, run.counts["steps"])
+        return _SpreadingRuns(stopped, run, None, run.counts["steps"])
     other = SmoothIntegration(chain, start, [_NEVER], tolerance=coarser_tolerance(tolerance))
     arrived = _follow(other, stall, within_reach, progress) is None
     steps = run.counts["steps"] + other.counts["steps"]
-    return _Runs(None, run, other if arrived else None, steps)
+    return _SpreadingRuns(None, run, other if arrived else None, steps)
 
 
 def _found(
     chain: OwnChain,
-    runs: _Runs,
+    runs: _SpreadingRuns,
     fit: Callable[[FloatArray], _Fit],
     distances: npt.NDArray[Any],
 ) -> SpreadRun:

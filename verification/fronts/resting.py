@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from theory.cells.vdp import ETA_END
 from theory.parameters import RunError, within
-from verification.continuation.branch import Fold, Steps, trace
+from verification.continuation.branch import Fold, StepControl, trace
 from verification.continuation.newton import System, solve_at
 from verification.steppers.amplitudes import Amplitudes, rate, rate_by
 
@@ -35,7 +35,7 @@ _SMALLEST_ETA, _LARGEST_ETA = 1e-3, 0.11
 are long, and the two cycles nearly meet."""
 
 _WINDOWS = (12, 30), (16, 40)
-_STEPS = Steps(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1e-16)
+_STEPS = StepControl(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1e-16)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""The chains and cells that a point of the stability table describes, and rows for any other chain.
+"""Chains and cells that a point of the robustness table describes, and rows for any other chain.
 
 A smooth chain that is registered (``theory.chains.chain``) and has no row of its own gets one here:
 a run from one excited site, held against scipy's DOP853 on the right side that the chain itself

@@ -1,4 +1,4 @@
-"""One point of the stability table: compute, hold against another method, name the outcome."""
+"""One point of the robustness table: compute, hold against another method, name the outcome."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SLOWNESS = 1.0
 """Times all limits of values: a machine may be slower than the one for which they were set."""
 
 
-class Outcome(StrEnum):
+class PointOutcome(StrEnum):
     """What became of one point."""
 
     RIGHT = "right"
@@ -54,7 +54,7 @@ class Outcome(StrEnum):
     SLOW = "slow"
 
 
-BAD = (Outcome.EXCEEDED, Outcome.NAN, Outcome.CRASH, Outcome.SLOW)
+BAD = (PointOutcome.EXCEEDED, PointOutcome.NAN, PointOutcome.CRASH, PointOutcome.SLOW)
 """Of these there must be none."""
 
 
@@ -95,31 +95,33 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
         with time_limit(SLACK * limit, of_processor=True):
             stated = computation.compute(values)
     except TimeIsUpError:
-        return _row(Outcome.SLOW, "given up", seconds=spent())
+        return _row(PointOutcome.SLOW, "given up", seconds=spent())
     except (ParameterError, PrecisionError, RunError) as error:
         clear = is_clear(str(error))
-        return _row(Outcome.REFUSED if clear else Outcome.CRASH, str(error), seconds=spent())
+        return _row(
+            PointOutcome.REFUSED if clear else PointOutcome.CRASH, str(error), seconds=spent()
+        )
     except Exception as error:
-        return _row(Outcome.CRASH, f"{type(error).__name__}: {error}", seconds=spent())
+        return _row(PointOutcome.CRASH, f"{type(error).__name__}: {error}", seconds=spent())
     seconds = spent()
     if not _finite(stated):
         return _row(
-            Outcome.NAN, f"{stated.value} with error {stated.error}", stated, seconds=seconds
+            PointOutcome.NAN, f"{stated.value} with error {stated.error}", stated, seconds=seconds
         )
     if seconds > limit:
-        return _row(Outcome.SLOW, f"limit {limit:g} s", stated, seconds=seconds)
+        return _row(PointOutcome.SLOW, f"limit {limit:g} s", stated, seconds=seconds)
     try:
         with time_limit(pace.MAX_SECONDS, of_processor=True):
             check = computation.check(values, stated)
     except (NoReferenceError, ParameterError, PrecisionError, TimeIsUpError) as error:
-        return _row(Outcome.UNCHECKED, str(error), stated, seconds=seconds)
+        return _row(PointOutcome.UNCHECKED, str(error), stated, seconds=seconds)
     except Exception as error:  # a defect of the table itself
         said = f"in the reference: {type(error).__name__}: {error}"
-        return _row(Outcome.CRASH, said, stated, seconds=seconds)
+        return _row(PointOutcome.CRASH, said, stated, seconds=seconds)
     return _row(compared(stated.error, check), stated.note, stated, check, seconds=seconds)
 
 
-def compared(error: float, check: ReferenceCheck) -> Outcome:
+def compared(error: float, check: ReferenceCheck) -> PointOutcome:
     """Return what a reference says of a stated error.
 
     Examples
@@ -131,8 +133,12 @@ def compared(error: float, check: ReferenceCheck) -> Outcome:
     ['right', 'undecided', 'exceeded']
     """
     if not check.distance <= error + check.uncertainty:
-        return Outcome.EXCEEDED
-    return Outcome.RIGHT if check.uncertainty <= MAX_UNCERTAINTY * error else Outcome.UNDECIDED
+        return PointOutcome.EXCEEDED
+    return (
+        PointOutcome.RIGHT
+        if check.uncertainty <= MAX_UNCERTAINTY * error
+        else PointOutcome.UNDECIDED
+    )
 
 
 def is_clear(message: str) -> bool:
@@ -157,7 +163,7 @@ def _finite(stated: StatedValue) -> bool:
 
 
 def _row(
-    outcome: Outcome,
+    outcome: PointOutcome,
     said: str,
     stated: StatedValue | None = None,
     check: ReferenceCheck | None = None,

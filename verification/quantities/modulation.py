@@ -1,4 +1,4 @@
-"""The modulation equations of one cell: symbols, which the stability table does not try."""
+"""The modulation equations of one cell: symbols, which the robustness table does not try."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One table of test problems, shared by tests, benchmarks, the stability table and the report.
+"""One table of test problems, shared by tests, benchmarks, the robustness table and the report.
 
 `PROBLEMS` holds them by family, one family for each kind of parameters; a quantity names its family
 (``verification.quantities.quantity``). The rule of the table, which tests/test_problems.py checks:
@@ -167,7 +167,7 @@ PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
         _problem("second-order", "stiff", order=2, a=2.5, eta=0.08, eps=1e-3, timed=True),
     ),
 }  # fmt: skip
-"""Test problems by family; a point of the stability table takes those parameters that it names."""
+"""Test problems by family; a point of the robustness table takes those parameters that it names."""
 
 
 def timed(family: str) -> tuple[Problem, ...]:

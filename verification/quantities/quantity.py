@@ -38,7 +38,7 @@ class Quantity:
     How to register a new quantity:
 
     1. Write a module of ``verification.quantities`` with ``QUANTITIES``, a tuple of quantities; the
-       registry finds it. Nothing else has to be changed: the stability table (``fronts stress``),
+       registry finds it. Nothing else has to be changed: the robustness table (``fronts stress``),
        the tests of the table, and the report's list of test problems iterate over the registry.
     2. Choose its family of test problems in ``verification.quantities.problems``, or add one.
     3. Say by which independent method its true value is known there, and to what accuracy. Right
@@ -65,13 +65,13 @@ class Quantity:
         What it is held against at the test problems: it shares no code with ours.
     accuracy : float
         The two references are no further apart than this at any timed problem, nor the check of
-        the stability table at any other where it reaches; in the unit of the quantity.
+        the robustness table at any other where it reaches; in the unit of the quantity.
     default : str
         The method that the toolkit uses unless another is asked for.
     useful : (float, float) or None
         Smallest and largest error that a user is likely to ask for; None where nothing is timed.
     computations : tuple of Computation
-        Rows of the stability table; none for a quantity of symbols.
+        Rows of the robustness table; none for a quantity of symbols.
     """
 
     name: str

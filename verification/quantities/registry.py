@@ -36,7 +36,7 @@ def all_quantities() -> tuple[Quantity, ...]:
 
 
 def all_computations() -> tuple[Computation, ...]:
-    """Return the rows of the stability table, those of chains registered since among them.
+    """Return the rows of the robustness table, those of chains registered since among them.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from verification.execution.points import Point
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
 from verification.execution.table import Table
-from verification.quantities.judging import BAD, Outcome, RobustnessTask
+from verification.quantities.judging import BAD, PointOutcome, RobustnessTask
 from verification.quantities.quantity import Computation
 from verification.quantities.registry import chosen
 
@@ -28,8 +28,8 @@ MIN_POINTS = 12
 
 
 @dataclass(frozen=True, kw_only=True)
-class StabilityRow:
-    """One row of the stability table.
+class RobustnessRow:
+    """One row of the robustness table.
 
     Attributes
     ----------
@@ -58,12 +58,12 @@ _OF_A_ROW = ("quantity", "points", "random", "tightest", "slowest")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stability(Result):
+class Robustness(Result):
     """The table and what is wrong with it.
 
     Attributes
     ----------
-    lines : tuple of StabilityRow
+    lines : tuple of RobustnessRow
         One a quantity.
     bad : tuple of dict
         The points that exceeded their error, gave NaN, crashed or were slow, with all that is
@@ -74,7 +74,7 @@ class Stability(Result):
         Wall-clock time.
     """
 
-    lines: tuple[StabilityRow, ...]
+    lines: tuple[RobustnessRow, ...]
     bad: tuple[dict[str, object], ...]
     table: Table = field(metadata={"json": None})
     seconds: float
@@ -84,13 +84,13 @@ class Stability(Result):
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row a quantity: points, those of each outcome, tightest, slowest."""
         of = {name: [getattr(line, name) for line in self.lines] for name in _OF_A_ROW}
-        of |= {o.value: [line.counts[o.value] for line in self.lines] for o in Outcome}
+        of |= {o.value: [line.counts[o.value] for line in self.lines] for o in PointOutcome}
         return {name: np.array(values) for name, values in of.items()}
 
     @property
     def counts(self) -> dict[str, int]:
         """Points by outcome, over all quantities."""
-        return {o.value: sum(line.counts[o.value] for line in self.lines) for o in Outcome}
+        return {o.value: sum(line.counts[o.value] for line in self.lines) for o in PointOutcome}
 
 
 def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
@@ -120,7 +120,7 @@ def _share(computation: Computation, points: int, whole: float) -> int:
     return max(min(MIN_POINTS, points), round(points * computation.share / whole))
 
 
-def stability(
+def robustness(
     names: Sequence[str] = (),
     points: int = POINTS,
     seed: int = 0,
@@ -129,7 +129,7 @@ def stability(
     resume: bool = False,
     workers: int | None = None,
     progress: ProgressCallback | None = None,
-) -> Stability:
+) -> Robustness:
     """Try the quantities named, or all, and count what becomes of each point.
 
     Parameters
@@ -151,7 +151,7 @@ def stability(
 
     Examples
     --------
-    >>> found = stability(["c-pin"], 40, workers=1)
+    >>> found = robustness(["c-pin"], 40, workers=1)
     >>> found.bad, found.counts["exceeded"]
     ((), 0)
     """
@@ -168,18 +168,18 @@ def stability(
     lines = tuple(_line(computation, table) for computation in chosen(names))
     bad = {outcome.value for outcome in BAD}
     wrong = tuple(dict[str, object](row) for row in table.rows() if row["outcome"] in bad)
-    return Stability(lines=lines, bad=wrong, table=table, seconds=perf_counter() - begin)
+    return Robustness(lines=lines, bad=wrong, table=table, seconds=perf_counter() - begin)
 
 
-def _line(computation: Computation, table: Table) -> StabilityRow:
+def _line(computation: Computation, table: Table) -> RobustnessRow:
     mine = table["quantity"] == computation.name
     outcome = table["outcome"][mine]
-    counts = {o.value: int(np.count_nonzero(outcome == o.value)) for o in Outcome}
-    right = outcome == Outcome.RIGHT.value
+    counts = {o.value: int(np.count_nonzero(outcome == o.value)) for o in PointOutcome}
+    right = outcome == PointOutcome.RIGHT.value
     allowed = table["stated"][mine] + table["uncertainty"][mine]
     ratio = table["distance"][mine][right] / np.where(allowed > 0, allowed, math.inf)[right]
     seconds = table["seconds"][mine]
-    return StabilityRow(
+    return RobustnessRow(
         quantity=computation.name,
         points=int(mine.sum()),
         random=sum(computation.is_random(int(number)) for number in table["number"][mine]),

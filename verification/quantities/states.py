@@ -1,4 +1,4 @@
-"""The label of a state map, for one displaced site of (8) or (43), in the stability table.
+"""The label of a state map, for one displaced site of (8) or (43), in the robustness table.
 
 A label is a promise about all later times. So the reference steps the chain by scipy to twice the
 time at which the label was given, and some, and checks that it still holds.

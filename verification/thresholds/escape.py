@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, count_within, positive
-from verification.thresholds.preparation import Preparation, hold
+from verification.thresholds.preparation import NucleusPreparation, hold
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
 FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0
@@ -27,11 +27,11 @@ SEEDS = 3
 
 
 @dataclass
-class _Runs:
+class _EscapeRuns:
     """The runs with one seed: c and the slow time of escape, infinite if it held."""
 
     chain: VanDerPolChain
-    preparation: Preparation
+    preparation: NucleusPreparation
     duration: float
     escapes: dict[float, float] = field(default_factory=dict)
 
@@ -92,7 +92,7 @@ class _Runs:
 
 def escape_range(
     chain: VanDerPolChain,
-    preparation: Preparation,
+    preparation: NucleusPreparation,
     duration: float = 2000.0,
     tolerance: float = 1e-5,
     seeds: int = SEEDS,
@@ -106,7 +106,7 @@ def escape_range(
     ----------
     chain : VdpChain or AveragedChain
         a, b and the ends; its c and N are not used.
-    preparation : Preparation
+    preparation : NucleusPreparation
         The start, with its first seed.
     duration : float, optional
         Slow time of a run.
@@ -123,7 +123,7 @@ def escape_range(
     Examples
     --------
     >>> from theory.chains.vdp import VdpChain
-    >>> found = escape_range(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 500.0, 1e-3)
+    >>> found = escape_range(VdpChain(a=2.5, b=0.5, c=0), NucleusPreparation(1), 500.0, 1e-3)
     >>> found.low < 0.19079 < found.high, found.monotone
     (True, True)
     """
@@ -134,7 +134,7 @@ def escape_range(
     if preparation.perturbation == 0.0:
         seeds = 1
     every = [
-        _Runs(chain, replace(preparation, seed=preparation.seed + number), duration)
+        _EscapeRuns(chain, replace(preparation, seed=preparation.seed + number), duration)
         for number in range(seeds)
     ]
     for runs in every:
@@ -182,7 +182,7 @@ def escape_range(
 
 def escape_threshold(
     chain: VanDerPolChain,
-    preparation: Preparation,
+    preparation: NucleusPreparation,
     *,
     low: float = 0.15,
     high: float = 0.25,

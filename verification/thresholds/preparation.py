@@ -25,7 +25,7 @@ Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
-class Preparation:
+class NucleusPreparation:
     """The start of a run.
 
     Attributes
@@ -63,13 +63,15 @@ class Preparation:
         return phi
 
 
-def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: float) -> EnvelopeRun:
+def hold(
+    chain: VanDerPolChain, preparation: NucleusPreparation, c: float, duration: float
+) -> EnvelopeRun:
     """Run the averaged chain at a coupling until it escapes or the time is over.
 
     Examples
     --------
     >>> from theory.chains.vdp import VdpChain
-    >>> hold(VdpChain(a=2.5, b=0.5, c=0), Preparation(1), 0.2, 200.0).escaped
+    >>> hold(VdpChain(a=2.5, b=0.5, c=0), NucleusPreparation(1), 0.2, 200.0).escaped
     True
     """
     here = preparation.chain(chain, c)
@@ -82,7 +84,7 @@ def hold(chain: VanDerPolChain, preparation: Preparation, c: float, duration: fl
     )
 
 
-def phase_steps(run: EnvelopeRun, preparation: Preparation) -> NDArray[np.float64]:
+def phase_steps(run: EnvelopeRun, preparation: NucleusPreparation) -> NDArray[np.float64]:
     """Return the phase steps inside the nucleus in units of π, from -1 to 1."""
     core = run.phi[~preparation.nucleus.outside(len(run.phi))]
     return np.asarray(np.angle(core[1:] / core[:-1]) / np.pi, dtype=float)

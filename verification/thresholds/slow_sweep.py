@@ -19,7 +19,7 @@ from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, positive
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds.escape import LOWEST, escape_range
-from verification.thresholds.preparation import Complex, Preparation, hold
+from verification.thresholds.preparation import Complex, NucleusPreparation, hold
 from verification.thresholds.result import (
     Definition,
     Delay,
@@ -41,7 +41,9 @@ LAW = 0.06
 """Largest departure of the exponent from 2/3: twice the cube root of the slowest default rate."""
 
 
-def sweep_envelope(chain: VanDerPolChain, preparation: Preparation, rate: float) -> float | None:
+def sweep_envelope(
+    chain: VanDerPolChain, preparation: NucleusPreparation, rate: float
+) -> float | None:
     """Let c grow at dc/dT = rate from a settled nucleus; return c at escape, or None.
 
     Raises
@@ -62,7 +64,9 @@ def sweep_envelope(chain: VanDerPolChain, preparation: Preparation, rate: float)
     return run.coupling if run.escaped else None
 
 
-def _settled(chain: VanDerPolChain, preparation: Preparation) -> tuple[VanDerPolChain, Complex]:
+def _settled(
+    chain: VanDerPolChain, preparation: NucleusPreparation
+) -> tuple[VanDerPolChain, Complex]:
     """Return the chain at the first coupling, from `START` down, at which it holds, and φ_n."""
     c = START
     while (run := hold(chain, preparation, c, SETTLING)).escaped:
@@ -123,7 +127,7 @@ def _extrapolated(speed: Real, c: Real) -> tuple[float, float]:
     return c_0, abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
 
 
-def measure_delay(chain: VanDerPolChain, preparation: Preparation) -> Delay:
+def measure_delay(chain: VanDerPolChain, preparation: NucleusPreparation) -> Delay:
     """Sweep the averaged chain at several rates and fit the delay.
 
     Raises
@@ -143,7 +147,7 @@ def measure_delay(chain: VanDerPolChain, preparation: Preparation) -> Delay:
     return fit_delay(RATES, escapes, time.perf_counter() - started)
 
 
-def sweep_threshold(chain: VanDerPolChain, preparation: Preparation) -> Threshold:
+def sweep_threshold(chain: VanDerPolChain, preparation: NucleusPreparation) -> Threshold:
     """Find the limit of rate zero of slow sweeps, or where that has none, hold the coupling.
 
     What does not escape at a fold has no limit of rate zero that these sweeps could show; the

@@ -18,7 +18,7 @@ from verification.breathers.families import own_method
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range
-from verification.thresholds.preparation import Preparation
+from verification.thresholds.preparation import NucleusPreparation
 from verification.thresholds.result import (
     BranchThreshold,
     Definition,
@@ -252,7 +252,7 @@ def _by_runs_of_43(
             "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
         )
     within("perturbation", noise, 0.0, 0.1)
-    preparation = Preparation(nucleus.size, nucleus.place, noise, seed)
+    preparation = NucleusPreparation(nucleus.size, nucleus.place, noise, seed)
     if how is ThresholdMethod.HOLD:
         return escape_range(chain, preparation)
     return sweep_threshold(chain, preparation)

@@ -32,6 +32,15 @@ class _Parser(argparse.ArgumentParser):
         where = f"the model {model[0]}" if model else f"'{self.prog}'"
         if not flag.startswith("--"):
             self.error(f"'{word}' is not expected here")
+        close = self._close_to(flag)
+        if close:
+            raise UsageError(
+                f"{flag} is not an option of '{self.prog}': write {close}.",
+                quantity=flag,
+                value=joined or value,
+                allowed=f"absent for {where}",
+                remedy=f"write {close}",
+            )
         raise UsageError(
             f"{flag} has no meaning for {where}: leave it out.",
             quantity=flag,
@@ -39,6 +48,14 @@ class _Parser(argparse.ArgumentParser):
             allowed=f"absent for {where}",
             remedy="leave it out",
         )
+
+    def _close_to(self, flag: str) -> str:
+        """Return the options that a word may stand for: it begins them, or is one misspelt."""
+        import difflib
+
+        every = [each for each in self._option_string_actions if each.startswith("--")]
+        begun = [each for each in every if each.startswith(flag)]
+        return " or ".join(begun or difflib.get_close_matches(flag, every, n=1, cutoff=0.8))
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
         """Return the options, or raise what names the option that cannot be read."""

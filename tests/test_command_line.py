@@ -381,3 +381,31 @@ def test_the_version_is_that_of_the_project(capsys):
     said = capsys.readouterr().out.removeprefix("fronts ").strip()
     project = Path(__file__).parents[1] / "pyproject.toml"
     assert f'version = "{said}"' in project.read_text() or said.startswith("not installed")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("breather --epps 1", "--epps is not an option of 'fronts breather vdp': write --eps."),
+        ("front averaged --c 1 --tol=1e-8", "write --tolerance."),
+        ("map friction --v-max 1", "--v-max has no meaning for the model friction: leave it out."),
+        ("threshold vdp --c-m 1", "write --c-min or --c-max."),
+    ],
+)
+def test_a_misspelt_option_is_told_from_one_of_another_model(
+    line: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(line.split()) == 2
+    assert capsys.readouterr().err.strip().endswith(said)
+
+
+def test_a_front_of_44_may_pass_as_many_sites_as_are_allowed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Near where it loses stability, at c = 2.406, it takes hundreds to settle."""
+    line = "front piecewise --c 2.3 --eta 0.03125"
+    few, many = (_json(capsys, f"{line} --max-sites {most}") for most in (80, 1000))
+    assert (few["status"], few["arrivals"]) == ("unsteady", 80)
+    assert many["status"] == "steady"
+    assert 80 < many["arrivals"] < 1000
+    assert abs(few["v"] - many["v"]) < few["error"]

@@ -14,6 +14,7 @@ def piecewise_front(
     start: Literal["moving", "resting", "step"] = "moving",
     start_v: float | None = None,
     accuracy: float = 1e-12,
+    max_sites: int = 1000,
 ) -> Front:
     """Return the front of (44), moved exactly from switching to switching.
 
@@ -28,6 +29,8 @@ def piecewise_front(
         Velocity of a moving start, negative to retreat.
     accuracy : float, optional
         Relative spread of the period at which the motion counts as steady.
+    max_sites : int, optional
+        Most sites that the front may pass, at least 80.
 
     Returns
     -------
@@ -38,8 +41,8 @@ def piecewise_front(
     ParameterError
         If a value is out of range.
     """
-    from verification.fronts.measure import front_of_switchings
-    from verification.piecewise.simulation import simulate_front
+    from verification.fronts.measure import front_by_switchings
 
-    run = simulate_front(chain.c, chain.eta, start, start_velocity=start_v, tolerance=accuracy)
-    return front_of_switchings(chain, run)
+    return front_by_switchings(
+        chain, accuracy=accuracy, max_sites=max_sites, start=start, start_velocity=start_v
+    )

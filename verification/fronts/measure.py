@@ -574,16 +574,43 @@ def _friction_front(chain: FrictionChain, request: Request) -> Front:
 
 @_measured.register
 def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
+    request.reads("accuracy", "max_sites", where="for the chain (44)")
+    return front_by_switchings(
+        chain,
+        accuracy=1e-12 if request.accuracy is None else request.accuracy,
+        max_sites=1000 if request.max_sites is None else request.max_sites,
+    )
+
+
+def front_by_switchings(
+    chain: PiecewiseChain, *, accuracy: float, max_sites: int, **start: Any
+) -> Front:
+    """Return the front of (44), moved exactly from switching to switching.
+
+    Parameters
+    ----------
+    chain : PiecewiseChain
+        Coupling and η.
+    accuracy : float
+        Relative spread of the period at which the motion counts as steady.
+    max_sites : int
+        Most sites that it may pass.
+    **start
+        As of `verification.piecewise.simulation.simulate_front`.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of range.
+    """
     from verification.piecewise.simulation import PERIODS, TOLERANCES, simulate_front
 
-    request.reads("accuracy", "max_sites", where="for the chain (44)")
-    accuracy = 1e-12 if request.accuracy is None else request.accuracy
-    passed = 1000 if request.max_sites is None else request.max_sites
     run = simulate_front(
         chain.c,
         chain.eta,
         tolerance=within("accuracy", accuracy, *TOLERANCES),
-        max_periods=count_within("most sites passed, max_sites,", passed, *PERIODS),
+        max_periods=count_within("most sites passed, max_sites,", max_sites, *PERIODS),
+        **start,
     )
     return front_of_switchings(chain, run)
 

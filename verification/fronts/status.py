@@ -11,13 +11,13 @@ class FrontStatus(Status):
     STEADY = "steady", "The front travels, and its velocity has settled."
     SETTLING = (
         "settling",
-        "The front travels, and the spread of its period decays but has not reached the tolerance: "
-        "allow more periods.",
+        "The front travels, and the spread of its period decays but has not reached the accuracy: "
+        "allow it more sites, max_sites.",
     )
     UNSTEADY = (
         "unsteady",
-        "The front travels, and its velocity has not settled on the longest chain, or in the "
-        "longest run, allowed: allow more.",
+        "The front travels, and its velocity had not settled when the run was over: it may with "
+        "more sites, max_sites, or never, as where its period repeats itself after several sites.",
     )
     SLIDING = (
         "sliding",

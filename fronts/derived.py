@@ -109,7 +109,11 @@ def _computed(
                         workers=getattr(options, "curve.workers", 1),
                         progress=progress,
                     )
-                return found, {"model": bound.model, **fields, **parameters}
+                varied = _varied(bound, along)
+                own = _parameters_of(chains[0]).items()
+                shared = {name: value for name, value in own if name != varied}
+                ranged = {along: fields[along]}
+                return found, {"model": bound.model, **shared, **ranged, **parameters}
             chain = new_chain(**fields)
     _check_picture(options, function)
     return function(chain, **arguments, **further), {**_parameters_of(chain), **parameters}
@@ -180,7 +184,7 @@ def _along(
     bound: Bound, fields: Mapping[str, Any], along: str, values: Sequence[float]
 ) -> list[Chain]:
     """Return the chains along one parameter; both ends are checked before any work."""
-    name = "b" if along == "eta" and bound.takes_eta else along
+    name = _varied(bound, along)
     fixed = {each: value for each, value in fields.items() if each != along}
 
     def at(value: float) -> Chain:
@@ -188,6 +192,11 @@ def _along(
 
     first, last = at(values[0]), at(values[-1])
     return [first, *map(at, values[1:-1]), last]
+
+
+def _varied(bound: Bound, along: str) -> str:
+    """Return the field in which the chains along a parameter differ: of η it is b."""
+    return "b" if along == "eta" and bound.takes_eta else along
 
 
 def _refuse_other_methods(

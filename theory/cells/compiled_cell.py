@@ -119,9 +119,9 @@ class CompiledCell(Oscillator):
         right, left = (self._potential_on(side, np.abs(y)) for side in (1, -1))
         return np.where(y < 0.0, left, right)
 
-    def stiffness_at(self, y: FloatArray) -> FloatArray:
-        """Return g(y)."""
-        return np.array([self.stiffness(float(each)) for each in y])
+    def force(self, y: float, v: float, eps: float) -> float:
+        """Return g(y) + εh(y, v)v."""
+        return self.stiffness(y) + eps * v * self.damping(y, v)
 
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
         """Return h(y, v)."""

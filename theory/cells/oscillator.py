@@ -71,8 +71,8 @@ class Oscillator(ABC):
         """Return V(y), V(0) = 0."""
 
     @abstractmethod
-    def stiffness_at(self, y: FloatArray) -> FloatArray:
-        """Return g(y)."""
+    def force(self, y: float, v: float, eps: float) -> float:
+        """Return g(y) + εh(y, v)v; of numbers, which a turn asks for ten thousand times."""
 
     @abstractmethod
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
@@ -262,9 +262,24 @@ class OscillatorCell(Oscillator):
         powers = np.polynomial.polynomial.polyint(_ascending(self.stiffness))
         return np.asarray(np.polynomial.polynomial.polyval(y, powers))
 
-    def stiffness_at(self, y: FloatArray) -> FloatArray:
-        """Return g(y)."""
-        return np.asarray(np.polynomial.polynomial.polyval(y, _ascending(self.stiffness)))
+    def force(self, y: float, v: float, eps: float) -> float:
+        """Return g(y) + εh(y, v)v, infinite or NaN where it is too large for a number."""
+        stiffness, damping = self._descending
+        loss = 0.0
+        for coefficients in damping:
+            loss = loss * v + _by_horner(coefficients, y)
+        return _by_horner(stiffness, y) + eps * v * loss
+
+    @cached_property
+    def _descending(self) -> tuple[list[float], list[list[float]]]:
+        """Coefficients of g, and of h by falling power of v, each by falling power of y."""
+        powers: dict[int, dict[int, float]] = {}
+        for (i, j), value in self.damping.items():
+            powers.setdefault(j, {})[i] = value
+        rows = (powers.get(j, {0: 0.0}) for j in range(max(powers, default=0), -1, -1))
+        return _ascending(self.stiffness)[::-1].tolist(), [
+            _ascending(row)[::-1].tolist() for row in rows
+        ]
 
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
         """Return h(y, v)."""
@@ -290,6 +305,13 @@ def _ascending(coefficients: Mapping[int, float]) -> FloatArray:
     found = np.zeros(max(coefficients) + 1)
     for power, value in coefficients.items():
         found[power] = value
+    return found
+
+
+def _by_horner(descending: list[float], x: float) -> float:
+    found = 0.0
+    for coefficient in descending:
+        found = found * x + coefficient
     return found
 
 

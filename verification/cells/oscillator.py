@@ -136,12 +136,11 @@ def _turn(chain: OscillatorChain, y: float, period: float, tolerance: float) -> 
     A motion that creeps to rest without turning ends at 0, one that leaves all bounds at infinity;
     neither has a period.
     """
-    cell, eps = chain.cell, chain.eps
+    force, eps = chain.cell.force, chain.eps
 
     def rate(_: float, z: FloatArray) -> list[float]:
-        at = z[:1], z[1:]
-        force = float(cell.stiffness_at(at[0])[0])
-        return [z[1], -force - eps * z[1] * float(cell.damping_at(*at)[0])]
+        y, v = z.tolist()
+        return [v, -force(y, v, eps)]
 
     with np.errstate(over="ignore", invalid="ignore"):
         run = solve_ivp(

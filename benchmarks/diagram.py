@@ -93,7 +93,7 @@ def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
                 )  # fmt: skip
         pale = pale or bool(rest)
     if pale:
-        axes.plot([], [], "o", color="0.3", alpha=_PALE, label="pale: a beaten setting")
+        axes.plot([], [], "o", color="0.3", alpha=_PALE, label="pale: another setting is better")
     errors = [max(point.error, style.floor) for point in points]
     axes.set_xlim(*reversed(whole_decades(errors)))
     axes.set_ylim(*whole_decades([point.seconds for point in points]))
@@ -106,7 +106,9 @@ def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
             label="no error seen" if none else f"error below {style.floor:g}",
         )  # fmt: skip
     if any(point.error > style.garbage for point in points):
-        axes.axvspan(worst, style.garbage, color="0.9", label="garbage")
+        axes.axvspan(
+            worst, style.garbage, color="0.9", label=f"wrong: error above {style.garbage:g}"
+        )
         axes.set_xlim(worst, least)
     plain_decades(axes)
 

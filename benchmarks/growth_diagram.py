@@ -70,7 +70,7 @@ def _panel(axes: Axes, lines: Sequence[Line], quantity: str) -> None:
         sizes, costs = zip(*known, strict=True)
         timed = quantity == "seconds"
         fitted, expected = line["exponent" if timed else "memory_exponent"], line["expected"]
-        label = line["name"] + (f"\n  power {fitted:.2f}" if _known(fitted) else "")
+        label = line["name"] + (f"\n  power {fitted:z.2f}" if _known(fitted) else "")
         if timed and expected is not None:
             label += f", expected {expected:g}"
             last, cost = sizes[-1], costs[-1]

@@ -177,7 +177,7 @@ BENCHMARK = WorkPrecision(
     effort=Effort(least=1, most=9, once_from=1.0, limit=90.0),
     quick_effort=Effort(seconds=0.1, least=1, most=3, once_from=0.2, limit=20.0),
     style=Style(
-        xlabel="distance in c from the boundary of fronts (right is better)",
+        xlabel="distance in c from the boundary (right is better)",
         ylabel="processor seconds a boundary",
         caption="Error against run time of the boundary of fronts in the map of Fig. 15, by "
         "bisection of states to a thousandth of the interval.",

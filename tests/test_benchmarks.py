@@ -175,7 +175,7 @@ def test_a_diagram_shows_errors_of_zero_in_a_strip_and_labels_powers_of_ten(tmp_
         draw(name, [point(4.1e-2, 1.0), point(least, 2.0), point(4.2e-2, 3.0)], style, tmp_path)
         svg = (tmp_path / f"{name}.svg").read_text()
         assert shown in svg
-        assert "a beaten setting" in svg
+        assert "another setting is better" in svg
         assert (tmp_path / f"{name}.csv").read_text().count(f",{least!r},") == 1
     draw("near", [point(4.1e-2, 1.0), point(4.2e-2, 0.5)], style, tmp_path)
     svg = (tmp_path / "near.svg").read_text()

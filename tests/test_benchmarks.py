@@ -543,7 +543,7 @@ def test_bench_judges_the_defaults(capsys):
         (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
         (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "make it first")),
         (["bench", "--list", "--defaults"], ("--list and --defaults",)),
-        (["bench", "--quik"], ("--quik", "leave it out")),
+        (["bench", "--quik"], ("--quik", "--quick")),
         (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
         (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
         (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),

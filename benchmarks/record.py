@@ -54,11 +54,6 @@ class WorkPoint:
     repeats: int
     warning: str = ""
 
-    @property
-    def honest(self) -> bool:
-        """Whether the error is within what the method claims; true if it claims nothing."""
-        return self.claimed is None or self.error <= self.claimed
-
 
 @dataclass(frozen=True)
 class BenchmarkFailure:

@@ -243,9 +243,10 @@ def test_maps_are_drawn_with_each_label_at_its_points(
     drawn: Any, module: Any, draw: Any, across: str, up: str
 ) -> None:
     states, expected = labelled(across, up)
-    found = known(module.StateMap, states=states)
     if module is fig05:
-        found = known(module.StateMap, states=states, hopf=1.15, cycle_end=1.8)
+        found = known(fig05.FrictionStateMap, states=states, hopf=1.15, cycle_end=1.8)
+    else:
+        found = known(fig15.VdpStateMap, states=states)
     (panel,) = drawn(draw, found)
     named = (
         {"fixed point": "steady sliding"} if module is fig05 else {"front": "front, stays filled"}

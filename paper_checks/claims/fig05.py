@@ -29,7 +29,7 @@ CHECKED = ((0.095, 1.05, 7), (0.095, 1.45, 1), (0.005, 1.55, 1))
 
 
 @dataclass(frozen=True, kw_only=True)
-class StateMap(LabelledMap):
+class FrictionStateMap(LabelledMap):
     """Labels of the map, and how it was checked."""
 
     hopf: float
@@ -51,7 +51,7 @@ class StateMap(LabelledMap):
         return tuple(sorted(set(self.states["label"][high].tolist())))
 
 
-def state_map() -> StateMap:
+def state_map() -> FrictionStateMap:
     """Label a map of 10 by 10 points, bisect its boundaries, and check three points by scipy."""
     from verification.cells.friction import cycle_end_velocity
     from verification.execution.sweep import sweep
@@ -63,7 +63,7 @@ def state_map() -> StateMap:
     states = sweep(task, points, workers=1)
     lines = boundary_lines(states, ("c", "v_d"))
     cell = chain_of(0.0).cell
-    return StateMap(
+    return FrictionStateMap(
         states=states,
         boundary=sweep(Bisection(replace(task.alone(), end=4000.0), REFINED), lines, workers=1),
         hopf=cell.hopf_velocity,
@@ -76,7 +76,7 @@ def state_map() -> StateMap:
     )
 
 
-def rule_map(e: StateMap) -> Ruling:
+def rule_map(e: FrictionStateMap) -> Ruling:
     """Rule: three regions, breathers in the lower half only and fewer as c grows, then none."""
     three = all(e.counts.get(name, 0) for name in REGIONS)
     shrinks = all(first >= second for first, second in pairwise(e.widths)) and e.widths[-1] == 0
@@ -87,7 +87,7 @@ def rule_map(e: StateMap) -> Ruling:
     return fails("the map does not have these three regions.")
 
 
-def draw_map(e: StateMap) -> tuple[Picture, ...]:
+def draw_map(e: FrictionStateMap) -> tuple[Picture, ...]:
     """Draw Fig. 5 with contours between the regions."""
     figure, axes = new_axes(
         "column", height=4.0, xlabel="coupling c", ylabel=r"belt velocity $\tilde{v}_d$"

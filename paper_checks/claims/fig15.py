@@ -56,7 +56,7 @@ def labels_by_scipy() -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StateMap(LabelledMap):
+class VdpStateMap(LabelledMap):
     """Labels by (8) and by the averaged chain."""
 
     by_scipy: tuple[str, ...]
@@ -101,7 +101,7 @@ def sequences(states: Table, name: str) -> set[tuple[str, ...]]:
     return {sequence(states, name, float(value)) for value in np.unique(states[name])}
 
 
-def state_map() -> StateMap:
+def state_map() -> VdpStateMap:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
@@ -115,7 +115,7 @@ def state_map() -> StateMap:
     averaged = sweep(average, points, workers=1)
     lines = boundary_lines(averaged, ("eta", "c"))
     held = sweep(StateTask(chain=FIGURE_15.averaged().replace(a=4.0), held="a"), points, workers=1)
-    return StateMap(
+    return VdpStateMap(
         by_scipy=labels_by_scipy(),
         states=states,
         boundary=sweep(Bisection(average.alone(), 1e-3), lines, workers=1),
@@ -141,7 +141,7 @@ def _least_after_filling(eta: float, c: float) -> int:
     return int(active[int(active.argmax()) :].min())
 
 
-def rule_map(e: StateMap) -> Ruling:
+def rule_map(e: VdpStateMap) -> Ruling:
     """Rule: all three states must be met, few points be in none, and both equations agree."""
     three = all(e.counts.get(name, 0) for name in REGIONS)
     agreed = e.same >= (1.0 - LARGEST_SHARE) * e.points
@@ -150,7 +150,7 @@ def rule_map(e: StateMap) -> Ruling:
     return fails("the map does not have these three states.")
 
 
-def draw(e: StateMap) -> tuple[Picture, ...]:
+def draw(e: VdpStateMap) -> tuple[Picture, ...]:
     """Draw Fig. 15."""
     figure, axes = new_axes("column", height=4.0, xlabel="η = b/a²", ylabel="coupling c")
     drawn = draw_states(axes, e.states, "eta", "c", e.boundary, lines="boundary of (43), bisected",

@@ -10,7 +10,8 @@ At a free end the site has one neighbour: φ_1' = (ic/2)(φ_1 - φ_2) - φ_1 g(|
 
 so real r_n (of either sign) stay real: every pattern of phase steps ±π/2 is inside it. At a free
 end the frequency shift of the site is c/2 instead of c, and -(ic/2) r_1 remains: there the
-reduction is *not* exact. `quarter_turn_defect` measures it; it is as small as the breather's tail.
+reduction is *not* exact, but leaves out rates up to (c/2) max(|r_1|, |r_N|), which are as small as
+the breather's tail.
 """
 
 from __future__ import annotations
@@ -140,8 +141,7 @@ def quarter_turn_phase(sites: int) -> Complex:
 def quarter_turn_rate(r: Real, chain: VanDerPolChain) -> Real:
     """Return r' of the reduction of (43) to quarter-turn phase steps, per unit T.
 
-    Beyond a free end the chain is taken as at rest with the end's frequency that of the bulk; see
-    `quarter_turn_defect` for what this leaves out.
+    Beyond a free end the chain is taken as at rest with the end's frequency that of the bulk.
 
     Raises
     ------
@@ -169,22 +169,6 @@ def quarter_turn_jacobian(r: Real, chain: VanDerPolChain) -> Real:
         matrix[-1, 0] -= 0.5 * chain.c
     square = r**2
     return matrix - np.diag(damping(square, chain) + 2.0 * square * damping_slope(square, chain))
-
-
-def quarter_turn_defect(r: Real, chain: VanDerPolChain) -> float:
-    """Return the largest rate of (43) that the quarter-turn reduction leaves out at free ends.
-
-    It is (c/2) max(|r_1|, |r_N|), and zero for periodic ends.
-
-    Examples
-    --------
-    >>> from theory.chains.vdp import VdpChain
-    >>> quarter_turn_defect(np.array([0.1, 1.0, 0.2]), VdpChain(a=2, b=0.5, c=0.2, sites=3))
-    0.020000000000000004
-    """
-    if chain.ends is Ends.PERIODIC:
-        return 0.0
-    return 0.5 * chain.c * float(max(abs(r[0]), abs(r[-1])))
 
 
 def _neighbours(r: Real, ends: Ends) -> tuple[Real, Real]:

@@ -37,7 +37,7 @@ _STEPS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrontProfile(Result):
+class FrontShape(Result):
     """Values of the front's shape.
 
     Attributes
@@ -58,9 +58,7 @@ class FrontProfile(Result):
     points: int
 
 
-def front_profile(
-    zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e-12
-) -> FrontProfile:
+def front_profile(zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e-12) -> FrontShape:
     """Return φ(ζ)/φ_s of Eq. (49) by the closed integral.
 
     Parameters
@@ -91,7 +89,7 @@ def front_profile(
     if not np.all(np.isfinite(position)):
         raise ParameterError("position zeta", "nan or infinite", "finite", "give finite positions")
     if position.size == 0:
-        return FrontProfile(zeta=position, phi=np.empty(0, dtype=complex), error=0.0, points=0)
+        return FrontShape(zeta=position, phi=np.empty(0, dtype=complex), error=0.0, points=0)
     grid = ProfileGrid.make(v, c, float(np.abs(np.floor(position)).max()) + 1.0, tolerance)
     phi = _on_equal_fractions(grid, position)
     if phi is None:
@@ -100,7 +98,7 @@ def front_profile(
         for begin in range(0, position.size, rows):
             some = slice(begin, begin + rows)
             phi[some] = grid.at(position[some])
-    return FrontProfile(zeta=position, phi=phi, error=grid.error, points=grid.points)
+    return FrontShape(zeta=position, phi=phi, error=grid.error, points=grid.points)
 
 
 def _on_equal_fractions(grid: ProfileGrid, zeta: FloatArray) -> ComplexArray | None:
@@ -370,7 +368,7 @@ def profile_slope(
 
 def front_profile_by_roots(
     zeta: npt.ArrayLike, v: float, c: float, count: int = 2000
-) -> FrontProfile:
+) -> FrontShape:
     """Return φ(ζ)/φ_s by the series (49) as printed, over the ``count`` nearest roots.
 
     φ/φ_s = -½ Σ_{M⁺} e^{ikζ}/(kL_k) for ζ > 0 and 1 + ½ Σ_{M⁻} e^{ikζ}/(kL_k) for ζ < 0. The
@@ -405,4 +403,4 @@ def front_profile_by_roots(
         # Beyond the last root terms fall at least like 1/k² there, two a period.
         last = float(np.max(np.abs(residue[-2:]) * np.abs(waves[:, -2:]).max(axis=0)))
         error = max(error, 2.0 * last * count / 2.0 + 1e-14)
-    return FrontProfile(zeta=position, phi=phi, error=error, points=count)
+    return FrontShape(zeta=position, phi=phi, error=error, points=count)

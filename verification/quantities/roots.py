@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 
 from theory.parameters import ParameterError, within
-from theory.piecewise.profile import FrontProfile, front_profile
+from theory.piecewise.profile import FrontShape, front_profile
 from theory.piecewise.root_count import count_in_strips
 from theory.piecewise.roots import MAX_LABEL, labelled_roots
 from verification.quantities.quantity import (
@@ -69,7 +69,7 @@ def _check_profile(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
     Between roots n and the next period the terms fall at least like |k|^{-2-|ζ|}: the rest is
     bounded by the last terms kept, times the number of them.
     """
-    found: FrontProfile = stated.extra
+    found: FrontShape = stated.extra
     zeta = float(found.zeta[0])
     upper = zeta > 0
     v, c = at["v"], at["c"]

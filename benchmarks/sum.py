@@ -42,7 +42,7 @@ from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import KineticSum
-from theory.piecewise.sums.series import SeriesScene, sum_by_roots, tail_sum
+from theory.piecewise.sums.series import RootSeries, sum_by_roots, tail_sum
 from verification.piecewise.simulation import simulate_front
 from verification.quantities.problems import Problem
 from verification.references import piecewise
@@ -195,8 +195,8 @@ def _by_contour(
         return MethodAnswer(value=complex(np.sum(terms)))
     terms = np.where(np.abs(labels) == reach, 0.5 * terms, terms)  # the tail holds the other half
     with mp.workdps(_TAIL_DIGITS + 15):
-        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
-        rest = [tail_sum(scene, side * reach, side, _MAX_TAIL_TERMS) for side in (-1, 1)]
+        whole = RootSeries(mp.mpf(v), mp.mpf(c), 1)
+        rest = [tail_sum(whole, side * reach, side, _MAX_TAIL_TERMS) for side in (-1, 1)]
         return MethodAnswer(value=complex(sum(part for part, _ in rest)) + complex(np.sum(terms)))
 
 

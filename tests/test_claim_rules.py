@@ -61,7 +61,7 @@ CASES: list[tuple[Any, dict[str, Any], Verdict, list[tuple[dict[str, Any], Verdi
     (fig02.rule_subcritical, {"ratios": (0.99, 0.999, 0.9999), "repels": (True, True)}, HOLDS,
      [({"ratios": (0.9, 0.9, 0.9)}, FAILS), ({"repels": (True, False)}, FAILS)]),
     (fig02.rule_friction_law, {"printed": (1.5, 1.0), "corrected": (1.0, 0.5),
-                               "wanted": (1.0, 0.5), "slope_gap": 0.0, "reference_gap": 0.0},
+                               "required": (1.0, 0.5), "slope_gap": 0.0, "reference_gap": 0.0},
      CORRECTED,
      [({"reference_gap": 5e-10}, FAILS),
       ({"printed": (1.0, 0.5)}, HOLDS),
@@ -313,7 +313,7 @@ def test_every_part_of_the_evidence_that_a_rule_reads_is_changed_once(
     case: tuple[Any, ...],
 ) -> None:
     rule, good, _, changes = case
-    words = ("number", "kind", "expected", "wanted", "zeta", "threshold", "core", "series_error",
+    words = ("number", "kind", "expected", "required", "zeta", "threshold", "core", "series_error",
              "ripple", "bound", "bounds", "points", "true_odd", "averaged_error", "kinetic",
              "reason", "late", "trailing", "hopf", "strong", "rates", "stuck", "two",
              "friction_outside", "confirmed", "gap", "orders", "series_gap", "chain_gap", "apart",

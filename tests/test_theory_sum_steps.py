@@ -19,7 +19,7 @@ from theory.piecewise.sums.bessel import sum_by_bessel
 from theory.piecewise.sums.integral import sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.result import PrecisionError
-from theory.piecewise.sums.series import SeriesScene, sum_by_roots
+from theory.piecewise.sums.series import RootSeries, sum_by_roots
 
 EPS = float(np.finfo(float).eps)
 
@@ -85,8 +85,8 @@ def test_many_digits_charge_the_square_of_what_halving_the_step_changes(monkeypa
     assert found.error == pytest.approx(100 * float(difference) ** 2, rel=1e-6)
 
 
-def scene(v: float, c: float, upper: bool = True) -> SeriesScene:
-    return SeriesScene(exact(v), exact(c), 1 if upper else -1)
+def series(v: float, c: float, upper: bool = True) -> RootSeries:
+    return RootSeries(exact(v), exact(c), 1 if upper else -1)
 
 
 def recorded(monkeypatch, missed: list[float]) -> list[float]:
@@ -143,7 +143,7 @@ def test_the_labels_kept_are_those_nearer_than_the_distance(
     v: float, c: float, distance: float, upper: bool
 ) -> None:
     with mp.workdps(30):
-        first, last = sum_series._kept_labels(scene(v, c, upper), distance)
+        first, last = sum_series._kept_labels(series(v, c, upper), distance)
     places = singular_labels(v, c, 1 if upper else -1)
     # A little way in from the last labels a singularity is too near; at them none is.
     for end, side in ((first, -1), (last, 1)):
@@ -159,7 +159,7 @@ def test_the_labels_kept_are_those_nearer_than_the_distance(
 
 def test_twenty_thousand_roots_to_many_digits_and_a_million_to_few() -> None:
     # S = 0 near k = -2c/v: some 10^5 strips away
-    place = scene(1.0, 3e5)
+    place = series(1.0, 3e5)
     with mp.workdps(30):
         first, last = sum_series._kept_labels(place, 5.0)
     assert 30_000 < last - first < 1_000_000
@@ -178,7 +178,7 @@ def test_what_a_shift_of_the_roots_does_to_the_kept_terms_is_their_error(monkeyp
         return 1 / (-1j * k * (v + c * np.sin(k)))
 
     monkeypatch.setattr(sum_series, "labelled_roots", shifted)
-    _, error = sum_series._kept_terms(scene(v, c), -4, 4, 15)
+    _, error = sum_series._kept_terms(series(v, c), -4, 4, 15)
     # d ln t = -(1/k + c cos k/(v + c sin k)) dk, and |cos k| is at most cosh Im k
     share = 1 / np.abs(roots.k)
     share += c * np.cosh(roots.k.imag) / np.abs(v + c * np.sin(roots.k))
@@ -194,7 +194,7 @@ def test_many_digits_give_up_eight_of_them_to_rounding() -> None:
     k = labelled_roots(v, c, np.arange(-4, 5), True).k
     size = np.sum(np.abs(1 / (k * (v + c * np.sin(k)))))
     with mp.workdps(45):
-        _, rounding = sum_series._kept_terms(scene(v, c), -4, 4, 30)
+        _, rounding = sum_series._kept_terms(series(v, c), -4, 4, 30)
         share = float(rounding * mp.mpf(10) ** (45 - 8))
     assert share == pytest.approx(size, rel=1e-9)
 
@@ -203,7 +203,7 @@ def test_many_digits_give_up_eight_of_them_to_rounding() -> None:
 def test_thirty_times_the_smallest_term_of_a_tail_is_its_error(upper: bool) -> None:
     v, c, label, sign = 0.7, 1.1, 6, 1 if upper else -1
     with mp.workdps(30):
-        _, error = sum_series.tail_sum(scene(v, c, upper), label, 1, 1)
+        _, error = sum_series.tail_sum(series(v, c, upper), label, 1, 1)
     # One term, B_2/2 dt/dnu = t'/12: by hand, with S = u - 1/u at u = e^{-ik} above the axis,
     # t = ± 2/(c k (S ∓ i alpha)), S S' = alpha q and dk/dnu = 2 pi S/(S ∓ i alpha).
     k = complex(labelled_roots(v, c, np.array([label]), upper).k[0])

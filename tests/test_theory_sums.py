@@ -152,10 +152,10 @@ def test_integral_and_series_agree_over_twelve_decades(v: float, c: float) -> No
 def test_no_error_bound_is_exceeded(
     method: Callable[[float, float], KineticSum], v: float, c: float
 ) -> None:
-    # what is too dear for this test: 1e5 pieces of quadrature or Bessel functions at a time
+    # what is too expensive for this test: 1e5 pieces of quadrature or Bessel functions at a time
     slow = method not in (sum_by_integral, sum_by_roots) and (c > 20 or v < 5e-3 or c / v > 200)
     if slow:
-        pytest.skip("too dear for this test")
+        pytest.skip("too expensive for this test")
     try:
         found = method(v, c)
     except PrecisionError:

@@ -23,7 +23,7 @@ from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums.series import SeriesScene, tail_sum
+from theory.piecewise.sums.series import RootSeries, tail_sum
 from verification.execution.points import Point
 from verification.execution.sweep import sweep
 from verification.piecewise.chain import PiecewiseMotion, Switching
@@ -54,9 +54,9 @@ def test_orders_left_out_of_a_tail_change_less_than_30_times_the_smallest(
     held(sums.few_tail_terms(v, c, 9), 1e-15)
     # The tail again, its first thirty terms as roots of their own: no Euler-Maclaurin among them.
     with mp.workdps(30):
-        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
-        few, missed = tail_sum(scene, 9, 1, 25)
-        rest, _ = tail_sum(scene, 39, 1, 25)
+        series = RootSeries(mp.mpf(v), mp.mpf(c), 1)
+        few, missed = tail_sum(series, 9, 1, 25)
+        rest, _ = tail_sum(series, 39, 1, 25)
         k = labelled_roots(v, c, np.arange(9, 40), True).k
         terms = 1.0 / (k * -1j * (v + c * np.sin(k)))
         terms[[0, -1]] *= 0.5

@@ -43,7 +43,7 @@ def _orbits() -> BeltCell:
 def _scipy(
     cell: FrictionCell, y: float, t_end: float, samples: int = 1001, *, rough: bool = False
 ) -> EventRun:
-    """Run from rest; ``rough`` where only the state at the end is wanted."""
+    """Run from rest; ``rough`` where only the state at the end is required."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
@@ -274,7 +274,7 @@ class LawValues:
 
     printed: tuple[float, float]
     corrected: tuple[float, float]
-    wanted: tuple[float, float]
+    required: tuple[float, float]
     slope_gap: float
     reference_gap: float
     """Largest difference from the law as it is written for scipy."""
@@ -298,7 +298,7 @@ def friction_law() -> LawValues:
     return LawValues(
         printed=(printed(0.0), printed(1e3)),
         corrected=(ours(0.0), ours(1e3)),
-        wanted=(cell.mu_st, cell.mu_d),
+        required=(cell.mu_st, cell.mu_d),
         slope_gap=abs(slopes[0] - slopes[1]),
         reference_gap=max(abs(ours(v) - dynamic_friction(v, cell)) for v in (0.0, 0.3, V_D, 1e3)),
     )
@@ -306,9 +306,9 @@ def friction_law() -> LawValues:
 
 def rule_friction_law(e: LawValues) -> Ruling:
     """Rule: both limits must be those of the text, by the printed line or by the corrected one."""
-    if e.printed == e.wanted:
+    if e.printed == e.required:
         return holds()
-    if e.corrected == e.wanted and e.slope_gap < 1e-9 and e.reference_gap < 1e-12:
+    if e.corrected == e.required and e.slope_gap < 1e-9 and e.reference_gap < 1e-12:
         return corrected("the limits are those of (2) with $\\mu_d$ for its first $\\mu_{st}$.")
     return fails("neither the printed nor the corrected (2) has these limits.")
 

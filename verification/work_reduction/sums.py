@@ -19,7 +19,7 @@ from theory.piecewise.profile import ProfileGrid
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.axis import plain_points
 from theory.piecewise.sums.integral import sums
-from theory.piecewise.sums.series import SeriesScene, sum_by_roots, tail_sum
+from theory.piecewise.sums.series import RootSeries, sum_by_roots, tail_sum
 from verification.work_reduction.comparison import Comparison, timed
 
 FloatArray = npt.NDArray[np.float64]
@@ -47,9 +47,9 @@ def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
     relative = 1.0 / np.abs(roots.k) + c * np.cosh(roots.k.imag) / np.abs(slope)
     rounding = float(np.sum(np.abs(terms) * (relative * roots.radius + 4.0 * _EPS)))
     with mp.workdps(30):
-        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
+        series = RootSeries(mp.mpf(v), mp.mpf(c), 1)
         for label, side in ((-most, -1), (most, 1)):
-            rest, missed = tail_sum(scene, label, side, 3)
+            rest, missed = tail_sum(series, label, side, 3)
             value += complex(rest)
             rounding += float(missed)
     changed = abs(few.value - value)
@@ -59,9 +59,9 @@ def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
 def few_tail_terms(v: float = 0.3, c: float = 0.5, label: int = 9) -> Comparison:
     """Take the orders of one tail that 15 digits need, and those that 60 need, in ms."""
     with mp.workdps(2 * _TAIL_DIGITS):
-        scene = SeriesScene(mp.mpf(v), mp.mpf(c), 1)
-        few, spent = timed(lambda: tail_sum(scene, label, 1, 25))
-        many, whole = timed(lambda: tail_sum(scene, label, 1, 80))
+        series = RootSeries(mp.mpf(v), mp.mpf(c), 1)
+        few, spent = timed(lambda: tail_sum(series, label, 1, 25))
+        many, whole = timed(lambda: tail_sum(series, label, 1, 80))
         changed = float(abs(few[0] - many[0]))
         return Comparison(1e3 * spent, 1e3 * whole, changed, float(few[1] + many[1]))
 

@@ -34,8 +34,8 @@ _MAX_PRECISE_ROOTS = 20_000
 
 
 @dataclass(frozen=True)
-class SeriesScene:
-    """One scene and half-plane, at the current precision.
+class RootSeries:
+    """The series over the roots of one half-plane, at the current precision.
 
     Attributes
     ----------
@@ -96,12 +96,12 @@ def sum_by_roots(
     corners = max(digits, 10) / 2.7 + 2.0
     for _ in range(6):
         with mp.workdps(max(digits, DOUBLE) + 15):
-            scene = SeriesScene(exact(v), exact(c), 1 if upper else -1)
-            first, last = _kept_labels(scene, corners)
-            value, rounding = _kept_terms(scene, first, last, digits)
+            series = RootSeries(exact(v), exact(c), 1 if upper else -1)
+            first, last = _kept_labels(series, corners)
+            value, rounding = _kept_terms(series, first, last, digits)
             uncertain = mp.mpf(0)
             for label, side in ((first, -1), (last, 1)):
-                tail, missed = tail_sum(scene, label, side, math.ceil(3.2 * corners))
+                tail, missed = tail_sum(series, label, side, math.ceil(3.2 * corners))
                 value, uncertain = value + tail, uncertain + missed
         if uncertain <= mp.mpf(10) ** (-digits):
             break
@@ -118,13 +118,13 @@ def sum_by_roots(
     )
 
 
-def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:
+def _kept_labels(series: RootSeries, distance: float) -> tuple[int, int]:
     """Return the labels at which the tails begin, ``distance`` from every singularity of t."""
-    i, sign = mp.mpc(0, 1), scene.sign
-    q_turn = mp.sqrt(4 - scene.alpha**2)
+    i, sign = mp.mpc(0, 1), series.sign
+    q_turn = mp.sqrt(4 - series.alpha**2)
     first, last = -2.0, 2.0
-    for q in (scene.beta, mp.mpf(2), mp.mpf(-2), q_turn, -q_turn):
-        k = (q - scene.beta) / scene.alpha
+    for q in (series.beta, mp.mpf(2), mp.mpf(-2), q_turn, -q_turn):
+        k = (q - series.beta) / series.alpha
         w = mp.acosh(q / 2)
         for image in (w, -w, w + 2j * mp.pi, w - 2j * mp.pi):
             nu = complex((k - sign * i * image) / (2 * mp.pi))
@@ -134,17 +134,17 @@ def _kept_labels(scene: SeriesScene, distance: float) -> tuple[int, int]:
     most = MAX_ROOTS if mp.mp.dps <= DOUBLE + 15 else _MAX_PRECISE_ROOTS
     if last - first > most:
         raise PrecisionError(
-            f"the series at v = {mp.nstr(scene.v, 6)}, c = {mp.nstr(scene.c, 6)} needs "
+            f"the series at v = {mp.nstr(series.v, 6)}, c = {mp.nstr(series.c, 6)} needs "
             f"{last - first:.3g} roots one by one, more than {most}; use the method integral."
         )
     return math.floor(first), math.ceil(last)
 
 
-def _kept_terms(scene: SeriesScene, first: int, last: int, digits: int) -> tuple[Any, Any]:
+def _kept_terms(series: RootSeries, first: int, last: int, digits: int) -> tuple[Any, Any]:
     """Return the sum of t over the labels, the first and last counted half, and its rounding."""
-    labels, upper = np.arange(first, last + 1), scene.sign > 0
+    labels, upper = np.arange(first, last + 1), series.sign > 0
     if digits <= DOUBLE:
-        v, c = float(scene.v), float(scene.c)
+        v, c = float(series.v), float(series.c)
         roots = labelled_roots(v, c, labels, upper)
         slope = -1j * (v + c * np.sin(roots.k))
         terms = 1.0 / (roots.k * slope)
@@ -156,31 +156,31 @@ def _kept_terms(scene: SeriesScene, first: int, last: int, digits: int) -> tuple
     total = mp.mpc(0)
     size = mp.mpf(0)
     for label, k in zip(
-        labels, precise_roots(scene.v, scene.c, labels, upper, mp.mp.dps), strict=True
+        labels, precise_roots(series.v, series.c, labels, upper, mp.mp.dps), strict=True
     ):
-        term = 1 / (k * -1j * (scene.v + scene.c * mp.sin(k)))
+        term = 1 / (k * -1j * (series.v + series.c * mp.sin(k)))
         total += term / 2 if label in (first, last) else term
         size += abs(term)
     return total, size * mp.mpf(10) ** (8 - mp.mp.dps)
 
 
-def tail_sum(scene: SeriesScene, label: int, side: int, most: int) -> tuple[Any, Any]:
+def tail_sum(series: RootSeries, label: int, side: int, most: int) -> tuple[Any, Any]:
     """Return the sum of t beyond ``label`` on one side, plus half of t there, and its error.
 
     Euler–Maclaurin: ∫ t dν ∓ Σ_j B_{2j}/(2j) t_{2j-1}, t_j the Taylor coefficients at the label.
     It is cut at its smallest term, thirty times which is charged as the error; that bounds it where
     ``label`` keeps the distance of :func:`sum_by_roots` from the singularities, and not nearer.
     """
-    (k,) = precise_roots(scene.v, scene.c, np.array([label]), scene.sign > 0, mp.mp.dps)
-    u = mp.exp(-scene.sign * 1j * k)
-    half = mp.sqrt(scene.beta**2 - 4) / 2
-    u1, u2 = scene.beta / 2 + half, scene.beta / 2 - half
+    (k,) = precise_roots(series.v, series.c, np.array([label]), series.sign > 0, mp.mp.dps)
+    u = mp.exp(-series.sign * 1j * k)
+    half = mp.sqrt(series.beta**2 - 4) / 2
+    u1, u2 = series.beta / 2 + half, series.beta / 2 - half
     if abs(u1) < abs(u2):
         u1, u2 = u2, u1
-    integral = -mp.log((u - u1) / (u - u2)) / (u1 - u2) / (mp.pi * scene.c)
-    total = side * scene.sign * integral
+    integral = -mp.log((u - u1) / (u - u2)) / (u1 - u2) / (mp.pi * series.c)
+    total = side * series.sign * integral
     smallest = mp.inf
-    taylor = _taylor(scene, k, u - 1 / u, 2 * most)
+    taylor = _taylor(series, k, u - 1 / u, 2 * most)
     for j in range(1, most + 1):
         term = -side * mp.bernoulli(2 * j) / (2 * j) * taylor[2 * j - 1]
         size = abs(term)
@@ -193,17 +193,17 @@ def tail_sum(scene: SeriesScene, label: int, side: int, most: int) -> tuple[Any,
     return total, 30 * smallest
 
 
-def _taylor(scene: SeriesScene, k0: Any, S0: Any, order: int) -> list[Any]:
+def _taylor(series: RootSeries, k0: Any, S0: Any, order: int) -> list[Any]:
     """Return the Taylor coefficients of t(ν) about a root, from k'(S ∓ iα) = 2πS, S² = q² - 4."""
-    shift = -scene.sign * 1j * scene.alpha
-    k, S, q = [k0], [S0], [scene.alpha * k0 + scene.beta]
+    shift = -series.sign * 1j * series.alpha
+    k, S, q = [k0], [S0], [series.alpha * k0 + series.beta]
     d = [k0 * (S0 + shift)]
-    t = [scene.sign * 2 / (scene.c * d[0])]
+    t = [series.sign * 2 / (series.c * d[0])]
     for j in range(order):
         # Sums of products rounded once: half the time, and a bit more exact.
         crossed = mp.fdot(((j + 1 - n) * k[j + 1 - n], S[n]) for n in range(1, j + 1))
         k.append((2 * mp.pi * S[j] - crossed) / ((j + 1) * (S0 + shift)))
-        q.append(scene.alpha * k[-1])
+        q.append(series.alpha * k[-1])
         squares = mp.fdot(q, q[::-1]) - mp.fdot(S[1:], S[:0:-1])
         S.append(squares / (2 * S0))
         d.append(mp.fdot(k, S[::-1]) + shift * k[-1])

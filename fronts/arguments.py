@@ -112,7 +112,7 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
 
 
 def is_range(value: Any) -> bool:
-    """Tell whether an option was given as ``low:high:count``.
+    """Return whether an option was given as ``low:high:count``.
 
     Examples
     --------
@@ -243,7 +243,7 @@ def _unusable(option: str, path: Path, why: str, remedy: str) -> NoReturn:
 
 
 def same_file(one: Path, other: Path) -> bool:
-    """Tell whether two names lead to one file, whether it exists or not.
+    """Return whether two names lead to one file, whether it exists or not.
 
     Examples
     --------

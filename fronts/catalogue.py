@@ -13,7 +13,7 @@ from typing import Any
 
 @dataclass(frozen=True, kw_only=True)
 class CommandCall:
-    """A public function behind a command, for one model; of this class itself, one of no chain.
+    """A public function behind a command; this class itself is for those that take no chain.
 
     Attributes
     ----------

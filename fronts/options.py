@@ -150,7 +150,7 @@ class Group:
             )
 
     def is_required(self, each: Described) -> bool:
-        """Tell whether a parameter has no default."""
+        """Return whether a parameter has no default."""
         return self._default(each) is REQUIRED
 
     def given(self, options: argparse.Namespace) -> dict[str, Any]:

@@ -114,7 +114,7 @@ def rounding(number: str) -> float:
 
 
 def agrees(found: float, number: str, error: float = 0.0) -> bool:
-    """Tell whether a value rounds to a number as printed, within its own error.
+    """Return whether a value rounds to a number as printed, within its own error.
 
     Examples
     --------

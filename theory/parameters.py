@@ -356,7 +356,7 @@ one of them.
 
 
 def _is_truth(value: object) -> bool:
-    """Tell whether a value is true or false, of Python or of numpy, or an array of such."""
+    """Return whether a value is true or false, of Python or of numpy, or an array of such."""
     return isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
 
 

@@ -267,7 +267,7 @@ class Result:
 
 
 def is_cell(value: object) -> bool:
-    """Tell whether a value in the types of JSON is a number, a word or absent."""
+    """Return whether a value in the types of JSON is a number, a word or absent."""
     return value is None or isinstance(value, (bool, int, float, str))
 
 

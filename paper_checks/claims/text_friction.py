@@ -243,7 +243,7 @@ def nucleation() -> Nucleation:
 
 
 def _outward(arrivals: NDArray[np.float64], centre: int) -> bool:
-    """Tell whether the sites that joined did so one after the other from the centre on."""
+    """Return whether the sites that joined did so one after the other from the centre on."""
     sides = arrivals[centre + 1 :], arrivals[:centre][::-1]
     reached = [int(np.count_nonzero(~np.isnan(side))) for side in sides]
     return min(reached) > 1 and all(

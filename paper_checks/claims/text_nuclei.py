@@ -100,7 +100,7 @@ def to_larger() -> ToLarger:
 
 
 def succession(ends: Mapping[float, str]) -> bool:
-    """Tell whether larger nuclei are stationary at some couplings, and fronts run only above."""
+    """Return whether larger nuclei are stationary at some couplings, and fronts run only above."""
     larger = [c for c, end in ends.items() if end == "larger nucleus"]
     run = [c for c, end in ends.items() if end == "front"]
     return bool(larger and run) and max(larger) < min(run)

@@ -120,7 +120,7 @@ def _written(element: ET.Element) -> Iterator[str]:
 
 
 def _harmless(value: str) -> bool:
-    """Tell whether a value calls listed functions only, and refers to the document itself."""
+    """Return whether a value calls listed functions only, and refers to the document itself."""
     if "\\" in value or "@" in value:  # escapes of style sheets could spell anything
         return False
     calls = re.findall(r"([\w-]*)\s*\(", value)

@@ -157,7 +157,7 @@ def _certified_count(
 
 
 def _alone(flint: Any, places: Sequence[Any], labels: IntArray, upper: bool) -> bool:
-    """Tell whether every root lies in its own strip, so that no two are the same."""
+    """Return whether every root lies in its own strip, so that no two are the same."""
     bounds = zip(*strip_bounds(labels, upper), strict=True)
     return all(
         place.real > round(low / math.pi) * flint.arb.pi()

@@ -102,7 +102,7 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
 
 
 def _never_moves(flint: Any, c: float, target: Any, peak: float) -> bool:
-    """Tell whether |Σ(v, c')| < 2r is proven for all v > 0 and 0 < c' ≤ c.
+    """Return whether |Σ(v, c')| < 2r is proven for all v > 0 and 0 < c' ≤ c.
 
     ``peak`` is about where |Σ(v, c)| is greatest, 0 if that is at v = 0.
     """
@@ -127,7 +127,7 @@ def _never_moves(flint: Any, c: float, target: Any, peak: float) -> bool:
 
 
 def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> bool:
-    """Tell whether |Σ| < 2r is proven at the relation's coupling, for v from low to high."""
+    """Return whether |Σ| < 2r is proven at the relation's coupling, for v from low to high."""
     cells = [(low, high)]
     if low < peak < high:
         left, right = _below_about_peak(relation, peak)
@@ -184,7 +184,7 @@ def _bend(relation: Relation, v: Any) -> tuple[Any, Any]:
 def _below_on_boxes(
     relation: Relation, velocities: tuple[float, float], couplings: tuple[float, float]
 ) -> bool:
-    """Tell whether on each box |Σ| < 2r or ∂|Σ|²/∂c > 0 is proven."""
+    """Return whether on each box |Σ| < 2r or ∂|Σ|²/∂c > 0 is proven."""
     flint = relation.flint
     coarse = 1e-3 * float(relation.target)
     boxes = [(*velocities, *couplings)]
@@ -222,7 +222,7 @@ def _below_on_boxes(
 
 
 def _below_by_bounds(relation: Relation, low: float, high: float, c: float) -> bool:
-    """Tell whether the bounds at small and large v prove |Σ| < 2r for these v, up to coupling c."""
+    """Return whether bounds at small and large v prove |Σ| < 2r for these v, up to coupling c."""
     flint, c_ = relation.flint, relation.flint.arb(c)
     slow = abs(ball_static_sum(flint, c_)) + static_distance(flint, high)
     return bool(slow < relation.target) or bool(fast_bound(flint, low, c_) < relation.target)

@@ -23,7 +23,7 @@ from verification.continuation.newton import BranchPoint
 _FURTHEST = 2.0
 """Coupling up to which a fold is looked for."""
 _BEYOND = 1e-12
-"""By so much of itself the range is made wider, so that its ends are passed."""
+"""Relative amount by which the range is widened, so that its ends are passed."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -54,9 +54,9 @@ SEVERAL = 6
 SAME = 1.0
 """Slow time by which two runs may differ in when a site joined and still count as the same."""
 _TOLERANCE = 1e-8
-"""Local error of a run; the one beside it has a hundred times as much."""
+"""Local error of a run; that of the run for comparison is a hundred times larger."""
 SAMPLES = 201
-"""States kept of a run."""
+"""Samples of a run."""
 
 
 class NucleusOutcome(Status):

@@ -33,7 +33,7 @@ STIFFEST = 6.0
 NOISE = 1e-6
 """Standard deviation of the noise on the start: every y and ẏ, or both parts of every φ_n."""
 LARGEST_EPS = 0.2
-"""Beyond it this step is too long for transients."""
+"""Largest ε: beyond it the step is too long for transients."""
 SLOW_TIME, TOLERANCE = 1500.0, 1e-8
 """Longest run, in T = εt, and the drift per unit T that counts as settled."""
 BLOCK = 5.0

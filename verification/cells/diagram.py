@@ -20,7 +20,7 @@ from verification.cells.friction_cycles import check_slip_cycles, stick_slip_onc
 FloatArray = npt.NDArray[np.float64]
 
 MAX_VELOCITIES = 2000
-"""Of a curve at the shell."""
+"""Most velocities of one diagram at the shell."""
 
 
 @dataclass(frozen=True, kw_only=True)

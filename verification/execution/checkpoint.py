@@ -31,13 +31,13 @@ from verification.execution.metadata import differences, installed_versions
 from verification.execution.progress import ProgressCallback
 
 FORMAT = 3
-"""Of the file; files of another format are refused."""
+"""Format of the file; files of another one are refused."""
 
 SAVE_PERIOD = 5.0
 """Seconds between two checkpoints."""
 
 SAVE_SHARE = 20.0
-"""Times as long as writing a checkpoint takes, at least, until the next one."""
+"""Least interval between two checkpoints, over the time that writing one takes."""
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may keep: some gigabytes."""
@@ -46,7 +46,7 @@ _MAX_HEADER = 1_000_000
 """Bytes of the entry that describes the run."""
 
 _DEPENDS_ON = ("python", "numpy", "scipy", "numba")
-"""Whose versions may change a bit of a run."""
+"""Packages whose versions may change the last bit of a run."""
 
 _WRITTEN = "a checkpoint as this toolkit writes them"
 

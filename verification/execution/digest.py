@@ -113,7 +113,7 @@ class _Known:
     places: Mapping[str, tuple[int, int]]
 
     def holds(self) -> bool:
-        """Tell whether nothing has changed since."""
+        """Return whether nothing has changed since."""
         try:
             return (
                 all(source_of(name) == home for name, home in self.homes.items())

@@ -216,7 +216,7 @@ def _part(value: object) -> str:
 
 
 def _is_text(node: object) -> bool:
-    """Tell whether a statement is a string and nothing else, as a docstring is."""
+    """Return whether a statement is a string and nothing else, as a docstring is."""
     return (
         isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Constant)

@@ -14,7 +14,7 @@ from verification.execution.files import file_error, write_json
 from verification.execution.metadata import Metadata
 
 FORMAT = 3
-"""Of the file; files of another format are refused."""
+"""Format of the file; files of another one are refused."""
 
 _METADATA = ("command", "parameters", "versions", "code", "machine", "date")
 _OWN = ("kind", "format", "checksum", *_METADATA)

@@ -29,7 +29,7 @@ from verification.execution.files import FileError, check_writable, file_error, 
 from verification.execution.metadata import differences
 
 FORMAT = 4
-"""Of the file; files of another format are refused."""
+"""Format of the file; files of another one are refused."""
 
 _SCHEMA = {
     "identity": "CREATE TABLE identity (text TEXT NOT NULL)",

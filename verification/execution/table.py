@@ -36,7 +36,7 @@ ARRAY_FORMATS = (".zarr", ".npz")
 """Endings of files that hold arrays as well; a file of any other ending is CSV."""
 
 CHUNK_BYTES = 1 << 20
-"""Of a zarr store, before compression: what is in memory when one of its arrays is written."""
+"""Size of a chunk of a zarr store before compression; one is in memory while it is written."""
 
 Dims = Mapping[str, tuple[str, ...]]
 """Names of the dimensions of arrays, by column."""

@@ -63,12 +63,12 @@ if TYPE_CHECKING:
 
 
 OUTRUNS = 1.01
-"""A front faster than the waves behind it times this is not overtaken."""
+"""Ratio of the velocities of a front and of the waves behind it from which it outruns them."""
 
 EXCITED, MAX_EXCITED = 24, 1000
 
 SPREAD_ACCURACY = 0.1
-"""On a lattice or network, by default: it is not made longer when v is known less well."""
+"""Default on a lattice or network, which is not enlarged until v is known better."""
 
 
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
@@ -300,7 +300,7 @@ class FrontPreparation:
 
 @singledispatch
 def _measured(chain: Chain, request: Request) -> Front:
-    """Return the front of a chain; each kind registers its own way, and says what it reads."""
+    """Return the front of a chain; each kind registers its method and the options that it reads."""
     raise ParameterError(
         "model", chain.model, "one whose fronts can be measured", "take another chain"
     )
@@ -396,7 +396,7 @@ def _beside_longer_wave(
 
 @_measured.register
 def _own_front(chain: OwnChain, request: Request) -> Front:
-    """Of a chain as of any other; of a lattice or a network from the middle outwards."""
+    """Measure a chain as any other, a lattice or a network outwards from its middle."""
     if not chain.along_line:
         return _spreading_front(chain, request)
     weights = chain.coupling.partition(":")[2]

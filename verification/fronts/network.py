@@ -31,15 +31,15 @@ from verification.runs.smooth_integration import SmoothIntegration
 FloatArray = npt.NDArray[np.float64]
 
 EXCITED = 37
-"""Sites excited at first: on a square lattice those within some three and a half of the middle."""
+"""Sites excited at first: on a square lattice those within a radius of some 3.5."""
 HALF_WIDTH = 1.0
-"""Sites so near to a ray belong to its direction."""
+"""Distance from a ray within which a site belongs to its direction."""
 LEAST = 6
-"""Arrivals of which a velocity is made."""
+"""Fewest arrivals to which a velocity is fitted."""
 EDGE = 2.0
-"""Sites so near to a free side are not used: there the front is faster."""
+"""Distance from a free side within which sites are not used: the front is faster there."""
 MEETING = 4
-"""Distances in links, the farthest ones, that are not used: there fronts may meet."""
+"""Number of the largest distances in links that are not used: fronts may meet there."""
 ROWS = 4
 """Rows excited at first for a planar front."""
 _BUDGET, _NEVER = 200_000, 1e9

@@ -20,7 +20,7 @@ from verification.runs.integration import Integration
 FloatArray = npt.NDArray[np.float64]
 
 MARGIN = 8
-"""Sites at the far end that need not be reached, and of which v is not made.
+"""Sites at the far end that need not be reached, and whose arrivals are not used for v.
 
 What runs ahead of the front is reflected there and speeds it up. At a distance d from the end that
 is twice damped by the decay ahead of the front, so it falls off as the square of what arrives; from
@@ -30,7 +30,7 @@ BUDGET = 5000
 """Sites times steps between the first two checks; it doubles while that is short."""
 
 CHECKS = 40
-"""Checks in a stall time that are enough."""
+"""Number of checks within a stall time from which their interval grows no longer."""
 
 
 class Stall:

@@ -53,16 +53,16 @@ SLOWEST = 1e-3
 _STEP = 0.5
 """Step times the largest rate; at this DOP853 errs by less than 1e-12 a period."""
 _FINER = 1.5
-"""The check is made with so much finer steps."""
+"""Factor by which the steps of the check are finer."""
 _DEPTHS = 30.0, 36.0
-"""At the ends of its window, and of that of the check, the front has fallen by e to this power."""
+"""Logarithm of the decay of the front at the ends of its window, and of that of the check."""
 _PERIODS, _SETTLED = 30, 1e-4
 """Sites that a started front passes at most, and change of its intervals at which it has passed
 enough for Newton's method."""
 _LISTED = 6
-"""Multipliers that are listed."""
+"""Number of multipliers listed."""
 _NEUTRAL = 1e-8
-"""By so much a multiplier of modulus one may be off."""
+"""Largest error of a modulus of one."""
 
 
 class NoFrontError(RunError):

@@ -39,10 +39,10 @@ _SITES = 9
 
 _DIGITS = 26
 _TOLERANCES = (1e-19, 1e-21)
-"""Of the flow in Newton's steps, where digits are many; the last residual sees that of the others
-and so is the measure of what is left."""
+"""Tolerances of the flow in Newton's steps in many digits; the residual at the second shows the
+error of the first."""
 _OF_MATRIX = 1e-12
-"""The same of the flow that Newton's matrix is made of."""
+"""Tolerance of the flow from which Newton's matrix is computed."""
 
 
 def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:

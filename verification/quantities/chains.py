@@ -37,7 +37,7 @@ OWN_ROWS = ("vdp", "averaged", "chain", "averaged-chain")
 
 _END = 10.0
 _RANGE = (1e-2, 1e1)
-"""Of each real parameter of a chain that says nothing of its range: what it refuses is refused."""
+"""Range of each real parameter of a chain that states none; what the chain refuses is refused."""
 
 
 def vdp_chain(at: Mapping[str, float]) -> VdpChain:

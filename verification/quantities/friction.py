@@ -41,14 +41,15 @@ _FIRST_PART, _MAX_PART = 6, 24
 """Sites that the event-located reference follows at first, and at most."""
 
 _ROUNDED, _DECIDED = 4e-15, 1e-3
-"""Relative change of a start that shows what rounding does; above which rounding decides."""
+"""Relative change of a start that shows what rounding does, and of the result, above which rounding
+decides it."""
 
 _TIGHT, _LOOSE = (1e-13, 0.05), (1e-12, 0.06)
 """Tolerance and longest step of a reference, and of the run that it is held against: how far they
 are apart is mostly the error of the second."""
 
 _ROUGH = (1e-9, 0.2)
-"""Where the question is only whether the cell sticks again, and v_d is not small."""
+"""The same where the question is only whether the cell sticks again, and v_d is not small."""
 
 _SLIP = 400.0
 """τ of slip after which a cell that has not stuck again, some sixty oscillations, does not."""

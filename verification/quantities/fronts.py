@@ -41,13 +41,13 @@ _MIN_SITES, _MAX_SITES = 64, 352
 since a longer chain costs little more a step."""
 
 _TIME = 5e3
-"""Half of what scipy follows in the time allowed, at some sixty evaluations a unit of t."""
+"""Time t: half of what scipy integrates in the time allowed, at some sixty evaluations a unit."""
 
 _STALL_TIME = 60.0
 
 
 _GIVEN: Mapping[str, float] = {"a": 4.0, "eps": 0.01, "sites": 32}
-"""What a point leaves out."""
+"""Parameters that a point does not give."""
 
 
 def _front(at: Mapping[str, float], full: bool) -> StatedValue:

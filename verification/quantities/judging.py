@@ -26,9 +26,9 @@ from verification.references import pace
 from verification.references.pace import NoReferenceError
 
 SLACK = 5.0
-"""A value is given up after so many times its limit."""
+"""A value is given up after this multiple of its time limit."""
 SLOWNESS = 1.0
-"""Times all limits of values: a machine may be slower than the one for which they were set."""
+"""Factor on all time limits: a machine may be slower than the one for which they were set."""
 
 
 class PointOutcome(StrEnum):

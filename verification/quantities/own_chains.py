@@ -31,7 +31,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _END = 30.0
 _FREQUENCY = 1.1
-"""Of the force, near that of the cells."""
+"""Frequency of the force, near that of the cells."""
 
 OURS = "Runge-Kutta 8 (default)"
 

@@ -22,7 +22,7 @@ AnyArray = npt.NDArray[Any]
 Defect = Callable[[AnyArray], AnyArray]
 
 _STEP = 1e-5
-"""Of differences."""
+"""Step of differences."""
 
 _UNIT = float(np.finfo(np.longdouble).eps)
 _MAX_ITERATIONS = 30

@@ -21,12 +21,12 @@ from verification.runs.simulate import simulate
 FloatArray = npt.NDArray[np.float64]
 
 SHARE = "share_of_eps"
-"""Named parameter by which what is nonlinear in the stiffness falls with ε."""
+"""Name of the parameter that scales the nonlinear part of the stiffness with ε."""
 
 _SAMPLES = 401
 _TOLERANCE = 1e-10
 _NO_LEVEL = 1e100
-"""Arrivals are not asked for."""
+"""A level that is never reached: no arrivals are needed."""
 
 
 @dataclass(frozen=True, kw_only=True)

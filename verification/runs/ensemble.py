@@ -22,7 +22,7 @@ from verification.execution.progress import ProgressCallback
 FloatArray = npt.NDArray[np.float64]
 
 VALUES = ("v", "c_crit", "frequency", "value")
-"""Attributes of results that are the number asked for."""
+"""Attributes of a result that may be its number; the first that it has is taken."""
 
 MAX_SEED = 2**32 - 1
 

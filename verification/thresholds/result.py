@@ -34,7 +34,7 @@ _EQUATIONS = {
     ThresholdMethod.HOLD: _AVERAGED,
     ThresholdMethod.CLOSED_FORM: "(29) with (37), an approximation of the averaged chain (43)",
 }
-"""Of what a method finds the threshold where that is not the chain that is asked about."""
+"""Equation whose threshold a method finds, where it is not that of the chain itself."""
 
 
 class Definition(Status):

@@ -49,7 +49,7 @@ _OPTIONS = {
         "final_time", "lowest", "highest", "accuracy", "tests", "displacement", "start_point",
     ),
 }  # fmt: skip
-"""Options on which something depends by each method; continuation and the closed form have none."""
+"""Options that each method reads; continuation and the closed form read none."""
 
 
 def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)

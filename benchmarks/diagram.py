@@ -106,9 +106,8 @@ def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
             label="no error seen" if none else f"error below {style.floor:g}",
         )  # fmt: skip
     if any(point.error > style.garbage for point in points):
-        axes.axvspan(
-            worst, style.garbage, color="0.9", label=f"wrong: error above {style.garbage:g}"
-        )
+        wrong = f"wrong: error above {style.garbage:g}"
+        axes.axvspan(worst, style.garbage, color="0.9", label=wrong)
         axes.set_xlim(worst, least)
     plain_decades(axes)
 

@@ -33,13 +33,13 @@ def as_html(result: Result) -> str:
         below = _rows(list(columns), list(zip(*columns.values(), strict=True)))
     rows = "".join(
         f"<tr><th style='text-align:left'>{escape(name)}</th>"
-        f"<td style='text-align:left'>{_cell(value)}</td></tr>"
+        f"<td style='text-align:left'>{_cell(name, value)}</td></tr>"
         for name, value in cells.items()
     )
     return f"<table><caption>{escape(type(result).__name__)}</caption>{rows}</table>{below}"
 
 
-def _cell(value: object) -> str:
+def _cell(name: str, value: object) -> str:
     """Return a value as HTML: dataclasses of one kind as a table, words as they are."""
     held = records(value)
     if held:
@@ -49,12 +49,15 @@ def _cell(value: object) -> str:
     sentence = getattr(value, "sentence", None)
     if isinstance(value, Enum) and isinstance(sentence, str):
         return escape(f"{value.value}: {sentence}")
-    return escape(value if isinstance(value, str) else summary(value))
+    return escape(value if isinstance(value, str) else _number(name, value))
 
 
 def _rows(names: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """Return a table with a head, the first rows, and how many more there are."""
-    shown = [[_word(value) for value in row] for row in rows[:_MAX_ROWS]]
+    shown = [
+        [_word(name, value) for name, value in zip(names, row, strict=True)]
+        for row in rows[:_MAX_ROWS]
+    ]
     table = "".join(
         f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in row)}</tr>"
         for tag, row in zip(("th", *["td"] * len(shown)), (names, *shown), strict=True)
@@ -63,8 +66,15 @@ def _rows(names: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     return f"<table>{table}</table>" + (f"and {left} more" if left else "")
 
 
-def _word(value: object) -> str:
+def _word(name: str, value: object) -> str:
     """Return a value as text; what a row lacks (None; NaN in a column of numbers) is empty."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
-    return value if isinstance(value, str) else summary(value)
+    return value if isinstance(value, str) else _number(name, value)
+
+
+def _number(name: str, value: object) -> str:
+    """Return a value in full, but errors and run times with the digits that mean something."""
+    if isinstance(value, float) and (name == "seconds" or name.endswith("error")):
+        return f"{value:.2g}"
+    return summary(value)

@@ -610,3 +610,11 @@ def test_every_public_function_documents_what_it_takes_returns_and_refuses() -> 
         listed = said.split("Parameters\n----------\n")[1].split("\nReturns\n")[0]
         for each in inspect.signature(function).parameters:
             assert re.search(rf"^(\w+, )*\**{each}\b.*( :|$)", listed, re.MULTILINE), (name, each)
+
+
+def test_a_notebook_shows_errors_and_run_times_with_two_digits():
+    (branch,) = (found := fr.kinetic_relation(c=0.5, eta=0.03125)).branches
+    shown = found._repr_html_()
+    for value in (branch.error, found.c_pin_error, found.seconds):
+        assert f">{value:.2g}</td>" in shown
+        assert f"{value:.15g}" not in shown

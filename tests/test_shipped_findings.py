@@ -250,7 +250,7 @@ def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, pack
     page = (tmp_path / "out" / "index.html").read_text()
     assert "stale; stored" in page.split('id="claim-slow"')[1]
     assert "Stale: the code it depends on has changed since." in page
-    assert "1 rest on stored findings" in page
+    assert "The findings of 1 were stored by an earlier run" in page
 
 
 def test_record_computes_what_is_missing_or_stale_and_nothing_else(capsys, tmp_path, package):

@@ -404,7 +404,7 @@ def summary(value: object) -> str:
     if len(text) <= _LONGEST:
         return text
     if isinstance(value, str):
-        return text[: _LONGEST - 1] + "…"
+        return text[: _LONGEST - 2] + "…" + text[-1]
     if isinstance(value, Collection):
         held = records(value)
         kind = type(held[0]).__name__ if held else f"in a {type(value).__name__}"

@@ -241,7 +241,7 @@ def speed() -> str:
             continue
         rows = "".join(
             f"| {each['claim']} | {each['relation']} {each['limit']:g} {each['unit']} "
-            f"| {each['measured']:.3g} | {each['verdict']} |\n"
+            f"| {each['measured']:.3g} {each['unit']} | {each['verdict']} |\n"
             for each in targets
         )
         machine = record["machine"]

@@ -2,9 +2,9 @@
 Fig. 2: two states of one friction oscillator
 =============================================
 
-At a belt velocity of 1.25 the start decides: a large displacement ends in the stick–slip cycle,
-which moves with the belt while it sticks (the flat top at the right), and a small one in steady
-sliding.
+At a belt velocity of 1.25 the initial condition decides. A large displacement leads to the
+stick–slip cycle, which moves with the belt during stick (flat top in the right panel), and a small
+one to steady sliding.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Fig. 3: a discrete breather and a front of the friction chain
 =============================================================
 
-Three excited sites at c = 0.004 stay where they are: the three curves lie on each other. At
-c = 0.02 one excited site at the edge sets its neighbours off, one after the other.
+At c = 0.004 three excited sites remain a breather, and the three curves coincide. At c = 0.02 one
+excited site at the edge excites its neighbours, one after the other.
 """
 
 import matplotlib.pyplot as plt

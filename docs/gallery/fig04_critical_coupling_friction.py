@@ -2,8 +2,9 @@
 Fig. 4: critical coupling of the friction chain against nucleus size
 ====================================================================
 
-One site at the edge needs the strongest coupling to spread; from three sites on neither the size
-nor the place matters. A nucleus has spread here when one new site sticks by τ = 400.
+One site at the edge requires the strongest coupling to spread. From three sites on, neither the
+size nor the place makes much difference. A nucleus is said to spread when one new site sticks by τ
+= 1000.
 """
 
 import matplotlib.pyplot as plt
@@ -20,7 +21,7 @@ for place, marker in (("edge", "o-"), ("bulk", "s--")):
             fr.Nucleus(size, place=place),
             accuracy=1e-4,
             highest=0.05,
-            final_time=400,
+            final_time=1000,
             tests=0,
         )
         for size in sizes

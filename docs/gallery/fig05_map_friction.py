@@ -2,8 +2,9 @@
 Fig. 5: states of the friction chain over coupling and belt velocity
 ====================================================================
 
-Weak coupling keeps stick–slip motion where it was started (breather), stronger coupling lets it
-spread (front), and a fast belt ends it (steady sliding). The paper's map has more points.
+At weak coupling stick–slip motion remains where it was started (breather), at stronger coupling it
+spreads (front), and on a fast belt it ends (fixed point, that is, steady sliding). The paper's map
+has more points.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 Fig. 7: a discrete breather of the Van der Pol chain
 ====================================================
 
-One site stands on the stable limit cycle, and its neighbours follow with amplitudes that fall off
-exponentially, each a quarter of a period later than the one before.
+One site is on the stable limit cycle. The amplitudes of its neighbours decrease exponentially, and
+each follows the one before it by a quarter of a period.
 """
 
 import matplotlib.pyplot as plt

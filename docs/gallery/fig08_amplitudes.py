@@ -3,7 +3,7 @@ Fig. 8: amplitudes of a breather against coupling
 =================================================
 
 The closed form (29), (37) follows the periodic orbits of (8) closely, for the central site and for
-its neighbours, until both end in a fold.
+its neighbours, until each of the two ends in a fold.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,9 @@
 Fig. 9: Floquet multipliers of a breather against coupling
 ==========================================================
 
-One multiplier is always 1, for the phase. The next reaches the unit circle where the breather ends
-in a fold; before that, no multiplier leaves the circle.
+One multiplier is always 1, that of a shift in time. Close to c = 0.191 two others reach the unit
+circle almost together: one belongs to an odd perturbation, with which the breather loses stability,
+and the other to the fold just beyond, in which it ends.
 """
 
 import matplotlib.pyplot as plt

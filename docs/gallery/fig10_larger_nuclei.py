@@ -2,8 +2,8 @@
 Fig. 10: breathers with larger nuclei
 =====================================
 
-Three and seven sites on the stable cycle. Their amplitudes look alike, but the sites do not swing
-in phase: each leads or follows its neighbour by a quarter of a period.
+Three and seven sites are on the stable cycle. Their amplitudes are similar, but the sites do not
+oscillate in phase; each leads or follows its neighbour by a quarter of a period.
 """
 
 import matplotlib.pyplot as plt

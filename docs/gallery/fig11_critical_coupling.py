@@ -2,8 +2,9 @@
 Fig. 11: critical coupling against nucleus size
 ===============================================
 
-The breather of one site ends in its fold first, that of three sites last, and from five sites on
-the size makes no difference. Each value is found by continuation, without a run in time.
+As the coupling increases, the breather of one site is the first to end in a fold and that of three
+sites the last; from five sites on the size makes no difference. Each value is found by continuation
+of the breather of the averaged chain, without a run in time.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Fig. 12: a front of the Van der Pol chain at three times
 ========================================================
 
-The displacements behind the front fill the stable cycle; between the pictures the front moves by
-the same number of sites.
+The sites behind the front oscillate on the stable cycle. From one time to the next the front moves
+by the same number of sites.
 """
 
 import matplotlib.pyplot as plt

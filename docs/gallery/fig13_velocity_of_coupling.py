@@ -2,8 +2,9 @@
 Fig. 13: front velocity of the Van der Pol chain against coupling
 =================================================================
 
-The velocity approaches a straight line: the front travels a little faster than the fastest wave of
-the averaged chain (43), whose velocity is c. The full chain (8) is slower by a part of order εc.
+The velocity approaches a straight line. The front travels a little faster than the fastest wave of
+the averaged chain (43), whose velocity is c. In the full chain (8) it is slower by a fraction of
+order εc.
 """
 
 import matplotlib.pyplot as plt

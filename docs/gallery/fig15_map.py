@@ -2,8 +2,9 @@
 Fig. 15: states of the Van der Pol chain over η and coupling
 ============================================================
 
-Small η drives strongly and the front runs; at larger η one site remains a breather or falls back
-to rest. The start is the paper's: the last of sixteen sites displaced by 6.
+At small η the driving is strong and the front runs; at larger η one site remains a breather or
+returns to rest. The initial condition is that of the paper, in which the last of sixteen sites is
+displaced by 6.
 """
 
 import numpy as np

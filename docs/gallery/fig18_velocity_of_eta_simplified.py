@@ -2,7 +2,8 @@
 Fig. 18: velocity against η, simplified chain
 =============================================
 
-The velocity falls with η, that is, with weaker driving, and the front stops at a finite velocity.
+The velocity decreases with η, that is, with weaker driving. The branch ends at a finite velocity,
+in a fold.
 """
 
 import numpy as np

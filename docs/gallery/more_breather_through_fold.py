@@ -3,7 +3,7 @@ A breather through its fold
 ===========================
 
 The stable breather meets an unstable one at c = 0.1908 and neither exists beyond. The unstable
-branch leads back to weak coupling with a larger neighbour.
+branch leads back to weak coupling, with larger amplitudes of the neighbours.
 """
 
 import matplotlib.pyplot as plt

@@ -21,21 +21,22 @@ import fronts as fr
 # %%
 # At one coupling
 # ---------------
-# Above the pinning coupling ``c_pin`` a front at rest cannot stand.
+# Above the pinning coupling ``c_pin`` no front can stand still.
 
 one = fr.kinetic_relation(c=0.5, eta=1 / 32)
 one
 
 # %%
-# ``slope`` is the sign of d\|Σ\|/dv; ``error`` is confirmed by a change of sign on both sides.
+# ``slope`` is the sign of d\|Σ\|/dv. ``error`` is confirmed by a change of sign of the residual
+# between ``v - error`` and ``v + error``.
 
 one.branches[0]
 
 # %%
 # Hysteresis
 # ----------
-# Between ``c_fold`` and ``c_pin`` a resting front stays at rest and a moving one goes on moving.
-# There two velocities solve the relation, and only the faster one is admissible: its profile
+# Between ``c_fold`` and ``c_pin`` a front at rest remains at rest and a moving one continues to
+# move. There two velocities solve the relation, and only the faster one is admissible: its profile
 # crosses the threshold once.
 
 below = fr.kinetic_relation(c=0.45, eta=1 / 32)
@@ -54,8 +55,9 @@ curve.plot()
 # %%
 # The exponent of v(c)
 # --------------------
-# The paper reads a straight line off its Fig. 17. The local exponent d ln v / d ln c says more: it
-# passes through one on its way to one half, since v grows like :math:`\sqrt{c}` at strong coupling.
+# The paper concludes from its Fig. 17 that the velocity is asymptotically linear in c. The local
+# exponent d ln v / d ln c is a sharper test: it falls through one and tends to one half, since v
+# grows like :math:`\sqrt{c}` at strong coupling.
 
 for c in (1.0, 10.0, 100.0, 1000.0):
     fastest = fr.kinetic_relation(c=c, eta=1 / 32).branches[-1]

@@ -2,11 +2,11 @@ r"""
 A breather four ways, and its stability
 =======================================
 
-In a breather one site stays on the stable cycle and the others remain near rest. Four methods
-compute it, and the differences between them show how far each can be trusted.
+In a breather one site is on the stable cycle and the others remain near rest. Four methods compute
+it, and the differences between them show the accuracy of each.
 
-In the Van der Pol chain (8) a site alone has two cycles besides rest, if :math:`8b < a^2`. At
-weak coupling one site can stay on the stable cycle, while its neighbours follow with amplitudes
+If :math:`8b < a^2`, an isolated site of the Van der Pol chain (8) has two cycles besides rest. At
+weak coupling one site can remain on the stable cycle, while its neighbours follow with amplitudes
 that fall off like :math:`e^{k_1 |n|}`.
 """
 
@@ -21,9 +21,9 @@ found = fr.breather(chain, method="all")
 # %%
 # Four methods
 # ------------
-# The closed form (29), (37); the averaged chain (43), solved exactly; the periodic orbit of (8) by
-# shooting; and a run of (8) from a disturbed start until it repeats itself. ``error`` is the
-# distance of the amplitudes from those of a solution of (8).
+# The methods are the closed form (29), (37); the averaged chain (43), solved exactly; the periodic
+# orbit of (8), found by shooting; and a run of (8) from a perturbed initial condition until it is
+# periodic. ``error`` is the distance of the amplitudes from those of a solution of (8).
 
 for name, each in found.methods.items():
     centre, neighbour = each.outward[:2]
@@ -42,9 +42,9 @@ axes.set_ylim(1e-8, 10)
 # %%
 # Stability
 # ---------
-# The Floquet multipliers of the orbit say what a small change becomes after a period. One of them
-# is 1: a shift in time changes nothing. The breather is stable if all others lie inside the unit
-# circle.
+# The Floquet multipliers of the orbit are the factors by which small perturbations grow in one
+# period. One of them is 1, since a shift in time leads to the same orbit. The breather is stable if
+# all others lie inside the unit circle.
 
 orbit = found.methods["orbit"]
 moduli = np.sort(np.abs(orbit.multipliers))
@@ -57,8 +57,8 @@ axes.plot(orbit.multipliers.real, orbit.multipliers.imag, "o", ms=4)
 axes.set(xlabel="Re μ", ylabel="Im μ", xlim=(0.8, 1.03), ylim=(-0.12, 0.12))
 
 # %%
-# The averaged chain predicts the same growth rates without an orbit: a multiplier is
-# :math:`\mu = e^{2\pi\varepsilon\lambda}` with an exponent λ of the rotating solution of (43).
+# The averaged chain predicts the same multipliers without an orbit: :math:`\mu =
+# e^{2\pi\varepsilon\lambda}`, where λ is a growth rate of the rotating solution of (43).
 
 growth = found.methods["envelope"].growth
 print(f"averaged: exp(2π ε λ) = {np.exp(2 * np.pi * chain.eps * growth):.6f}")
@@ -67,8 +67,8 @@ print(f"orbit:                  {moduli[-2]:.6f}")
 # %%
 # Where it ends
 # -------------
-# With stronger coupling the stable breather meets an unstable one in a fold. Continuation follows
-# the branch around it, so that the coupling at the fold has an error of its own.
+# As the coupling increases, the stable breather meets an unstable one in a fold. Continuation
+# follows the branch around the fold, which is then located with a stated error.
 
 threshold = fr.threshold(chain)
 print(f"c = {threshold.c_crit:.8f} (error {threshold.error:.1e}); {threshold.mechanism.sentence}")

@@ -2,7 +2,7 @@ r"""
 Fronts and their velocity law
 =============================
 
-The velocity of a front of the Van der Pol chain is measured, computed as the solution of an
+The velocity of a front of the Van der Pol chain is measured in runs, computed as the solution of an
 equation, and followed to strong coupling.
 """
 
@@ -14,8 +14,8 @@ import fronts as fr
 # %%
 # One front
 # ---------
-# The chain is lengthened until the velocity has settled; the uncertainty includes the drift that is
-# still expected.
+# The chain is made longer until the velocity has settled; the uncertainty includes the drift that
+# is still to be expected.
 
 chain = fr.AveragedChain(a=4, b=0.5, c=0.6)
 front = fr.measure_front(chain)
@@ -25,8 +25,9 @@ front.plot()
 # %%
 # The same front as a solution
 # ----------------------------
-# A front that travels without change solves an equation of its own, and Newton's method finds its
-# velocity with nothing fitted. Followed in the coupling, it ends where it is pinned.
+# A front that travels without change of shape solves an advance–delay equation, and Newton's method
+# finds its velocity without a fit. Followed towards weak coupling, the front ends where it is
+# pinned.
 
 branch = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0), [0.11, 0.15, 0.2, 0.3, 0.45, 0.6])
 for point in branch.points:
@@ -34,7 +35,7 @@ for point in branch.points:
 print(f"pinned up to c = {branch.c_pin:.9f}; above it v ≈ {branch.square_root:.3f} √(c − c_pin)")
 
 # %%
-# Followed in η at a fixed coupling, it ends in the same way.
+# Followed in η at a fixed coupling, the front ends in the same way.
 
 branch = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0.15), etas=[0.01, 0.03125, 0.05, 0.0595])
 for eta, point in zip(branch.values, branch.points, strict=True):
@@ -51,8 +52,8 @@ for eps in (0.02, 0.01, 0.005):
 # %%
 # The law
 # -------
-# Behind the front the phase turns by a quarter per site, where the waves of the averaged chain have
-# their largest group velocity, c. At strong coupling
+# Behind the front the phase changes by a quarter turn from site to site. Waves with this phase step
+# have the largest group velocity of the averaged chain, which is c. At strong coupling
 #
 # .. math:: \hat v = c + \kappa(\eta)\,(c/6)^{1/3} + \dots
 #
@@ -73,8 +74,8 @@ axes.legend()
 # %%
 # Where κ is negative the waves overtake the front
 # ------------------------------------------------
-# κ changes its sign near η = 0.057. Beyond, what lies behind the front matters:
-# ``outruns_waves`` says so with every front.
+# κ changes its sign near η = 0.057. At larger η the velocity depends on the state behind the front.
+# For every front, ``outruns_waves`` states whether it is faster than the waves.
 
 for eta in (0.03, 0.07):
     found = fr.measure_front(fr.AveragedChain(a=1, b=eta, c=3.0))

@@ -2,8 +2,8 @@
 The friction chain with exact events
 ====================================
 
-The instants at which a site sticks or slips are located to rounding. That is faster and more
-accurate than smoothing the friction law, whose width would shift every threshold.
+The instants at which a site sticks or begins to slip are located to round-off. This is faster and
+more accurate than smoothing the friction law, which would shift every threshold.
 """
 
 import matplotlib.pyplot as plt
@@ -24,8 +24,8 @@ print(f"period {one.stable_cycle.period:.9f}, error {one.error:.1e}; basin {one.
 # %%
 # Events
 # ------
-# Between two events the law is smooth, and the step ends at the earliest event of any site. In
-# stick the velocity is that of the belt, to the last bit.
+# Between two events the equations are smooth, and a step ends at the earliest event of any site.
+# During stick the velocity is that of the belt, to the last bit.
 
 chain = fr.FrictionChain(c=0.02, v_d=1.25, sites=15)
 run = fr.simulate(chain, fr.excite(chain, [1]), t_end=40, samples=4001, logged_events=1000)
@@ -42,7 +42,7 @@ axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=Fals
 # %%
 # A front
 # -------
-# Each site is reached when it first sticks.
+# A site counts as reached when it first sticks.
 
 chain = chain.replace(sites=41)
 run = fr.simulate(chain, fr.excite(chain, [1]), t_end=1500)
@@ -51,10 +51,10 @@ front = fr.measure_front(chain)
 print(f"v = {front.v:.6f} ± {front.error:.1e} sites per τ")
 
 # %%
-# A threshold is a definition
-# ---------------------------
-# The critical coupling depends on what counts as spreading. One new site by τ = 1000, or the whole
-# chain: the two differ by a factor of three.
+# A threshold depends on its definition
+# -------------------------------------
+# The critical coupling depends on the meaning of spreading. For one new site by τ = 1000 and for
+# the whole chain by that time, the values differ by a factor of three.
 
 edge = fr.Nucleus(1, place="edge")
 for definition in ("first", "whole"):

@@ -2,9 +2,9 @@
 Maps and sweeps on all cores
 ============================
 
-A map names the state of a chain at every point of a plane and bisects the boundaries. A sweep
-computes any function of yours at many points. Both use every core, and both can be resumed after
-an interruption.
+A map determines the state of a chain at every point of a grid and locates the boundaries by
+bisection. A sweep evaluates a user-defined function at many points. Both use all cores, and both
+can be resumed after an interruption.
 """
 
 import tempfile
@@ -19,8 +19,8 @@ import fronts as fr
 # %%
 # A map
 # -----
-# ``workers`` is the number of processes; by default one a core. The boundaries are bisected to a
-# part of the spacing, ``refine``.
+# ``workers`` is the number of processes; by default there is one for each core. The boundaries are
+# located by bisection, to the fraction ``refine`` of the spacing of the grid.
 
 chain = fr.AveragedChain(a=4, b=0.5, c=0.6, sites=16)
 found = fr.state_map(chain, eta=np.linspace(0.02, 0.13, 8), c=np.linspace(0.05, 0.8, 8), workers=1)
@@ -30,8 +30,8 @@ found.plot()
 # %%
 # A sweep
 # -------
-# A task takes a point and returns named numbers. It stands at the top level of a module, so that
-# other processes can import it; here one process is enough.
+# The function takes a point and returns named numbers. It must be defined at the top level of a
+# module, so that other processes can import it; here one process is enough.
 
 
 def velocity(point):
@@ -47,9 +47,9 @@ table.to_pandas()
 # %%
 # Arrays
 # ------
-# A result may be an array of numbers, of one shape at all points. ``dims`` names its dimensions,
-# which stand after those of the points. At the shell, ``fronts map --amplitudes --out map.zarr``
-# keeps the amplitude of every site.
+# A result may be an array of numbers, of the same shape at all points. ``dims`` names its
+# dimensions, which follow those of the points. At the shell, ``fronts map --amplitudes --out
+# map.zarr`` stores the amplitude of every site.
 
 
 def amplitudes(point):
@@ -62,11 +62,12 @@ def amplitudes(point):
 fr.sweep(amplitudes, {"c": [0.1, 0.3, 0.6]}, workers=1, dims={"amplitude": "site"}).to_xarray()
 
 # %%
-# Nothing is lost
-# ---------------
-# With ``out`` every finished point is written at once, and ``resume`` goes on from there. The table
-# has a record beside it: parameters, versions, and a digest of the code. A file that ends in
-# ``.csv`` takes numbers and words, one that ends in ``.zarr`` or ``.npz`` arrays as well.
+# Interruptions
+# -------------
+# With ``out`` every finished point is written at once, and ``resume`` continues from there. A
+# record is written beside the table, with parameters, versions and a digest of the code. A file
+# that ends in ``.csv`` takes numbers and words, one that ends in ``.zarr`` or ``.npz`` arrays as
+# well.
 
 with tempfile.TemporaryDirectory() as folder:
     out = Path(folder) / "velocities.csv"
@@ -78,8 +79,9 @@ print(np.array_equal(again["v"], table["v"]))
 # %%
 # Progress
 # --------
-# Long computations take a ``progress``. `fronts.Progress` is a line in a terminal, a bar in a
-# notebook and a line a minute in a log; the time left is estimated once the compiled code is there.
+# Long computations accept the argument ``progress``. `fronts.Progress` shows one line in a
+# terminal, a bar in a notebook, and one line a minute in a log; the remaining time is estimated
+# after the compilation.
 
 with fr.Progress("velocities") as shown:
     fr.sweep(velocity, points, workers=1, progress=shown.report)
@@ -106,14 +108,14 @@ print(np.array_equal(other["v"], table["v"]))
 #    client = Client("tcp://host:8786")
 #    table = fr.sweep(velocity, points, executor=client.get_executor())
 #
-# where ``velocity`` stands in a module that the workers can import. Points that a lost worker had
-# not handed over are computed again by the others; a point that kills four workers is given up and
-# named in the error. `fronts.state_map` takes ``executor`` too, and at the shell
+# where ``velocity`` is defined in a module that the workers can import. Points that a lost worker
+# had not returned are computed again by the others; a point that kills four workers is abandoned
+# and named in the error message. `fronts.state_map` takes ``executor`` too, and at the shell
 # ``fronts map averaged --scheduler tcp://host:8786`` does the same.
 
 # %%
 # At the shell a map is ``fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --out map.csv``,
-# which draws with ``--picture`` and goes on with ``--resume``.
+# which draws a picture with ``--picture`` and continues an interrupted map with ``--resume``.
 
 axes = plt.subplots(layout="constrained")[1]
 for eta in points["eta"]:

@@ -2,8 +2,9 @@
 Deriving an equation and checking it
 ====================================
 
-Every numbered equation of the paper is the result of operations on a model. Each step carries a
-check that knows nothing of how the step was found.
+Every numbered equation of the paper is a model, a definition, an ansatz, or the result of
+operations on these. Each step has a check that is independent of the way in which the step was
+found.
 """
 
 import fronts as fr
@@ -19,7 +20,7 @@ print(step.operation)
 step.result
 
 # %%
-# Its check averages (8) itself by sampling, at random points, and compares.
+# The check of this step averages (8) numerically at random points and compares the results.
 
 for evidence in derivation.verify():
     print(evidence.holds, "–", evidence.statement)
@@ -27,7 +28,7 @@ for evidence in derivation.verify():
 # %%
 # A check that can fail
 # ---------------------
-# The check takes a candidate. With one coefficient changed it refuses.
+# The check can be applied to another equation. If one coefficient is changed, it fails.
 
 wrong = step.result.subs(step.result.lhs, 2 * step.result.lhs + 1)
 evidence = step.verify(wrong)
@@ -56,8 +57,8 @@ print(f"{friction.title}: {sum(each.holds for each in found)} of {len(found)} ch
 # %%
 # An oscillator of your own
 # -------------------------
-# The same operations average other cells: here one with cubic stiffness. The damping decides the
-# cycles, and the stiffness turns the phase at a rate that depends on the amplitude.
+# The same operations average other cells, here one with cubic stiffness. The damping determines the
+# cycles, and the stiffness changes the phase at a rate that depends on the amplitude.
 
 mine = fr.derive_cell("1 - a*y**2 + b*y**4", stiffness="g*y**3", values={"a": 4, "b": 0.5})
 for cycle in mine.cycles:

@@ -67,7 +67,7 @@ def page(report: Report) -> str:
     return _rendered(
         "index.html.j2",
         report,
-        title=f"What holds of “{PAPER.title}”",
+        title=f"A check of “{PAPER.title}”",
         policy=policy_for(script),
         script=_markup(script),
         toolkit=f"{TOOLKIT} {report.versions.get('toolkit') or ''}".strip(),

@@ -27,7 +27,7 @@ def report_as_text(report: Report, width: int = 100) -> str:
         if len(report.changed) > NAMED:
             lines.append(f"… and {len(report.changed) - NAMED} more.")
     else:
-        lines.append("Every verdict is as on record.")
+        lines.append("Every verdict agrees with the recorded one.")
     if report.stale:
         keys = _named([one.claim.key for one in report.stale])
         lines.append(f"Stale stored findings: {keys}; 'fronts check KEY --full' computes them.")

@@ -424,8 +424,7 @@ def test_a_solution_far_from_its_start_is_another_pattern() -> None:
     for change, left in ((0.999 * far, False), (1.001 * far, True)):
         for side in (-1.0, 1.0, 1j):
             phi = guess + np.array([5.0, 0.0, side * change, 5.0])  # of excited sites only
-            u = np.concatenate([phi.real, phi.imag, [0.0]])
-            assert envelope._left_pattern(u, guess, np.array([1, 2]), chain) is left
+            assert envelope._left_pattern(phi, guess, np.array([1, 2]), chain) is left
 
 
 # ------------------------------------------------------------------------------- its methods

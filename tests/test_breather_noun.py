@@ -117,6 +117,24 @@ def test_a_breather_says_from_which_pattern_it_has_relaxed() -> None:
         assert found["nucleus"].get("relaxed_from", "") == was
 
 
+@pytest.mark.parametrize("method", ["envelope", "orbit"])
+@pytest.mark.parametrize("place", Place)
+def test_a_chain_of_which_every_site_is_excited_stays_in_phase(method: Any, place: Place) -> None:
+    """All are one cell: the cycle of (8), which scipy finds by running it."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
+    found = breather(chain, nucleus=Nucleus(3, place=place), method=method)
+    assert (found.nucleus.pattern, found.nucleus.relaxed_from) == ("00", "")
+    assert found.error is not None
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        y, v = state
+        return [v, -y - 0.01 * v * (1 - 2.5 * y**2 + 0.5 * y**4)]
+
+    run = solve_ivp(rate, (0.0, 1500.0), [3.0, 0.0], "DOP853", rtol=1e-10, dense_output=True)
+    largest = run.sol(np.linspace(1490.0, 1500.0, 20001))[0].max()
+    assert abs(found.amplitudes - largest).max() <= found.error + 1e-6
+
+
 def test_of_the_averaged_chain_the_envelope_is_exact_and_the_closed_form_is_not() -> None:
     """The closed form takes |φ_n| as geometric; its error is then its distance from (43)."""
     found = breather(CHAIN.averaged(), method="all")

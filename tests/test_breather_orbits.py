@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -14,7 +16,8 @@ from fronts.cli import main
 from theory.averaged.breather import BreatherStatus, solve_breather
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import AveragedChain, VdpChain
+from verification.breathers.breather import breather
 from verification.breathers.envelope import (
     RotatingWaves,
     quarter_turn_branch,
@@ -30,6 +33,7 @@ from verification.references.equations import (
     pull,
 )
 from verification.steppers.variational import integrate_chain, integrate_variations
+from verification.thresholds.threshold import threshold
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
 SEED = 20261121
@@ -314,5 +318,65 @@ def test_a_branch_that_cannot_be_followed_is_no_defect_but_one_sentence(capsys) 
     code = main([*line.split(), "--method", "orbit"])
     said = capsys.readouterr().err
     assert code == 2
-    assert "could not be followed past c = 3.8" in said
+    assert "could not be followed past c = 2.58" in said
     assert "eta farther from 1/8." in said
+
+
+def _ring_of_four(eta: float, far: Any) -> tuple[list[Any], Any]:
+    """Return the amplitudes of (43), a = 1, on a ring of four, and c, from the far amplitude.
+
+    With phase steps of -π/2, Ω = c and the damping f: c r_1 = r_2 f(r_2) = -r_0 f(r_0), and
+    c (r_0 - r_2)/2 = r_1 f(r_1).
+    """
+    b = mp.mpf(eta)
+
+    def f(r: Any) -> Any:
+        return (1 - r**2 / 4 + b * r**4 / 8) / 2
+
+    pull = far * f(far)
+    centre = mp.findroot(lambda r: r * f(r) + pull, mp.sqrt((1 + mp.sqrt(1 - 8 * b)) / b))
+    half = pull * (centre - far) / 2
+    beside = mp.findroot(lambda r: r**2 * f(r) - half, (0, mp.sqrt(2)), solver="anderson")
+    return [centre, beside, far], pull / beside
+
+
+@pytest.mark.parametrize(
+    ("eta", "furthest"), [(0.08, "2.5"), (5e-3, "1.35"), (2e-4, "1.35"), (1e-6, "1.35")]
+)
+def test_the_fold_of_a_ring_of_four_is_where_its_coupling_is_largest_at_every_eta(
+    eta: float, furthest: str
+) -> None:
+    """It goes to zero like √η: at small η branches begin below it."""
+    chain = AveragedChain(a=1.0, b=eta, c=0.0, sites=4, ends=Ends.PERIODIC)
+    found = threshold(chain, method="envelope")
+    with mp.workdps(40):
+        root_eta = mp.sqrt(eta)
+
+        def coupling(far: Any) -> Any:
+            return _ring_of_four(eta, far * root_eta)[1]
+
+        low, high = mp.mpf(1), mp.mpf(furthest)
+        for _ in range(120):
+            third = (high - low) / 3
+            if coupling(low + third) < coupling(high - third):
+                low += third
+            else:
+                high -= third
+        assert 1.01 < low < mp.mpf(furthest) - 0.01
+        assert abs(found.c - coupling(low)) <= found.error < 1e-7 * found.c
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e8])
+@pytest.mark.parametrize("eta", [0.08, 1e-4])
+def test_a_breather_is_found_at_every_scale_of_the_damping(eta: float, scale: float) -> None:
+    """a → a s, b → b s² divides amplitudes by √s; the error of the frequency has no such scale."""
+    with mp.workdps(40):
+        exact, c = _ring_of_four(eta, mp.mpf("0.3") * mp.sqrt(eta))
+        chain = AveragedChain(a=scale, b=eta * scale**2, c=float(c), sites=4, ends=Ends.PERIODIC)
+        found = breather(chain, method="envelope")
+        assert found.error is not None
+        assert found.frequency_error is not None
+        for ours, true in zip(found.outward, exact, strict=True):
+            assert abs(ours - true / mp.sqrt(scale)) <= found.error
+        assert found.error < 1e-9 * found.outward[0]
+        assert abs(found.frequency - (1 + mp.mpf(chain.eps) * c)) <= found.frequency_error < 1e-11

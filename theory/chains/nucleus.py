@@ -94,16 +94,21 @@ class Nucleus:
         """Whether every step is zero."""
         return set(self.pattern) <= {"0"}
 
-    def relaxed(self) -> Nucleus:
-        """Return three or more sites in phase, not at an edge, as what they relax to.
+    def relaxed(self, sites: int) -> Nucleus:
+        """Return three or more sites in phase, neither at an edge nor all, as what they relax to.
+
+        A chain of which every site is excited stays in phase.
 
         Examples
         --------
-        >>> nucleus = Nucleus(3).relaxed()
+        >>> nucleus = Nucleus(3).relaxed(15)
         >>> nucleus.pattern, nucleus.relaxed_from
         ('-+', '00')
+        >>> Nucleus(3).relaxed(3).pattern
+        '00'
         """
-        if self.size < 3 or self.place is Place.EDGE or not self.in_phase:
+        stays = self.size < 3 or self.size == sites or self.place is Place.EDGE
+        if stays or not self.in_phase:
             return self
         found = Nucleus(self.size, outward_pattern(self.size))
         object.__setattr__(found, "relaxed_from", self.pattern)

@@ -132,7 +132,7 @@ def breather(
     started = time.perf_counter()
     default = own_method(chain).value
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
-    nucleus = with_pattern(nucleus)
+    nucleus = with_pattern(nucleus, chain.sites)
     _ = chain.stable_amplitude
     choice = _Choice(Reading(reading), seed)
     if isinstance(chain, OscillatorChain):
@@ -179,13 +179,14 @@ class _Choice(NamedTuple):
         refuse_unread(self._asdict(), usual, read.get(method, []), f"beside the method {method}")
 
 
-def with_pattern(nucleus: Nucleus) -> Nucleus:
-    """Return the nucleus with a pattern that a breather can have."""
-    if nucleus.size > 2 and nucleus.in_phase and nucleus.place is Place.EDGE:
+def with_pattern(nucleus: Nucleus, sites: int) -> Nucleus:
+    """Return the nucleus with a pattern that a breather in a chain of so many sites can have."""
+    at_edge = nucleus.place is Place.EDGE and nucleus.size != sites
+    if nucleus.size > 2 and nucleus.in_phase and at_edge:
         raise ParameterError(
             "pattern", repr(nucleus.pattern), "one of a breather at an edge", "name one with + or -"
         )
-    return nucleus.relaxed()
+    return nucleus.relaxed(sites)
 
 
 def _check_length(chain: VanDerPolChain, method: BreatherMethod) -> None:

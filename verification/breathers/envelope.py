@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.averaged.breather import BreatherStatus
+from theory.averaged.breather import BreatherStatus, closed_form_fold
 from theory.averaged.envelope import (
     coupling_matrix,
     envelope_rate,
@@ -26,7 +26,7 @@ from theory.averaged.envelope import (
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, at_least
 from verification.breathers.exponents import BreatherStability, exponents, rotating_jacobian, unpack
 from verification.breathers.family import BreatherFamily
 from verification.breathers.result import Breather, BreatherMethod
@@ -37,7 +37,25 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 START = 0.01
-"""Coupling at which branches leave the anticontinuum limit."""
+"""Coupling at which branches leave the anticontinuum limit, where their fold is not near it."""
+SMALLEST_ETA = 1e-6
+"""Below it rounding of the cell's rate, 1/(2η) at the cycle, shifts folds by more than is said."""
+
+
+def start_of(chain: VanDerPolChain) -> float:
+    """Return the coupling at which branches leave the anticontinuum limit.
+
+    The fold goes to zero like √η, and is that of the closed form to some per cent.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain
+    >>> [f"{start_of(AveragedChain(a=1, b=b, c=0)):.4f}" for b in (0.08, 1e-4)]
+    ['0.0100', '0.0014']
+    """
+    fold = closed_form_fold(chain).c
+    assert fold is not None  # only the reading at the centre has none
+    return min(START, 0.25 * fold)
 
 
 @dataclass(frozen=True)
@@ -56,22 +74,45 @@ class RotatingWaves(BreatherFamily):
 
     chain: VanDerPolChain
 
+    @property
+    def unit(self) -> float:
+        """Amplitude in which φ is counted: a power of 16, which rounds nothing, near the cycle's.
+
+        One for cycles from 1 to 16: residuals, steps along a branch and what is left of them are
+        numbers of the order of one at every scale of a and b.
+        """
+        return float(16.0 ** round(math.log(self.chain.stable_amplitude / 4.0, 16.0)))
+
+    @property
+    def pace(self) -> float:
+        """Rate in which φ' is counted, a power of 16: the cycle attracts at some 1/(2η)."""
+        return float(16.0 ** max(round(math.log(0.02 / self.chain.eta, 16.0)), 0))
+
+    def unpack(self, u: Real) -> tuple[Complex, float]:
+        """Return φ and Ω from the unknowns."""
+        phi, omega = unpack(u)
+        return self.unit * phi, omega
+
     def system(self, refinement: int = 1) -> System:
-        """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre."""
+        """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre.
+
+        φ is in units of `unit`, and φ' of `pace` as well.
+        """
         chain, sites, centre = self.chain, self.chain.sites, self.centre
+        unit, pace = self.unit, self.pace
         springs = coupling_matrix(sites, chain.ends)
 
         def system(u: Real, c: float) -> tuple[Real, Real, Real]:
             here = replace(chain, c=abs(c))
             x, y, omega = u[:sites], u[sites:-1], u[-1]
-            phi = x + 1j * y
-            rate = envelope_rate(phi, here) - 1j * omega * phi
+            phi = np.asarray(unit * (x + 1j * y), dtype=complex)
+            rate = (envelope_rate(phi, here) - 1j * omega * phi) / (unit * pace)
             value = np.concatenate([rate.real, rate.imag, [y[centre]]])
             slope = np.zeros((2 * sites + 1, 2 * sites + 1))
-            slope[:-1, :-1] = rotating_jacobian(phi, omega, here)
-            slope[:-1, -1] = np.concatenate([y, -x])
+            slope[:-1, :-1] = rotating_jacobian(phi, omega, here) / pace
+            slope[:-1, -1] = np.concatenate([y, -x]) / pace
             slope[-1, sites + centre] = 1.0
-            by_c = 0.5j * (springs @ phi)
+            by_c = 0.5j * (springs @ phi) / (unit * pace)
             return value, slope, np.concatenate([by_c.real, by_c.imag, [0.0]])
 
         return system
@@ -82,9 +123,12 @@ class RotatingWaves(BreatherFamily):
         Raises
         ------
         ParameterError
-            If the nucleus is wider than the chain, or the pattern has no breather near c = 0.
+            If the nucleus is wider than the chain, the pattern has no breather near c = 0, or η is
+            below `SMALLEST_ETA`.
         """
-        chain, nucleus, c = self.chain, self.nucleus, min(START, lowest)
+        chain, nucleus, c = self.chain, self.nucleus, min(start_of(self.chain), lowest)
+        remedy = "take the closed form, which differs by a part η of itself there"
+        at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, remedy)
         phi = nucleus.envelope(chain)
         here = replace(chain, c=c)
         excited = np.flatnonzero(phi)
@@ -94,36 +138,39 @@ class RotatingWaves(BreatherFamily):
         for side, inner in ((excited[0] - 1, excited[0]), (excited[-1] + 1, excited[-1])):
             if 0 <= side < chain.sites:
                 phi[side] = -1j * c * phi[inner]
-        guess = np.concatenate([phi.real, phi.imag, [omega]])
+        guess = np.concatenate([phi.real / self.unit, phi.imag / self.unit, [omega]])
         try:
             point = solve_at(self.system(), guess, c)
         except NotConvergedError:
             point = None
-        if point is None or _left_pattern(point.u, phi, excited, chain):
+        if point is None or _left_pattern(self.unpack(point.u)[0], phi, excited, chain):
             raise ParameterError(
                 "pattern",
                 repr(nucleus.pattern),
-                "one a steady breather can have at small c (see theory.chains.nucleus.py)",
+                "one whose sites can have a common frequency at small c",
                 "name another pattern",
             )
         return point
 
     def directly(self) -> BranchPoint | None:
         """Return the start of the branch, if that is no further than the coupling."""
-        return self.start(0.0, self.chain.c) if self.chain.c <= START else None
+        c = self.chain.c
+        return self.start(0.0, c) if c <= start_of(self.chain) else None
 
     def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
         """Return the exponents."""
         mirrored = split and self.nucleus.mirrored(self.chain.sites)
-        return exponents(*unpack(u), replace(self.chain, c=c), mirrored)
+        return exponents(*self.unpack(u), replace(self.chain, c=c), mirrored)
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution, its error the Newton step that would come next, and rounding."""
         here = replace(self.chain, c=point.parameter)
-        phi, omega = unpack(point.u)
+        phi, omega = self.unpack(point.u)
         stability = self.stability(point.u, point.parameter)
         frequency = 1.0 + here.eps * omega
-        error = 2.0 * point.correction + _rounding(phi, here)
+        left, rounding = 2.0 * point.correction, _rounding(phi, here)
+        # Ω is without a unit: its rounding is the relative one of φ, and that of the frequency.
+        relative = left + rounding / float(np.abs(phi).max())
         return Breather(
             chain=here,
             nucleus=self.nucleus,
@@ -136,12 +183,12 @@ class RotatingWaves(BreatherFamily):
             growth=stability.growth,
             trivial=stability.trivial,
             multipliers=np.exp(here.eps * (2.0 * math.pi / frequency) * stability.values),
-            error=error,
-            frequency_error=here.eps * error,
+            error=left * self.unit + rounding,
+            frequency_error=here.eps * relative + float(np.finfo(float).eps) * frequency,
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,
-            unknowns=point.u,
+            unknowns=np.append(self.unit * point.u[:-1], omega),
             stability=stability,
             seconds=time.perf_counter() - started,
         )
@@ -200,12 +247,11 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
     # Real at the centre in the frame of `envelope`; turned so that r is real too.
     turned = nucleus.envelope(chain) / quarter_turn_phase(chain.sites)
     r = (turned / quarter_turn_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
-    return trace(system, solve_at(system, r, START), 2.0)
+    return trace(system, solve_at(system, r, start_of(chain)), 2.0)
 
 
 def _left_pattern(
-    u: Real, guess: Complex, excited: NDArray[np.intp], chain: VanDerPolChain
+    phi: Complex, guess: Complex, excited: NDArray[np.intp], chain: VanDerPolChain
 ) -> bool:
     """Whether the solution is not the one that was started from."""
-    phi, _ = unpack(u)
     return bool(np.abs(phi[excited] - guess[excited]).max() > 0.3 * chain.stable_amplitude)

@@ -69,7 +69,7 @@ def follow(
     """
     started = time.perf_counter()
     required = ascending("coupling c", couplings)
-    nucleus = with_pattern(nucleus)
+    nucleus = with_pattern(nucleus, chain.sites)
     family = own_family(chain, nucleus)
     system = family.system()
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.averaged.breather import BreatherStatus
+from theory.averaged.breather import BreatherStatus, closed_form_fold
 from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain, effective_epsilon
@@ -118,7 +118,10 @@ class Orbits(BreatherFamily):
         return point
 
     def _first(self, c_end: float) -> BranchPoint:
-        for start in STARTS if c_end > STARTS[0] else (0.5 * c_end,):
+        fold = closed_form_fold(self.chain).c
+        assert fold is not None  # only the reading at the centre has none
+        least = min(STARTS[0], 0.5 * fold)
+        for start in (least, *STARTS[1:]) if c_end > least else (0.5 * c_end,):
             if start < c_end:
                 with contextlib.suppress(NotConvergedError):
                     return replace(self, chain=self.chain.replace(c=start))._from_small_eps()

@@ -187,7 +187,7 @@ def _at_end_of_branch(
     how: ThresholdMethod,
     what: Definition,
 ) -> Threshold:
-    found = breather_threshold(chain, nucleus.relaxed(), how)
+    found = breather_threshold(chain, nucleus.relaxed(chain.sites), how)
     return found if what is Definition.EXISTENCE else _of_stability(found)
 
 

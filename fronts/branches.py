@@ -146,7 +146,7 @@ def _fronts(
 ) -> FollowedBranch:
     """Return the fronts at ascending values of c or η."""
     from verification.fronts.follow import follow_front_wave
-    from verification.fronts.measure import wave_front
+    from verification.fronts.measure import front_of_wave
 
     def at(value: float) -> AveragedChain:
         return chain.replace(c=value) if along == "c" else chain.replace(b=value * chain.a**2)
@@ -161,7 +161,7 @@ def _fronts(
     if moving:
         found = follow_front_wave(moving, chain.eta if along == "c" else chain.c, along)
         followed = [(getattr(wave, along), wave) for wave in found.fronts]
-        fronts = [(value, wave_front(at(value), wave)) for value, wave in followed]
+        fronts = [(value, front_of_wave(at(value), wave)) for value, wave in followed]
         for fold, place in found.folds:
             there = at(float(fold.parameter))
             folds.append(
@@ -173,7 +173,7 @@ def _fronts(
                     height=float(fold.u[-1]),
                 )
             )
-    resting = [(value, wave_front(at(value))) for value in reversed(pinned)]
+    resting = [(value, front_of_wave(at(value))) for value in reversed(pinned)]
     rows = [*resting, *fronts] if before else [*fronts, *resting]
     return FollowedBranch(
         along=along,

@@ -20,9 +20,9 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.continuation.branch import Crossing
-from verification.fronts import follow, measure, network, resting, wave
+from verification.fronts import follow, measure, network, resting, switchings, wave
 from verification.fronts.arrival_fit import Settled, Trial, settle
-from verification.fronts.measure import wave_front
+from verification.fronts.measure import front_of_wave
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Watch
@@ -234,7 +234,7 @@ def test_a_piecewise_front_is_followed_over_so_many_sites_as_are_asked_for(
 ) -> None:
     made: list[dict[str, Any]] = []
     monkeypatch.setattr(simulation, "simulate_front", lambda *_, **how: made.append(how))
-    monkeypatch.setattr(measure, "front_of_switchings", lambda *_: "front")
+    monkeypatch.setattr(switchings, "front_of_switchings", lambda *_: "front")
     chain = PiecewiseChain(c=0.5, eta=0.03)
     assert measure._piecewise_front(chain, _request(**given)) == "front"
     measure._piecewise_front(chain, _request())
@@ -256,14 +256,14 @@ def test_a_motion_over_a_lattice_has_what_was_excited_and_when_others_were_reach
     )  # fmt: skip
     asked: list[dict[str, Any]] = []
     steady = network.SpreadRun(stopped=None, spread=found, steps=3)
+    usual = [inspect.signature(each).parameters for each in (network.planar, network.spread)]
     for name in ("planar", "spread"):
-        monkeypatch.setattr(measure, name, lambda *_, **given: asked.append(given) or steady)
-    monkeypatch.setattr(measure, "velocity_of", lambda *_: (0.5, 0.01))
+        monkeypatch.setattr(network, name, lambda *_, **given: asked.append(given) or steady)
+    monkeypatch.setattr(network, "velocity_of", lambda *_: (0.5, 0.01))
     for directions in (None, 4):
-        front = measure._spreading_front(lattice, _request(directions=directions))
+        front = network.spreading_front(lattice, _request(directions=directions))
         assert (front.v, front.error, front.excited) == (0.5, 0.01, 3)
         assert front.arrivals.tolist() == [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
-    usual = [inspect.signature(each).parameters for each in (network.planar, network.spread)]
     assert [each["tolerance"] for each in asked] == [each["tolerance"].default for each in usual]
 
 
@@ -280,11 +280,11 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
     )  # fmt: skip
     stands = network.SpreadRun(stopped=FrontStatus.PINNED, spread=never, steps=3)
     asked: list[Any] = []
-    monkeypatch.setattr(measure, "planar", lambda *_, **given: asked.append(given) or stands)
-    monkeypatch.setattr(measure, "spread", lambda *_, **given: asked.append(given) or stands)
+    monkeypatch.setattr(network, "planar", lambda *_, **given: asked.append(given) or stands)
+    monkeypatch.setattr(network, "spread", lambda *_, **given: asked.append(given) or stands)
     for stall, time in ((None, 60.0), (10.0, 10.0)):
         for directions in (None, 12):
-            front = measure._spreading_front(
+            front = network.spreading_front(
                 lattice, _request(stall_time=stall, directions=directions)
             )
             assert (front.status, front.v) == (FrontStatus.PINNED, 0.0)
@@ -313,8 +313,8 @@ def test_a_front_on_a_lattice_is_steady_if_its_velocity_is_known_as_well_as_is_a
             distances=np.zeros(144), arrivals=np.arange(144.0),
         )  # fmt: skip
         run = network.SpreadRun(stopped=None, spread=spread, steps=3)
-        monkeypatch.setattr(measure, "planar", lambda *_, run=run, **__: run)
-        front = measure._spreading_front(lattice, _request(accuracy=accuracy))
+        monkeypatch.setattr(network, "planar", lambda *_, run=run, **__: run)
+        front = network.spreading_front(lattice, _request(accuracy=accuracy))
         assert (front.status, front.v, front.error) == (status, v, error)
 
 
@@ -327,11 +327,11 @@ def test_a_motion_is_followed_in_as_many_directions_as_are_asked_for_or_in_four(
         asked.append(directions)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(measure, "spread", spread)
+    monkeypatch.setattr(network, "spread", spread)
     for shape, directions, expected in ((None, None, 4), ((30, 30), 9, 9)):
         chain: Any = SimpleNamespace(shape=shape, time_unit=1.0)
         with pytest.raises(KeyboardInterrupt):
-            measure._spreading_front(chain, _request(directions=directions))
+            network.spreading_front(chain, _request(directions=directions))
         assert asked[-1] == expected
 
 
@@ -472,10 +472,10 @@ def test_where_no_wave_is_found_the_front_is_pinned_below_c_pin_alone(
     c_pin = resting.static_fold(AVERAGED.eta).c
     if above:
         with pytest.raises(wave.NoFrontError, match="made up"):
-            wave_front(replace(AVERAGED, c=c_pin * (1.0 + 1e-9)))
+            front_of_wave(replace(AVERAGED, c=c_pin * (1.0 + 1e-9)))
     else:
         for c in (0.5 * c_pin, c_pin):
-            front = wave_front(replace(AVERAGED, c=c))
+            front = front_of_wave(replace(AVERAGED, c=c))
             assert (front.status, front.v, front.error) == (FrontStatus.PINNED, 0.0, 0.0)
 
 
@@ -500,7 +500,7 @@ def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch
 )
 def test_a_wave_that_was_solved_for_states_its_own_error(share: float, outruns: bool) -> None:
     made: Any = SimpleNamespace(v=share * 0.6, error=1e-9, steps=7, iterations=3, seconds=2.0)
-    front = wave_front(AVERAGED, made)
+    front = front_of_wave(AVERAGED, made)
     assert (front.v, front.error, front.seconds) == (share * 0.6, 1e-9, 2.0)
     assert (front.status, front.outruns_waves) == (FrontStatus.STEADY, outruns)
     assert front.counts == {"steps": 7, "iterations": 3}

@@ -41,7 +41,7 @@ def piecewise_front(
     ParameterError
         If a value is out of range.
     """
-    from verification.fronts.measure import front_by_switchings
+    from verification.fronts.switchings import front_by_switchings
 
     return front_by_switchings(
         chain, accuracy=accuracy, max_sites=max_sites, start=start, start_velocity=start_v

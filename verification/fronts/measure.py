@@ -2,7 +2,8 @@
 
 A front starts from the first sites of a chain with free ends and is timed at each site; the chain
 is made longer until the velocity has settled, or the front has stopped. The rule is the same for
-all models (``arrival_fit``, ``watch``). What differs is in :class:`FrontPreparation`:
+all models (``arrival_fit``, ``watch``). What differs is in :class:`FrontPreparation`; lattices and
+networks are not made longer (``network``):
 
 * A smooth chain starts from sites on the stable cycle, with the phase step to which its fronts
   lock. Behind a front of (8) or (43) phase waves run at velocities up to c, undamped. A front with
@@ -21,10 +22,10 @@ all models (``arrival_fit``, ``watch``). What differs is in :class:`FrontPrepara
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import singledispatch
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -40,16 +41,17 @@ from theory.parameters import (
     ParameterError,
     count_within,
     need_instance,
-    refuse_unread,
     within,
     word,
 )
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Settled, Trial, settle
-from verification.fronts.network import planar, spread, velocity_of
+from verification.fronts.network import spreading_front
+from verification.fronts.request import RUN, Request
 from verification.fronts.resting import StaticFold, static_fold
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
+from verification.fronts.switchings import front_by_switchings
 from verification.fronts.watch import MARGIN, Watch
 from verification.fronts.wave import FrontWave, NoFrontError, front_wave
 from verification.runs.excite import StartPoint, excite, excite_edge
@@ -58,17 +60,10 @@ from verification.runs.integration import Integration
 from verification.runs.simulate import MAX_TOLERANCE, MIN_TOLERANCE
 from verification.runs.smooth_integration import SmoothIntegration
 
-if TYPE_CHECKING:
-    from verification.piecewise.run import FrontRun
-
-
 OUTRUNS = 1.01
 """Ratio of the velocities of a front and of the waves behind it from which it outruns them."""
 
 EXCITED, MAX_EXCITED = 24, 1000
-
-SPREAD_ACCURACY = 0.1
-"""Default on a lattice or network, which is not enlarged until v is known better."""
 
 
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
@@ -175,13 +170,13 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     )
     if method == "wave":
         request.reads(where="beside the method wave")
-        return wave_front(chain)
+        return front_of_wave(chain)
     if getattr(chain, "c", 1.0) == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
     return replace(_measured(chain, request), seconds=perf_counter() - begin)
 
 
-def wave_front(chain: Chain, wave: FrontWave | None = None) -> Front:
+def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
     """Return the front of (43) as a solution, or as one that has been solved for.
 
     Raises
@@ -230,30 +225,6 @@ def wave_front(chain: Chain, wave: FrontWave | None = None) -> Front:
         counts={"steps": found.steps, "iterations": found.iterations},
         seconds=found.seconds,
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """What is asked of :func:`measure_front`; None for the default of the model."""
-
-    accuracy: float | None = None
-    tolerance: float | None = None
-    excited: int | None = None
-    max_sites: int | None = None
-    stall_time: float | None = None
-    left_boundary: LeftBoundary = LeftBoundary.FREE
-    point: StartPoint | float = StartPoint.MAXIMUM
-    directions: int | None = None
-    progress: ProgressCallback | None = None
-
-    def reads(self, *names: str, where: str) -> None:
-        """Refuse every option that is given and is not one of these; progress may always be."""
-        defaults = {each.name: each.default for each in fields(self)}
-        refuse_unread(vars(self), defaults, {*names, "progress"}, where)
-
-
-RUN = ("accuracy", "tolerance", "excited", "max_sites", "stall_time")
-"""Options of every run of a chain that is made longer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -398,7 +369,7 @@ def _beside_longer_wave(
 def _own_front(chain: OwnChain, request: Request) -> Front:
     """Measure a chain as any other, a lattice or a network outwards from its middle."""
     if not chain.along_line:
-        return _spreading_front(chain, request)
+        return spreading_front(chain, request)
     weights = chain.coupling.partition(":")[2]
     if any(np.ndim(each) for each in chain.values.values()):
         raise ParameterError(
@@ -414,50 +385,6 @@ def _own_front(chain: OwnChain, request: Request) -> Front:
     found = _settled(prepared, request.progress)
     outruns = found.v is not None and found.v > OUTRUNS * free.trailing_wave_velocity
     return _front(prepared, found, LeftBoundary.FREE, outruns)
-
-
-def _spreading_front(chain: OwnChain, request: Request) -> Front:
-    read = ("accuracy", "tolerance", "excited", "stall_time")
-    if chain.shape is None:
-        request.reads(*read, where="on a network that is no lattice")
-    else:
-        request.reads(*read, "directions", where="on a lattice")
-    stall = 60.0 if request.stall_time is None else request.stall_time
-    options: dict[str, Any] = {
-        "tolerance": 1e-8 if request.tolerance is None else request.tolerance,
-        "stall": stall * chain.time_unit,
-        "progress": request.progress,
-    }
-    if request.excited is not None:
-        options["excited"] = request.excited
-    if chain.shape is not None and request.directions is None:
-        found = planar(chain, **options)
-    else:
-        found = spread(chain, directions=request.directions or 4, **options)
-    v: float | None = None
-    error: float | None = None
-    if found.stopped is None:
-        v, error = velocity_of(found, chain)
-        accuracy = SPREAD_ACCURACY if request.accuracy is None else request.accuracy
-        status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
-    else:
-        status = found.stopped
-        if status is FrontStatus.PINNED:
-            v, error = 0.0, 1.0 / stall
-    return Front(
-        chain=chain,
-        status=status,
-        v=v,
-        error=error,
-        excited=int(np.count_nonzero(found.spread.arrivals == 0.0)),
-        left_boundary=None,
-        outruns_waves=False,
-        arrivals=np.sort(found.spread.arrivals[found.spread.arrivals > 0.0]),
-        method=SmoothIntegration.method,
-        counts={"steps": found.steps},
-        seconds=0.0,
-        detail=found.spread,
-    )
 
 
 def _prepare_smooth(
@@ -579,55 +506,4 @@ def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
         chain,
         accuracy=1e-12 if request.accuracy is None else request.accuracy,
         max_sites=1000 if request.max_sites is None else request.max_sites,
-    )
-
-
-def front_by_switchings(
-    chain: PiecewiseChain, *, accuracy: float, max_sites: int, **start: Any
-) -> Front:
-    """Return the front of (44), moved exactly from switching to switching.
-
-    Parameters
-    ----------
-    chain : PiecewiseChain
-        Coupling and η.
-    accuracy : float
-        Relative spread of the period at which the motion counts as steady.
-    max_sites : int
-        Most sites that it may pass.
-    **start
-        As of `verification.piecewise.simulation.simulate_front`.
-
-    Raises
-    ------
-    ParameterError
-        If a value is out of range.
-    """
-    from verification.piecewise.simulation import PERIODS, TOLERANCES, simulate_front
-
-    run = simulate_front(
-        chain.c,
-        chain.eta,
-        tolerance=within("accuracy", accuracy, *TOLERANCES),
-        max_periods=count_within("most sites passed, max_sites,", max_sites, *PERIODS),
-        **start,
-    )
-    return front_of_switchings(chain, run)
-
-
-def front_of_switchings(chain: PiecewiseChain, run: FrontRun) -> Front:
-    """Return what a run of (44) from switching to switching says of its front."""
-    return Front(
-        chain=chain,
-        status=run.status,
-        v=run.v,
-        error=run.error,
-        excited=None,
-        left_boundary=None,
-        outruns_waves=False,
-        arrivals=run.crossing_times,
-        method=run.method,
-        counts={"events": run.events, "grazes": run.grazes, "window": run.window},
-        seconds=run.seconds,
-        detail=run,
     )

@@ -22,6 +22,8 @@ from theory.parameters import ParameterError, count_within
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import line
+from verification.fronts.request import Request
+from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Stall
 from verification.runs.comparison import coarser_tolerance
@@ -42,6 +44,8 @@ MEETING = 4
 """Number of the largest distances in links that are not used: fronts may meet there."""
 ROWS = 4
 """Rows excited at first for a planar front."""
+SPREAD_ACCURACY = 0.1
+"""Default relative error of v: nothing is enlarged until v is known better."""
 _BUDGET, _NEVER = 200_000, 1e9
 
 
@@ -362,3 +366,48 @@ def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float, float]:
             "excited sites and the sides", "take a larger lattice, or excite fewer sites",
         )  # fmt: skip
     return v, error
+
+
+def spreading_front(chain: OwnChain, request: Request) -> Front:
+    """Return the front of a lattice or a network."""
+    read = ("accuracy", "tolerance", "excited", "stall_time")
+    if chain.shape is None:
+        request.reads(*read, where="on a network that is no lattice")
+    else:
+        request.reads(*read, "directions", where="on a lattice")
+    stall = 60.0 if request.stall_time is None else request.stall_time
+    options: dict[str, Any] = {
+        "tolerance": 1e-8 if request.tolerance is None else request.tolerance,
+        "stall": stall * chain.time_unit,
+        "progress": request.progress,
+    }
+    if request.excited is not None:
+        options["excited"] = request.excited
+    if chain.shape is not None and request.directions is None:
+        found = planar(chain, **options)
+    else:
+        found = spread(chain, directions=request.directions or 4, **options)
+    v: float | None = None
+    error: float | None = None
+    if found.stopped is None:
+        v, error = velocity_of(found, chain)
+        accuracy = SPREAD_ACCURACY if request.accuracy is None else request.accuracy
+        status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
+    else:
+        status = found.stopped
+        if status is FrontStatus.PINNED:
+            v, error = 0.0, 1.0 / stall
+    return Front(
+        chain=chain,
+        status=status,
+        v=v,
+        error=error,
+        excited=int(np.count_nonzero(found.spread.arrivals == 0.0)),
+        left_boundary=None,
+        outruns_waves=False,
+        arrivals=np.sort(found.spread.arrivals[found.spread.arrivals > 0.0]),
+        method=SmoothIntegration.method,
+        counts={"steps": found.steps},
+        seconds=0.0,
+        detail=found.spread,
+    )

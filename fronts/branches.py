@@ -27,7 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Turn(Result):
+class BranchFold(Result):
     """Where a branch turns back.
 
     Attributes
@@ -57,7 +57,7 @@ class FollowedBranch(Curve):
     ----------
     along, values, points, seconds
         As of `fronts.curves.Curve`; a value stands here once for each solution there.
-    folds : tuple of Turn
+    folds : tuple of BranchFold
         Where the branch turns back.
     c_pin, c_pin_error : float or None
         Of fronts along c: up to this fold of fronts at rest they are pinned, and its error.
@@ -70,7 +70,7 @@ class FollowedBranch(Curve):
         Of fronts along c: v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling.
     """
 
-    folds: tuple[Turn, ...] = ()
+    folds: tuple[BranchFold, ...] = ()
     c_pin: float | None = None
     c_pin_error: float | None = None
     eta_pin: float | None = None
@@ -156,7 +156,7 @@ def _fronts(
     moving = [value for value in values if value not in pinned]
     # From the largest value down: fronts rest at small c, and at large η.
     before = 0 if along == "c" else len(pinned)
-    folds: list[Turn] = []
+    folds: list[BranchFold] = []
     fronts: list[tuple[float, Front]] = []
     if moving:
         found = follow_front_wave(moving, chain.eta if along == "c" else chain.c, along)
@@ -165,7 +165,7 @@ def _fronts(
         for fold, place in found.folds:
             there = at(float(fold.parameter))
             folds.append(
-                Turn(
+                BranchFold(
                     c=there.c,
                     eta=there.eta,
                     error=float(fold.error),
@@ -278,14 +278,14 @@ def follow_breather(
             "method", "orbit", "envelope for the averaged chain", "take it, or chain.full()"
         )
     folds = count_within("number of folds", folds, 0, 20)
-    found = follow(chain, couplings, nucleus=nucleus, turns=folds)
+    found = follow(chain, couplings, nucleus=nucleus, folds=folds)
     return FollowedBranch(
         along="c",
         values=np.array([point.chain.c for point in found.points]),
         points=found.points,
         seconds=perf_counter() - begin,
         folds=tuple(
-            Turn(
+            BranchFold(
                 c=float(fold.parameter),
                 eta=chain.eta,
                 error=float(fold.error),
@@ -319,4 +319,4 @@ def breather_branch(
     return follow_breather(chains[0], values, nucleus=options.get("nucleus", Nucleus(1)))
 
 
-__all__ = ["FollowedBranch", "Turn", "follow_breather", "follow_front"]
+__all__ = ["BranchFold", "FollowedBranch", "follow_breather", "follow_front"]

@@ -372,12 +372,12 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
     monkeypatch.setattr(follow, "solutions_at", lambda *_: [])
-    found = follow.follow(AVERAGED, couplings, nucleus=Nucleus(1), turns=turns)
+    found = follow.follow(AVERAGED, couplings, nucleus=Nucleus(1), folds=turns)
     end, lowest = asked["start"]
     assert end == max(couplings)
     assert min(couplings) * (1.0 - 1e-11) < lowest < min(couplings)
     system, begun, until, monitor, steps = asked["trace"]
-    assert (system, begun, monitor, steps.turns) == ("system", "start", None, turns)
+    assert (system, begun, monitor, steps.folds) == ("system", "start", None, turns)
     assert furthest <= until < furthest * (1.0 + 1e-11)
     assert until > max(couplings)
     assert [point.chain.c for point in found.points] == couplings

@@ -186,7 +186,7 @@ def test_continuation_finds_the_fold_of_a_circle() -> None:
 def test_a_fold_where_c_turns_upwards_is_found_like_its_mirror_image() -> None:
     there, back = (
         trace(
-            cubic, solve_at(cubic, np.array([u]), u - u**3 / 3), end, None, StepControl(turns=1)
+            cubic, solve_at(cubic, np.array([u]), u - u**3 / 3), end, None, StepControl(folds=1)
         ).folds
         for u, end in ((-2.5, -10.0), (2.5, 10.0))
     )
@@ -209,7 +209,7 @@ def test_a_branch_goes_either_way_and_ends_where_it_leaves_the_range() -> None:
 
 def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
-    found = trace(circle, start, 5.0, lambda u, c: (c, float(u[0])), StepControl(turns=1))
+    found = trace(circle, start, 5.0, lambda u, c: (c, float(u[0])), StepControl(folds=1))
     first = found.folds[0].place
     assert [c for c, _ in found.monitored] == [point.parameter for point in found.points[:first]]
     assert [u for _, u in found.monitored] == [point.u[0] for point in found.points[:first]]
@@ -217,7 +217,7 @@ def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
 
 def test_on_both_sides_of_a_fold_a_solution_is_found_with_how_often_it_has_turned() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
-    branch = trace(circle, start, 5.0, None, StepControl(turns=1))
+    branch = trace(circle, start, 5.0, None, StepControl(folds=1))
     found = list(solutions_at(circle, branch, [1.0, 1.2, 1.5]))
     assert [(point.parameter, turned) for point, turned in found] == [
         (1.0, 0), (1.2, 0), (1.5, 0), (1.5, 1), (1.2, 1), (1.0, 1),

@@ -47,7 +47,7 @@ def follow(
     couplings: Sequence[float] | NDArray[np.float64],
     *,
     nucleus: Nucleus,
-    turns: int = 1,
+    folds: int = 1,
 ) -> FollowedBreather:
     """Follow a breather from the smallest coupling through so many folds.
 
@@ -59,7 +59,7 @@ def follow(
         Where the breather is required, dimensionless, positive.
     nucleus : Nucleus
         Which sites, and the pattern of phases.
-    turns : int, optional
+    folds : int, optional
         Folds that are passed.
 
     Raises
@@ -74,8 +74,8 @@ def follow(
     system = family.system()
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To turn, the branch may go beyond the couplings that are required.
-    furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if turns else 0.0)
-    branch = trace(system, start, furthest, None, replace(FIRST_STEPS, turns=turns))
+    furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
+    branch = trace(system, start, furthest, None, replace(FIRST_STEPS, folds=folds))
     points, legs = [], []
     for point, leg in solutions_at(system, branch, required):
         points.append(family.measured(point, started))

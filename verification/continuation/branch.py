@@ -117,7 +117,7 @@ class StepControl:
         Most steps.
     fold_tolerance : float
         Shortfall of the parameter at which the search for a fold stops.
-    turns : int
+    folds : int
         Folds that the branch is followed through; it ends a step beyond the next one.
     """
 
@@ -126,7 +126,7 @@ class StepControl:
     tolerance: float = 1e-11
     most: int = 200
     fold_tolerance: float = 1e-11
-    turns: int = 0
+    folds: int = 0
 
 
 def trace(
@@ -180,7 +180,7 @@ def trace(
         points.append(new)
         if not folds:
             seen.append(watch(new.u, new.parameter))
-        if len(folds) > steps.turns or not low < new.parameter < high:
+        if len(folds) > steps.folds or not low < new.parameter < high:
             break
         if new.iterations <= 5:
             length = min(1.5 * length, steps.longest)

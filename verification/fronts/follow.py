@@ -22,8 +22,8 @@ class FrontBranch:
     fronts : tuple of FrontWave
         At the values that were asked for, descending.
     folds : tuple of (Fold, int)
-        Where the branch turns back, and how many fronts are before it; ``c`` of a fold is the
-        parameter that was followed. None was found for any c and η that were tried.
+        Where the branch turns back, and how many fronts are before it. None was found for any c
+        and η that were tried.
     """
 
     fronts: tuple[FrontWave, ...]
@@ -63,7 +63,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         start = solve_at(system, window.guess, required[-1])
         # An end just below the last value, so that it is passed.
         longest = max(2.0, PARAMETER_WEIGHT * (required[-1] - required[0]) / 8.0)
-        steps = StepControl(length=0.1, longest=longest, most=2000, turns=3)
+        steps = StepControl(length=0.1, longest=longest, most=2000, folds=3)
         branch = trace(system, start, required[0] * (1.0 - 1e-12), None, steps)
         fronts, legs = [], []
         for point, leg in solutions_at(system, branch, required):

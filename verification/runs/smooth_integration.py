@@ -121,7 +121,7 @@ class SmoothIntegration(Integration):
         self._rest = self._close_window() if narrowed else -1.0
         if self._rest < 0.0:
             self._run.counters[smooth.HI] = chain.sites
-        self._task = smooth.Task(
+        self._task = smooth.LoopTask(
             parameters=np.array(chain.kernel_parameters()),
             drift=self._drift(drift or {}),
             first=first,
@@ -340,10 +340,10 @@ class SmoothIntegration(Integration):
 
 def _at_start(
     state: FloatArray, samples: int, level: float, memory: FloatArray | None
-) -> smooth.Run:
+) -> smooth.LoopState:
     """Return the arrays of a run at time 0, where sites above the level have arrived."""
     sites = state.shape[1]
-    return smooth.Run(
+    return smooth.LoopState(
         state=state,
         clock=np.zeros(5),
         counters=np.zeros(7, dtype=np.int64),

@@ -52,7 +52,7 @@ _PARTS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
 """Parts of a step between whose states is interpolated: the polynomial is of the order of steps."""
 
 
-class Task(NamedTuple):
+class LoopTask(NamedTuple):
     """What a loop has to do; it does not change.
 
     Attributes
@@ -105,7 +105,7 @@ class Task(NamedTuple):
     least_size: float
 
 
-class Run(NamedTuple):
+class LoopState(NamedTuple):
     """What a loop changes; all in place.
 
     Attributes
@@ -203,7 +203,7 @@ def _widened(
 
 
 @inner()
-def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends: Ends) -> float:
+def _try_steps(take_step: Step, task: LoopTask, clock: FloatArray, rows: Rows, ends: Ends) -> float:
     """Put the state after a step within the tolerance into ``rows.new``; return its length.
 
     What is returned is below ``task.shortest`` if no such step is found.
@@ -232,14 +232,16 @@ def _try_steps(take_step: Step, task: Task, clock: FloatArray, rows: Rows, ends:
 
 
 @inner()
-def _sample_is_due(task: Task, run: Run, h: float) -> bool:
+def _sample_is_due(task: LoopTask, run: LoopState, h: float) -> bool:
     """Return whether the next sample lies within the step."""
     place = run.counters[SAMPLED]
     return bool(place < task.times.size and task.times[place] <= run.clock[0] + h)
 
 
 @inner()
-def _take_samples(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> None:
+def _take_samples(
+    take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
+) -> None:
     """Take the samples that lie within the step, by shorter steps from its beginning."""
     clock, counters = run.clock, run.counters
     lo, hi = counters[LO], counters[HI]
@@ -273,7 +275,9 @@ def _interpolated(values: FloatArray, part: float) -> float:
 
 
 @inner(**COUNTED)
-def _note_many(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> int:
+def _note_many(
+    take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
+) -> int:
     """Find the arrivals of many sites within the step; return the foremost of them.
 
     They are found by interpolation between the states at a few times of the step.
@@ -304,7 +308,7 @@ def _note_many(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h:
 
 
 @inner()
-def _crossing(task: Task, run: Run, rows: Rows) -> int:
+def _crossing(task: LoopTask, run: LoopState, rows: Rows) -> int:
     """Return how many sites pass the level within the step."""
     new, lo = rows.new, run.counters[LO]
     m, square, found = new.size // 2, task.level * task.level, 0
@@ -315,7 +319,9 @@ def _crossing(task: Task, run: Run, rows: Rows) -> int:
 
 
 @inner()
-def _note_arrivals(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends, h: float) -> int:
+def _note_arrivals(
+    take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
+) -> int:
     """Find when a few sites pass the level within the step; return the foremost of them.
 
     Shorter steps are taken from the beginning of the step, by the Illinois rule: the secant, with
@@ -347,7 +353,7 @@ def _note_arrivals(take_step: Step, task: Task, run: Run, rows: Rows, ends: Ends
 
 
 @inner()
-def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
+def _pass_time(task: LoopTask, clock: FloatArray, h: float) -> None:
     """Add the step to the time; at a review, let the next step grow if the errors allow."""
     t, whole = clock[0], h + clock[4]
     clock[0] = t + whole
@@ -360,7 +366,7 @@ def _pass_time(task: Task, clock: FloatArray, h: float) -> None:
 
 
 @inner()
-def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[int, int]:
+def _moved_window(task: LoopTask, run: LoopState, x: FloatArray, foremost: int) -> tuple[int, int]:
     """Return the window for the next step."""
     lo, hi, sites = run.counters[LO], run.counters[HI], run.state.shape[1]
     wider_lo, wider_hi = lo, hi
@@ -373,7 +379,7 @@ def _moved_window(task: Task, run: Run, x: FloatArray, foremost: int) -> tuple[i
     return wider_lo, wider_hi
 
 
-def _rows_of(task: Task, run: Run) -> Rows:
+def _rows_of(task: LoopTask, run: LoopState) -> Rows:
     """Return rows for the sites of the window, with their state, and room."""
     window = slice(run.counters[LO], run.counters[HI])
     x = run.state[:, window].flatten()
@@ -383,7 +389,7 @@ def _rows_of(task: Task, run: Run) -> Rows:
 
 @outer(cache=True, **UNCOUNTED)
 def _advance(
-    take_step: Step, stop: Condition, task: Task, run: Run, rows: Rows, max_steps: int
+    take_step: Step, stop: Condition, task: LoopTask, run: LoopState, rows: Rows, max_steps: int
 ) -> int:
     """Step until the end, or until the window moves; return a ``StopCode``."""
     clock, counters, sites = run.clock, run.counters, run.state.shape[1]
@@ -422,7 +428,9 @@ def _advance(
     return BUDGET if clock[0] < task.end else REACHED
 
 
-def _advance_windows(take_step: Any, stop: Any, task: Task, run: Run, max_steps: int) -> int:
+def _advance_windows(
+    take_step: Any, stop: Any, task: LoopTask, run: LoopState, max_steps: int
+) -> int:
     """Step until the first step that reaches the end; return a ``StopCode``."""
     ended, last = MOVED, run.counters[STEPS] + max_steps
     while ended == MOVED:
@@ -433,7 +441,7 @@ def _advance_windows(take_step: Any, stop: Any, task: Task, run: Run, max_steps:
     return ended
 
 
-Loop = Callable[[Task, Run, int], int]
+Loop = Callable[[LoopTask, LoopState, int], int]
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 _STEP = types.void(_ROW, _ROW, types.intp, types.intp, types.float64, _TABLE, _ROW)
 _TIME = types.float64

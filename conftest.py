@@ -3,7 +3,9 @@
 Left out are modules of an optional extra that is not installed here. Collecting makes millions of
 objects that live to the end: looking through them took a third of it, and time in every test after.
 Where several processes test, each takes whole files; those that ask for the derivations of the
-paper go to one of them, since deriving and checking all takes ten seconds a process.
+paper go to one of them, since deriving and checking all takes ten seconds a process. Files that
+take long are taken first, so that no process is left with one when the others have ended. The
+first two compile different functions, twenty seconds each, which every process then finds on disk.
 """
 
 import gc
@@ -48,18 +50,43 @@ DERIVING = (
     "test_transcription",
 )
 """How the names of the files begin whose tests ask for the derivations of the paper."""
+OF_OTHER_MODELS = ("test_derivations_front_models", "test_derivations_other_models")
+"""Those among them that ask for so many of other chains that the paper's would be forgotten."""
+LONG = (
+    "test_theory_sum_rules", "test_robustness", DERIVING[0], "test_own_compiled", *OF_OTHER_MODELS,
+    "test_benchmarks", "test_theory_stability", "test_report", "test_front_wave", "test_examples",
+    "test_mutation", "test_precise_references", "test_vdp_runs", "test_faults", "test_own_cells",
+    "test_sweep", "test_state_map", "test_theory_kinetic", "test_vdp_steppers", "test_page_numbers",
+    "test_theory_admissibility", "test_piecewise_simulation", "test_own_breathers",
+    "test_own_drive", "test_breather_thresholds", "test_breather_noun", "test_claim_evidence",
+    "test_nucleus_outcome",
+)  # fmt: skip
+"""Files that take long, in the order in which they are handed out: the longest first."""
+
+
+def _scope(name: str) -> str:
+    """Return the file whose tests go to one process, or what those that derive go by."""
+    derives = name.startswith(DERIVING) and name not in OF_OTHER_MODELS
+    return DERIVING[0] if derives else name
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files that take long first."""
+    places = {scope: place for place, scope in enumerate(LONG)}
+    items.sort(key=lambda item: places.get(_scope(item.path.stem), len(LONG)))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Hand out whole files, those that derive together."""
+    """Hand out whole files in the order of the tests, those that derive together."""
     if config.getoption("dist") != "loadfile":
         return None
     from xdist.scheduler import LoadFileScheduling
 
     class Sharing(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            file = nodeid.partition("::")[0]
-            return DERIVING[0] if PurePath(file).name.startswith(DERIVING) else file
+            file = PurePath(nodeid.partition("::")[0])
+            return str(file.with_stem(_scope(file.stem)))
 
+    config.option.loadscopereorder = False  # by the number of tests
     return Sharing(config, log)

@@ -169,6 +169,7 @@ def test_a_chain_of_functions_goes_to_another_process_and_is_known_by_what_they_
     chain = OscillatorChain(**PAPER)
     assert chain.cell.cycles
     assert pickle.loads(pickle.dumps(chain)) == chain
+    assert OscillatorChain(**PAPER).cell is chain.cell  # whose cycles are found once
     assert OscillatorChain(**{**PAPER, "damping": paper_h}) != chain
 
     def gain_of(sharpness: float) -> Any:

@@ -19,7 +19,7 @@ from theory.parameters import ParameterError
 Function = Callable[..., Any]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, repr=False)
 class CompiledForce:
     """A function of y, or of y and v, and of named parameters, with its derivatives if given.
 

@@ -127,14 +127,15 @@ def integrate_with_tangents(
     columns[:, 1:-1] = np.eye(2 * count)
     samples = np.zeros((steps, count))
     stages = np.zeros((DOP853.n_stages, *columns.shape))
+    flat = stages.reshape(DOP853.n_stages, -1)
     rate = _rate_of(chain)
     with np.errstate(over="ignore", invalid="ignore"):
         for step in range(steps):
             samples[step] = columns[:count, 0]
             for i in range(DOP853.n_stages):
-                inner = np.tensordot(DOP853.A[i, :i], stages[:i], axes=1)
-                stages[i] = rate(columns + h * inner)
-            columns = columns + h * np.tensordot(DOP853.B, stages, axes=1)
+                inner = DOP853.A[i, :i] @ flat[:i]
+                stages[i] = rate(columns + h * inner.reshape(columns.shape))
+            columns = columns + h * (DOP853.B @ flat).reshape(columns.shape)
     if not np.all(np.isfinite(columns)):
         raise ParameterError(
             "coupling c", chain.c, "one at which the motion does not overflow within a period",

@@ -47,7 +47,7 @@ def settled_by_scipy(c: float) -> np.ndarray:
     rate = full_rate(VdpChain(a=A, b=B, c=c, eps=EPS, sites=SITES))
     start = np.zeros(2 * SITES)
     start[SITES // 2] = math.sqrt(A / B * (1 + math.sqrt(1 - 8 * B / A**2)))
-    late = np.linspace(3000.0, 3000.0 + 2 * math.pi, 400)
+    late = np.linspace(2000.0, 2000.0 + 2 * math.pi, 400)
     run = solve_ivp(rate, (0, late[-1]), start, "DOP853", late, rtol=1e-9, atol=1e-11)
     return np.abs(run.y[:SITES]).max(axis=1)
 

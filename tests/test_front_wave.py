@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -29,10 +30,17 @@ from verification.steppers.amplitudes import Amplitudes, with_disturbances
 ETA = 0.03125
 
 
+@cache
+def by_differences(c: float, eta: float) -> tuple[float, float]:
+    """Return the velocity on two grids, whose errors differ by a factor of 29: a tenth power."""
+    coarse, fine = (front_velocity(c, eta, m, behind=30) for m in (80, 112))
+    return coarse, fine
+
+
 @pytest.mark.parametrize(("c", "eta"), [(0.6, ETA), (2.0, ETA), (1.0, 0.1), (0.6, 0.01)])
 def test_the_velocity_is_that_of_differences_along_the_wave(c: float, eta: float) -> None:
     front = front_wave(c, eta)
-    coarse, fine = (front_velocity(c, eta, m, behind=30) for m in (80, 112))
+    coarse, fine = by_differences(c, eta)
     # The reference errs by a tenth power: a factor of 29 less than the two differ.
     assert abs(front.v - fine) <= front.error + abs(fine - coarse) + 1e-13
     assert abs(fine - coarse) < 1e-7
@@ -367,14 +375,14 @@ def test_branches_of_breathers_are_of_the_models_of_the_paper() -> None:
 def test_the_branch_in_eta_is_made_of_the_fronts_of_each_eta() -> None:
     """Each beside differences along the wave, which share no code with it, and a running chain."""
     chain = fr.AveragedChain(a=4, b=1, c=0.6)
-    branch = fr.follow_front(chain, etas=[0.1, 0.01, 0.05])
+    branch = fr.follow_front(chain, etas=[0.1, 0.01, ETA])
     assert branch.along == "eta"
-    assert branch.values.tolist() == [0.1, 0.05, 0.01]
+    assert branch.values.tolist() == [0.1, ETA, 0.01]
     assert branch.folds == ()
     assert branch.eta_pin is None  # c is above c_pin at every eta
     for eta, point in zip(branch.values, branch.points, strict=True):
         assert point.chain.b == pytest.approx(16.0 * eta, rel=1e-15)
-        coarse, fine = (front_velocity(0.6, float(eta), m, behind=30) for m in (80, 112))
+        coarse, fine = by_differences(0.6, float(eta))
         assert abs(point.v - fine) <= point.error + abs(fine - coarse) + 1e-13
         assert point.error < 1e-10
         alone = front_wave(0.6, float(eta))
@@ -387,7 +395,7 @@ def test_the_branch_in_eta_is_made_of_the_fronts_of_each_eta() -> None:
     assert abs(run.v - branch.points[1].v) < run.error < 1e-4
 
 
-@pytest.mark.parametrize("c", [0.05, 0.15])
+@pytest.mark.parametrize("c", [0.1, 0.15])
 def test_fronts_travel_up_to_an_eta_and_slow_down_by_a_square_root(c: float) -> None:
     pin = pinning_eta(c)
     assert pin is not None

@@ -200,8 +200,8 @@ def test_a_branch_begins_at_the_first_of_the_couplings_where_a_nucleus_settles(
 def test_the_branch_of_a_rayleigh_chain_ends_where_that_of_van_der_pol_does() -> None:
     """The velocity of ÿ + y + εh(ẏ)ẏ + … = 0 obeys (8): (h(w)w)' = (1 - 3aw² + 5bw⁴)w'."""
     rayleigh = OscillatorChain(damping="1 - a*v**2 + b*v**4", values={"a": 2.5 / 3, "b": 0.1}, c=0)
-    ours = breather_threshold(rayleigh, Nucleus(1), ThresholdMethod.ORBIT, margin=3)
-    theirs = breather_threshold(VdpChain(a=2.5, b=0.5, c=0), Nucleus(1), ThresholdMethod.ORBIT, 3)
+    ours = breather_threshold(rayleigh, Nucleus(1), ThresholdMethod.ORBIT, margin=2)
+    theirs = breather_threshold(VdpChain(a=2.5, b=0.5, c=0), Nucleus(1), ThresholdMethod.ORBIT, 2)
     assert ours.stable_to is not None
     assert ours.c_crit == pytest.approx(theirs.c_crit, abs=1e-10)
     assert ours.stable_to == pytest.approx(theirs.stable_to, abs=1e-8)

@@ -99,7 +99,7 @@ def test_arrivals_and_velocity_of_a_driven_front_are_those_of_scipy() -> None:
         c=1.0, sites=sites, drive="0.02,0.3@all",
     )  # fmt: skip
     start = excite(chain, range(1, 25))
-    y = states_by_scipy(rate, start[0], times, 1e-9)
+    y = states_by_scipy(rate, start[0], times, 1e-7)
     at = np.array([float(np.interp(0.2, y[:2600:, n], times[:2600])) for n in range(24, 26)])
     late = np.array([times[np.argmax(y[:, n] > 0.2)] for n in range(30, 100)])
     run = simulate(chain, start, 260.0, samples=2)

@@ -121,7 +121,7 @@ def test_multipliers_of_the_reference_are_those_of_a_longer_arithmetic(orbit: np
     """A short chain, whose monodromy mpmath can have in thirty digits."""
     chain = VdpChain(a=1.0, b=0.08, c=0.1, eps=0.01, sites=2)
     start = np.column_stack([orbit[[0, 1, 3, 4]], np.eye(4)])
-    found = precise_state(variational_rate(chain), start.ravel(), 6.28)
+    found = precise_state(variational_rate(chain), start.ravel(), 3.14)
     with mp.workdps(32):
         rate = variational_rate(chain)
 
@@ -134,7 +134,7 @@ def test_multipliers_of_the_reference_are_those_of_a_longer_arithmetic(orbit: np
                 out[:, [0, k]] = rate(0.0, pair.ravel()).reshape(4, 2)
             return out.ravel()
 
-        true = integrate(exact, many_digits(start.ravel()), 6.28, 1e-22).value
+        true = integrate(exact, many_digits(start.ravel()), 3.14, 1e-22).value
         assert farthest(found.value, true) <= found.uncertainty < 1e-14
         matrix = mp.matrix(true.reshape(4, 5)[:, 1:].tolist())
         values = np.array([complex(x) for x in mp.eig(matrix, left=False, right=False)])

@@ -28,8 +28,8 @@ pytestmark = pytest.mark.usefixtures("unhurried")
 
 QUICK = ("c-pin", "c-retreat", "eta-pin", "strong-coupling-velocity")
 POINTS = {
-    "sigma-integral": 50,
-    "roots": 80,
+    "sigma-integral": 30,
+    "roots": 50,
     "closed-form-fold": 40,
     "closed-form-breather": 40,
     "c-fold": 14,

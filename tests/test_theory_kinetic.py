@@ -367,8 +367,7 @@ def exact_derivatives(branch: KineticBranch, c: float, eta: float) -> tuple[mp.m
 
 @pytest.mark.parametrize(
     ("c", "eta"),
-    [(0.5, ETA), (0.45, ETA), (fold_at(ETA) + 1e-6, ETA), (fold_at(ETA) + 1e-9, ETA), (2.0, 0.11),
-     (100.0, 1e-4), (0.3, 1e-9)],
+    [(0.5, ETA), (fold_at(ETA) + 1e-9, ETA), (2.0, 0.11), (100.0, 1e-4), (0.3, 1e-9)],
 )  # fmt: skip
 def test_the_errors_of_the_derivatives_of_v_bound_the_true_ones(c: float, eta: float) -> None:
     for branch in velocities(c, eta):

@@ -7,12 +7,12 @@ from derivations.printing import EquationVerdict
 
 HEAD = """# Derivations
 
-This page is written by `fronts derive all --format markdown`; a test holds it to what the code
-finds. `fronts derive` lists the derivations. Each is a graph of steps: what is typed is a model, a
-definition or an ansatz; every other equation is the result of operations on earlier ones. Each step
-carries a check that never looks at how its equation was found: it compares with direct averages,
-numerical derivatives, winding numbers, a front built in the time domain, or true periodic orbits. A
-derivation stops at the first check that fails.
+This page is written by `fronts derive all --format markdown`, and a test compares it with the
+output of the code. `fronts derive` lists the derivations. Each is a graph of steps. Only models,
+definitions and ansätze are entered by hand; every other equation is the result of operations on
+earlier ones. Each step has a check that is independent of the way in which its equation was found.
+The checks compare with direct averages, numerical derivatives, winding numbers, a front constructed
+in the time domain, or periodic orbits. A derivation stops at the first check that fails.
 
     fronts derive multiple-scales --order 2
     fronts derive multiple-scales --damping "1 - a*y**2 + b*y**6" --stiffness "g*y**3"
@@ -24,10 +24,10 @@ derivation stops at the first check that fails.
 
 ![The equations of the paper and what each follows from](derivations.svg)
 
-## Verdicts on print
+## Verdicts on the printed equations
 
-A verdict is found, not only recorded: print is compared with the derived equation symbolically, and
-put in its place it must pass or fail the same numerical check.
+Each verdict is computed and compared with the recorded one. The printed equation is compared
+symbolically with the derived equation, and is then submitted to the same numerical check.
 
 """
 
@@ -43,22 +43,25 @@ TAIL = """
     from derivations.chain import ChainModel
     load("multiple-scales", model=ChainModel(damping={0: 1, 2: -3, 6: 1}, weights=(1, 1))).verify()
 
-Letters other than y stand for positive numbers. Text is read by a small grammar; no code in it is
-ever evaluated.
+Letters other than y denote positive numbers. Expressions are read by a small grammar and are never
+evaluated as code.
 
 ## Limits
 
 - Multiple scales and averaging use different amplitudes at second order. Compare them only after
   the step "averaging in the amplitude of multiple scales".
-- Second order is in eps, but the error is governed by eps max|1 - a y^2 + b y^4| on the cycle.
-- The kinetic relation of a cell with nonlinear stiffness leaves out the change of frequency with
-  amplitude, and says so; linear stiffness, a change of the unit of time, is refused there.
-- Symbolic cycles are given for damping up to degree 4 in y; beyond that give numbers.
-- For springs beyond nearest neighbours (29) is left as a relation for e^(k_1), not solved for it,
-  and the amplitudes in quarter turns are real only where springs join odd neighbours.
+- The expansion to second order is in eps, but its error is governed by eps max|1 - a y^2 + b y^4|
+  on the cycle.
+- The kinetic relation of a cell with nonlinear stiffness neglects the change of frequency with
+  amplitude, which its output states. Linear stiffness, which amounts to another unit of time, is
+  refused there.
+- Symbolic cycles are given for damping up to degree 4 in y; for higher degrees the parameters must
+  be numbers.
+- For springs beyond nearest neighbours (29) remains a relation for e^(k_1) that is not solved, and
+  the amplitudes with quarter-turn phase steps are real only where springs join odd neighbours.
 - With springs to third neighbours the limits at rest, depinning and retreat, and the branch of (37)
-  are left out: they ask for the roots of a cubic. Strong coupling is left out where the pull of the
-  springs on long waves has no definite sign.
+  are omitted, since they require the roots of a cubic. Strong coupling is omitted where the force
+  of the springs on long waves has no definite sign.
 """
 
 
@@ -75,7 +78,7 @@ def page(report: EquationReport) -> str:
     wrong = [found for found in report.judgements
              if found.printed.verdict in (EquationVerdict.MISPRINT, EquationVerdict.AMBIGUOUS,
                                           EquationVerdict.INCONSISTENT)]  # fmt: skip
-    parts = ["", "### What is not right as it stands", ""]
+    parts = ["", "### Equations that are not right as they stand", ""]
     for found in wrong:
         parts += [_entry(found), ""]
     return (HEAD + "\n".join(lines + parts) + TAIL).rstrip()

@@ -267,8 +267,8 @@ def test_a_default_that_is_nowhere_the_fastest_is_said_to_be_so(tmp_path: Path) 
     assert first[faster] == (
         "10⁻³ to 10⁻⁵: quad, 2.5 to 4 times, and the default does not get so far"
     )
-    assert first["Why it is the default all the same"] == "quad: it is new; sinc: no"
-    assert second["Why it is the default all the same"] == "-"
+    assert first["Reason for the default"] == "quad: it is new; sinc: no"
+    assert second["Reason for the default"] == "-"
     assert second["Solve another problem"] == "newton: one root"
     (origin,) = found.origins
     assert (origin.date, origin.machine) == ("2026-01-01 to 2026-01-02", "as above")

@@ -67,8 +67,8 @@ def equations() -> str:
         (HERE / "equations_head.md").read_text(encoding="utf-8")
         + raw(f'<p class="strip">{strip}</p><p class="legend">{legend}</p>')
         + "\n## The graph of equations\n\n"
-        "An arrow leads from an equation to what follows from it; a click leads to its row. "
-        "The picture is that of `fronts derive --graph --out equations.svg`.\n\n"
+        "An arrow leads from an equation to those that follow from it; a click leads to its row. "
+        "The picture was drawn by `fronts derive --graph --out equations.svg`.\n\n"
         + raw(f'<div class="graph">{_linked_graph()}</div>')
         + "\n## The table\n\n"
         + raw(table)
@@ -187,9 +187,9 @@ def commands_index() -> str:
     tree = "\n".join(f"commands/{name}" for name in COMMANDS)
     return (
         "# The command line\n\n"
-        "Each page is what `fronts COMMAND --help` prints. A number may be a range `low:high:n`, "
+        "Each page is the output of `fronts COMMAND --help`. A number may be a range `low:high:n`, "
         "which gives a curve; `--json` prints one JSON object; `--out` writes a file of the kind "
-        "that its name says. Bad input ends with exit code 2 and one sentence.\n\n"
+        "that its name indicates. Invalid input ends with exit code 2 and one sentence.\n\n"
         f"```text\n{_overview()}\n```\n\n```{{toctree}}\n:maxdepth: 1\n\n{tree}\n```\n"
     )
 
@@ -261,11 +261,11 @@ def sweeps() -> str:
     record = json.loads(path.read_text(encoding="utf-8"))
     cost, machine = record["sweep"], record["machine"]
     rows = (
-        ("a point in the map, all processes", f"{cost['map_us']:.0f} µs of processor time"),
-        ("a point in a bare loop, nothing kept", f"{cost['loop_us']:.0f} µs"),
-        ("a point that returns at once, in the same sweep", f"{cost['own_us']:.0f} µs"),
+        ("time for a point of the map", f"{cost['map_us']:.0f} µs of processor time"),
+        ("time for a point in a simple loop, nothing stored", f"{cost['loop_us']:.0f} µs"),
+        ("overhead of the sweep for a point", f"{cost['own_us']:.0f} µs"),
         ("growth of memory", f"{cost['growth']:.0f} bytes a point"),
-        ("rows other than those of the loop", f"{cost['different']}"),
+        ("rows that differ from those of the loop", f"{cost['different']}"),
     )
     return (
         (HERE / "sweeps_head.md").read_text(encoding="utf-8")

@@ -75,9 +75,10 @@ def _speed(records: Records, folder: Path) -> Section | None:
     found = _section(
         "speed",
         "Error against run time",
-        "Each quantity by our methods and by what a user would otherwise pick, in one run. The "
-        "table has what was promised; the diagrams have every setting of every method. Pale "
-        "marks are settings that another one of the same method beats.",
+        "Each quantity is computed by our methods and by the programs that one would otherwise "
+        "use, in one run. The table compares the results with the targets, and the diagrams show "
+        "every setting of every method. Marks are pale where another setting of the same method "
+        "is both faster and more accurate.",
         records=measured,
         lines=(
             {"quantity": name, **target}
@@ -105,10 +106,10 @@ def _first_calls(records: Records, folder: Path) -> Section | None:
     return _section(
         "first-calls",
         "First calls",
-        "What a method costs before it gives its first value, each in a process of its own. "
-        "Cold: nothing was compiled before. Loaded: the next process, which finds on disk what "
-        "the first one compiled. Again: the second call there. Seconds of the wall; what the "
-        "benchmark itself imports before is not counted.",
+        "The time until a method returns its first value, each in a process of its own. "
+        "Cold: nothing was compiled before. Loaded: the next process, which finds the compiled "
+        "code on disk. Again: the second call in that process. Times are wall-clock seconds; the "
+        "imports of the benchmark itself are not counted.",
         records=measured,
         lines=(
             {"quantity": name, **call}
@@ -136,9 +137,9 @@ def _defaults(records: Records, folder: Path) -> Section | None:
     found = _section(
         "defaults",
         "The default methods",
-        "At each error asked for, is the default the fastest? Where it is not, the table says "
-        "what is, by how much, and why the default is the default all the same. Methods that "
-        "solve another problem are in the diagrams and are not compared.",
+        "Errors at which the default method is the fastest. Where it is not, the table names the "
+        "faster method, the factor, and the reason for the default. Methods that solve another "
+        "problem appear in the diagrams and are not compared.",
         records={name: records[name] for name in named if name in records},
         lines=choices,
         columns={
@@ -147,7 +148,7 @@ def _defaults(records: Records, folder: Path) -> Section | None:
             "Default": lambda x: x["default"],
             "Fastest at errors": lambda x: _decades(x["fastest"]) or "nowhere",
             "Another one is faster at": lambda x: _rivals(x["beaten"]) or "nowhere",
-            "Why it is the default all the same": lambda x: _listed(x.get("reasons", {})),
+            "Reason for the default": lambda x: _listed(x.get("reasons", {})),
             "Solve another problem": lambda x: _listed(x.get("others", {})),
         },
     )
@@ -167,9 +168,9 @@ def _problems(records: Records, folder: Path) -> Section | None:
     return _section(
         "problems",
         "The test problems",
-        "Where the quantities are computed by tests, benchmarks and the robustness table, and how "
-        "the true value is known there: the independent method, to what accuracy, and how far the "
-        "two references were apart where error and run time were measured.",
+        "The parameters at which tests, benchmarks and the robustness table compute the "
+        "quantities, with the independent method that gives the true value, its accuracy, and "
+        "the distance between the two references in the measurement of error and run time.",
         records=measured,
         lines=((each, problem) for each in all_quantities() for problem in each.test_problems),
         columns={
@@ -200,7 +201,7 @@ def _growth(records: Records, folder: Path) -> Section | None:
             "Time": lambda x: f"{x['seconds'][0]:.2g} to {x['seconds'][-1]:.2g} s",
             "Power": lambda x: f"{x['exponent']:.2f}",
             "Expected": lambda x: f"{x['expected']:g}: {x['why']}",
-            "Why they differ": lambda x: x.get("remark", ""),
+            "Reason for the difference": lambda x: x.get("remark", ""),
             "Power of memory": lambda x: _known(x["memory_exponent"], ".2f"),
         },
     )
@@ -248,11 +249,11 @@ def _work_reduction(records: Records, folder: Path) -> Section | None:
     return _section(
         "work-reduction",
         "What is not computed",
-        "What is truncated or not computed, how the code decides, and the bound on what that "
-        "changes. Each case was computed with the omission and without it, to the same "
-        "accuracy: how far the two results were apart, how far they could be (by the bound, "
-        "and by the error of the result without the omission where it has one), and both "
-        "costs. The test asserts the bound in other cases too.",
+        "Computations that are truncated or omitted, the criterion for this, and a bound on the "
+        "resulting change. Each case was computed with and without the omission, to the same "
+        "accuracy. The table gives the difference of the two results, the largest difference "
+        "possible (by the bound, and by the error of the result without the omission where it "
+        "has one), and both costs. The test verifies the bound in other cases too.",
         records={"the table": record},
         lines=record["work_reduction"],
         columns={

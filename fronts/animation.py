@@ -63,7 +63,6 @@ def animate(
     within("frames per second", frames_per_second, 1.0, 60.0)
     import matplotlib as mpl
     from matplotlib import animation
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
@@ -72,7 +71,6 @@ def animate(
         "savefig.bbox": None, "figure.autolayout": False, "figure.constrained_layout.use": False,
     }):  # fmt: skip
         figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="compressed")
-        FigureCanvasAgg(figure)
         axes = figure.subplots()
         show = snapshot(run, axes)
         axes.set_title("t")

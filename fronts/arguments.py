@@ -32,7 +32,6 @@ class BadText(argparse.ArgumentTypeError):
 
     def __init__(self, value: object, allowed: str, remedy: str) -> None:
         self.value, self.allowed, self.remedy = value, allowed, remedy
-        super().__init__(f"{value} must be {allowed}; {remedy}")
 
 
 def with_values_joined(words: Sequence[str]) -> list[str]:

@@ -131,7 +131,7 @@ def documented(doc: str) -> dict[str, tuple[str, str]]:
         elif inside and (entry := _ENTRY.match(line)):
             names = [name.lstrip("*") for name in entry[1].split(", ")]
             found |= dict.fromkeys(names, (entry[2] or "", ""))
-        elif inside and line.startswith("    "):
+        elif inside:
             for name in names:
                 kind, text = found[name]
                 found[name] = (kind, f"{text} {line.strip()}".strip())

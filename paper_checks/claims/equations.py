@@ -118,7 +118,7 @@ def printed(number: int) -> CheckedEquation:
         passes=found.on_print.holds,
         derived_passes=found.on_derived.holds,
         confirmed=found.confirmed,
-        note=readable(found.printed.note) if found.printed.note else "",
+        note=readable(found.printed.note),
         test=_said(found.on_print.statement),
         derived_test=_said(found.on_derived.statement),
         readings=tuple(

@@ -76,7 +76,7 @@ xmlns:xlink="http://www.w3.org/1999/xlink" width="8pt"><path id="a"/></svg>'
     except ET.ParseError as error:
         raise ValueError(f"the picture is no well-formed SVG document ({error}).") from None
     parts = list(_written(root))
-    if not parts or _local(root) != "svg":
+    if not parts:
         raise ValueError("the picture holds no SVG document.")
     spaces = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     return "".join(parts).replace("<svg", f"<svg {spaces}", 1)
@@ -92,7 +92,7 @@ def _with_namespaces(body: str) -> str:
 
 def _local(element: ET.Element) -> str:
     """Return the name of an element of SVG, or nothing for one of another language."""
-    tag = element.tag if isinstance(element.tag, str) else "{}"
+    tag = element.tag
     return tag.removeprefix(_SVG) if tag.startswith(_SVG) or "{" not in tag else ""
 
 

@@ -937,6 +937,15 @@ def test_the_progress_of_many_digits_rises_from_zero_and_stays_below_one() -> No
     assert len(set(parts)) >= 8
 
 
+def test_the_progress_of_a_proof_rises_from_zero_and_stays_below_one() -> None:
+    pytest.importorskip("flint")
+    parts: list[float] = []
+    fr.kinetic_relation([0.1, 0.2], 0.03125, certify=True, progress=parts.append)
+    assert parts[0] == 0.0
+    assert parts == sorted(parts)
+    assert 0.5 < parts[-1] <= 1.0
+
+
 def test_a_sum_in_double_precision_is_as_uncertain_as_it_was_and_its_rounding() -> None:
     import mpmath as mp
 

@@ -121,7 +121,8 @@ def kinetic_relation(
     c_ = real_array("coupling c", c)
     _check_curve(c_, np.asarray(eta_))
     begin = perf_counter()
-    answers = trace_kinetic_relation(c_, eta_, progress=progress)
+    # Beside a proof the search takes no time.
+    answers = trace_kinetic_relation(c_, eta_, progress=None if certify else progress)
     single = c_.ndim == 0 and np.ndim(eta_) == 0
     if stability or single:
         answers = [_with_stability(answer, stability) for answer in answers]

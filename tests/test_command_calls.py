@@ -20,6 +20,7 @@ from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.initial_state import prepared
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
+from theory import chains
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
@@ -108,6 +109,11 @@ def test_of_a_and_b_a_map_holds_the_one_that_is_given(called, line, held, a, b):
     assert (options["axes"]["eta"][-1], options["axes"]["c"][0]) == (0.14, 0.05)
     assert chain.c == 0.05
     assert callable(options["progress"])
+
+
+def test_a_breather_is_that_of_the_figures_where_nothing_is_said(called):
+    (chain,), _, _ = called("breather")
+    assert (chain.model, chain.a, chain.b, chain.c) == ("vdp", 2.5, 0.5, 0.1)
 
 
 def test_axes_of_a_map_are_what_is_a_range_and_what_the_command_names(called):
@@ -217,6 +223,7 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
         ("front vdp --c 0.6", "give --eta, or both --a and --b"),
         ("front vdp --c 0.6 --a 4", "give --eta, or both --a and --b"),
         ("front vdp --c 0.6 --a 4 --eta 0.05", "say the same thing twice"),
+        ("front vdp --c 0.6 --eta -0.1:0.06:3", "eta = "),
         ("front vdp --c 0.5:1:3 --eta 0.05 --eps 0.01:0.1:2", "a range for --c or for --eps"),
         ("front chain --c 0.5", "give --damping, or a model file"),
         ("map chain --damping 1 --c 0.5", "a map needs a range"),
@@ -240,6 +247,14 @@ def test_options_are_those_of_the_model():
     assert {"a", "b", "eps"} <= names
     assert not names & {"c", "sites", "ends"}  # one cell alone has none
     assert "method" in {each.name for each in bound_to("threshold vdp").own.parameters}
+
+
+def test_every_module_of_chains_is_imported_for_its_models(monkeypatch):
+    asked = []
+    monkeypatch.setattr(bound, "import_module", asked.append)
+    bound.models()
+    modules = Path(chains.__file__).parent.glob("[!_]*.py")
+    assert {*asked} == {f"theory.chains.{path.stem}" for path in modules}
 
 
 @pytest.mark.parametrize("command", ["simulate", "map", "threshold"])
@@ -396,6 +411,7 @@ def test_the_file_of_a_run_holds_its_answer_and_the_start_that_it_had(tmp_path, 
         assert kept == answer
         assert answer["nucleus"]["end"] == "held"
         assert given.items() >= start.items()
+        assert None not in given.values()
         chain = AveragedChain(a=4.0, b=0.5, c=0.3, sites=7)
         with np.load(arrays) as held:
             assert json.loads(str(held["result"]))["nucleus"] == answer["nucleus"]

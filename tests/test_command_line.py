@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from fronts import cli
 from fronts.cli import COMMANDS, main
 from verification.breathers import breather
 from verification.breathers import run as breather_run
@@ -51,7 +52,11 @@ def test_every_command_has_help_with_an_example(
     with pytest.raises(SystemExit) as stopped:
         main([name, "--help"])
     assert stopped.value.code == 0
-    assert f"fronts {name}" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert f"fronts {name}" in shown
+    line = " ".join(shown.split()).partition(f" {cli._sentence(COMMANDS[name].line)} ")
+    assert "examples:" not in line[0]
+    assert "examples:" in line[2]
 
 
 def test_kinetic_gives_the_documented_object(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import functools
 import importlib
@@ -9,26 +10,28 @@ import json
 import logging
 import math
 import re
+import shutil
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from html import escape
-from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 import fronts as fr
 from fronts import cli
-from fronts.answer import Answer
+from fronts.answer import Answer, UsageError
 from fronts.bound import Bound
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.curves import Curve, Refusal
+from fronts.files import Listing
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help
 from fronts.wording import WIDTH, in_words, table_lines
@@ -137,6 +140,9 @@ def test_help_without_a_model_shows_examples_of_the_first(capsys: Capture, comma
     examples = capsys.readouterr().out.split("examples:")[1]
     first = next(iter(cli.COMMANDS[command].calls))
     assert f"\n  fronts {command} {first} --" in examples
+    named = [f"fronts{each}" for each in cli.COMMANDS[command].examples.split("\n  fronts")[1:]]
+    of_first = [each for each in named if each.split()[2] == first]
+    assert [each for each in of_first if f"  {each}" in examples] == of_first
     assert "\n  fronts \n" not in f"{examples}\n"
 
 
@@ -169,6 +175,36 @@ def test_defaults_in_help_are_values_as_one_would_write_them() -> None:
 def test_the_default_of_an_option_is_said_as_one_would_write_it(default: Any, said: str) -> None:
     each = cast("Any", SimpleNamespace(help="How long.", kind="float"))
     assert _help(each, default, ranged=False) == f"how long{said}"
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("breather vdp", "--nucleus SIZE"),
+        ("breather vdp", "--c C"),
+        ("cell friction", "--v-d V_D"),
+        ("simulate vdp", "--excite SITES"),
+        ("stress", "--out FILE"),
+        ("bench", "--out DIR"),
+        (
+            "kinetic",
+            "--c C coupling, dimensionless, from 1e-8 to 1e8; a range low:high:count gives",
+        ),
+    ],
+)
+def test_help_says_what_kind_of_value_an_option_takes(
+    line: str, said: str, capsys: Capture
+) -> None:
+    with pytest.raises(SystemExit):
+        main([*line.split(), "--help"])
+    assert said in " ".join(capsys.readouterr().out.split())
+
+
+def test_help_may_have_a_sign_of_percent() -> None:
+    parser = cli.new_parser("fronts", "x", "")
+    each = cast("Any", SimpleNamespace(help="To 3 %.", kind="float"))
+    parser.add_argument("--x", help=_help(each, 0.5, ranged=False))
+    assert "to 3 % (default 0.5)" in parser.format_help()
 
 
 def test_what_must_be_given_and_what_is_absent_are_no_defaults() -> None:
@@ -245,12 +281,58 @@ def test_an_answer_that_is_no_number_is_a_defect_and_not_json(
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (FileNotFoundError(2, "No such file", "a.toml"), 2, "the file a.toml cannot be used: "),
+        (OSError(28, "No space left"), 2, "the file cannot be used: "),
+        (RuntimeError("lost"), 3, "a defect of this toolkit: RuntimeError: lost (set "),
+    ],
+)
+def test_an_error_is_said_in_the_form_that_was_asked_for(
+    error: Exception,
+    code: int,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capture,
+) -> None:
+    def failed(_: Any) -> int:
+        raise error
+
+    monkeypatch.setattr(cli, "_run", failed)
+    monkeypatch.delenv("FRONTS_TRACEBACK", raising=False)
+    assert main(["sum"]) == main(["sum", "--json"]) == code
+    plain, as_json = capsys.readouterr().err.splitlines()
+    assert plain.startswith(f"fronts: {said}")
+    assert plain == f"fronts: {json.loads(as_json)['error']['message']}"
+
+
+def test_without_a_standard_output_one_sentence_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    with monkeypatch.context() as closed:
+        closed.setattr(sys, "stdout", None)
+        assert main(["--version"]) == 2
+    assert capsys.readouterr().err.startswith("fronts: standard output is closed: ")
+
+
+def test_what_argparse_says_of_no_single_option_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As later versions of Python say that an option is missing."""
+    parser = cli.new_parser("fronts x", "x", "")
+    error = argparse.ArgumentError(None, "two at once")
+    monkeypatch.setattr(parser, "parse_known_args", Mock(side_effect=error))
+    with pytest.raises(UsageError, match="two at once; see"):
+        parser.read([])
+
+
 def test_a_terminal_is_told_that_the_first_run_compiles(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     logger = logging.getLogger("verification.execution.compiled")
     monkeypatch.setattr(logger, "handlers", [])
     level = logger.level
+    assert main(["sum", "--v", "1", "--c", "0.5"]) == 0
+    assert not logger.handlers
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     try:
         for _ in range(2):  # once is enough
@@ -318,10 +400,23 @@ def test_a_status_without_sentence_or_reason_stands_alone() -> None:
     )
 
 
+def test_an_error_stands_beside_its_number_and_how_it_was_found_at_the_end() -> None:
+    plain = Curve(along="c", values=np.array([]), points=(), seconds=0.0)
+    found = {"seconds": 0.5, "method": "wave", "v": 0.25, "v_error": 1e-3, "held": [*range(8)]}
+    assert in_words(plain, found).splitlines() == [
+        "v        0.250, uncertain by 1.0e-03",
+        "held     [0, 1, 2, 3, 4, 5, 6, 7]",
+        "seconds  0.5",
+        "method   wave",
+    ]
+    assert in_words(plain, {"x": [0.5] * 9}) == f"x  [{', '.join(['0.5'] * 8)}, … (9 values)]"
+
+
 def test_lists_and_mappings_have_no_column_and_numbers_beside_them_do() -> None:
     rows = [{"c": 0.1, "held": [1, 2], "of": {"a": 1}}, {"c": 0.2, "held": None, "of": {}}]
     head, *lines = table_lines(rows)
     assert head.split() == ["c"]
+    assert Listing(payload={}, listed=()).columns() == {}
     assert [line.split() for line in lines] == [["0.1"], ["0.2"]]
 
 
@@ -438,13 +533,33 @@ def test_a_table_of_verdicts_that_cannot_be_written_is_refused_before_any_is_jud
 
 
 def test_files_of_a_film_are_allowed_where_there_is_one(tmp_path: Path) -> None:
-    from fronts.answer import UsageError
     from fronts.files import check_files
 
     asked = [(tmp_path / "run.gif", "--out")]
     check_files(asked, filmed=True)
     with pytest.raises(UsageError, match="must end in"):
         check_files(asked, filmed=False)
+
+
+def test_a_film_is_of_the_run_and_says_its_command_and_of_no_other_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts import animation
+    from fronts.files import write_result
+
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.3, sites=5)
+    run = fr.simulate(chain, fr.excite(chain, [3]), t_end=1.0, samples=2, estimate_error=False)
+    filmed: list[Any] = []
+
+    def animate(found: Any, path: Path, *, note: str) -> None:
+        path.touch()
+        filmed.append((found, json.loads(note)["parameters"]))
+
+    monkeypatch.setattr(animation, "animate", animate)
+    write_result(tmp_path / "run.gif", run, {"c": 0.3})
+    assert filmed == [(run, {"c": 0.3})]
+    with pytest.raises(UsageError, match="there is no film of Cell"):
+        write_result(tmp_path / "cell.gif", fr.cell(chain), {})
 
 
 def test_a_column_of_words_goes_into_a_file_of_numpy_without_pickle(tmp_path: Path) -> None:
@@ -593,11 +708,12 @@ def test_of_a_curve_of_cells_the_rows_have_the_cycles() -> None:
 def test_expensive_claims_are_judged_by_stored_findings_unless_all_is_asked_for() -> None:
     import inspect
 
+    from fronts.commands.explore import explore
     from fronts.commands.stress import stress
 
     flags = {
         name: each.default
-        for function in (fr.judge, stress)
+        for function in (fr.judge, stress, explore)
         for name, each in inspect.signature(function).parameters.items()
         if isinstance(each.default, bool)
     }
@@ -625,7 +741,10 @@ def test_progress_says_of_a_stored_finding_whether_it_is_stale() -> None:
     from fronts.commands.check import _Reporter
 
     said: list[str] = []
-    shown = SimpleNamespace(end=lambda key, words, computed: said.append(words))
+    begun: list[str] = []
+    shown = SimpleNamespace(begin=begun.append, end=lambda key, words, computed: said.append(words))
+    _Reporter(cast("Any", shown)).start("fig01-x")
+    assert begun == ["fig01-x"]
     for stored, stale in ((True, False), (True, True), (False, False)):
         judgement = SimpleNamespace(seconds=0.5, stored=stored, stale=stale)
         claim = SimpleNamespace(key="fig01-x")
@@ -661,10 +780,18 @@ def test_what_was_recorded_is_named_claim_by_claim(tmp_path: Path) -> None:
     assert "none: no expensive claim was asked" in _record(shipped, report)
 
 
-def test_default_methods_are_judged_from_the_records_of_a_folder(capsys: Capture) -> None:
+def test_default_methods_are_judged_from_the_records_of_a_folder(
+    tmp_path: Path, capsys: Capture
+) -> None:
+    from benchmarks.work_precision import RESULTS
+
     assert main(["bench", "sum", "--defaults", "--json"]) in (0, 1)
     choices = json.loads(capsys.readouterr().out)["choices"]
     assert {each["quantity"] for each in choices} == {"sum"}
+    for name in ("sum.json", "sum.csv"):
+        shutil.copy(RESULTS / name, tmp_path)
+    assert main(["bench", "sum", "roots", "--defaults", "--out", str(tmp_path)]) in (0, 1)
+    assert capsys.readouterr().out.endswith("\nno record: roots\n")
 
 
 @pytest.mark.parametrize("asked", [False, True])
@@ -691,6 +818,7 @@ def test_growth_is_written_into_the_folder_that_is_named(
     folder = tmp_path if asked else None
     answer = _measure((), growth=True, quick=True, folder=folder)
     assert answer.payload["growth"] == {"rows": ["row"], "floors": ["floor"]}
+    assert answer.text.startswith("['row']\n\n['floor']")
     assert written == ([(answer.payload["growth"], ["row"], tmp_path)] if asked else [])
 
 
@@ -731,7 +859,7 @@ def test_records_and_the_choice_of_defaults_are_written_into_the_folder_that_is_
 
 
 def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     from benchmarks.registry import all_benchmarks
     from benchmarks.work_precision import RESULTS
@@ -744,6 +872,7 @@ def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
     for words, expected in (
         ([], (all_benchmarks(), True, False, RESULTS)),
         (["--quick"], (all_benchmarks(), True, True, None)),
+        (["sum", "--quick", "--out", str(tmp_path)], (one, False, True, tmp_path)),
         (["sum"], (one, False, False, RESULTS)),
         (["sum", "growth"], (one, True, False, RESULTS)),
         (["growth"], ((), True, False, RESULTS)),
@@ -758,22 +887,23 @@ def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
 # ----------------------------------------------------------------------------------- the explorer
 
 
-@pytest.mark.skipif(find_spec("panel") is None, reason="extra explore is missing")
 @pytest.mark.parametrize("more", [[], ["--no-browser"]])
 def test_a_browser_is_opened_unless_it_is_not_wanted(
     more: list[str], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    from fronts.explore import page
-
     def serve(port: int, ready: Any, *, show: bool) -> None:
         assert port == 8123
         assert show is not bool(more)
         ready("http://here")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(page, "serve", serve)
+    monkeypatch.setitem(
+        sys.modules, "fronts.explore.page", cast("Any", SimpleNamespace(serve=serve))
+    )
     assert main(["explore", "--port", "8123", *more, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {"address": "http://here"}
+    shown = capsys.readouterr()
+    assert json.loads(shown.out) == {"address": "http://here"}
+    assert shown.err.startswith("http://here ")
 
 
 @pytest.mark.parametrize("model", ["averaged", "vdp"])
@@ -795,14 +925,36 @@ def test_times_of_updates_are_in_milliseconds(monkeypatch: pytest.MonkeyPatch) -
     """Here an update takes as many seconds as its coupling."""
     from fronts.explore import update_time
 
-    monkeypatch.setattr(update_time, "_seconds_of_update", lambda settings: settings.c)
+    asked: list[float] = []
+
+    def taken(settings: Any) -> float:
+        asked.append(settings.c)
+        return float(settings.c)
+
+    monkeypatch.setattr(update_time, "_seconds_of_update", taken)
     found = update_time.measure("vdp", (0.5, 0.125, 0.25))
     assert (found.median_ms, found.largest_ms, found.slowest_c) == (250.0, 500.0, 0.5)
+    assert asked[-3:] == [0.5, 0.125, 0.25]
+    assert asked[:-3]  # not timed: they compile
+
+
+def test_an_update_is_all_but_what_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from fronts.explore import update_time
+
+    clock, asked = iter([5.0, 7.5]), []
+    monkeypatch.setattr(update_time, "process_time", lambda: next(clock))
+    monkeypatch.setattr(update_time, "outcome", asked.append)
+    assert update_time._seconds_of_update(update_time.Settings()) == 2.5
+    every = update_time.calls(update_time.Settings())
+    assert asked == [call for name, call in every.items() if name not in update_time.SLOW]
 
 
 def test_the_explorer_runs_the_chain_for_the_slow_time_of_its_axis() -> None:
-    from fronts.explore.calls import SLOW_TIME, Settings, calls
+    from fronts.explore.calls import SITES, SLOW_TIME, Settings, Steps, calls
 
+    assert Steps(0.25, 2).run() == [0.25, 0.5]
+    excited = calls(Settings(nucleus=3))["run"].arguments[1].arguments[1]
+    assert list(excited) == [SITES // 2, SITES // 2 + 1, SITES // 2 + 2]  # of 1, …, 41
     for eps in (0.01, 0.1):
         options = dict(calls(Settings(eps=eps))["run"].options)
         assert eps * options["t_end"] == pytest.approx(SLOW_TIME)
@@ -842,6 +994,7 @@ def test_times_of_updates_are_stored_where_asked(
 ) -> None:
     from fronts.explore import update_time
 
+    assert update_time.RECORD.is_file()
     taken = update_time.UpdateTime(median_ms=1.0, largest_ms=2.0, slowest_c=0.5)
     monkeypatch.setattr(update_time, "measure", lambda model: taken)
     monkeypatch.setattr(update_time, "RECORD", tmp_path / "explorer.json")
@@ -908,8 +1061,24 @@ def test_a_bound_on_roots_times_digits_holds_only_where_digits_are_asked_for(
     monkeypatch.setattr(roots, "_MAX_DIGITS_OF_ROOTS", 4 * (DOUBLE + 1))
     assert len(fr.roots(0.3, 0.5, count=9, digits=DOUBLE).upper) == 9
     assert len(fr.roots(0.3, 0.5, count=4, digits=DOUBLE + 1).upper) == 4
-    with pytest.raises(ParameterError, match="roots times digits"):
-        fr.roots(0.3, 0.5, count=5, digits=DOUBLE + 1)
+    for more in ({"count": 5}, {"extent": 10.0}):  # of which 3 lie above, and 4 below
+        monkeypatch.setattr(roots, "_MAX_DIGITS_OF_ROOTS", 3 * (DOUBLE + 1))
+        with pytest.raises(ParameterError, match="roots times digits"):
+            fr.roots(0.3, 0.5, digits=DOUBLE + 1, **cast("Any", more))
+
+
+@pytest.mark.parametrize(("extent", "numbers"), [(0.05, (0, 0)), (0.5, (0, 1)), (3.0, (1, 1))])
+def test_a_half_plane_without_roots_has_none_and_one_root_is_certified(
+    extent: float, numbers: tuple[int, int]
+) -> None:
+    pytest.importorskip("flint")
+    plain, proven = (fr.roots(0.3, 0.5, extent=extent, certify=each) for each in (False, True))
+    for found in (plain, proven):
+        assert (len(found.upper), len(found.lower)) == numbers
+        assert found.counted == sum(numbers)
+    for one, other in zip(plain.upper + plain.lower, proven.upper + proven.lower, strict=True):
+        assert abs(complex(one.re, one.im) - complex(other.re, other.im)) <= other.radius
+        assert other.radius != one.radius
 
 
 def test_roots_are_counted_at_the_velocity_and_coupling_that_are_given(
@@ -980,3 +1149,6 @@ def test_damping_is_given_by_eta_or_by_a_and_b(given: dict[str, float], refused:
                 function(0.5, **given)
         else:
             assert function(0.5, **given).eta == 0.03125
+    if not refused:
+        front = fr.kinetic_relation(0.5, **given).branches[-1]
+        assert fr.front_profile(0.5, **given).v_error == front.error > 0.0

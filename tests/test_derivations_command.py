@@ -9,12 +9,15 @@ import sys
 import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import sympy as sp
 
 from derivations import catalogue, judgement
+from derivations.algebra import rendering
 from fronts.cli import main
+from fronts.commands.derive import _verdict_lines
 
 
 def run(capsys, *words):
@@ -118,6 +121,8 @@ def test_a_new_cell(capsys):
         ("averaging", "--order", "3"),
         ("friction", "--order", "2"),
         ("all", "--equation", "3"),
+        ("cell", "--damping", "y**2 - 1", "--no-front", "--weights", "1, w"),
+        ("cell", "--damping", "y**2 - 1", "--no-front", "--equation", "34"),
         ("cell",),
         ("cell", "--damping", "__import__('os')"),
         ("cell", "--damping", "1", "--value", "a"),
@@ -138,6 +143,32 @@ def test_bad_input_is_one_sentence_and_exit_code_two(capsys, words):
     assert (code, out) == (2, "")
     assert len(err.strip().splitlines()) == 1
     assert "defect" not in err
+
+
+@pytest.mark.parametrize("pair", ["a", "=1", "a="])
+def test_a_value_has_a_name_and_a_number(capsys, pair):
+    code, _, err = run(capsys, "cell", "--damping", "a*y**2 - 1", "--value", pair)
+    assert (code, f"--value {pair} is not NAME=NUMBER" in err) == (2, True)
+
+
+def test_the_verdict_on_an_equation_says_all_that_was_found():
+    """What it affects, each reading, and the check on print where that does not hold."""
+    read = [SimpleNamespace(meaning=f"as {n}", implies=f"so {n}") for n in "ab"]
+    checks = [SimpleNamespace(holds=n == "a", statement=f"found {n}.") for n in "ab"]
+    printed = SimpleNamespace(verdict=SimpleNamespace(value="ambiguous"), note="Two signs.",
+                              affects="(43)", readings=read)  # fmt: skip
+    on_print = SimpleNamespace(holds=False, statement="0 != 1.")
+    found = SimpleNamespace(printed=printed, on_readings=checks, on_print=on_print, confirmed=True)
+    expected = [
+        "In print: ambiguous. Two signs.",
+        "  Affected: (43)",
+        "  Read as: as a: holds (so a). found a.",
+        "  Read as: as b: does not hold (so b). found b.",
+        "  The check on print: 0 != 1.",
+    ]
+    assert _verdict_lines(found).splitlines() == expected
+    on_print.holds, printed.affects = True, ""
+    assert _verdict_lines(found).splitlines() == [expected[0], *expected[2:4]]
 
 
 def test_out_writes_a_whole_file(capsys, tmp_path):
@@ -237,10 +268,21 @@ def test_all_verdicts_are_shown_in_the_form_that_is_asked_for(failures, capsys, 
         }  # fmt: skip
 
 
+def test_every_derivation_is_typeset_in_the_form_that_is_asked_for(capsys, monkeypatch):
+    """Beside --json the answer is that on the verdicts, whatever the form."""
+    made = judgement.Report(judgements=(), failures=(), seconds=1.5)
+    monkeypatch.setattr(judgement, "report", lambda: made)
+    monkeypatch.setattr(catalogue, "everything", lambda: ("one", "two"))
+    monkeypatch.setattr(rendering, "document", lambda *each: f"document of {each}")
+    monkeypatch.setattr(rendering, "mathml", lambda each: f"<{each}>")
+    assert run(capsys, "all", "--format", "latex")[1] == "document of ('one', 'two')\n"
+    assert run(capsys, "all", "--format", "mathml")[1] == "<one>\n<two>\n"
+    for form in ("latex", "mathml"):
+        assert json.loads(run(capsys, "all", "--format", form, "--json")[1])["seconds"] == 1.5
+
+
 def test_a_step_that_fails_its_check_changes_the_exit_code_of_its_equation(capsys, monkeypatch):
     """Also where the verdict on print is confirmed."""
-    from derivations.algebra import rendering
-
     plain = rendering.records
     for complete, code in ((True, 0), (False, 1)):
         monkeypatch.setattr(

@@ -418,7 +418,9 @@ def test_c_pin_rises_with_eta_at_the_rate_of_its_differences() -> None:
 @pytest.mark.parametrize(("c", "travels"), [(0.01, False), (0.3, True)])
 def test_beyond_the_range_of_eta_all_fronts_rest_or_all_travel(c: float, travels: bool) -> None:
     assert pinning_eta(c) is None
-    branch = fr.follow_front(fr.AveragedChain(a=1, b=0.02, c=c), etas=[0.01, 0.1])
+    chain = fr.AveragedChain(a=1, b=0.02, c=c)
+    assert [point.v > 0.0 for point in fr.follow_front(chain, etas=[0.1]).points] == [travels]
+    branch = fr.follow_front(chain, etas=[0.01, 0.1])
     assert [point.v > 0.0 for point in branch.points] == [travels] * 2
     assert branch.values.tolist() == [0.1, 0.01]
     assert "eta_pin" not in branch.to_dict()

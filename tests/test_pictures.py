@@ -18,7 +18,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 import fronts as fr
 from fronts.animation import snapshot
 from fronts.branches import BranchFold, FollowedBranch
-from fronts.pictures import BLUE, VERMILION, draw
+from fronts.pictures import BLUE, DRAWINGS, VERMILION, draw
 from theory.result import Result
 from verification.pictures.figures import COLOURS, use_style
 
@@ -67,6 +67,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_dashed_where_it_is_not() -> No
     }
     words = [each.get_text() for each in axes.get_legend().get_texts()]
     assert words == ["stable", "not stable"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("coupling c", "front velocity v")
 
 
 @pytest.mark.parametrize("along", ["c", "eta"])
@@ -161,6 +162,16 @@ def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> 
     (level,) = (line for line in axes.lines if line.get_label() not in named)
     assert list(level.get_ydata()) == [found.threshold] * 2
     assert [text.get_text() for text in axes.texts] == ["threshold"]
+    assert axes.get_legend().get_title().get_text() == f"v = {found.v:.6g}"
+
+
+def test_roots_are_drawn_where_they_are_about_the_real_axis() -> None:
+    found = fr.roots(0.3, 0.5, count=3)
+    *halves, axis = draw(found).lines
+    for line, half in zip(halves, (found.upper, found.lower), strict=True):
+        drawn = zip(line.get_xdata(), line.get_ydata(), strict=True)
+        assert [*drawn] == [(root.re, root.im) for root in half]
+    assert list(axis.get_ydata()) == [0.0, 0.0]
 
 
 def test_of_a_run_each_arrival_is_drawn_at_its_time_and_site() -> None:
@@ -210,6 +221,7 @@ def test_a_curve_of_cells_is_drawn_by_its_cycles() -> None:
     assert [each.get_text() for each in axes.get_legend().get_texts()] == [
         "stable cycle", "unstable cycle",
     ]  # fmt: skip
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("b", "turning points y")
 
 
 def test_a_picture_of_a_breather_has_sites_across_and_amplitudes_up() -> None:
@@ -217,6 +229,24 @@ def test_a_picture_of_a_breather_has_sites_across_and_amplitudes_up() -> None:
     (line,) = draw(found).lines
     assert list(line.get_xdata()) == list(range(1, found.amplitudes.size + 1))
     assert list(line.get_ydata()) == list(found.amplitudes)
+    beside = Figure().subplots()
+    methods = {"closed-form": found, "orbit": SimpleNamespace(amplitudes=2.0 * found.amplitudes)}
+    DRAWINGS["BreatherComparison"](SimpleNamespace(methods=methods), beside)
+    for line, (name, each) in zip(beside.lines, methods.items(), strict=True):
+        assert (line.get_label(), list(line.get_ydata())) == (name, list(each.amplitudes))
+    assert [text.get_text() for text in beside.get_legend().get_texts()] == list(methods)
+
+
+def test_a_front_in_the_plane_is_drawn_by_when_it_arrives_where() -> None:
+    places, times = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.866]]), np.array([1.0, 2.0, 4.0])
+    axes = Figure().subplots()
+    detail = SimpleNamespace(positions=places, arrivals=times)
+    DRAWINGS["Front"](SimpleNamespace(detail=detail), axes)
+    (dots,) = axes.collections
+    assert np.array_equal(dots.get_offsets(), places)
+    assert np.array_equal(dots.get_array(), times)
+    assert axes.get_aspect() == 1.0
+    assert axes.figure.axes[1].get_ylabel() == "time of arrival"
 
 
 def test_an_ensemble_is_drawn_about_its_mean() -> None:
@@ -228,9 +258,15 @@ def test_an_ensemble_is_drawn_about_its_mean() -> None:
         reasons=np.array(["", "none", ""]),
         seconds=0.0,
     )  # fmt: skip
-    dots, mean = draw(found).lines
+    axes = draw(found)
+    dots, mean = axes.lines
     assert (list(dots.get_xdata()), list(dots.get_ydata())) == ([3, 7], [0.1, 0.3])
     assert list(mean.get_ydata()) == pytest.approx([0.2, 0.2])
+    assert found.spread
+    (band,) = axes.patches
+    low, high = band.get_extents().transformed(axes.transData.inverted()).intervaly
+    assert (low, high) == pytest.approx((0.2 - found.spread, 0.2 + found.spread))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("seed of the disorder", "v")
 
 
 def _run(amplitude: np.ndarray, **chain: Any) -> Any:
@@ -263,6 +299,17 @@ def test_sites_of_a_lattice_are_drawn_where_they_are() -> None:
     assert np.array_equal(dots.get_offsets(), places)
     show(1)
     assert list(dots.get_array()) == [5.0, 6.0, 7.0, 8.0]
+
+
+def test_the_first_sample_of_a_square_lattice_is_drawn_in_its_rows() -> None:
+    links = SimpleNamespace(positions=np.array([[0.0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]))
+    axes = Figure().subplots()
+    samples = np.arange(12.0).reshape(2, 6)
+    show = snapshot(_run(samples, shape=(2, 3), links=links), axes)
+    (image,) = axes.images
+    assert np.array_equal(image.get_array(), [[0.0, 1, 2], [3, 4, 5]])
+    show(1)
+    assert np.array_equal(image.get_array(), [[6.0, 7, 8], [9, 10, 11]])
 
 
 # ---------------------------------------------------------------------------- the explorer's page

@@ -8,19 +8,22 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fronts.cli import main
+from fronts.commands import bench
+from fronts.commands.stress import _MAX_SHOWN
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import judging
 from verification.quantities.friction import cycle_by_scipy, stable_cycle
 from verification.quantities.judging import BAD, PointOutcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
-from verification.quantities.registry import computation_named
+from verification.quantities.registry import all_computations, computation_named
 from verification.quantities.robustness import points_of, robustness
 from verification.references import pace
 
@@ -396,6 +399,31 @@ def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture
     assert "quantity = nothing" in capsys.readouterr().err
     assert main(["stress", "--resume"]) == 2
     assert main(["stress", "--list"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"({each.limits})" in said for each in all_computations() if each.limits)
+
+
+def test_what_is_bad_is_named_and_recorded_where_the_report_finds_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In words the first of it; an infinite distance is none in JSON."""
+    plain = robustness(("c-pin",), 12, 0, workers=1)
+    row = {"outcome": "exceeded", "quantity": "c-pin", "values": "eta = 0.1", "said": "0.5",
+           "stated": 1e-9, "distance": math.inf, "by": "another"}  # fmt: skip
+    found = replace(plain, bad=(row,) * (_MAX_SHOWN + 2))
+    monkeypatch.setattr("verification.quantities.robustness.robustness", lambda *_, **__: found)
+    monkeypatch.setattr(bench, "ROOT", tmp_path)
+    assert main(["stress", "--record"]) == 2
+    assert "source tree" in capsys.readouterr().err
+    (tmp_path / "benchmarks" / "results").mkdir(parents=True)
+    (tmp_path / "benchmarks" / "work_precision.py").touch()
+    assert main(["stress", "--record", "--points", "12", "--seed", "3"]) == 1
+    said = capsys.readouterr().out.splitlines()[-_MAX_SHOWN - 1 :]
+    line = "exceeded: c-pin at eta = 0.1: 0.5 (stated 1e-09, distance inf, another)"
+    assert said == [line] * _MAX_SHOWN + ["and 2 more; --json or --out has them all."]
+    kept = json.loads((tmp_path / "benchmarks" / "results" / "stability.json").read_text())
+    assert kept["bad"][0] == row | {"distance": None}
+    assert kept["command"] == "fronts stress --points 12 --seed 3"
 
 
 def test_what_a_reference_is_called_can_be_written_to_a_table() -> None:

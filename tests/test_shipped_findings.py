@@ -19,7 +19,7 @@ from paper_checks.outcome import judge
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.ruling import Ruling, Verdict, holds
 from verification.execution.digest import digest_of, digest_of_code
-from verification.execution.imports import closure
+from verification.execution.imports import SOURCES, closure
 
 CLAIM = """
 import os
@@ -136,6 +136,13 @@ def test_only_expensive_findings_are_recorded_and_the_quick_run_shows_them(capsy
     assert origin["stale"] is False
     assert {"python", "numpy"} <= set(origin["versions"])
     assert report["stale"] == []
+
+
+def test_a_digest_is_of_every_package_once(monkeypatch):
+    for package, expected in (("slow_code.claims", (*SOURCES, "slow_code")),
+                              ("paper_checks.claims", SOURCES)):  # fmt: skip
+        monkeypatch.setattr(discover, "PACKAGE", package)
+        assert check._sources() == expected
 
 
 def test_a_claim_that_is_not_expensive_is_computed_whatever_is_in_the_folder(capsys, tmp_path):

@@ -7,6 +7,7 @@ parameters, and keeps the bound itself from being made so wide that it would hol
 from __future__ import annotations
 
 import ast
+import json
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +20,7 @@ import pytest
 from scipy.special import zeta
 
 from fronts.cli import main
+from fronts.commands import bench
 from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.folds import fold_coupling
@@ -217,7 +219,7 @@ def test_every_kind_of_thing_left_out_has_a_row() -> None:
 
 
 def test_a_bound_that_is_exceeded_is_said_and_changes_the_exit_code(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def reduction(what: str, changed: float) -> Reduction:
         made_up = Comparison(1.0, 3.0, changed, 1e-12)
@@ -233,6 +235,13 @@ def test_a_bound_that_is_exceeded_is_said_and_changes_the_exit_code(
         assert ("the bound is exceeded" in said) == bool(code)
         heads = [line for line in said.splitlines() if not line.startswith(" ")]
         assert heads == [f"{each.what}: by y" for each in some]
+    (tmp_path / "benchmarks" / "results").mkdir(parents=True)
+    (tmp_path / "benchmarks" / "work_precision.py").touch()
+    monkeypatch.setattr(bench, "ROOT", tmp_path)
+    assert main(["stress", "--work-reduction", "--record"]) == 1
+    kept = json.loads((tmp_path / "benchmarks" / "results" / "work_reduction.json").read_text())
+    assert [row["what"] for row in kept["work_reduction"]] == ["points", "terms"]
+    assert kept["command"] == "fronts stress --work-reduction"
 
 
 def test_what_changes_is_said_beside_what_may_unless_neither_does() -> None:

@@ -21,7 +21,7 @@ def report() -> dict[str, Any]:
     """A report of four claims, one a verdict; the last two must be told why."""
     claims = [
         {
-            "group": "equations" if place < 2 else "fig17",
+            "group": "equations" if place < 1 else "fig17",
             "place": f"Fig. {place + 1}",
             "quote": "for $\\hat v ≤ 2$ & 40% of η",
             "verdict": verdict,
@@ -52,11 +52,13 @@ def written(folder: Path, content: dict[str, Any]) -> int:
     return main(["article", "--report", str(folder / "report"), "--out", str(folder / "article")])
 
 
-def test_the_article_has_the_counts_the_reasons_and_the_misprints(tmp_path: Path) -> None:
+def test_the_article_has_the_counts_the_reasons_and_the_misprints(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert written(tmp_path, report()) == 0
     text = {name: (tmp_path / "article" / name).read_text("utf-8") for name in FILES}
     content = text["content.tex"]
-    assert "Of the 4 claims, 2 of them equations,\n3 are judged by two methods" in content
+    assert "Of the 4 claims, 1 of them equations,\n3 are judged by two methods" in content
     for shown in ("reason 2 at $v_d$.", "reason 3 at", r"40\% of \ensuremath{\eta}", r"\& 40"):
         assert shown in content
     assert content.index("reason 3") < content.index("reason 2")  # what fails wholly comes first
@@ -64,6 +66,12 @@ def test_the_article_has_the_counts_the_reasons_and_the_misprints(tmp_path: Path
     assert "two readings" not in content
     assert "2026-11-22T" not in "".join(text.values())
     assert "2026-11-22" in "".join(text.values())
+    folders = [word for name in ("report", "out") for word in (
+        f"--{name}", str(tmp_path / {"out": "article"}.get(name, name)))]  # fmt: skip
+    capsys.readouterr()
+    assert main(["article", *folders, "--json"]) == 0  # in place of the first
+    files = json.loads(capsys.readouterr().out)["files"]
+    assert files == [str(tmp_path / "article" / name) for name in FILES]
     for name in ("content.tex", "article.tex", "bibliography.bib"):
         assert text[name].isascii()
         assert text[name].count("{") == text[name].count("}")

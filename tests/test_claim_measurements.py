@@ -143,6 +143,7 @@ def test_the_two_sides_of_the_edge_of_the_basin_are_both_run(monkeypatch: Patch)
     def run(*given: Any, **options: Any) -> Any:
         runs.append(made_up_run(*given, **options))
         far = runs[-1].log if runs[-1].start > EDGE else np.empty((0, 3))
+        runs[-1].y[: len(runs[-1].y) // 2] = 9.0  # it is read for where it settles in the end
         runs[-1].log = far
         return runs[-1]
 
@@ -152,7 +153,7 @@ def test_the_two_sides_of_the_edge_of_the_basin_are_both_run(monkeypatch: Patch)
         found = fig02.two_states()
         assert (found.inside_slides, found.outside_sticks) == (inside, outside)
         assert found.settles
-        assert found.gap == 0.0
+        assert (found.gap, found.error) == (0.0, 1e-9)
         assert (found.cycle.start, found.rest.start) == (2.0, 1.0)  # as the picture says
         assert found.unstable.end == 6.0
 
@@ -278,6 +279,7 @@ def test_the_unstable_cycle_repels_if_runs_from_both_sides_leave_it(monkeypatch:
 
     def leaving(growth: Callable[[float], float]) -> Any:
         def run(_: Any, y: float, end: float, samples: int, **__: Any) -> Any:
+            starts.append(y)
             times = np.linspace(0.0, end, samples)
             height = np.exp(growth(y) * times / end) * np.cos(0.3 * times)
             return SimpleNamespace(y=height[:, None])
@@ -289,7 +291,9 @@ def test_the_unstable_cycle_repels_if_runs_from_both_sides_leave_it(monkeypatch:
         (lambda _: 1.0, (False, True)), (lambda _: -1.0, (True, False)),
     ):  # fmt: skip
         monkeypatch.setattr(fig02, "_scipy", leaving(growth))
+        starts: list[float] = []
         assert fig02.subcritical().repels == repels
+        assert len(starts) == 2  # at the largest of three distances
 
 
 def test_the_gaps_of_the_friction_law_are_of_its_slope_and_the_largest_of_its_values(
@@ -513,10 +517,23 @@ def test_a_uniform_chain_is_pulled_by_its_literal_ends_only() -> None:
     assert found.literal == pytest.approx(0.02 * FrictionCell(v_d=1.25).steady_sliding)
 
 
+def test_a_velocity_is_off_by_as_much_below_as_above(monkeypatch: Patch) -> None:
+    for slope in (0.0, 2.0):
+        monkeypatch.setattr(text_friction, "math", SimpleNamespace(sin=lambda x, s=slope: s * x))
+        assert text_friction.length().right > 0.1
+
+
 def test_the_trapezoidal_rule_is_followed_for_two_hundred_turns(monkeypatch: Patch) -> None:
     """A rule that damps by a part in 1e7 a step has lost that part in each step of 0.1."""
     damped = (1.0 - 1e-7) * np.eye(2)
-    monkeypatch.setattr(np.linalg, "solve", lambda *_: damped)
+
+    def solve(after: Any, before: Any) -> Any:
+        turn = (before - before.T) / 2.0
+        assert np.array_equal(turn, 0.05 * np.array([[0.0, 1.0], [-1.0, 0.0]]))
+        assert np.array_equal(after, np.eye(2) - turn)
+        return damped
+
+    monkeypatch.setattr(np.linalg, "solve", solve)
     found = text_friction.trapezoid()
     steps = 200.0 * 2.0 * math.pi / 0.1
     assert found.drift == pytest.approx(1.0 - math.exp(-1e-7 * steps), rel=1e-3)
@@ -740,6 +757,8 @@ def test_a_run_in_phase_is_judged_by_its_end_and_a_perturbed_one_by_its_second_h
     found = evidence(fig10.InPhase, times=times, steps=steps)
     assert found.end_steps.tolist() == [0.5, 0.5]
     assert found.locked_from == times[2]
+    held = {pair: np.full_like(rows, 0.5) for pair, rows in steps.items()}
+    assert evidence(fig10.InPhase, times=times, steps=held).locked_from == 0.0
     assert found.symmetric_change == pytest.approx(1.02)
     assert found.wandering == pytest.approx(0.25)
 
@@ -909,7 +928,7 @@ def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_
     monkeypatch: Patch,
 ) -> None:
     """And its growth rate is that of the largest multiplier but the trivial one."""
-    frequency, period, growth = 0.25, 6.5, 0.125
+    frequency, period, growth = 0.25, 6.5, -0.125
     waves = np.array([0.5, 2.0 * np.exp(0.75j), 0.5j, 0.0])
     eps, seen = fig11.EPS, []
 
@@ -1001,6 +1020,16 @@ def test_a_law_is_off_by_what_the_error_of_the_run_does_not_explain(side: float)
     unknown = (*rows, (0.08, 2000.0, 5.0, None, 5.0, 6.0))
     with pytest.raises(ArithmeticError, match="there is no error at c = 2000"):
         _ = evidence(fig13.Law, rows=unknown).worst
+
+
+def test_a_front_of_the_law_has_a_velocity_if_it_is_steady(monkeypatch: Patch) -> None:
+    run = SimpleNamespace(v=1.0, error=0.1, steady=False)
+    monkeypatch.setattr("verification.fronts.measure.measure_front", lambda *_, **__: run)
+    passages = "verification.references.passages.velocity_on_few_sites"
+    monkeypatch.setattr(passages, lambda _: 1.0)
+    monkeypatch.setattr(fig13, "_belt", lambda v_d: (v_d, 1.0, 0.1, 1.0))
+    for run.steady, v in ((False, None), (True, 1.0)):
+        assert {found for _, _, found, *_ in fig13.velocity_law().rows} == {v}
 
 
 def test_averaged_cells_agree_if_they_are_on_the_same_side_of_one() -> None:
@@ -1118,10 +1147,11 @@ def test_maps_are_alike_by_their_columns_and_the_first_forcing_of_each(monkeypat
 
 
 def test_sites_on_the_cycle_by_scipy_are_those_beyond_the_inner_one(monkeypatch: Patch) -> None:
-    counts = iter((16, 3, 0))
+    counts, checked = iter((16, 3, 0)), iter(fig15.CHECKED)
 
     def last_state(rate: Any, end: float, start: Any, *_: float) -> Any:
         n, sites = next(counts), start.size // 2
+        assert (chains[0].b / chains[0].a ** 2, chains[0].c) == pytest.approx(next(checked))
         assert np.flatnonzero(start).tolist() == [sites - 1]
         a = chains[0].a
         root = math.sqrt(max(1.0 - 8.0 * chains[0].b / a**2, 0.0))
@@ -1186,7 +1216,7 @@ def test_a_steady_run_counts_and_the_worst_of_them(side: float) -> None:
 def test_a_chain_that_moves_at_an_inadmissible_velocity_is_told(
     v: float | None, steady: bool, gap: float | None, reached: tuple[bool, ...], monkeypatch: Patch
 ) -> None:
-    kinds = {1.0: False, 2.0: True, -3.0: False, 7.0: None}
+    kinds = {1.0: False, 2.0: True, -3.0: False, 7.0: None, 12.0: True}
     branches = [SimpleNamespace(v=each, admissible=kind) for each, kind in kinds.items()]
     relation = "theory.piecewise.kinetic_relation.kinetic_relation"
     monkeypatch.setattr(relation, lambda *_: SimpleNamespace(branches=branches))

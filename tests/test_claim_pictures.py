@@ -18,6 +18,7 @@ import pytest
 from paper_checks.claims import (
     fig02,
     fig03,
+    fig04,
     fig05,
     fig06,
     fig07,
@@ -131,6 +132,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Panel]]:
     def draw(figure: Callable[[Any], Any], evidence: Any) -> list[Panel]:
         panels.clear()
         figure(evidence)
+        assert any(panel.across for panel in panels)
         return list(panels)
 
     return draw
@@ -221,11 +223,21 @@ def test_envelopes_are_drawn_over_a_band_of_the_excited_sites(
     (panel,) = drawn(draw, known(of, envelope=envelope))
     sites = range(1, 32)
     ((left, right),) = panel.bands
+    assert panel.title.startswith("$c$ = ")
     assert tuple(n for n in sites if left < n < right) == excited
     # Half of the way to the next site on either side.
     assert (left, right) == (excited[0] - 0.5, excited[-1] + 0.5)
     for row, time in zip(envelope, times, strict=True):
         assert panel.lines[rf"$\tau$ = {time:g}"] == points(sites, row)
+
+
+def test_thresholds_are_drawn_over_the_size_of_the_nucleus(drawn: Any) -> None:
+    edge, bulk = np.linspace(0.013, 0.008, 5), np.linspace(0.007, 0.005, 5)
+    (panel,) = drawn(fig04.draw, known(fig04.Thresholds, edge=edge, bulk=bulk))
+    assert panel.lines["“edge” excitation"] == points(fig04.SIZES, edge)
+    assert panel.lines["“bulk” excitation"] == points(fig04.SIZES, bulk)
+    assert panel.reaches(fig04.SIZES, (*edge, *bulk))
+    assert panel.up.startswith("critical coupling")
 
 
 def labelled(across: str, up: str) -> Any:
@@ -353,6 +365,7 @@ def test_ends_of_breathers_are_drawn_over_their_sizes(drawn: Any) -> None:
     assert panel.lines["never stable"] == [(3, 0.2)]
     assert [(1, 0.0), (1, 0.18)] in panel.lines.values()
     assert list(panel.levels.values()) == [fig11.LAST]
+    assert stated(panel.title) == {"A": fig11.A, "B": fig11.B}
 
 
 def test_assumptions_are_drawn_over_epsilon(drawn: Any) -> None:
@@ -366,6 +379,7 @@ def test_assumptions_are_drawn_over_epsilon(drawn: Any) -> None:
     assert right.lines[r"$|k_2+\pi/2|$"] == points(fig08.EPSILONS, np.abs(turns))
     assert stated(left.title) == {"A": fig08.A, "B": fig08.B, "C": fig08.C}
     assert all(panel.reaches(fig08.EPSILONS) for panel in (left, right))
+    assert left.levels == {"“small”: 0.1": fig08.SMALL}
 
 
 def test_amplitudes_are_drawn_over_coupling_beside_the_closed_form(
@@ -402,6 +416,9 @@ def test_multipliers_are_drawn_over_coupling_in_both_panels(drawn: Any) -> None:
         assert sorted(panel.levels.values()) == [0.191, float(fig09.PRINTED), 1.0]
     assert panels[0].reaches((*fig09.ALONG, *fig09.EXACT))
     assert panels[1].reaches((0.191, float(fig09.PRINTED), fig09.ALONG[-1]), (1.0,))
+    assert panels[1].title == "near the unit circle"
+    assert panels[0].fills(fig09.EXACT)
+    assert not panels[1].reaches(fig09.EXACT[:1])
 
 
 # ------------------------------------------------------------------------------------------- fronts

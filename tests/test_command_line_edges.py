@@ -315,7 +315,7 @@ def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys
 
 
 def test_a_map_ends_where_its_grid_ends():
-    from paper_checks.report.state_picture import draw_states
+    from paper_checks.report.state_picture import _rim, draw_states
     from verification.execution.table import table_of
     from verification.pictures.figures import new_axes
 
@@ -329,6 +329,8 @@ def test_a_map_ends_where_its_grid_ends():
     draw_states(axes, states, "c", "v_d", table_of(rows))
     assert axes.get_xlim() == pytest.approx((0.0, 0.103))
     assert axes.get_ylim() == pytest.approx((0.97, 2.03))
+    low, high = _rim(table_of([{"c": 0.02}]), "c")
+    assert 0.9 * 0.02 < low < 0.02 < high < 1.1 * 0.02
 
 
 def test_the_quick_benchmark_says_when_it_writes(capsys):

@@ -16,6 +16,7 @@ from derivations import judgement as printed_module
 from derivations import printing as printed_lines
 from derivations.algebra.evidence import value
 from derivations.averaging.symbols import phi
+from derivations.catalogue import owner
 from derivations.judgement import EquationJudgement
 from derivations.printing import EquationVerdict
 from derivations.symbols import a, b, c, epsilon, n, omega, t
@@ -23,7 +24,7 @@ from paper_checks.claim import Fault, Finding, Formula, Verdict
 from paper_checks.claims import _equation_numbers, equations
 from paper_checks.claims._equation_errata import LONG, _entry, correction, erratum_of, readable
 from paper_checks.report.inline_math import typeset
-from paper_checks.report.mathml import LatexError, mathml
+from paper_checks.report.mathml import LatexError, formula, mathml
 
 MISPRINTED = {2, 4, 33, 42}
 """Found by hand when the paper was first read: lines that cannot be used as they stand."""
@@ -87,20 +88,22 @@ def test_a_correction_shows_what_differs_and_nothing_else(
 def test_the_derived_form_is_shown_unless_it_is_long(
     corrected: str | None, shown: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    line = SimpleNamespace(verdict=SimpleNamespace(value="holds"), note="", readings=(), latex="x",
-                           affects="")  # fmt: skip
+    line = SimpleNamespace(verdict=SimpleNamespace(value="holds"), note="eps", readings=(),
+                           latex="x", affects="")  # fmt: skip
     said = SimpleNamespace(holds=True, statement="")
     found = SimpleNamespace(printed=line, on_print=said, on_derived=said, confirmed=True,
                             corrected=corrected, on_readings=())  # fmt: skip
     monkeypatch.setattr(equations, "judgements", lambda: {1: found})
-    assert equations.printed(1).derived == shown
+    assert (equations.printed(1).derived, equations.printed(1).note) == (shown, "ε")
 
 
 def test_of_a_matrix_the_first_entry_that_differs_is_shown_and_the_others_counted() -> None:
     printed = sp.Matrix([[1, 2, 3, 4]] * 4)
     derived = printed.copy()
     derived[1, 2], derived[3, 0], derived[3, 3] = 7, 8, 9
-    entry = _entry(printed, derived)
+    matrix = sp.MatrixSymbol("M", 4, 4)
+    entry = correction(made_up(sp.Eq(matrix, printed), sp.Eq(matrix, derived)))
+    assert entry == _entry(printed, derived)
     assert entry.startswith("the entry (2, 3) for N = 2 is $7$")
     assert "2 others" in entry
 
@@ -230,6 +233,10 @@ def test_a_mark_of_alignment_outside_of_lines_is_refused() -> None:
         mathml("a&=b")
 
 
+def test_a_formula_in_a_sentence_is_no_line_of_its_own() -> None:
+    assert formula("x") == mathml("x", block=False) != mathml("x", block=True)
+
+
 def test_text_in_formulas_is_escaped() -> None:
     assert "<script" not in typeset(r"$\text{<script>}$")
 
@@ -265,6 +272,39 @@ def made_up(printed: sp.Basic, derived: sp.Basic, **known: Any) -> Any:
         on_derived=SimpleNamespace(statement="nothing is left"),
         **{"corrected": "whole", **known},
     )
+
+
+@pytest.mark.parametrize("line", ["x = 2", None])
+def test_of_a_misprint_the_changed_line_or_what_is_derived_is_the_correction(
+    line: str | None,
+) -> None:
+    """Beside a changed line the proof says what it changes."""
+    found = made_up(X - 2 * Y, sp.Eq(X, Y), amended_latex=line, affects="eps" if line else "")
+    erratum = erratum_of(found, "averaging")
+    assert erratum is not None
+    assert (erratum.fault, erratum.corrected) == (Fault.MISPRINT, f"${line or 'whole'}$")
+    assert erratum.proof.startswith("The check on print fails: print is off. ")
+    assert ("differs from print in this: $whole$." in erratum.proof) == bool(line)
+    assert erratum.affects == ("ε" if line else "Nothing else.")
+
+
+def test_the_erratum_of_an_equation_is_of_its_judgement_and_derivation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    corrected = SimpleNamespace(verdict=equations.Verdict.CORRECTED)
+    monkeypatch.setattr(equations, "judgements", lambda: {42: "judged"})
+    monkeypatch.setattr(equations, "rule", lambda _: corrected)
+    monkeypatch.setattr(equations, "erratum_of", lambda *given: given)
+    asked: Any = SimpleNamespace(number=42)
+    assert equations.erratum(asked) == ("judged", owner(42))
+    corrected.verdict = equations.Verdict.REPRODUCED
+    assert equations.erratum(asked) is None
+
+
+def test_the_second_method_of_an_equation_is_named_by_its_words_and_its_code() -> None:
+    (way,) = _equation_numbers.method(43)
+    assert way.words == "numbers of the toolkit put into the printed equation"
+    assert way.code == "verification.references.equations:averaged_rate"
 
 
 def test_of_a_system_the_equations_that_differ_are_shown_however_they_are_written() -> None:

@@ -22,10 +22,11 @@ from paper_checks.finding import Finding, Picture
 from paper_checks.outcome import JudgedClaim, Judgement
 from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
+from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.inline_svg import width_of
 from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
 from paper_checks.report.safe_svg import safe_svg
-from paper_checks.report.terminal import report_as_text
+from paper_checks.report.terminal import NAMED, report_as_text
 from paper_checks.ruling import holds
 from verification.quantities.registry import all_quantities
 
@@ -192,6 +193,11 @@ def test_pictures_of_the_gallery_are_captioned_with_their_figure_or_else_the_fir
     assert report.in_gallery == {"a": "fig03", "c": "fig03", "e": "fig04"}
 
 
+def test_a_claim_without_pictures_is_shown_by_those_of_the_figure_that_its_place_names() -> None:
+    text = replace(outcome("b", replace(FINDING, pictures=())), entry=Entry("text", claim("b")))
+    assert pictures_of([outcome("a"), text])["b"] == pictures_of([outcome("a")])["a"] != ()
+
+
 def test_test_problems_stand_with_the_reference_of_their_quantity(tmp_path: Path) -> None:
     quantity = all_quantities()[0]
     problem = quantity.test_problems[0]
@@ -229,6 +235,11 @@ def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_
     methods = (Method("one", "a:f"), Method("other", "b:f", covers="one half"))
     covered = report_as_text(report_of(outcome("a", methods=methods)))
     assert "  By: one [a:f]\n  And by: other [b:f], for one half\n" in covered
+    assert "no second method" not in covered
+    alone = report_as_text(report_of(outcome("a", methods=methods[:1])))
+    assert "  By: one [a:f]\n  There is no second method.\n" in alone
+    assert ("  Printed: 0.5\n" in alone) is False
+    assert "  Printed: 0.5\n" in report_as_text(report_of(outcome("a", printed="0.5")))
     kept = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="", pictures=())
     assert "(changed)" not in report_as_text(report_of(outcome("a", kept)))
     assert "Figure" not in report_as_text(report_of(outcome("a", kept)))
@@ -237,9 +248,20 @@ def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_
 def test_of_many_claims_a_headline_is_the_finding_s_own_or_its_verdict() -> None:
     said = replace(FINDING, headline="Read this first.")
     others = [outcome(f"k{n}", None) for n in range(9)]
-    text = report_as_text(report_of(outcome("a", said), outcome("b"), *others))
+    report = report_of(outcome("a", said), outcome("b"), *others)
+    text = report_as_text(report)
+    assert report_as_text(report_of(*others)).startswith("9 claims in ")
+    assert text.splitlines()[-1].startswith(f"{len(report.errata)} errata. ")
     assert "- Read this first. (a)" in text
     assert "- Fig. 16: It holds. Holds only in part: It is off. (b)" in text
+
+
+def test_of_many_verdicts_that_have_changed_some_are_named_and_the_rest_counted() -> None:
+    for count in (NAMED, NAMED + 2):
+        report = report_of(*(outcome(f"k{n}") for n in range(count)))
+        lines = report_as_text(report, 200).splitlines()
+        assert lines[2 : 2 + NAMED] == [each.change for each in report.changed[:NAMED]]
+        assert ("… and 2 more." in lines) == (count > NAMED)
 
 
 # ----------------------------------------------------------------------------- stored measurements

@@ -13,7 +13,7 @@ import pytest
 from paper_checks.claim import Finding, Picture, Verdict
 from paper_checks.outcome import checked_finding
 from paper_checks.report import render
-from paper_checks.report.inline_svg import inline_svg
+from paper_checks.report.inline_svg import inline_svg, width_of
 from paper_checks.report.safe_svg import ELEMENTS, safe_svg
 
 HARMLESS = '<path id="a" d="M0 0L1 1" style="fill: none; clip-path: url(#c)"/>'
@@ -29,6 +29,8 @@ FORGED = {
     "style sheet": "<style>@import url(https://example.org/x.css);</style>",
     "style": '<path style="fill: url(https://example.org/x)" d="M0 0"/>',
     "escaped style": r'<path style="fill: u\72l(https://example.org/x)" d="M0 0"/>',
+    "escaped bracket": r'<path style="fill: url\28 https://example.org/x\29" d="M0 0"/>',
+    "another function": """<path style="fill: image('https://example.org/x')" d="M0 0"/>""",
     "style breaking out": "<style><![CDATA[</style><script>f()</script>]]></style>",
     "text breaking out": "<text>&lt;/svg&gt;&lt;script&gt;alert(1)&lt;/script&gt;</text>",
     "title breaking out": "<title>&lt;/title&gt;&lt;img src=x onerror=alert(1)&gt;</title>",
@@ -108,6 +110,8 @@ def test_pictures_of_matplotlib_keep_every_element_and_attribute():
     kept = safe_svg(drawn)
     assert listed(kept) == listed(drawn)
     assert safe_svg(kept) == kept
+    assert width_of(kept) == pytest.approx(6.4 * 72)  # the width of figures, in inches
+    assert width_of("no picture") is None
 
 
 def test_a_finding_names_no_path_and_holds_pictures_only():

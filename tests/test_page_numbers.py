@@ -25,7 +25,6 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.piecewise.limits import strong_coupling_velocity
 from theory.piecewise.sums import axis, integral
-from theory.piecewise.sums.result import PrecisionError
 from verification.breathers import orbits
 from verification.execution import pool
 from verification.execution.points import Point
@@ -133,12 +132,6 @@ def test_one_front_creeps_with_a_free_end_and_runs_with_a_wave_behind_it() -> No
     chain = AveragedChain(a=0.5 / np.sqrt(0.5 * eta), b=0.5, c=c)
     assert measure_front(chain).status.value == "creeping"
     assert measure_front(chain, left_boundary="wave").status.value == "steady"
-
-
-def test_beside_two_twentyfifths_at_large_coupling_it_is_refused() -> None:
-    c, eta = said("`fronts kinetic --c # --eta #` is refused at once")
-    with pytest.raises(PrecisionError, match="take a smaller c"):
-        kinetic_relation(c=c, eta=eta)
 
 
 def test_the_hopf_velocity_of_the_papers_friction() -> None:

@@ -18,6 +18,7 @@ class Curve:
     def __init__(self, g: Callable, slope: Callable, error: float = 0.0, by_c: float = 1.0) -> None:
         self.g, self.slope, self.error, self.by_c = g, slope, error, by_c
         self.evaluations = self.calls = 0
+        self.scene = np.zeros(1, dtype=int)
         self.asked: list[float] = []
 
     def __call__(self, scene: np.ndarray, t: np.ndarray) -> np.ndarray:

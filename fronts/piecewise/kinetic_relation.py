@@ -99,8 +99,6 @@ def kinetic_relation(
         If a parameter is out of range, or η is given twice or not at all.
     MissingPackageError
         If certify is asked for and python-flint is not installed.
-    PrecisionError
-        If the velocities are too many to be distinguished (c above some 10⁴ and η near 2/25).
 
     References
     ----------

@@ -4,7 +4,8 @@ A front that retreats with velocity -v obeys |Σ₋(v, c)| = |2 + Σ(v, c)| = 2r
 the roots k into -k and exchanges the half-planes. Both are |Σ + shift| = 2r with shift 0 or 2.
 The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative, between bounds outside
 of which no solution can lie. It starts from points spaced by the scales of g (the exponential
-wiggles in 1/v at small v, the resonances at large c), and divides each cell until one
+wiggles in 1/v at small v, the resonances at large c; where these are many, only where they can
+reach zero, see ``theory.piecewise.smooth_part``), and divides each cell until one
 of three things holds: twice its slopes cannot bring g to zero inside (dropped); g changes sign
 and is monotone (one solution); or the cell is as short as rounding allows (a fold to within
 rounding).
@@ -20,7 +21,9 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.piecewise.dispersion import FloatArray
-from theory.piecewise.limits import resonant_velocities, static_sum, strong_coupling_sum
+from theory.piecewise.limits import resonant_velocities, static_sum
+from theory.piecewise.smooth_part import WEAKEST, without_wiggles
+from theory.piecewise.sums.axis import STEEPEST
 from theory.piecewise.sums.integral import MANY, sums_of_pairs
 from theory.piecewise.sums.result import PrecisionError
 
@@ -30,8 +33,16 @@ _EPS = float(np.finfo(float).eps)
 _TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _COARSEST = 0.25
-_STRONG = 100.0
-"""Coupling from which the wiggles are searched only where they matter."""
+_LONG_AXIS = 4.0
+"""Coupling from which more points on the axis are asked for than `axis.MAX_PLAIN`."""
+_ARCH = 4
+"""Values that one by the rule for c > 3v costs as much as, beside itself, where it is taken."""
+_MANY_WIGGLES = 64
+"""Points, a few a wiggle, from which it is sooner known where the wiggles matter."""
+_PARTS = 8
+"""Of an interval of v, on some of which wiggles may not matter."""
+_FEW_POINTS = 4.0
+"""Points of an interval that is not divided any more."""
 _RESONANCES = 12
 """Of one coupling that are looked at, at most."""
 MAX_POINTS = 200_000
@@ -73,24 +84,25 @@ class Solutions:
 
 @dataclass
 class _Relation:
-    """g and its derivatives by t = ln v and c, for scenes of one c and target; counts its work."""
+    """g and its derivatives by t = ln v and c, for pieces of scenes; counts its work."""
 
+    scene: IntArray
     c: FloatArray
     target: FloatArray
     shift: float
     many: bool
     evaluations: int = 0
 
-    def __call__(self, scene: IntArray, t: FloatArray) -> FloatArray:
+    def __call__(self, piece: IntArray, t: FloatArray) -> FloatArray:
         """Return g, ∂g/∂t, the error of g, ∂g/∂c and the errors of both slopes, shape (6, n)."""
         self.evaluations += t.size
         v = np.exp(t)
-        values, errors, _ = sums_of_pairs(v, self.c[scene], _TOLERANCE, True, self.many)
+        values, errors, _ = sums_of_pairs(v, self.c[piece], _TOLERANCE, True, self.many)
         value, by = values[0] + self.shift, values[1:]
         size = np.abs(value)
         inverse = 1.0 / np.maximum(size, 1e-300)
         found = np.empty((6, t.size))
-        np.subtract(size, self.target[scene], out=found[0])
+        np.subtract(size, self.target[piece], out=found[0])
         found[2] = errors[0]
         found[1:4:2] = (value.conj() * inverse * by).real
         found[4:] = errors[1:] + 2.0 * errors[0] * inverse * np.abs(by)
@@ -115,19 +127,22 @@ def all_velocities(
     Raises
     ------
     PrecisionError
-        If a coupling needs more than ``MAX_POINTS`` points: c above some 10⁴ and η near 2/25.
+        If a coupling needs more than ``MAX_POINTS`` points: c above 10⁸ and η near 2/25.
     """
     shift = 2.0 if retreating else 0.0
-    scene, t = _first_points(c, target, shift, refine)
+    scene, piece, t = _first_points(c, target, shift, refine)
     # About as many values again are needed to find the solutions.
-    relation = _Relation(c, target, shift, many=2 * t.size >= MANY)
+    strength = c[scene[piece]]
+    costly = (strength > _LONG_AXIS) & (strength > STEEPEST * np.exp(t))
+    many = 2 * (t.size + _ARCH * int(np.count_nonzero(costly))) >= MANY
+    relation = _Relation(scene, c[scene], target[scene], shift, many=many)
     if t.size <= MAX_POINTS:
-        return _solve(relation, scene, t)
-    # so many scenes at a time that their points are one array of moderate size
-    last = np.cumsum(np.bincount(scene, minlength=c.size))
-    cuts = np.searchsorted(scene, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1).tolist()
+        return _solve(relation, piece, t)
+    # so many pieces at a time that their points are one array of moderate size
+    last = np.cumsum(np.bincount(piece, minlength=scene.size))
+    cuts = np.searchsorted(piece, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1).tolist()
     parts = pairwise([0, *cuts, t.size])
-    found = [_solve(relation, scene[begin:end], t[begin:end]) for begin, end in parts]
+    found = [_solve(relation, piece[begin:end], t[begin:end]) for begin, end in parts]
     columns = [each.name for each in fields(Solutions) if each.name != "evaluations"]
     return Solutions(
         **{name: np.concatenate([getattr(some, name) for some in found]) for name in columns},
@@ -135,94 +150,120 @@ def all_velocities(
     )
 
 
-def _solve(relation: _Relation, scene: IntArray, t: FloatArray) -> Solutions:
-    """Return the solutions of some scenes, searched from points t that ascend in each."""
-    (left,) = (scene[1:] == scene[:-1]).nonzero()
-    ends = np.array([t, *relation(scene, t)[:3]])
+def _solve(relation: _Relation, piece: IntArray, t: FloatArray) -> Solutions:
+    """Return the solutions on some pieces, searched from points t that ascend in each."""
+    (left,) = (piece[1:] == piece[:-1]).nonzero()
+    ends = np.array([t, *relation(piece, t)[:3]])
     cells = np.concatenate([ends.take(left, axis=1), ends.take(left + 1, axis=1)])
-    owner, brackets = _brackets(relation, scene[left], cells)
+    owner, brackets = _brackets(relation, piece[left], cells)
     return _polish(relation, owner, brackets)
 
 
 def _first_points(
     c: FloatArray, target: FloatArray, shift: float, refine: float
-) -> tuple[IntArray, FloatArray]:
-    """Return scenes and t = ln v, ascending, between the bounds and spaced by the scales of g."""
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return pieces of the way between the bounds, and points t = ln v spaced by the scales of g.
+
+    Of each piece the scene; of each point the piece, and t, which ascends in each. Between pieces
+    there is no solution.
+    """
     low = _lowest_velocities(c, target, shift)
     high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
     wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
     spacing = np.full(c.size, _COARSEST / refine)
     turn = np.minimum(np.maximum(spacing / wiggle, low), high)
-    every, (strong,) = np.arange(c.size), (c > _STRONG).nonzero()
-    owner, begin, end = _where_wiggles_matter(c, target, shift, (low, turn))
-    _refuse_too_many(c, target, owner, (1.0 / begin - 1.0 / end) / wiggle[owner])
-    owner, inverse = _spaced(owner, 1.0 / end, 1.0 / begin, wiggle)
+    low, turn, high = np.log(low), np.log(turn), np.log(high)
+    owner, begin, end = _where_wiggles_matter(c, target, shift, (low, turn, wiggle))
+    _refuse_too_many(c, target, owner, (np.exp(-begin) - np.exp(-end)) / wiggle[owner])
+    every = np.arange(c.size)
+    interval, inverse = _spaced(np.exp(-end), np.exp(-begin), wiggle[owner])
+    smooth, t = _spaced(turn, high, spacing)
+    owner, begin, end = (np.concatenate(x) for x in ((owner, every), (begin, turn), (end, high)))
     points = [
-        (owner, -np.log(inverse)),
-        _spaced(every, np.log(turn), np.log(high), spacing),
-        _resonances(c, (low, high), wiggle, refine),
+        (interval, -np.log(inverse)),
+        (smooth + owner.size - c.size, t),
+        _resonances(c[owner], (begin, end), wiggle[owner], refine),
     ]
-    if strong.size:
-        points.append(_spaced(strong, np.log(low[strong]), np.log(turn[strong]), spacing))
-    scene, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
-    order = np.lexsort((t, scene))
-    scene, t = scene[order], t[order]
+    order = np.lexsort((begin, owner))
+    apart = np.ones(owner.size, dtype=bool)
+    apart[1:] = (owner[order[1:]] != owner[order[:-1]]) | (begin[order[1:]] > end[order[:-1]])
+    piece = np.empty(owner.size, dtype=np.int64)
+    piece[order] = np.cumsum(apart) - 1
+    interval, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
+    within = piece[interval]
+    ascending = np.lexsort((t, within))
+    within, t = within[ascending], t[ascending]
     distinct = np.ones(t.size, dtype=bool)
-    distinct[1:] = (t[1:] > t[:-1]) | (scene[1:] > scene[:-1])
-    return scene[distinct], t[distinct]
+    distinct[1:] = (t[1:] > t[:-1]) | (within[1:] > within[:-1])
+    return owner[order[apart]], within[distinct], t[distinct]
 
 
-def _spaced(
-    owner: IntArray, begin: FloatArray, end: FloatArray, spacing: FloatArray
-) -> tuple[IntArray, FloatArray]:
-    """Return owners and points of stretches, both ends included, at most ``spacing`` apart."""
-    steps = 1 + np.ceil((end - begin) / spacing[owner]).astype(np.int64)
+def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return intervals and points of them, both ends included, at most ``spacing`` apart."""
+    steps = 1 + np.ceil((end - begin) / spacing).astype(np.int64)
     count = steps + 1
-    piece = np.arange(owner.size).repeat(count)
+    interval = np.arange(begin.size).repeat(count)
     first = count.cumsum() - count
-    share = (np.arange(piece.size) - first[piece]) / steps[piece]
-    return owner[piece], (1.0 - share) * begin[piece] + share * end[piece]
+    share = (np.arange(interval.size) - first[interval]) / steps[interval]
+    return interval, (1.0 - share) * begin[interval] + share * end[interval]
 
 
 def _resonances(
     c: FloatArray, bounds: tuple[FloatArray, FloatArray], wiggle: FloatArray, refine: float
 ) -> tuple[IntArray, FloatArray]:
-    """Return scenes and ln v of resonances narrower than the spacing, and of both their sides."""
+    """Return intervals and ln v of resonances narrower than the spacing, and of both their sides.
+
+    ``c``, ``bounds`` (of ln v) and ``wiggle`` are those of each interval.
+    """
     if c.max(initial=0.0) <= 1.0:  # none is narrow
         return np.empty(0, dtype=np.int64), np.empty(0)
     places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
     centre, width = c[:, None] * places, widths / refine
-    spacing = np.full(centre.shape, _COARSEST / refine)
-    weak = c <= _STRONG
-    spacing[weak] = np.minimum(spacing[weak], centre[weak] * wiggle[weak, None])
+    spacing = np.minimum(_COARSEST / refine, centre * wiggle[:, None])
     narrow = np.tile(width < centre * spacing, 3) & (c[:, None] > 1.0)
     near = np.concatenate([centre, centre - width, centre + width], axis=1)
-    taken = narrow & (near > bounds[0][:, None]) & (near < bounds[1][:, None])
+    taken = narrow & (near > np.exp(bounds[0])[:, None]) & (near < np.exp(bounds[1])[:, None])
     return np.nonzero(taken)[0], np.log(near[taken])
 
 
 def _where_wiggles_matter(
-    c: FloatArray, target: FloatArray, shift: float, bounds: tuple[FloatArray, FloatArray]
+    c: FloatArray, target: FloatArray, shift: float, scales: tuple[FloatArray, ...]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return scenes and ends of the stretches of v, within the bounds, to be searched finely.
+    """Return scenes and ends of the intervals of ln v, within bounds, to be searched finely.
 
-    At c > 100 the wiggles are about v/c^{3/2} high: they matter only where the smooth part, on a
-    grid, is near 2r.
+    ``scales`` are the bounds, of ln v, and the spacing in 1/v. Where the wiggles are many, the
+    smooth part of g and their height are looked at on parts of intervals. Within one, the former is
+    taken to go beyond its ends by no more than it changes over it or those beside it. Where g may
+    then be zero, the part is divided in turn, unless it has few points, or the wiggles are higher
+    than the smooth part all the way.
     """
-    pieces: list[tuple[IntArray, FloatArray, FloatArray]] = []
-    for i in (c > _STRONG).nonzero()[0]:
-        edge = np.geomspace(bounds[0][i], bounds[1][i], 4000)
-        smooth = np.abs(strong_coupling_sum(edge / math.sqrt(c[i])) + shift) - target[i]
-        near = np.abs(smooth) < 8.0 * edge / c[i] ** 1.5 + 4.0 / math.sqrt(c[i])
-        near |= np.diff(smooth > 0, append=smooth[-1] > 0)
-        near[1:] |= near[:-1].copy()
-        near[:-1] |= near[1:].copy()
-        begin = np.flatnonzero(near & ~np.append(False, near[:-1]))
-        end = np.flatnonzero(near & ~np.append(near[1:], False))
-        pieces.append((np.full(begin.size, i), edge[begin], edge[end]))
-    (weak,) = (c <= _STRONG).nonzero()
-    pieces.append((weak, bounds[0][weak], bounds[1][weak]))
-    owners, begins, ends = zip(*pieces, strict=True)
+    low, turn, wiggle = scales
+    points = (np.exp(-low) - np.exp(-turn)) / wiggle
+    several = (c > WEAKEST) & (points > _MANY_WIGGLES)
+    (few,) = (~several).nonzero()
+    owners, begins, ends = [few], [low[few]], [turn[few]]
+    (wide,) = several.nonzero()
+    interval, t = _spaced(low[wide], turn[wide], np.full(wide.size, _PARTS * _COARSEST))
+    (left,) = (interval[1:] == interval[:-1]).nonzero()
+    owner, begin, end = wide[interval[left]], t[left], t[left + 1]
+    share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
+    while owner.size:
+        t = (1.0 - share) * begin + share * end
+        sum_, height = without_wiggles(np.exp(t).ravel(), np.tile(c[owner], _PARTS + 1))
+        g = np.abs(sum_ + shift).reshape(t.shape) - target[owner]
+        rise = np.pad(np.abs(np.diff(g, axis=0)), ((1, 1), (0, 0)))
+        rise = np.maximum(np.maximum(rise[:-2], rise[2:]), rise[1:-1])
+        height = height.reshape(t.shape)
+        height = np.maximum(height[1:], height[:-1])
+        least = np.minimum(np.abs(g[1:]), np.abs(g[:-1]))
+        high = (least <= height).all(axis=0)
+        part, column = ((least <= rise + height) & ~high).nonzero()
+        parts = owner[column], t[part, column], t[part + 1, column]
+        done = ((np.exp(-begin) - np.exp(-end)) <= _FEW_POINTS * wiggle[owner])[column]
+        owners += [owner[high], parts[0][done]]
+        begins += [begin[high], parts[1][done]]
+        ends += [end[high], parts[2][done]]
+        owner, begin, end = (row[~done] for row in parts)
     return np.concatenate(owners), np.concatenate(begins), np.concatenate(ends)
 
 
@@ -357,7 +398,7 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     v = np.exp(t)
     along_c, along_target = _errors_along(v, spread, around)
     return Solutions(
-        scene=owner,
+        scene=relation.scene[owner],
         v=v,
         error=v * spread,
         slope=around[1, 0] / v,

@@ -320,8 +320,6 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
     ------
     ParameterError
         If a parameter is out of range.
-    PrecisionError
-        If the velocities are too many to be told apart (c above some 10⁴ and η near 2/25).
 
     Examples
     --------
@@ -371,8 +369,6 @@ def trace_kinetic_relation(
     ------
     ParameterError
         If any parameter is out of range.
-    PrecisionError
-        As of :func:`kinetic_relation`, for any pair.
     """
     start = perf_counter()
     c_, eta_ = (

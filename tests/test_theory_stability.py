@@ -39,7 +39,9 @@ def by_bessel(v, c, terms):
     return 0.5 * np.real(np.exp(-1j * np.angle(crossing)) * response)
 
 
-@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.29, 2.4), (5.0, 30.0), (-0.25, 1.3)])
+@pytest.mark.parametrize(
+    ("v", "c"), [(0.3, 0.5), (1.29, 2.4), (5.0, 30.0), (-0.25, 1.3), (0.12, 900.0), (7.0, 0.5)]
+)
 def test_the_symbol_is_made_of_bessel_functions(v, c):
     found = symbol_coefficients(v, c, 40)
     assert np.allclose(found, by_bessel(v, c, 40), rtol=0, atol=1e-14)  # rounding of e^{iφ} c/v
@@ -173,6 +175,22 @@ def test_the_error_of_a_multiplier_bounds_it(c):
     assert found.error < 1e-10
 
 
+@pytest.mark.parametrize("v", [0.05, 0.4, 3.0, 60.0])
+@pytest.mark.parametrize("ratio", [1e-2, 1.0, 30.0, 1e5])
+def test_the_points_of_the_mean_leave_aliases_below_rounding(v, ratio):
+    """The theorem on the trapezoidal rule, with ln|u| sampled on lines beside the path."""
+    c, terms = v * ratio, symbol.terms_at(v)
+    points = symbol._mean_points(terms, v, c)
+    x, bend = np.linspace(-math.pi, math.pi, 2001), min(1.0, ratio)
+    exponents = []
+    for tau in np.geomspace(1e-6, 3.0, 100):
+        lines = np.stack([x + 1j * tau, x - 1j * tau])
+        kappa = lines + 1j * bend * (np.sin(lines) + 1.0 / ratio)
+        u = 1j * kappa - (0.5 - 1j * c * (1.0 - np.cos(kappa))) / v
+        exponents.append(points * tau - terms * max(0.0, u.real.max() + 0.5 / v))
+    assert max(exponents) > 45.0  # e^{-45} is 3e-20, beside coefficients of e^{-1/2v} and less
+
+
 def test_where_stability_is_first_lost():
     limit = stability_limit(ETA)
     assert 2.405 < limit.c < 2.41  # seen on running chains
@@ -224,12 +242,13 @@ def test_the_error_of_a_limit_where_admissibility_begins_bounds_what_its_toleran
     assert 0.01 * limit.error < off < limit.error
 
 
-def test_what_is_not_decided_says_so():
+def test_what_is_not_decided_says_so(monkeypatch):
     found = front_stability(1e4, 1e7)
     assert (found.stable, found.multiplier, found.error) == (None, None, None)
     assert stability_limit(0.09).c is None
     assert "no front advances" in stability_limit(0.09).reason
     assert "up to 20" in stability_limit(0.07, 20.0).reason
+    monkeypatch.setattr(symbol, "_MAX_PRODUCTS", 100)
     assert "too long" in stability_limit(0.0005).reason
     assert "not below 60" in stability_limit(0.0795).reason
     inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]

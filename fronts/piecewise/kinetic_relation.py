@@ -78,8 +78,8 @@ def kinetic_relation(
     stability : bool, optional
         Also decide the linear stability of each admissible front along a curve, and where the
         fastest one first loses it (``c_stable``), which takes longer. Of single numbers the
-        stability is always given, without ``c_stable``. At strong coupling (c of 100, say) it may
-        be not decided, because its series is too long.
+        stability is always given, without ``c_stable``. At strong coupling (c of 1000, say) it
+        may be not decided, because its series is too long.
     certify : bool, optional
         Prove the velocities, their number and the thresholds in ball arithmetic; needs the extra
         certify (python-flint). What could not be proven is named in ``unproven``.

@@ -168,8 +168,9 @@ def _ratio(points: Sequence[WorkPoint], problem: str, peer: str) -> Target:
     return Target(claim, None if least is None else least[0], "at least", 1.0, "times", detail)
 
 
-def _million(report: Report, steps: int = 20) -> tuple[Target, Target]:
+def _million(report: Report) -> tuple[Target, Target]:
     """Return the seconds a step and the bytes a site of a square lattice of 1000 x 1000."""
+    steps = 20
     report("stepping a million sites")
     chain = chain_of({**timed("own-chain")[-1].values, "rows": 1000, "sites": 1_000_000})
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -119,16 +119,9 @@ def _of_paper(name: str) -> Derivation:
     return made
 
 
-def everything(model: Any = None) -> tuple[Derivation, ...]:
-    """Return all derivations that carry equation numbers, with the second order.
-
-    Parameters
-    ----------
-    model : ChainModel or None
-        The chain of those that start from one.
-    """
-    made = [load(name, model=model if name in WITH_MODEL else None) for name in NUMBERED]
-    return (*made, load("second-order", model=model))
+def everything() -> tuple[Derivation, ...]:
+    """Return all derivations that carry equation numbers, with the second order."""
+    return tuple(load(name) for name in (*NUMBERED, "second-order"))
 
 
 def numbers_of(name: str) -> tuple[int, ...]:

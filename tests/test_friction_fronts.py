@@ -93,14 +93,14 @@ def _arrivals_by_scipy(c: float, y: NDArray[np.float64], end: float) -> NDArray[
 def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
     chain = FrictionChain(c=0.1, sites=12)
     start = excite(chain, [1])
-    lane = FrictionIntegration(chain, start, tolerance=1e-10)
-    lane.advance_to(110.0)
+    run = FrictionIntegration(chain, start, tolerance=1e-10)
+    run.advance_to(110.0)
     by_scipy = _arrivals_by_scipy(0.1, start[0], 110.0)
     known = ~np.isnan(by_scipy)
     assert np.count_nonzero(known) >= 9
-    assert (known == ~np.isnan(lane.arrivals)).all()
+    assert (known == ~np.isnan(run.arrivals)).all()
     # a relative tolerance of 1e-9 a step over some thousand steps, each event located to its own
-    assert np.max(np.abs(by_scipy - lane.arrivals)[known]) < 1e-5
+    assert np.max(np.abs(by_scipy - run.arrivals)[known]) < 1e-5
     reached = np.flatnonzero(known)[2:]
     slope = np.polyfit(reached, by_scipy[reached], 1)[0]
     front = measure_front(FrictionChain(c=0.1, sites=61), accuracy=0.02)
@@ -139,8 +139,8 @@ def test_a_front_from_the_other_end_is_the_mirror_image() -> None:
     one, other = (
         FrictionIntegration(chain, excite(chain, [site]), tolerance=1e-10) for site in (1, 15)
     )
-    for lane in (one, other):
-        lane.advance_to(200.0)
+    for run in (one, other):
+        run.advance_to(200.0)
     assert np.count_nonzero(~np.isnan(one.arrivals)) > 6
     # sums in another order: round-off, a little amplified
     np.testing.assert_allclose(one.arrivals, other.arrivals[::-1], atol=1e-8)

@@ -71,12 +71,12 @@ def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> 
         chain = FrictionChain.of(FrictionCell(v_d=v_d), c=0.1, sites=8)
         start = 1e-4 * rng.standard_normal((2, 8))
         start[0] += chain.cell.steady_sliding
-        lane = FrictionIntegration(chain, start, tolerance=1e-12)
-        assert lane.going_to_rest()
-        before = np.abs(lane.state[1]).max()
-        lane.advance_to(400.0)
-        assert lane.arrived == 0
-        assert np.abs(lane.state[1]).max() < before
+        run = FrictionIntegration(chain, start, tolerance=1e-12)
+        assert run.going_to_rest()
+        before = np.abs(run.state[1]).max()
+        run.advance_to(400.0)
+        assert np.isnan(run.arrivals).all()
+        assert np.abs(run.state[1]).max() < before
         excited = FrictionIntegration(chain, excite(chain, [4]), tolerance=1e-8)
         assert not excited.going_to_rest()
     # nothing can be said where sliding is unstable, however small the motion is
@@ -89,12 +89,12 @@ def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> 
 def test_a_front_needs_all_sites_and_time_to_hold() -> None:
     chain = SHORT.at({"c": 0.05, "v_d": 1.25})
     start = excite(chain, [4])
-    lane = FrictionIntegration(chain, start, tolerance=1e-8)
-    lane.advance_to(1000.0)
+    run = FrictionIntegration(chain, start, tolerance=1e-8)
+    run.advance_to(1000.0)
     found = find_friction_state(chain, start)
     assert found.state is State.FRONT
     assert (found.reached, found.reason) == (7, "decided")
-    last = float(np.max(lane.arrivals))
+    last = float(np.max(run.arrivals))
     assert HOLD * WINDOW <= found.time - last <= (HOLD + 1) * WINDOW
 
 
@@ -206,12 +206,12 @@ def test_simulate_gives_numbers_files_and_a_picture(
     )
     assert main(shlex.split(line)) == 0
     answer = json.loads(capsys.readouterr().out)
-    lane = FrictionIntegration(
+    run = FrictionIntegration(
         FrictionChain(c=0.05, sites=9), excite(FrictionChain(c=0.05, sites=9), [1]), tolerance=1e-9
     )
-    lane.advance_to(150.0)
+    run.advance_to(150.0)
     known = [t for t in answer["arrivals"] if t is not None]
-    np.testing.assert_allclose(known, lane.arrivals[~np.isnan(lane.arrivals)], atol=1e-6)
+    np.testing.assert_allclose(known, run.arrivals[~np.isnan(run.arrivals)], atol=1e-6)
     assert answer["width"] == len(known)
     assert answer["error"] < 1e-5
     with np.load(out) as kept:

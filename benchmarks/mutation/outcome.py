@@ -24,10 +24,10 @@ EXPLAINED = Path(__file__).with_name("explained")
 """The folder of explanations, a file for each package."""
 
 
-def read_explained(folder: Path = EXPLAINED) -> dict[str, str]:
+def read_explained() -> dict[str, str]:
     """Return the reasons why changes need not be noticed, by their names or forms of names."""
     files = [
-        tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.toml"))
+        tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(EXPLAINED.glob("*.toml"))
     ]
     entries = [entry for content in files for entry in content["explained"]]
     return {form: entry["why"] for entry in entries for form in entry["changes"]}

@@ -28,9 +28,11 @@ POINTS = 3
 """Random points a check: one finds a wrong coefficient almost surely; three for safety."""
 TOLERANCE = 1e-9
 """Relative to the size of the terms: far above rounding, far below any wrong coefficient."""
+_DOUBLE = 15
+"""Digits of double precision."""
 
 
-def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
+def value(expression: sp.Basic, point: Point) -> Any:
     """Return a number: the expression with everything in ``point`` put in.
 
     Raises
@@ -38,7 +40,7 @@ def value(expression: sp.Basic, point: Point, digits: int = 15) -> Any:
     ValueError
         If something is left without a value.
     """
-    return _evaluated(expression, _numbers(point, digits), digits)
+    return _evaluated(expression, _numbers(point, _DOUBLE), _DOUBLE)
 
 
 def _numbers(point: Point, digits: int) -> dict[sp.Basic, sp.Expr]:
@@ -51,10 +53,10 @@ def _evaluated(expression: sp.Basic, numbers: Mapping[sp.Basic, sp.Expr], digits
         raise ValueError(f"no value for {sorted(map(str, result.free_symbols))}")
     if not result.is_finite:
         raise ValueError("a value is not finite")
-    return mpmath.mpmathify(result) if digits > 15 else complex(result)
+    return mpmath.mpmathify(result) if digits > _DOUBLE else complex(result)
 
 
-def residual(part: sp.Basic, point: Point, digits: int = 15) -> tuple[Any, float]:
+def residual(part: sp.Basic, point: Point, digits: int = _DOUBLE) -> tuple[Any, float]:
     """Left side minus right side, and the size of the terms, at a point."""
     if not isinstance(part, sp.Equality):
         raise TypeError("an expression, not an equation")
@@ -65,7 +67,7 @@ def residual(part: sp.Basic, point: Point, digits: int = 15) -> tuple[Any, float
     return sum(terms), float(sum(abs(term) for term in terms))
 
 
-def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int = 15) -> Any:
+def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point) -> Any:
     """Return the value that an equation gives to a symbol in which it is affine.
 
     Raises
@@ -76,10 +78,10 @@ def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, digits: int 
     if not isinstance(candidate, sp.Equality):
         raise TypeError("an expression, not an equation")
     left, right = candidate.args
-    numbers = _numbers(point, digits)
+    numbers = _numbers(point, _DOUBLE)
     zero, one, two = (
-        _evaluated(left, {**numbers, symbol: given}, digits)
-        - _evaluated(right, {**numbers, symbol: given}, digits)
+        _evaluated(left, {**numbers, symbol: given}, _DOUBLE)
+        - _evaluated(right, {**numbers, symbol: given}, _DOUBLE)
         for given in map(sp.Float, (0, 1, 2))
     )
     if one == zero or abs(two - 2 * one + zero) > 1e-9 * (abs(one) + abs(zero)):

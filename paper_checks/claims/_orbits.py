@@ -17,20 +17,20 @@ SMALL = 0.1
 
 
 @lru_cache(maxsize=64)
-def orbit_of(c: float, eps: float = EPS, sites: int = SITES) -> Breather:
+def orbit_of(c: float, eps: float = EPS) -> Breather:
     """Return the breather of one site in (8)."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
 
-    return solve_orbit(VdpChain(a=A, b=B, c=c, eps=eps, sites=sites), Nucleus(1))
+    return solve_orbit(VdpChain(a=A, b=B, c=c, eps=eps, sites=SITES), Nucleus(1))
 
 
 @lru_cache(maxsize=16)
-def averaged_of(c: float, sites: int = SITES) -> Breather:
+def averaged_of(c: float) -> Breather:
     """Return the breather of one site in the averaged chain (43)."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.breathers.envelope import solve_envelope_breather
 
-    return solve_envelope_breather(VdpChain(a=A, b=B, c=c, eps=EPS, sites=sites), Nucleus(1))
+    return solve_envelope_breather(VdpChain(a=A, b=B, c=c, eps=EPS, sites=SITES), Nucleus(1))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -30,7 +29,6 @@ from verification.steppers.friction_series import (
     LOWEST,
     MODE,
     REST,
-    WATCHED,
     W,
     Y,
     law_of,
@@ -64,8 +62,6 @@ class FrictionIntegration(Integration):
     active_window : bool
         Do not step sites at the ends while they are within a hundredth of the tolerance of steady
         sliding.
-    watched : sequence of int, optional
-        Sites from 1 to N whose arrivals count for :meth:`advance_to`; by default all.
     logged_events : int
         Events that are listed in ``log``, from 0 to 1e8.
 
@@ -87,7 +83,6 @@ class FrictionIntegration(Integration):
         tolerance: float = 1e-10,
         end: float | None = None,
         active_window: bool = True,
-        watched: Sequence[int] | None = None,
         logged_events: int = 0,
     ) -> None:
         state = checked_state(chain, start)
@@ -111,9 +106,6 @@ class FrictionIntegration(Integration):
             logged=logged,
             order=self.order,
         )
-        if watched is not None:
-            self._run.mode[WATCHED] = 0
-            self._run.mode[WATCHED, list(watched)] = 1
         if truth("active_window", active_window) and chain.ends is Ends.FREE:
             self._close_window(_REST * tolerance)
 
@@ -227,13 +219,6 @@ class FrictionIntegration(Integration):
         """τ at which each site first stuck, shape (N,); nan where it did not."""
         return self._row(ARRIVAL)
 
-    @property
-    def arrived(self) -> int:
-        """Watched sites that have stuck at some time."""
-        return int(
-            np.count_nonzero(~np.isnan(self.arrivals) & (self._run.mode[WATCHED, 1:-1] != 0))
-        )
-
     def forget_arrivals(self) -> None:
         """Count arrivals anew from now on."""
         self._row(ARRIVAL)[:] = np.nan
@@ -282,8 +267,8 @@ class FrictionIntegration(Integration):
         """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
         self.advance_to(self.end, max_steps=1 + budget // self.chain.sites)
 
-    def advance_to(self, stop: float, *, required: int = 0, max_steps: int = 2**62) -> bool:
-        """Step until ``stop``, or until so many watched sites have stuck; return whether they have.
+    def advance_to(self, stop: float, *, max_steps: int = 2**62) -> None:
+        """Step until ``stop``, or until ``max_steps`` frames are taken.
 
         Compiled code cannot be interrupted, so it is left now and then.
 
@@ -296,7 +281,7 @@ class FrictionIntegration(Integration):
         while ended is StopCode.BUDGET_SPENT and left > 0:
             steps = min(left, 1 + _PIECE // self.chain.sites)
             left -= steps
-            ended = StopCode(friction.advance(self._run, stop, required, steps))
+            ended = StopCode(friction.advance(self._run, stop, steps))
         if ended is StopCode.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at tau = {self.time:.6g}; start from a smaller displacement."
@@ -305,13 +290,12 @@ class FrictionIntegration(Integration):
             raise StandstillError(
                 f"time stands still at tau = {self.time:.6g}; take a larger v0 or a smaller c."
             )
-        return ended is StopCode.CONDITION
 
-    def going_to_rest(self, share: float = 1e-3) -> bool:
+    def going_to_rest(self) -> bool:
         """Whether every site is so near to stable steady sliding that none will stick again.
 
         Sufficient: the energy about steady sliding is below that at which a site could reach the
-        velocity ``share`` v_d; at all velocities between all damping is positive.
+        velocity 1e-3 v_d; at all velocities between all damping is positive.
         """
         cell, c = self.chain.cell, self.chain.c
         if cell.effective_damping <= 0.0 or self.chain.ends is not Ends.FREE:
@@ -321,7 +305,7 @@ class FrictionIntegration(Integration):
         energy = 0.5 * float(velocity @ velocity + away @ away)
         energy += 0.5 * c * float(np.sum(np.diff(away) ** 2))
         # Energy falls while every |ẏ| < u, for which the damping at v_d - u must be positive.
-        u = min(share * cell.v_d, 0.5 * cell.stability_margin)
+        u = min(1e-3 * cell.v_d, 0.5 * cell.stability_margin)
         return energy < 0.5 * u * u and math.isfinite(energy)
 
 

@@ -68,7 +68,6 @@ from verification.steppers.friction_series import (
     TOLERANCE,
     V0,
     V_D,
-    WATCHED,
     XI,
     C,
     Law,
@@ -95,21 +94,20 @@ IntArray = npt.NDArray[np.int64]
 STICK_BEGINS, STICK_ENDS, REVERSAL = 0, 1, 2
 """Kinds of events."""
 
-REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION = (
+REACHED, TOO_SHORT, NOT_FINITE, BUDGET = (
     int(StopCode.REACHED),
     int(StopCode.STEP_TOO_SHORT),
     int(StopCode.NOT_FINITE),
     int(StopCode.BUDGET_SPENT),
-    int(StopCode.CONDITION),
 )
 
-LO, HI, SAMPLED, FRAMES, SITE_FRAMES, LOGGED, STANDING, ARRIVED, LOCAL = 0, 1, 2, 3, 4, 5, 6, 7, 8
+LO, HI, SAMPLED, FRAMES, SITE_FRAMES, LOGGED, STANDING, LOCAL = 0, 1, 2, 3, 4, 5, 6, 7
 """Places in ``counters``; the number of events of each kind follows from ``KINDS`` on.
 
 Sites LO … HI - 1 are stepped; SAMPLED and LOGGED are rows filled; SITE_FRAMES and LOCAL are series
 begun with a frame and within one; STANDING is how often time has stood still."""
 
-KINDS = 9
+KINDS = 8
 MARGIN = 8
 _TOGETHER = 8.9e-16
 _SLOW_SHARE = 16
@@ -123,7 +121,7 @@ class Run(NamedTuple):
     ----------
     numbers, law, site, mode, series, room
         See ``friction_series``; ``series`` and ``room`` hold nothing between frames.
-    counters : ndarray of int, shape (12,)
+    counters : ndarray of int, shape (11,)
         See ``LO`` and the names after it.
     queue : ndarray, shape (2 P,)
         Tournament tree: leaf P + n has the time at which site n is due, for an event or because
@@ -190,7 +188,6 @@ def new_run(
     force = 2.0 * numbers[XI] * numbers[V_D] + y[1:-1] + numbers[C] * bend
     slipping = np.where(np.abs(force) > numbers[MU_ST], -np.sign(force), 0.0)
     mode[MODE, 1:-1] = np.where(w != 0.0, np.sign(w), slipping)
-    mode[WATCHED, 1:-1] = 1
     counters = np.zeros(KINDS + 3, dtype=np.int64)
     counters[LO], counters[HI] = 1, sites + 1
     return Run(
@@ -208,7 +205,7 @@ def new_run(
     )
 
 
-def advance(run: Run, stop: float, required: int, max_steps: int) -> int:
+def advance(run: Run, stop: float, max_steps: int) -> int:
     """Go on until ``stop``; return a ``StopCode``.
 
     Parameters
@@ -217,34 +214,28 @@ def advance(run: Run, stop: float, required: int, max_steps: int) -> int:
         The run.
     stop : float
         Time to reach.
-    required : int
-        Watched arrivals at which to end; 0 for never.
     max_steps : int
         Frames after which to return. A run that goes on from there is the same to the last bit.
     """
-    arrival, inside = run.site[ARRIVAL, 1:-1], np.s_[1:-1]
-    arrival[(run.mode[MODE, inside] == 0) & np.isnan(arrival)] = run.numbers[CLOCK]
-    arrived = ~np.isnan(arrival) & (run.mode[WATCHED, inside] != 0)
-    run.counters[ARRIVED] = np.count_nonzero(arrived)
+    arrival = run.site[ARRIVAL, 1:-1]
+    arrival[(run.mode[MODE, 1:-1] == 0) & np.isnan(arrival)] = run.numbers[CLOCK]
     run.series[Y, 0], run.series[W, 0] = run.site[Y], run.site[W]
     # For a whole number all of it would be compiled once more: four seconds.
-    return int(_advance(run, float(stop), required, max_steps))
+    return int(_advance(run, float(stop), max_steps))
 
 
 @outer
-def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
+def _advance(run: Run, stop: float, max_steps: int) -> int:
     """Take frames until the time to reach, or a reason to return before; return a ``StopCode``."""
     counters, numbers = run.counters, run.numbers
     last = counters[FRAMES] + max_steps
     while True:
-        if 0 < required <= counters[ARRIVED]:
-            return CONDITION
         if numbers[CLOCK] >= stop:
             return REACHED
         if counters[FRAMES] >= last:
             return BUDGET
         longest = stop - numbers[CLOCK]
-        end = _frame(run, longest, required)
+        end = _frame(run, longest)
         if not end >= 0.0:
             return TOO_SHORT if end < 0.0 else NOT_FINITE
         _finish(run, end)
@@ -256,7 +247,7 @@ def _advance(run: Run, stop: float, required: int, max_steps: int) -> int:
 
 
 @inner
-def _frame(run: Run, longest: float, required: int) -> float:
+def _frame(run: Run, longest: float) -> float:
     """Give all sites new series, go through the events; return when the frame ends.
 
     -1 if time stands still, nan if a series is not finite.
@@ -287,8 +278,6 @@ def _frame(run: Run, longest: float, required: int) -> float:
                 return -1.0
             now = following
             due, change = _switched(run, now, length)
-            if 0 < required <= counters[ARRIVED]:
-                return float(now)
         radius = _reach(numbers, run.series.shape[1] - 1, change, length - now)
         if radius < 0:
             return float(now)
@@ -483,7 +472,6 @@ def _switch(run: Run, n: int, time: float) -> None:
         counters[LOGGED] += 1
     if kind == STICK_BEGINS and math.isnan(site[ARRIVAL, n]):
         site[ARRIVAL, n] = time
-        counters[ARRIVED] += mode[WATCHED, n]
 
 
 @inner

@@ -67,9 +67,9 @@ first stick; last maximum and minimum of y."""
 STEP, SUM = SIGN, BEND
 """The same two rows, as room for a time after the series begins and for what they are by then."""
 
-MODE, RELEASED, WATCHED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4, 5
+MODE, RELEASED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4
 """Rows of ``mode``: 0 in stick, else the sign of w; whether stick has ended at this very time;
-whether arrivals count; room for the sites that are due and for ranges of sites."""
+room for the sites that are due and for ranges of sites."""
 
 POLYNOMIAL, KEPT, BINOMIALS = 0, 1, 3
 """Rows of ``room``; the work rows follow the binomial coefficients."""

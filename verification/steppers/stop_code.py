@@ -22,5 +22,5 @@ class StopCode(IntEnum):
     STEP_TOO_SHORT = 1, "The tolerance asks for steps too short to get on, or time stands still."
     NOT_FINITE = 2, "The state has left the range of double precision."
     BUDGET_SPENT = 3, "The number of steps allowed is taken; the next call goes on from there."
-    CONDITION = 4, "The stop condition is met, or as many sites are reached as were required."
+    CONDITION = 4, "The stop condition is met."
     WINDOW_MOVED = 5, "Other sites than before are to be stepped; the next call goes on from there."

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from theory.cells.vdp import threshold_ratio
-from theory.piecewise import admissibility
+from theory.piecewise import admissibility, far_field
 from theory.piecewise.admissibility import _Shape, check_admissible, check_fronts
 from theory.piecewise.kinetic_relation import kinetic_relation, trace_kinetic_relation
 from theory.piecewise.limits import pinning_coupling
@@ -338,7 +338,7 @@ def test_more_roots_than_are_found_leave_a_front_undecided_with_a_reason() -> No
 def test_what_stands_for_blocks_of_labels_bounds_the_sum_over_every_one(
     v: float, c: float, upper: bool
 ) -> None:
-    side = admissibility._Side.make(v, c, upper, 0.0)
+    side = far_field.FarField.make(v, c, upper, 0.0)
     last = max(24, math.ceil(c / v))
     k = labelled_roots(v, c, np.arange(-last, last + 1), upper).k
     size = 0.5 / np.abs(k * (v + c * np.sin(k)))

@@ -11,7 +11,7 @@ violation is seen.
   ``theory.piecewise.steepest_descent``, with a bound on how far φ leaves its chord within a cell,
   within two sites of ζ = 0 and where margins are thin. Beyond, φ is the sum (49) over the roots: a
   few terms vary slowly, over about √c sites, and the sum of the moduli of all others falls with
-  |ζ| (``_Side.proven``).
+  |ζ| (``far_field``).
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.piecewise.dispersion import ComplexArray, FloatArray
+from theory.piecewise.far_field import MAX_CELLS, NEAR, FarField
 from theory.piecewise.profile import (
     ProfileGrid,
     profile_slope,
@@ -31,7 +32,7 @@ from theory.piecewise.profile import (
     smooth_number,
     tail_bound,
 )
-from theory.piecewise.roots import LARGEST, SMALLEST, IntArray, labelled_roots
+from theory.piecewise.roots import LARGEST, SMALLEST, IntArray
 from theory.piecewise.steepest_descent import NearShape
 
 TOLERANCE = 1e-11
@@ -40,15 +41,8 @@ _PER_SITE = 8
 _SHORTEST = 1e-7
 _LONGEST_GRID = 1200
 """Points of the quadrature from which steepest descent is shorter."""
-_NEAR = 2.0
-"""Sites about ζ = 0 where values are always taken."""
 _MAX_LABEL = 10**10
 """Largest label of a root, c/v, up to which phases c/v keep digits enough."""
-_SLOW = 24
-"""Terms of each sum that are followed beyond ``_NEAR``."""
-_BENT = 0.02
-"""What a term, and a rate, may exceed those at both ends of a block of labels by."""
-_MAX_CELLS = 20_000
 _VALUES_AT_ONCE = 1 << 16
 """Values of φ held at once, near the processor."""
 
@@ -187,13 +181,13 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
         return Admissibility(None, None, (math.inf, math.inf), 0, reason)
     shape = _Descent(NearShape(v, c))
     smallest = 0.02 * min(1.0, abs(v) / c)
-    near = np.geomspace(smallest, _NEAR, 2 + math.ceil(3.0 * math.log(_NEAR / smallest)))
+    near = np.geomspace(smallest, NEAR, 2 + math.ceil(3.0 * math.log(NEAR / smallest)))
     near = np.union1d(near, 1.0)  # no cell has a site within
     zeta = np.concatenate([-near[::-1], [0.0], near])
     fails_at, points, decided = _first_violation(shape, zeta, r)
     speed, advancing = abs(v), v > 0
-    behind = _Side.make(speed, c, not advancing, 1.0)
-    ahead = _Side.make(speed, c, advancing, 0.0)
+    behind = FarField.make(speed, c, not advancing, 1.0)
+    ahead = FarField.make(speed, c, advancing, 0.0)
     beyond = (behind.reach(r)[1], ahead.reach(r)[1])
     if fails_at is not None:
         return Admissibility(False, fails_at, beyond, points)
@@ -201,7 +195,7 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     for side, sign in ((behind, -1.0), (ahead, 1.0)):
         proven = side.proven(r)
         farther += [sign * proven.fails_at] if proven.fails_at is not None else []
-        if proven.thin.shape[1] > _MAX_CELLS:
+        if proven.thin.shape[1] > MAX_CELLS:
             decided = False
         elif proven.thin.size:
             found, more, through = _along_stretches(shape, sign * proven.thin, r)
@@ -234,140 +228,11 @@ def _along_stretches(shape: _Descent, ends: FloatArray, r: float) -> tuple[float
 
 
 @dataclass(frozen=True)
-class _Proven:
-    """What the bound on all but a few terms says of one side, at distances from ``_NEAR`` on.
-
-    Attributes
-    ----------
-    fails_at : float or None
-        Least distance at which (47) was seen to fail.
-    thin : ndarray of float, shape (2, n)
-        Stretches before it where the margin is within the bound, from and to.
-    """
-
-    fails_at: float | None
-    thin: FloatArray
-
-
-@dataclass(frozen=True)
-class _Side:
-    """φ/φ_s on one side of ζ = 0: limit + Σ_j terms_j e^{rates_j a} + others, a = |ζ|.
-
-    Attributes
-    ----------
-    limit : float
-        0 ahead, 1 behind.
-    terms, rates : ndarray of complex, shape (``_SLOW``,)
-        The largest at a = ``_NEAR``; Re rates < 0.
-    size, decay : ndarray of float, shape (n,)
-        The others are at most Σ_j size_j e^{decay_j a}; decay < 0.
-    tail : float
-        Bound on the sum of the moduli of all that is left out, at a = 0.
-    """
-
-    limit: float
-    terms: ComplexArray
-    rates: ComplexArray
-    size: FloatArray
-    decay: FloatArray
-    tail: float
-
-    @classmethod
-    def make(cls, speed: float, c: float, upper: bool, limit: float) -> _Side:
-        """Take the roots of one half-plane with labels up to c/v.
-
-        Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
-        with a faster than 9^{-a}. Between the labels whose roots are found, terms and rates are
-        taken to lie between those at both, to within ``_BENT`` of them.
-        """
-        last = max(_SLOW, math.ceil(c / speed))
-        labels = _sampled_labels(last, c / (math.pi * speed))
-        k = labelled_roots(speed, c, labels, upper).k
-        terms = (0.5j if limit == 1.0 else -0.5j) / (k * (speed + c * np.sin(k)))
-        rates = 1j * k if upper else -1j * k
-        size, decay = np.abs(terms), rates.real
-        between = (np.diff(labels) - 1.0) * (1.0 + _BENT) * np.maximum(size[1:], size[:-1])
-        slowest = (1.0 - _BENT) * np.maximum(decay[1:], decay[:-1])
-        slow, others = np.split(np.argsort(-size * np.exp(_NEAR * decay)), [_SLOW])
-        tail = 1.0 / (math.pi**2 * speed * (last - 0.5))
-        return cls(
-            limit,
-            terms[slow],
-            rates[slow],
-            np.append(size[others], between),
-            np.append(decay[others], slowest),
-            tail,
-        )
-
-    def reach(self, r: float) -> tuple[float, float]:
-        """Return how far to look, and from where on (47) is proven by the sum of all moduli."""
-        room = r if self.limit == 0.0 else 1.0 - r
-        size = np.append(np.abs(self.terms), self.size)
-        decay = np.append(self.rates.real, self.decay)
-        far = _NEAR
-        tail = self.tail * 9.0**-_NEAR
-        least = max(room - tail, tail)  # where the tail is no proof, a look at the rest
-        while float(size @ np.exp(decay * far)) >= least:
-            far *= 1.5
-        return far, far if tail < 0.5 * room else math.inf
-
-    def proven(self, r: float) -> _Proven:
-        """Follow the few slow terms outwards: their slope and the other moduli bound |φ|."""
-        far, none = self.reach(r)[0], np.empty((2, 0))
-        if far == _NEAR:
-            return _Proven(None, none)
-        knots = np.geomspace(_NEAR, far, 64)
-        rest = np.exp(np.outer(knots, self.decay)) @ self.size
-        rest += self.tail * 9.0**-_NEAR
-        terms, rates = self.terms, self.rates
-        steepness = np.abs(terms * rates)
-        a, b = knots[:-1], knots[1:]
-        nearest, thin = math.inf, [none]
-        while a.size:
-            middle, width = 0.5 * (a + b), b - a
-            size_ = np.abs(self.limit + np.exp(np.outer(middle, rates)) @ terms)
-            margin = size_ - r if self.limit else r - size_
-            others = rest[np.searchsorted(knots, a, side="right") - 1]  # falls with a
-            slope = np.exp(np.outer(a, rates.real)) @ steepness
-            failed = margin + others < 0.0
-            if failed.any():
-                nearest = min(nearest, float(middle[failed].min()))
-            open_ = (margin <= 0.5 * slope * width + others) & (a < nearest)
-            short = width < 1.0 / _PER_SITE
-            thin.append(np.stack([a, b])[:, open_ & short & ~failed])
-            open_ &= ~short
-            a, middle, b = a[open_], middle[open_], b[open_]
-            a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-            if a.size > _MAX_CELLS:
-                thin.append(np.stack([a, b]))
-                break
-        stretches = np.concatenate(thin, axis=1)
-        stretches = stretches[:, stretches[0] < nearest]
-        return _Proven(nearest if nearest < math.inf else None, stretches)
-
-
-def _sampled_labels(last: int, resonance: float) -> IntArray:
-    """Return labels from -last to last: one by one near 0 and ± resonance, and fewer farther off.
-
-    Beyond the nearest, roots, terms and rates vary with the label over a distance like that from
-    these three: at -c/πv, where the linear wave at k = π runs with the front, the largest term is.
-    """
-    away = np.arange(2.0 * _SLOW)
-    if last > away[-1]:
-        steps = math.ceil(math.log(last / away[-1]) / math.log1p(1.0 / _SLOW))
-        away = np.append(away, np.ceil(np.geomspace(away[-1], last, steps + 1)[1:]))
-    centres = np.array([[0.0], [round(resonance)]])
-    labels = np.concatenate([centres - away, centres + away]).astype(np.int64)
-    near: IntArray = np.union1d(labels, -labels)
-    return near[np.abs(near) <= last]
-
-
-@dataclass(frozen=True)
 class _Descent:
     """The front φ(ζ)/φ_s of either direction, by steepest descent."""
 
     near: NearShape
-    max_values: ClassVar[float] = 3 * _MAX_CELLS
+    max_values: ClassVar[float] = 3 * MAX_CELLS
     """Values of φ after which no cell is divided any more."""
     values_each: ClassVar[int] = 1
 

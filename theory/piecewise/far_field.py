@@ -1,0 +1,156 @@
+"""The front far from ζ = 0, as the sum (49): a few terms that vary slowly, a bound on the others.
+
+At strong coupling the slow terms vary over about √c sites, and the sum of the moduli of all others
+falls with |ζ|. Where it is smaller than the distance of the slow terms from the threshold, (47) is
+proven.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from theory.piecewise.dispersion import ComplexArray, FloatArray
+from theory.piecewise.roots import IntArray, labelled_roots
+
+NEAR = 2.0
+"""Distance in sites from ζ = 0 from which the sum is used."""
+MAX_CELLS = 20_000
+"""Stretches of one side that are looked at, at most."""
+_SLOW = 24
+"""Number of terms that are followed; the others are bounded."""
+_BENT = 0.02
+"""Relative amount by which a term or a rate may exceed those at both ends of a block of labels."""
+_SHORT = 0.125
+"""Length in sites of a stretch that is divided no further."""
+
+
+@dataclass(frozen=True)
+class ProvenRange:
+    """What the bound on all but a few terms says of one side, at distances from ``NEAR`` on.
+
+    Attributes
+    ----------
+    fails_at : float or None
+        Least distance at which (47) was seen to fail.
+    thin : ndarray of float, shape (2, n)
+        Stretches before it where the margin is within the bound, from and to.
+    """
+
+    fails_at: float | None
+    thin: FloatArray
+
+
+@dataclass(frozen=True)
+class FarField:
+    """φ/φ_s on one side of ζ = 0: limit + Σ_j terms_j e^{rates_j a} + others, a = |ζ|.
+
+    Attributes
+    ----------
+    limit : float
+        0 ahead, 1 behind.
+    terms, rates : ndarray of complex, shape (``_SLOW``,)
+        The largest at a = ``NEAR``; Re rates < 0.
+    size, decay : ndarray of float, shape (n,)
+        The others are at most Σ_j size_j e^{decay_j a}; decay < 0.
+    tail : float
+        Bound on the sum of the moduli of all that is left out, at a = 0.
+    """
+
+    limit: float
+    terms: ComplexArray
+    rates: ComplexArray
+    size: FloatArray
+    decay: FloatArray
+    tail: float
+
+    @classmethod
+    def make(cls, speed: float, c: float, upper: bool, limit: float) -> FarField:
+        """Take the roots of one half-plane with labels up to c/v.
+
+        Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
+        with a faster than 9^{-a}. Between the labels whose roots are found, terms and rates are
+        taken to lie between those at both, to within ``_BENT`` of them.
+        """
+        last = max(_SLOW, math.ceil(c / speed))
+        labels = _sampled_labels(last, c / (math.pi * speed))
+        k = labelled_roots(speed, c, labels, upper).k
+        terms = (0.5j if limit == 1.0 else -0.5j) / (k * (speed + c * np.sin(k)))
+        rates = 1j * k if upper else -1j * k
+        size, decay = np.abs(terms), rates.real
+        between = (np.diff(labels) - 1.0) * (1.0 + _BENT) * np.maximum(size[1:], size[:-1])
+        slowest = (1.0 - _BENT) * np.maximum(decay[1:], decay[:-1])
+        slow, others = np.split(np.argsort(-size * np.exp(NEAR * decay)), [_SLOW])
+        tail = 1.0 / (math.pi**2 * speed * (last - 0.5))
+        return cls(
+            limit,
+            terms[slow],
+            rates[slow],
+            np.append(size[others], between),
+            np.append(decay[others], slowest),
+            tail,
+        )
+
+    def reach(self, r: float) -> tuple[float, float]:
+        """Return how far to look, and from where on (47) is proven by the sum of all moduli."""
+        room = r if self.limit == 0.0 else 1.0 - r
+        size = np.append(np.abs(self.terms), self.size)
+        decay = np.append(self.rates.real, self.decay)
+        far = NEAR
+        tail = self.tail * 9.0**-NEAR
+        least = max(room - tail, tail)  # where the tail is no proof, a look at the rest
+        while float(size @ np.exp(decay * far)) >= least:
+            far *= 1.5
+        return far, far if tail < 0.5 * room else math.inf
+
+    def proven(self, r: float) -> ProvenRange:
+        """Follow the few slow terms outwards: their slope and the other moduli bound |φ|."""
+        far, none = self.reach(r)[0], np.empty((2, 0))
+        if far == NEAR:
+            return ProvenRange(None, none)
+        knots = np.geomspace(NEAR, far, 64)
+        rest = np.exp(np.outer(knots, self.decay)) @ self.size
+        rest += self.tail * 9.0**-NEAR
+        terms, rates = self.terms, self.rates
+        steepness = np.abs(terms * rates)
+        a, b = knots[:-1], knots[1:]
+        nearest, thin = math.inf, [none]
+        while a.size:
+            middle, width = 0.5 * (a + b), b - a
+            size_ = np.abs(self.limit + np.exp(np.outer(middle, rates)) @ terms)
+            margin = size_ - r if self.limit else r - size_
+            others = rest[np.searchsorted(knots, a, side="right") - 1]  # falls with a
+            slope = np.exp(np.outer(a, rates.real)) @ steepness
+            failed = margin + others < 0.0
+            if failed.any():
+                nearest = min(nearest, float(middle[failed].min()))
+            open_ = (margin <= 0.5 * slope * width + others) & (a < nearest)
+            short = width < _SHORT
+            thin.append(np.stack([a, b])[:, open_ & short & ~failed])
+            open_ &= ~short
+            a, middle, b = a[open_], middle[open_], b[open_]
+            a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
+            if a.size > MAX_CELLS:
+                thin.append(np.stack([a, b]))
+                break
+        stretches = np.concatenate(thin, axis=1)
+        stretches = stretches[:, stretches[0] < nearest]
+        return ProvenRange(nearest if nearest < math.inf else None, stretches)
+
+
+def _sampled_labels(last: int, resonance: float) -> IntArray:
+    """Return labels from -last to last: one by one near 0 and ± resonance, and fewer farther off.
+
+    Beyond the nearest, roots, terms and rates vary with the label over a distance like that from
+    these three: at -c/πv, where the linear wave at k = π runs with the front, the largest term is.
+    """
+    away = np.arange(2.0 * _SLOW)
+    if last > away[-1]:
+        steps = math.ceil(math.log(last / away[-1]) / math.log1p(1.0 / _SLOW))
+        away = np.append(away, np.ceil(np.geomspace(away[-1], last, steps + 1)[1:]))
+    centres = np.array([[0.0], [round(resonance)]])
+    labels = np.concatenate([centres - away, centres + away]).astype(np.int64)
+    near: IntArray = np.union1d(labels, -labels)
+    return near[np.abs(near) <= last]

@@ -157,7 +157,7 @@ class AnySet:
     def words(self) -> str:
         """The rows in words."""
         return "; ".join(
-            f"c = {c:g}, η = {eta:g}: {n} solutions, chain "
+            f"c = {c:g}, η = {eta:g}: {n} solution{'' if n == 1 else 's'}, chain "
             + (status if v is None else f"{status} at v̂ = {v:.6f}")
             for c, eta, n, v, status in self.rows
         )

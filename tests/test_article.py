@@ -64,6 +64,7 @@ def test_the_article_has_the_counts_the_reasons_and_the_misprints(
     assert content.index("reason 3") < content.index("reason 2")  # what fails wholly comes first
     assert r"\item[Eq. (2):] " in content
     assert "two readings" not in content
+    assert "\n\n\n" not in content
     assert "2026-11-22T" not in "".join(text.values())
     assert "2026-11-22" in "".join(text.values())
     folders = [word for name in ("report", "out") for word in (

@@ -929,11 +929,11 @@ def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_
 ) -> None:
     """And its growth rate is that of the largest multiplier but the trivial one."""
     frequency, period, growth = 0.25, 6.5, -0.125
-    waves = np.array([0.5, 2.0 * np.exp(0.75j), 0.5j, 0.0])
+    waves = np.array([0.5, 2.0 * np.exp(2.75j), 0.5j, 0.0])
     eps, seen = fig11.EPS, []
 
-    def follow_to(first: Any, c: float, *_: float) -> Any:
-        assert (first, c) == ("first", fig11.ORBIT_AT)
+    def follow_to(*given: Any) -> Any:
+        assert given == ("first", fig11.ORBIT_AT, fig11.A, fig11.B)
         return SimpleNamespace(phi=waves, omega=frequency)
 
     def solve_at(system: int, guess: Any, c: float) -> Any:
@@ -960,7 +960,7 @@ def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_
     assert fig11._orbit_growth(branches) == pytest.approx((growth,))
     ((*state, time),) = seen
     start = np.array(state[4:]) + 1j * np.array(state[:4])
-    assert start == pytest.approx(waves * np.exp(-0.75j))
+    assert start == pytest.approx(waves * np.exp(-2.75j))
     # One turn of a wave that gains ε times its frequency.
     assert (1.0 + eps * frequency) * time == pytest.approx(2.0 * math.pi)
 
@@ -990,6 +990,12 @@ def test_the_local_exponent_of_a_power_law_is_its_power(power: float) -> None:
     middle, exponent = fig13.local_exponents(c.tolist(), (7.0 * c**power).tolist())
     assert middle == pytest.approx([2.0, 6.0, 15.0])
     assert exponent == pytest.approx([power] * 3)
+
+
+def test_the_exponent_of_a_curve_is_that_of_its_last_two_couplings() -> None:
+    v = (1.0, 2.0, 4.0, 16.0)
+    found = evidence(fig13.AveragedScaling, c=(1.0, 2.0, 4.0, 8.0), v=v)
+    assert found.exponent == pytest.approx(2.0)
 
 
 def test_velocities_are_held_against_a_line_and_the_law_at_the_last_coupling() -> None:
@@ -1202,6 +1208,10 @@ def test_a_steady_run_counts_and_the_worst_of_them(side: float) -> None:
     assert alike.gap == 0.25
 
 
+def test_of_several_steady_runs_the_one_farthest_from_a_solution_counts() -> None:
+    assert evidence(fig17.AdmissibilityRuns, nearest=(0.1, 0.3, 0.2)).gap == 0.3
+
+
 @pytest.mark.parametrize(
     ("v", "steady", "gap", "reached"),
     [
@@ -1254,13 +1264,25 @@ def test_the_exponent_from_sums_is_that_of_the_curve_on_which_they_are_constant(
         assert fig17._exponent_by_series(4.0, 0.7) == pytest.approx(power, rel=1e-6)
 
 
+def test_any_set_is_off_by_the_worst_of_its_runs(monkeypatch: Patch) -> None:
+    one = SimpleNamespace(branches=[SimpleNamespace(v=1.0)])
+    monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", lambda *_: one)
+
+    def run(c: float, _: float) -> Any:
+        return SimpleNamespace(v=1.0 + c / 8.0, steady=True, status=SimpleNamespace(value="x"))
+
+    monkeypatch.setattr("verification.piecewise.simulation.simulate_front", run)
+    found = fig18.any_set()
+    assert found.gap == max(c for c, *_ in found.rows) / 8.0
+
+
 def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_beyond_the_fold(
     monkeypatch: Patch,
 ) -> None:
     fold, pin = 0.0625, 0.03125
 
     def front(chain: Any, **_: Any) -> Any:
-        return SimpleNamespace(v=None if chain.b > end["eta"] else 0.5)
+        return SimpleNamespace(v=None if chain.b / chain.a**2 > end["eta"] else 0.5)
 
     def branches(c: float, eta: Any) -> Any:
         found = [SimpleNamespace(v=0.25, admissible=True)]

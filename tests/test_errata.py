@@ -301,6 +301,18 @@ def test_the_erratum_of_an_equation_is_of_its_judgement_and_derivation(
     assert equations.erratum(asked) is None
 
 
+def test_an_equation_that_fails_and_is_no_way_of_writing_is_said_to_fail() -> None:
+    def said(number: int) -> str:
+        one: Any = SimpleNamespace(kind="holds", passes=False, number=number)
+        one.style = equations.STYLE.get(number, "")
+        shown: str = equations.CheckedEquation.outcome.fget(one)  # type: ignore[attr-defined]
+        return shown
+
+    assert said(1) == "holds; the printed equation fails the numerical test"
+    assert said(3).startswith("holds as it is meant")
+    assert equations.MISPRINTS == MISPRINTED
+
+
 def test_the_second_method_of_an_equation_is_named_by_its_words_and_its_code() -> None:
     (way,) = _equation_numbers.method(43)
     assert way.words == "numbers of the toolkit put into the printed equation"

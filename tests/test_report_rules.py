@@ -19,7 +19,7 @@ from paper_checks import prose, run, shipped
 from paper_checks.claim import Claim, Method, Verdict
 from paper_checks.discover import Entry
 from paper_checks.finding import Finding, Picture
-from paper_checks.outcome import JudgedClaim, Judgement
+from paper_checks.outcome import JudgedClaim, Judgement, Provenance
 from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
 from paper_checks.report.figure_links import pictures_of
@@ -243,6 +243,15 @@ def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_
     kept = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="", pictures=())
     assert "(changed)" not in report_as_text(report_of(outcome("a", kept)))
     assert "Figure" not in report_as_text(report_of(outcome("a", kept)))
+
+
+@pytest.mark.parametrize("stale", [False, True])
+def test_a_stored_finding_as_text_says_whether_its_code_has_changed(stale: bool) -> None:
+    origin = Provenance(command="c", versions={"numpy": "2.0"}, machine={}, stale=stale)
+    judged = Judgement(FINDING, None, 1.0, "then", stored=True, provenance=origin)
+    text = report_as_text(report_of(JudgedClaim(Entry("fig16", claim("a")), judged)))
+    assert "  Stored: found then in 1.0 s, with numpy 2.0" in text
+    assert ("code that it depends on has changed" in " ".join(text.split())) is stale
 
 
 def test_of_many_claims_a_headline_is_the_finding_s_own_or_its_verdict() -> None:

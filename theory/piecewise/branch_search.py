@@ -34,15 +34,15 @@ _TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _COARSEST = 0.25
 _LONG_AXIS = 4.0
-"""Coupling from which more points on the axis are asked for than `axis.MAX_PLAIN`."""
+"""Coupling above which the rule on the axis needs more points than `axis.MAX_PLAIN`."""
 _ARCH = 4
-"""Values that one by the rule for c > 3v costs as much as, beside itself, where it is taken."""
+"""Additional cost of a value by the rule for c > 3v, in values by the rule on the axis."""
 _MANY_WIGGLES = 64
-"""Points, a few a wiggle, from which it is sooner known where the wiggles matter."""
+"""Number of points, a few for each wiggle, above which it pays to find where wiggles matter."""
 _PARTS = 8
-"""Of an interval of v, on some of which wiggles may not matter."""
+"""Number of parts into which an interval of ln v is divided."""
 _FEW_POINTS = 4.0
-"""Points of an interval that is not divided any more."""
+"""Number of points of an interval that is not divided further."""
 _RESONANCES = 12
 """Of one coupling that are looked at, at most."""
 MAX_POINTS = 200_000

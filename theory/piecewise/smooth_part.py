@@ -18,15 +18,17 @@ from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.sums.legs import LEG_TURN
 
 _NODES = 72
+"""Nodes of the integral over the first leg."""
 _INACCURACY = 1e-5
-"""Relative error of the integral by so many nodes, at most: twice the largest found."""
+"""Largest relative error of that integral: twice the largest found by sampling."""
 _ROUNDING = 1e-14
+"""Largest rounding error of Σ and of its smooth part."""
 _AT_ONCE = 256
-"""Values whose nodes are near the processor."""
+"""Number of values whose nodes stay in the cache of the processor."""
 _HIGHEST = 2.0
-"""Of wiggles over max(√v, v) e^{-1/2v}/c^{3/2}: four times the highest found by sampling."""
+"""Largest height of wiggles, over max(√v, v) e^{-1/2v}/c^{3/2}: four times the highest sampled."""
 WEAKEST = 2.0
-"""Coupling from which that holds."""
+"""Weakest coupling at which this was sampled."""
 
 
 def without_wiggles(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, FloatArray]:

@@ -363,7 +363,7 @@ def test_the_fold_of_a_ring_of_four_is_where_its_coupling_is_largest_at_every_et
             else:
                 high -= third
         assert 1.01 < low < mp.mpf(furthest) - 0.01
-        assert abs(found.c - coupling(low)) <= found.error < 1e-7 * found.c
+        assert abs(found.c_crit - coupling(low)) <= found.error < 1e-7 * found.c_crit
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e8])

@@ -2,8 +2,12 @@
 
 A file carries the command, the parameters and the versions: as keys of a .json, as an array
 ``provenance`` of a .npz and an attribute of a .zarr, as lines that begin with ``#`` at the end of a
-.csv (read it with ``pandas.read_csv(path, comment="#")``), and in the metadata of a picture or
-film. No date is among them, so that the same command writes the same file.
+.csv, and in the metadata of a picture or film. No date is among them, so that the same command
+writes the same file.
+
+The lines of a .csv stand at its end so that its first line has the names, as spreadsheets and
+``numpy.genfromtxt(path, delimiter=",", names=True)`` need it; ``pandas.read_csv(path,
+comment="#")`` takes them anywhere.
 """
 
 from __future__ import annotations

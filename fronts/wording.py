@@ -181,6 +181,8 @@ def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGI
     --------
     >>> _text("c", 1151998399.931, 0.016), _text("c", 0.25, 1e-3), _text("c", 0.25)
     ('1151998399.9', '0.250', '0.25')
+    >>> _text("re", 1.25e-25, 1e-21)
+    '1e-25'
     """
     if _empty(value):
         return "-"
@@ -208,4 +210,4 @@ def _number(name: str, value: float, error: float | None, digits: int) -> str:
     if error is None or not value:
         return f"{value:.{digits}g}"
     digits = next((n for n in range(1, 15) if error * 10.0**n >= abs(value)), 15)
-    return f"{value:#.{digits}g}".removesuffix(".")
+    return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")

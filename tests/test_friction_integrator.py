@@ -52,7 +52,7 @@ def sorted_log(log: np.ndarray) -> np.ndarray:
     return log[np.lexsort((log[:, 1], log[:, 0].round(8)))]
 
 
-SCENES = {
+CASES = {
     "cycle": (FrictionChain(c=0.0, sites=1), np.array([[2.0], [0.0]]), 60.0),
     "three": (FrictionChain(c=0.02, sites=3), random_start(3), 60.0),
     "five": (FrictionChain(c=0.05, sites=5), random_start(5), 60.0),
@@ -104,7 +104,7 @@ def assert_error_bounds(
 
 
 def test_a_whole_number_as_the_end_is_the_same_run_and_compiles_nothing() -> None:
-    chain, start, _ = SCENES["three"]
+    chain, start, _ = CASES["three"]
     ends = [simulate(chain, start, 2.0).states]
     compiled: Any = friction._advance
     before = len(compiled.signatures)
@@ -113,15 +113,15 @@ def test_a_whole_number_as_the_end_is_the_same_run_and_compiles_nothing() -> Non
     np.testing.assert_array_equal(*ends)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", CASES)
 def test_every_event_is_that_of_scipy(name: str) -> None:
-    assert_events_of_scipy(*SCENES[name], steep=name in ("steep", "far"))
+    assert_events_of_scipy(*CASES[name], steep=name in ("steep", "far"))
 
 
 @pytest.mark.parametrize("name", ["cycle", "three", "strong", "reversals", "steep", "far"])
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_the_error_reported_bounds_the_true_one(name: str, tolerance: float) -> None:
-    assert_error_bounds(*SCENES[name], tolerance)
+    assert_error_bounds(*CASES[name], tolerance)
 
 
 @pytest.mark.parametrize("name", ["cycle", "three", "strong", "reversals", "wall", "slow belt"])
@@ -130,7 +130,7 @@ def test_energy_is_balanced_with_friction_and_belt(name: str) -> None:
 
     F ẏ is what the belt does, F v_d, less what friction burns, -F v_rel >= 0.
     """
-    chain, start, t_end = SCENES[name]
+    chain, start, t_end = CASES[name]
     cell = chain.cell
     first = simulate(chain, start, t_end, tolerance=1e-12, logged_events=10_000)
     edges = np.unique(np.concatenate([np.arange(t_end + 1.0), first.event_log[:, 0]]))
@@ -174,7 +174,7 @@ def simpson_damping(run: Trajectory, pieces: list[np.ndarray], cell: FrictionCel
 
 @pytest.mark.parametrize("name", ["three", "five", "strong", "reversals", "undamped"])
 def test_in_stick_the_force_can_hold_and_in_slip_the_sign_is_kept(name: str) -> None:
-    chain, start, t_end = SCENES[name]
+    chain, start, t_end = CASES[name]
     run = simulate(chain, start, t_end, tolerance=1e-12, samples=4001, logged_events=10_000)
     w = run.velocity - chain.cell.v_d
     stuck = run.velocity == chain.cell.v_d

@@ -1,4 +1,4 @@
-"""Claims about bounds and corrections that only hard scenes put to the test."""
+"""Claims about bounds and corrections that only hard cases put to the test."""
 
 from __future__ import annotations
 

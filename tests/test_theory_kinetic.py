@@ -73,7 +73,7 @@ def fold_at(eta: float) -> float:
     return fold.value
 
 
-SCENES = [
+CASES = [
     (0.3, 0.01),
     (0.5, ETA),
     (0.45, ETA),
@@ -91,7 +91,7 @@ SCENES = [
 RETREATING = [(2.0, 0.11), (0.5, 0.12), (20.0, 0.09), (100.0, 0.1), (1e3, 0.124)]
 
 
-@pytest.mark.parametrize(("c", "eta"), SCENES)
+@pytest.mark.parametrize(("c", "eta"), CASES)
 def test_a_coarse_and_a_fine_search_find_the_same_branches(c: float, eta: float) -> None:
     coarse, fine = search(c, eta, 1.0), search(c, eta, 4.0)
     assert coarse.size == fine.size
@@ -111,8 +111,8 @@ def test_coarse_and_fine_agree_on_random_scenes() -> None:
     eta = np.exp(rng.uniform(math.log(1e-6), math.log(0.079), 30))
     target = np.array([2 * threshold_ratio(value) for value in eta])
     coarse, fine = all_velocities(c, target), all_velocities(c, target, refine=4.0)
-    assert np.array_equal(coarse.scene, fine.scene)
-    # the roots' own conditioning, and some scenes fall close to a fold
+    assert np.array_equal(coarse.case, fine.case)
+    # the roots' own conditioning, and some cases fall close to a fold
     assert np.all(np.abs(coarse.v - fine.v) <= coarse.error + fine.error)
 
 
@@ -160,7 +160,7 @@ def test_the_resonances_of_large_c_carry_branches_of_their_own() -> None:
     ]
 
 
-@pytest.mark.parametrize(("c", "eta"), [scene for scene in SCENES if scene[0] < 200])
+@pytest.mark.parametrize(("c", "eta"), [case for case in CASES if case[0] < 200])
 def test_every_branch_satisfies_54_by_the_series_over_roots(c: float, eta: float) -> None:
     target = 2 * float(exact_ratio(eta))
     for branch in velocities(c, eta):

@@ -87,11 +87,11 @@ def brute_force(v: float, c: float, r: float) -> float | None:
     return float(wrong[np.argmin(np.abs(wrong))]) if wrong.size else None
 
 
-SCENES = [(c, ETA) for c in (0.435, 0.45, 0.5, 0.8, 1.5, 3.0, 10.0)]
-SCENES += [(0.3, 0.01), (1.5, 0.05), (2.0, 0.01), (5.0, 0.06), (2.0, 0.11), (0.1, 1e-3)]
+CASES = [(c, ETA) for c in (0.435, 0.45, 0.5, 0.8, 1.5, 3.0, 10.0)]
+CASES += [(0.3, 0.01), (1.5, 0.05), (2.0, 0.01), (5.0, 0.06), (2.0, 0.11), (0.1, 1e-3)]
 
 
-@pytest.mark.parametrize(("c", "eta"), SCENES)
+@pytest.mark.parametrize(("c", "eta"), CASES)
 def test_the_verdict_on_admissibility_is_that_of_dense_sampling(c: float, eta: float) -> None:
     r = threshold_ratio(eta)
     (answer,) = trace_kinetic_relation([c], [eta])

@@ -1,4 +1,4 @@
-"""The steps that enclose roots and count them, where an ordinary scene would not need them."""
+"""The steps that enclose roots and count them, where an ordinary case would not need them."""
 
 import math
 

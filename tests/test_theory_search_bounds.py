@@ -13,8 +13,8 @@ from theory.piecewise.sums.quadrature import sum_by_quadrature
 
 def first_points(c: float, target: float, shift: float, refine: float) -> np.ndarray:
     """Return the first points ln v of one coupling."""
-    scene, _, t = branch_search._first_points(np.array([c]), np.array([target]), shift, refine)
-    assert not scene.any()
+    case, _, t = branch_search._first_points(np.array([c]), np.array([target]), shift, refine)
+    assert not case.any()
     return t
 
 
@@ -78,12 +78,12 @@ def test_for_strong_coupling_the_smallest_velocity_is_larger_and_still_below_all
 
 def test_each_of_several_couplings_has_the_points_that_it_has_alone():
     c, target = np.array([0.5, 150.0, 8.0, 2.0]), np.array([0.6, 0.9, 0.6, 0.4])
-    scene, piece, t = branch_search._first_points(c, target, 0.0, 1.0)
-    assert scene.size > c.size  # at strong coupling not all of the way is searched
-    scene = scene[piece]
+    case, piece, t = branch_search._first_points(c, target, 0.0, 1.0)
+    assert case.size > c.size  # at strong coupling not all of the way is searched
+    case = case[piece]
     for i, (c_, target_) in enumerate(zip(c.tolist(), target.tolist(), strict=True)):
-        np.testing.assert_array_equal(t[scene == i], first_points(c_, target_, 0.0, 1.0))
-    assert np.all(np.diff(scene) >= 0)
+        np.testing.assert_array_equal(t[case == i], first_points(c_, target_, 0.0, 1.0))
+    assert np.all(np.diff(case) >= 0)
 
 
 def test_the_contour_is_one_period_of_k_weighted_by_its_length():

@@ -18,10 +18,10 @@ class Curve:
     def __init__(self, g: Callable, slope: Callable, error: float = 0.0, by_c: float = 1.0) -> None:
         self.g, self.slope, self.error, self.by_c = g, slope, error, by_c
         self.evaluations = self.calls = 0
-        self.scene = np.zeros(1, dtype=int)
+        self.case = np.zeros(1, dtype=int)
         self.asked: list[float] = []
 
-    def __call__(self, scene: np.ndarray, t: np.ndarray) -> np.ndarray:
+    def __call__(self, case: np.ndarray, t: np.ndarray) -> np.ndarray:
         self.asked += t.tolist()
         self.evaluations += t.size
         self.calls += 1
@@ -120,7 +120,7 @@ def test_a_run_of_changes_of_sign_by_rounding_is_one_solution_or_a_pair(
     pair: bool, first: int
 ) -> None:
     # g is said to be known to 1e-12 only. The brackets of the run change sign by 1e-13; the one
-    # far off rises to 1 and belongs to no run; the last is of another scene, after or before.
+    # far off rises to 1 and belongs to no run; the last is of another case, after or before.
     small = 1e-13
     cells = np.array(
         [
@@ -137,7 +137,7 @@ def test_a_run_of_changes_of_sign_by_rounding_is_one_solution_or_a_pair(
     run, lone = ([1.0, 1.4, 5.0] if pair else [1.2, 5.0]), [1.6]
     assert kept.tolist() == sorted([first] * len(run) + [1 - first])
     assert found[0].tolist() == (run + lone if first == 0 else lone + run)
-    # g is looked at midway between neighbours of one scene
+    # g is looked at midway between neighbours of one case
     assert flat.asked == pytest.approx([1.15, 1.35, 3.25])
 
 
@@ -200,14 +200,14 @@ def test_where_newton_leaves_the_bracket_it_is_halved() -> None:
 @pytest.mark.parametrize("t", [-3.7, 0.4, 5.2])
 def test_the_spread_is_the_least_that_shows_a_change_of_sign(t: float) -> None:
     curve = line(t)
-    place, scene = np.array([t]), np.zeros(1, dtype=int)
-    exact, _ = branch_search._confirmed_spread(curve, scene, place, curve(scene, place))
+    place, case = np.array([t]), np.zeros(1, dtype=int)
+    exact, _ = branch_search._confirmed_spread(curve, case, place, curve(case, place))
     assert exact[0] == pytest.approx(4 * EPS * max(1.0, abs(t)), rel=1e-12)
     # a value that is off by 1e-9, with slope 4, moves the root by a quarter of that
     off = line(t, 4.0)
-    there = off(scene, place)
+    there = off(case, place)
     there[0] = 1e-9
-    wide, _ = branch_search._confirmed_spread(off, scene, place, there)
+    wide, _ = branch_search._confirmed_spread(off, case, place, there)
     assert wide[0] == pytest.approx(2.5e-9 / 4, rel=1e-5)
 
 

@@ -82,7 +82,7 @@ def test_digits_left_out_change_less_than_the_error_returned(v: float, c: float)
     [(0.5, 0.03125, 0), (0.435, 0.03125, 0), (0.435, 0.03125, 1), (10.0, 0.03125, 0)],
 )
 def test_values_left_out_hide_no_violation_of_1e_11(c: float, eta: float, branch: int) -> None:
-    """The second scene fails at the crossing itself, the last a third of a site ahead of it."""
+    """The second case fails at the crossing itself, the last a third of a site ahead of it."""
     hidden = 1e-11 if c < 1.0 else 1e-8  # that front fails by far more
     held(sums.few_values_of_the_shape(c, eta, branch, hidden), 2e-11)
 

@@ -53,11 +53,11 @@ NEAREST_TO_PINNING = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class Solutions:
-    """Solutions of the kinetic relation, of all scenes in one list, ascending in (scene, v).
+    """Solutions of the kinetic relation, of all cases in one list, ascending in (case, v).
 
     Attributes
     ----------
-    scene : ndarray of int, shape (n,)
+    case : ndarray of int, shape (n,)
         Index of the coupling that each belongs to.
     v, error : ndarray of float, shape (n,)
         Velocity v̂ and its error bound.
@@ -69,10 +69,10 @@ class Solutions:
         Bounds on the errors of ∂v/∂c = -by_coupling/slope and ∂v/∂target = 1/slope; infinite where
         the slope may vanish within the error of v, as beside a fold.
     evaluations : int
-        Values of Σ computed, over all scenes.
+        Values of Σ computed, over all cases.
     """
 
-    scene: IntArray
+    case: IntArray
     v: FloatArray
     error: FloatArray
     slope: FloatArray
@@ -84,9 +84,9 @@ class Solutions:
 
 @dataclass
 class _Relation:
-    """g and its derivatives by t = ln v and c, for pieces of scenes; counts its work."""
+    """g and its derivatives by t = ln v and c, for pieces of cases; counts its work."""
 
-    scene: IntArray
+    case: IntArray
     c: FloatArray
     target: FloatArray
     shift: float
@@ -130,16 +130,16 @@ def all_velocities(
         If a coupling needs more than ``MAX_POINTS`` points: c above 10⁸ and η near 2/25.
     """
     shift = 2.0 if retreating else 0.0
-    scene, piece, t = _first_points(c, target, shift, refine)
+    case, piece, t = _first_points(c, target, shift, refine)
     # About as many values again are needed to find the solutions.
-    strength = c[scene[piece]]
+    strength = c[case[piece]]
     costly = (strength > _LONG_AXIS) & (strength > STEEPEST * np.exp(t))
     many = 2 * (t.size + _ARCH * int(np.count_nonzero(costly))) >= MANY
-    relation = _Relation(scene, c[scene], target[scene], shift, many=many)
+    relation = _Relation(case, c[case], target[case], shift, many=many)
     if t.size <= MAX_POINTS:
         return _solve(relation, piece, t)
     # so many pieces at a time that their points are one array of moderate size
-    last = np.cumsum(np.bincount(piece, minlength=scene.size))
+    last = np.cumsum(np.bincount(piece, minlength=case.size))
     cuts = np.searchsorted(piece, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1).tolist()
     parts = pairwise([0, *cuts, t.size])
     found = [_solve(relation, piece[begin:end], t[begin:end]) for begin, end in parts]
@@ -164,7 +164,7 @@ def _first_points(
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Return pieces of the way between the bounds, and points t = ln v spaced by the scales of g.
 
-    Of each piece the scene; of each point the piece, and t, which ascends in each. Between pieces
+    Of each piece the case; of each point the piece, and t, which ascends in each. Between pieces
     there is no solution.
     """
     low = _lowest_velocities(c, target, shift)
@@ -229,7 +229,7 @@ def _resonances(
 def _where_wiggles_matter(
     c: FloatArray, target: FloatArray, shift: float, scales: tuple[FloatArray, ...]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return scenes and ends of the intervals of ln v, within bounds, to be searched finely.
+    """Return cases and ends of the intervals of ln v, within bounds, to be searched finely.
 
     ``scales`` are the bounds, of ln v, and the spacing in 1/v. Where the wiggles are many, the
     smooth part of g and their height are looked at on parts of intervals. Within one, the former is
@@ -270,7 +270,7 @@ def _where_wiggles_matter(
 def _refuse_too_many(
     c: FloatArray, target: FloatArray, owner: IntArray, points: FloatArray
 ) -> None:
-    """Refuse a scene that would need more than ``MAX_POINTS`` points."""
+    """Refuse a case that would need more than ``MAX_POINTS`` points."""
     (crowded,) = (np.bincount(owner, points, c.size) > MAX_POINTS).nonzero()
     if crowded.size:
         raise PrecisionError(
@@ -349,7 +349,7 @@ def _brackets(
         if short.nonzero()[0].size:
             zero = np.minimum(size_a - ea, size_b - eb) <= 0
             (touches,) = (short & ~differ & zero).nonzero()
-            # One a scene and round is enough: its neighbours are the same fold.
+            # One a case and round is enough: its neighbours are the same fold.
             touches = touches[np.unique(owner[touches], return_index=True)[1]]
             done_owner.append(owner[touches])
             done_cells.append(cells[:, touches])
@@ -398,7 +398,7 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
     v = np.exp(t)
     along_c, along_target = _errors_along(v, spread, around)
     return Solutions(
-        scene=relation.scene[owner],
+        case=relation.case[owner],
         v=v,
         error=v * spread,
         slope=around[1, 0] / v,

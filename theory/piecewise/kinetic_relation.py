@@ -27,7 +27,7 @@ from theory.result import Result
 LARGEST_COUPLING = 1e8
 SMALLEST_COUPLING = 1e-8
 _BLOCK = 2000
-"""Scenes whose velocities are sought at once; more are no faster and take memory."""
+"""Cases whose velocities are sought at once; more are no faster and take memory."""
 
 
 class Regime(StrEnum):
@@ -383,23 +383,23 @@ def trace_kinetic_relation(
     branches: list[list[KineticBranch]] = [[] for _ in c_]
     terms = 0
     blocks = [
-        (retreating, scenes[begin : begin + _BLOCK])
+        (retreating, cases[begin : begin + _BLOCK])
         for retreating in (True, False)
-        for scenes in [np.flatnonzero(_can_move(eta_, retreating))]
-        for begin in range(0, scenes.size, _BLOCK)
+        for cases in [np.flatnonzero(_can_move(eta_, retreating))]
+        for begin in range(0, cases.size, _BLOCK)
     ]
-    for done, (retreating, scenes) in enumerate(blocks):
+    for done, (retreating, cases) in enumerate(blocks):
         if progress is not None:
             progress(done / len(blocks))
-        r = np.array([ratio[value] for value in eta_[scenes].tolist()])
-        found = all_velocities(c_[scenes], 2.0 * r, retreating)
+        r = np.array([ratio[value] for value in eta_[cases].tolist()])
+        found = all_velocities(c_[cases], 2.0 * r, retreating)
         terms += found.evaluations
-        mine = scenes[found.scene]
+        mine = cases[found.case]
         listed = _branches(
-            found, c_[mine], eta_[mine], r[found.scene], retreating, admissibility=admissibility
+            found, c_[mine], eta_[mine], r[found.case], retreating, admissibility=admissibility
         )
-        for scene, branch in zip(mine.tolist(), listed, strict=True):
-            branches[scene].append(branch)
+        for case, branch in zip(mine.tolist(), listed, strict=True):
+            branches[case].append(branch)
     if progress is not None:
         progress(1.0)
     seconds = (perf_counter() - start) / max(1, c_.size)

@@ -274,7 +274,7 @@ def _iterate(
 
 
 def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[ComplexArray]:
-    """Yield starting points, the likeliest first; nearly every scene stops after one."""
+    """Yield starting points, the likeliest first; nearly every case stops after one."""
     base = 2.0 * np.pi * labels
     sign = 1j if upper else -1j
     still = 2.0 * np.arcsinh(np.sqrt(0.25j / c))

@@ -512,6 +512,19 @@ def test_the_checks_of_a_verdict_that_they_do_not_bear_out_say_so(
     assert "The checks did NOT confirm this verdict." in capsys.readouterr().out
 
 
+def test_a_derivation_is_that_of_its_name_and_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    from derivations import catalogue
+
+    load = Mock(return_value=SimpleNamespace(title="x"))
+    monkeypatch.setattr(catalogue, "load", load)
+    for order in (1, 2):
+        fr.derivation("averaging", order=order)
+        load.assert_called_with("averaging", order)
+    for order in (0, 3):
+        with pytest.raises(ParameterError, match=f"order = {order}"):
+            fr.derivation("averaging", order=order)
+
+
 def test_a_cell_as_json_is_the_same_by_either_option(capsys: Capture) -> None:
     line = ["derive", "cell", "--damping", "1 - a*y**2 + b*y**4", "--no-front"]
     by_format = json.loads(_shown(capsys, *line, "--format", "json"))

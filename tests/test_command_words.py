@@ -367,11 +367,11 @@ def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
 
 
 def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> None:
-    single = in_words(fr.kinetic_relation(c=100.0, eta=0.03))
+    single = in_words(fr.kinetic_relation(c=1e4, eta=0.03))
     assert single.count("not decided") == 1
-    curve = in_words(fr.kinetic_relation(c=[100.0, 0.5], eta=0.03, stability=True))
+    curve = in_words(fr.kinetic_relation(c=[1e4, 0.5], eta=0.03, stability=True))
     assert curve.count("not decided") == 1
-    assert "not decided" not in in_words(fr.kinetic_relation(c=[100.0, 0.5], eta=0.03))
+    assert "not decided" not in in_words(fr.kinetic_relation(c=[1e4, 0.5], eta=0.03))
     # Of two fronts one is not admissible, so that its stability is no question.
     assert "not decided" not in in_words(fr.kinetic_relation(c=0.45, eta=0.03125))
 
@@ -439,12 +439,14 @@ def test_in_a_notebook_words_are_those_of_the_member_and_what_is_missing_is_empt
         def sentence(self) -> str:
             return "it is < 1"
 
-    assert _cell(Fine.YES) == "yes: it is &lt; 1"
+    assert _cell("status", Fine.YES) == "yes: it is &lt; 1"
     bare = Enum("bare", {"NO": "no"}).NO
     said = SimpleNamespace(sentence="of something that is no status")
     for value in (bare, said, 0.5):
-        assert _cell(value) == escape(summary(value))
-    assert [_word(value) for value in (None, math.nan, 0.5, "x")] == ["", "", "0.5", "x"]
+        assert _cell("v", value) == escape(summary(value))
+    assert [_word("v", value) for value in (None, math.nan, 0.5, "x")] == ["", "", "0.5", "x"]
+    assert [_word(name, 1 / 3) for name in ("v_error", "seconds")] == ["0.33", "0.33"]
+    assert _word("v", 1 / 3) == summary(1 / 3)
 
 
 # -------------------------------------------------------------------------------- single commands

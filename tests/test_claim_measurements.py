@@ -510,6 +510,25 @@ def test_patterns_that_persist_are_those_that_are_as_they_were() -> None:
     assert found.ends == {text_friction.BISTABLE: len(set(kept)), 1.05: 1, 1.95: 2}
 
 
+def test_sites_of_a_late_pattern_are_those_that_stick_after_the_long_run(
+    monkeypatch: Patch,
+) -> None:
+    """At first all stick, and later one."""
+
+    class Run:
+        def __init__(self, *_: Any, **__: Any) -> None:
+            self.arrivals, self.ran = np.full(SITES, np.nan), 0
+
+        def advance_to(self, time: float) -> None:
+            self.arrivals[2 if self.ran else slice(None)] = time
+            self.ran += 1
+
+    monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Run)
+    monkeypatch.setattr("verification.runs.excite.excite", lambda *_: None)
+    monkeypatch.setattr(text_friction, "disagreement", lambda *_: 0.0)
+    assert {*text_friction.patterns().late.values()} == {((3,),) * len(text_friction.PATTERNS)}
+
+
 def test_a_uniform_chain_is_pulled_by_its_literal_ends_only() -> None:
     """There the missing neighbour counts as zero, so that all of the coupling pulls."""
     found = text_friction.ends()
@@ -1174,6 +1193,28 @@ def test_sites_on_the_cycle_by_scipy_are_those_beyond_the_inner_one(monkeypatch:
     assert fig15.labels_by_scipy.__wrapped__() == ("front", "breather", "fixed point")
 
 
+def test_the_map_is_of_both_equations_and_its_boundaries_are_of_the_averaged_one(
+    monkeypatch: Patch,
+) -> None:
+    def sweep(task: Any, points: Any, *, workers: int) -> Any:
+        assert len(points) in (len(fig15.ETAS) * len(fig15.COUPLINGS), 3)
+        if len(points) == 3:  # the boundaries, bisected
+            return points
+        return task.chain.model, task.chain.a, task.held
+
+    maps = "verification.maps."
+    monkeypatch.setattr("verification.execution.sweep.sweep", sweep)
+    monkeypatch.setattr(maps + "boundary.boundary_lines", lambda *of: ("lines", *of))
+    monkeypatch.setattr(maps + "state_map.compare", lambda *of: SimpleNamespace(same=of))
+    monkeypatch.setattr(fig15, "labels_by_scipy", tuple)
+    monkeypatch.setattr(fig15, "_least_after_filling", lambda *_: 5)
+    found: Any = fig15.state_map()
+    full, averaged = found.same
+    assert (full[0], averaged[0], found.states) == ("vdp", "averaged", full)
+    assert found.boundary == ("lines", averaged, ("eta", "c"))
+    assert found.other_reading == (averaged, ("averaged", 4.0, "a"))
+
+
 def test_a_chain_is_watched_after_the_front_has_filled_it(monkeypatch: Patch) -> None:
     counts = [1, 9, 16, 16, 12, 7, 11]
 
@@ -1306,7 +1347,7 @@ def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_b
     end = {"eta": fig18.ETAS[-2]}
     with pytest.raises(ArithmeticError, match=rf"no front of \(43\) at η = {fig18.ETAS[-1]:g}"):
         fig18.alike()
-    for end["eta"], reaches in ((fig18.ETAS[-1], fold), (9.0, 2.0 * fold)):
+    for end["eta"], reaches in ((fig18.ETAS[-1], fold), (fold, fold), (9.0, 2.0 * fold)):
         found = fig18.alike()
         assert found.averaged == (0.5,) * len(fig18.ETAS)
         assert found.averaged_reaches == reaches

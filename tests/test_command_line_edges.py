@@ -18,7 +18,7 @@ from fronts.__main__ import main as start
 from fronts.arguments import with_values_joined
 from fronts.cli import main
 from fronts.options import options_of
-from fronts.signatures import described
+from fronts.signatures import described, documented
 from theory.cells.vdp import threshold_ratio
 from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
@@ -394,6 +394,8 @@ def test_words_without_a_name_and_those_after_it_are_read_from_the_signature():
         """
 
     assert [each.positional for each in described(judged)] == [True, False]
+    prose = "Note : this is prose.\n\nParameters\n----------\na : float\n    A.\n"
+    assert documented(prose) == {"a": ("float", "A.")}
     parser = argparse.ArgumentParser()
     options_of(many).declare(parser)
     assert parser.parse_args([]) == argparse.Namespace()

@@ -270,7 +270,7 @@ def test_all_verdicts_are_shown_in_the_form_that_is_asked_for(failures, capsys, 
 
 def test_every_derivation_is_typeset_in_the_form_that_is_asked_for(capsys, monkeypatch):
     """Beside --json the answer is that on the verdicts, whatever the form."""
-    made = judgement.Report(judgements=(), failures=(), seconds=1.5)
+    made = judgement.EquationReport(judgements=(), failures=(), seconds=1.5)
     monkeypatch.setattr(judgement, "report", lambda: made)
     monkeypatch.setattr(catalogue, "everything", lambda: ("one", "two"))
     monkeypatch.setattr(rendering, "document", lambda *each: f"document of {each}")

@@ -1256,10 +1256,10 @@ def test_help_of_a_command_without_models_has_all_its_examples(
 def test_only_nuclei_in_phase_are_given_another_pattern() -> None:
     """A breather of three sites or more has quarter turns between them."""
     for kept in (Nucleus(1), Nucleus(2, "0"), Nucleus(3, "+-"), Nucleus(4, "x00")):
-        assert breathers.with_pattern(kept) == kept
-    assert breathers.with_pattern(Nucleus(3, "00")).pattern == "-+"
+        assert breathers.with_pattern(kept, 31) == kept
+    assert breathers.with_pattern(Nucleus(3, "00"), 31).pattern == "-+"
     with pytest.raises(ParameterError, match="at an edge"):
-        breathers.with_pattern(Nucleus(3, "00", Place.EDGE))
+        breathers.with_pattern(Nucleus(3, "00", Place.EDGE), 31)
 
 
 def test_of_a_store_only_results_of_points_of_the_table_are_taken() -> None:

@@ -308,7 +308,7 @@ def _one_call(repeats: int) -> Target:
         worst = max(worst, seconds)
     _, seconds = _timed(partial(sum_by_integral, 0.3, 0.5, 1e-12), repeats)
     return Target("one value of the sum, v = 0.3, c = 0.5", 1e6 * seconds, "below", 20.0, "us",
-                  f"the dearest of six places takes {1e6 * worst:.3g} us")  # fmt: skip
+                  f"the most expensive of six places takes {1e6 * worst:.3g} us")  # fmt: skip
 
 
 def _curve(repeats: int) -> Target:

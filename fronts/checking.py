@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -90,18 +91,27 @@ class DerivedCell(Result):
 class DerivedEquations(Result):
     """Steps of a derivation, each computed from its sources and with a check that can fail.
 
-    It can be iterated over; a notebook shows operations, equations and checks.
+    It can be iterated over; a notebook shows operations, equations and checks. Where it is pickled,
+    what it is of is stored, and it is derived again.
 
     Attributes
     ----------
+    of, order : int or str, int
+        What `derivation` was asked for.
     title : str
         What is derived.
     derivation : Derivation
         The steps as objects of the package ``derivations``.
     """
 
+    of: int | str = field(metadata={"json": None})
+    order: int = field(metadata={"json": None})
     title: str
     derivation: Derivation = field(metadata={"json": None})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how it is derived again: checks hold functions that have no name of their own."""
+        return partial(derivation, order=self.order), (self.of,)
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -231,7 +241,7 @@ def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:
     else:
         number = whole_number("equation", of, 1, 54)
         found = catalogue.load(catalogue.owner(number), order).only(number)
-    return DerivedEquations(title=found.title, derivation=found)
+    return DerivedEquations(of=of, order=order, title=found.title, derivation=found)
 
 
 def derive_cell(

@@ -146,9 +146,12 @@ def test_a_result_is_its_copy_and_no_other(name, results):
     assert all(result != other for key, other in results.items() if key != name)
 
 
-def test_a_derivation_can_be_stored_and_checked_again():
-    copy = pickle.loads(pickle.dumps(fr.derivation(34)))
-    assert copy.to_dict() == fr.derivation(34).to_dict()
+@pytest.mark.parametrize(("of", "order"), [(34, 1), (42, 1), ("multiple-scales", 2)])
+def test_a_derivation_can_be_stored_and_checked_again(of, order):
+    one = fr.derivation(of, order=order)
+    copy = pickle.loads(pickle.dumps(one))
+    assert copy.to_dict() == one.to_dict()
+    assert len(copy.verify()) == len(one.steps)
 
 
 def test_results_are_equal_where_all_but_their_run_time_is():

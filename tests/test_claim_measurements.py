@@ -410,6 +410,7 @@ def test_sites_are_counted_until_all_have_stuck_or_none_does_for_the_stall_time(
             self.time = time
 
     monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
+    monkeypatch.setattr("verification.runs.excite._turning_points", lambda _: (0.0, 1.0))
     assert fig04._reached(0.01, 1, "edge", at.size, stall) == reached
 
 
@@ -587,6 +588,7 @@ def test_a_front_is_one_in_which_every_site_joins_after_the_one_before(
                          slow_time=1.0)  # fmt: skip
 
     monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
+    monkeypatch.setattr("verification.runs.excite._turning_points", lambda _: (0.0, 1.0))
     monkeypatch.setattr("verification.runs.simulate.simulate", run)
     monkeypatch.setattr("verification.breathers.outcome.evolution", evolution)
     monkeypatch.setattr(text_friction, "disagreement", lambda *_: 0.0)
@@ -923,7 +925,7 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     made = {"locked_breathers": ("every",), "family": ("some", "few")}
     for name, found in made.items():
         monkeypatch.setattr(models + name, lambda n, a, b, found=found: [(n, x) for x in found])
-    ends = {"every": 0.1, "some": 0.2, "few": 0.3}
+    ends = {"every": 0.1, "some": 0.3 - 0.9 * fig11.NEAR, "few": 0.3}
     monkeypatch.setattr(models + "follow", lambda each, a, b: ended(ends[each[1]]))
     monkeypatch.setattr(models + "outward_breather", lambda n, c, a, b: (n, c))
     monkeypatch.setattr(
@@ -934,9 +936,14 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     monkeypatch.setattr(other, lambda chain, nucleus: SimpleNamespace(growth=nucleus.size + 0.3))
     monkeypatch.setattr(fig11, "_orbit_growth", lambda found: tuple(each.c_end for each in found))
     monkeypatch.setattr(fig11, "_seeded_runs", tuple)
+    growth = {ends["some"]: 0.02, ends["few"]: None}
+    monkeypatch.setattr(fig11, "_orbit_end", lambda each: (2.0 * each.c_end, growth[each.c_end]))
     found = fig11.nuclei.__wrapped__()
     counts = {n: [each.c_end for each in some] for n, some in found.branches.items()}
-    assert counts == {n: [0.1] for n in fig11.RANGE} | {n: [0.2, 0.3] for n in fig11.FAMILY}
+    large = [ends["some"], ends["few"]]
+    assert counts == {n: [0.1] for n in fig11.RANGE} | dict.fromkeys(fig11.FAMILY, large)
+    assert found.orbit_end == 0.6  # of those that end near the last
+    assert found.growth_left == (0.02,) * len(fig11.FAMILY)
     assert found.orbit_growth == (0.1,)
     assert found.solvers_apart == pytest.approx(0.2)
     assert 0.15 in fig11.MIRRORED_AT[1:-1]  # where the largest of each is

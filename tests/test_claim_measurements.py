@@ -893,6 +893,8 @@ def test_of_many_breathers_the_largest_couplings_count() -> None:
     assert found.odd_stable == (5,)
     assert found.last == (3, 0.2)
     assert found.last_stable == (1, 0.18)
+    assert evidence(fig11.Nuclei, growth_left=()).slowest_left == math.inf
+    assert evidence(fig11.Nuclei, growth_left=(0.2, -0.1)).slowest_left == -0.1
     assert found.solvers_apart == pytest.approx(0.1)
 
 

@@ -273,6 +273,11 @@ class Nuclei:
         return max(self.stable.items(), key=lambda pair: pair[1])
 
     @property
+    def slowest_left(self) -> float:
+        """Smallest growth rate in (8) at c = 0.2011; infinite where no breather exists there."""
+        return min(self.growth_left, default=math.inf)
+
+    @property
     def solvers_apart(self) -> float:
         """Largest difference of growth rates between the two solvers."""
         return max(abs(self.growth_here[n] - x) for n, x in self.growth_by_envelope.items())
@@ -397,7 +402,7 @@ def rule_stable(e: Nuclei) -> Ruling:
 
 def rule_all_lost(e: Nuclei) -> Ruling:
     """Ask: no breather may be stable at 0.2011, nor any run stay localised."""
-    stable = e.last_stable[1] >= LAST or min(e.growth_left, default=1.0) <= 0.0
+    stable = e.last_stable[1] >= LAST or e.slowest_left <= 0.0
     if not stable and e.solvers_apart < SOLVERS and min(e.seeded_runs) > 8:
         return holds()
     return fails("a localised state is left at the largest printed coupling.")

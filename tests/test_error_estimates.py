@@ -209,13 +209,6 @@ def test_a_number_of_one_seed_has_its_error_where_there_is_one(
     assert found["quantity"] == "c_crit"
 
 
-@pytest.mark.parametrize("tolerance", [1e-11, 1e-6])
-def test_a_run_through_a_stiff_stage_errs_by_a_tenth_of_its_tolerance_at_least(
-    tolerance: float,
-) -> None:
-    assert stiff_stage.least_error(tolerance, 30.0) == pytest.approx(3.0 * tolerance)
-
-
 @pytest.mark.parametrize(("left", "right"), [(9, 12), (2, 20), (14, 14), (35, 38)])
 def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
     left: int, right: int, monkeypatch: pytest.MonkeyPatch

@@ -14,6 +14,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from theory.chains.chain import CHAINS
 from theory.chains.ends import Ends
@@ -22,10 +23,11 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.fronts.status import FrontStatus
+from verification.references import equations
 from verification.runs import simulate as simulate_module
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
-from verification.runs.trajectory import RunStatus
+from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers.stop_code import StopCode
 
 FRONT = VdpChain(a=4, b=0.5, c=0.6, sites=8)
@@ -245,3 +247,65 @@ def test_a_loop_ends_in_one_of_several_ways_each_with_its_sentence() -> None:
     """Codes that are equal would be one member under two names."""
     assert [code.name for code in StopCode] == list(StopCode.__members__)
     assert len({code.sentence for code in StopCode}) == len(StopCode)
+
+
+BY_ACCIDENT = {
+    "both came to each sample by one step": (
+        AveragedChain(a=4, b=0.475, c=2.356, sites=9), [5], 12.55, 1e-3
+    ),
+    "one step of the finer run was bad": (
+        VdpChain(a=4, b=0.5044099266762305, c=0.018981541178243064, eps=0.14252998801228128,
+                 sites=21),
+        [20, 9], 12.079822604229983, 1.753435608529151e-06,
+    ),
+}  # fmt: skip
+"""Runs that agreed with those at a tenth of the tolerance better than they were right."""
+
+
+@pytest.mark.parametrize("how", BY_ACCIDENT)
+def test_runs_that_agree_by_accident_state_the_error_that_they_have(how: str) -> None:
+    chain, excited, end, tolerance = BY_ACCIDENT[how]
+    run = simulate(chain, excite(chain, excited), end, tolerance=tolerance, samples=11)
+    true = np.hypot(*np.moveaxis(run.states - reference_states(run), 1, 0)).max()
+    assert 1e-9 < true <= run.error  # 1e-9: far above rounding and the error of the reference
+
+
+def reference_states(run: Trajectory) -> np.ndarray:
+    """Integrate the chain of a run from its start by scipy; return the states at its samples."""
+    chain, start, error = run.chain, run.states[0], {"rtol": 1e-12, "atol": 1e-13}
+    if isinstance(chain, AveragedChain):
+        rate, times = equations.averaged_rate(chain), chain.eps * run.times
+        found = solve_ivp(
+            rate, (0.0, times[-1]), start[1] + 1j * start[0], "DOP853", times, **error
+        )
+        return np.stack([found.y.T.imag, found.y.T.real], axis=1)
+    rate, times = equations.full_rate(chain), run.times
+    found = solve_ivp(rate, (0.0, times[-1]), start.ravel(), "DOP853", times, **error)
+    return found.y.T.reshape(times.size, 2, -1)
+
+
+@pytest.mark.parametrize(
+    ("b", "excited"), [(0.75, [1]), (0.68, [1, 3, 5, 7, 9, 11])], ids=["few", "many at once"]
+)
+def test_a_site_that_is_above_the_level_within_a_step_only_has_arrived(
+    b: float, excited: list[int]
+) -> None:
+    """It rises to a maximum that passes the level by a thousandth of it, and falls again."""
+    chain = AveragedChain(a=4, b=b, c=5.0, sites=12, ends=Ends.PERIODIC)
+    start = excite(chain, excited)
+    fine = reference_states(simulate(chain, start, 400.0, samples=2001, tolerance=1e-6))
+    amplitude = np.hypot(fine[:, 0, 1], fine[:, 1, 1])  # of the second site, which is at rest first
+    level = (1.0 - 1e-3) * amplitude.max()
+    first = 0.2 * np.flatnonzero(amplitude >= level)[0]
+    assert max(amplitude[0], amplitude[-1]) < 0.98 * level
+    run = simulate(chain, start, 400.0, samples=2, level=level, tolerance=1e-4)
+    assert run.arrivals[1] == pytest.approx(first, abs=1.0)  # it is flat there
+
+
+def test_an_arrival_in_the_last_step_but_after_the_end_is_none() -> None:
+    chain = FRONT.replace(eps=0.1)
+    last = simulate(chain, excite(chain, [1]), 30.0, samples=2).arrivals[2]
+    assert 20.0 < last < 30.0
+    for end, arrived in ((last - 1e-6, False), (last + 1e-6, True)):
+        run = simulate(chain, excite(chain, [1]), end, samples=2)
+        assert np.isfinite(run.arrivals[2]) == arrived

@@ -153,8 +153,16 @@ class Integration(ABC):
         return np.zeros((0, 3))
 
     def least_error(self) -> float:
-        """Return a bound below which the error is not claimed, whatever the comparison says."""
-        return 0.0
+        """Return the local error that a step may make: a run is not claimed to err by less.
+
+        Runs that are compared may agree far better than either is right: where both come to a
+        sample by the same few steps, or where one step of the finer run happens to be bad.
+        """
+        return self.tolerance
+
+    def least_arrival_error(self) -> float:
+        """Return the same of times: the tolerance, in the unit of time of the right-hand side."""
+        return self.tolerance
 
     @classmethod
     def perturbed(cls, chain: Chain, start: FloatArray, ulps: int) -> FloatArray:

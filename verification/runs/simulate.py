@@ -168,9 +168,10 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
     status = RunStatus.NOT_COMPARED
     for other in others:
         errors = error_by_sample(first.samples, other.samples)
-        errors = np.maximum(errors, first.least_error())
-        error = float(errors.max())
+        error = max(float(errors.max()), first.least_error())
         arrival_error = arrival_error_from(first.arrivals, other.arrivals)
+        if np.any(first.arrivals > 0.0):  # those at 0 are of the start, and exact
+            arrival_error = max(arrival_error, first.least_arrival_error())
         status, until = _resolution(first, errors)
         if status is RunStatus.RESOLVED and dict(other.events) != dict(first.events):
             status = RunStatus.EVENTS_DIFFER

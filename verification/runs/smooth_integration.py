@@ -262,12 +262,18 @@ class SmoothIntegration(Integration):
         return bool(self.amplitude.max() < _DECAYED * level)
 
     def least_error(self) -> float:
-        """Return the least error of a run through an implicit stage; 0 without one."""
-        if not self.counts["stiff_steps"]:
-            return 0.0
-        from verification.steppers.stiff_stage import least_error
+        """Return the local error of steps that do not grow, where the sampled state is largest."""
+        least = self.tolerance
+        if self.counts["stiff_steps"]:
+            from verification.steppers.stiff_stage import TIGHTEST
 
-        return least_error(self.tolerance, self._size)
+            least = max(least, TIGHTEST)
+        size = max(float(np.abs(self._run.samples).max()), self.chain.forced_size)
+        return smooth.LAZY * least * size
+
+    def least_arrival_error(self) -> float:
+        """Return the same part of the tolerance, in kernel time."""
+        return smooth.LAZY * self.tolerance / self._rate
 
     def advance(self, budget: int) -> None:
         """Step until the end, or until some ``budget`` of sites times steps is spent.

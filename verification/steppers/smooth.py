@@ -44,7 +44,8 @@ _FIRST = 0.5
 """First step at tolerance one; it follows the tolerance, so that two runs never share steps."""
 
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
-_LAZY = 0.25
+LAZY = 0.25
+"""A step grows if its error is below this part of the tolerance."""
 _MAX_TRIALS, _MET = 60, 0.01
 _FEW = 4
 """Arrivals within a step that are located one by one; more of them together, by interpolation."""
@@ -144,7 +145,7 @@ class Rows(NamedTuple):
     K : ndarray, shape (STAGES, 2m)
         Slopes.
     room : ndarray, shape (2, 2m)
-        Of ``step_error``.
+        Of ``step_error``; then where within the step arrivals are to be looked for (``_crossing``).
     p : ndarray, shape (P,)
         Parameters of the kernel in the present step.
     """
@@ -274,11 +275,18 @@ def _interpolated(values: FloatArray, part: float) -> float:
     return float(above / below)
 
 
+@inner()
+def _note(task: LoopTask, run: LoopState, site: int, time: float) -> None:
+    """Note an arrival, unless it is in the part of the last step that is beyond the end."""
+    if time <= task.end:
+        run.arrivals[site] = time
+
+
 @inner(**COUNTED)
 def _note_many(
     take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
 ) -> int:
-    """Find the arrivals of many sites within the step; return the foremost of them.
+    """Find the arrivals of the many sites in question within the step; return the foremost of them.
 
     They are found by interpolation between the states at a few times of the step.
     """
@@ -293,27 +301,60 @@ def _note_many(
             values[j, n] = row[n] ** 2 + row[m + n] ** 2 - square
     foremost = -1
     for n in range(m):
-        if values[last, n] < 0.0 or not math.isnan(run.arrivals[lo + n]):
+        if rows.room[0, n] == 0.0:
             continue
-        low, high = 0.0, 1.0
+        reached = 0
+        while reached <= last and values[reached, n] < 0.0:
+            reached += 1
+        if reached > last:
+            continue
+        low, high = (_PARTS[reached - 1] if reached > 0 else 0.0), _PARTS[reached]
         for _ in range(52):  # bisection, to the last bit of the part
             middle = 0.5 * (low + high)
             if _interpolated(values[:, n], middle) < 0.0:
                 low = middle
             else:
                 high = middle
-        run.arrivals[lo + n] = run.clock[0] + high * h
+        _note(task, run, lo + n, run.clock[0] + high * h)
         foremost = lo + n
     return foremost
 
 
 @inner()
-def _crossing(task: LoopTask, run: LoopState, rows: Rows) -> int:
-    """Return how many sites pass the level within the step."""
-    new, lo = rows.new, run.counters[LO]
-    m, square, found = new.size // 2, task.level * task.level, 0
+def _summit(before: float, rise: float, after: float, fall: float) -> float:
+    """Return the part of a step at which a value that rises and falls may pass 0; 0 if it cannot.
+
+    The value is negative at both ends, and taken for the cubic of its values and slopes there; the
+    slopes are those by the part. No cubic exceeds its values at the ends by 4/27 of both slopes.
+    """
+    if rise <= 0.0 or fall >= 0.0 or max(before, after) + 0.25 * (rise - fall) < 0.0:
+        return 0.0
+    square = 3.0 * (after - before) - 2.0 * rise - fall
+    cube = 2.0 * (before - after) + rise + fall
+    return rise / (math.sqrt(square * square - 3.0 * cube * rise) - square)
+
+
+@inner()
+def _crossing(task: LoopTask, run: LoopState, rows: Rows, h: float) -> int:
+    """Return how many sites may pass the level within the step.
+
+    Put into ``rows.room`` the part of the step at which each of them is to be looked at, and 0 for
+    the others: 1 if it is beyond the level at the end, and less if it may have been so in between.
+    """
+    x, new, K, lo = rows.x, rows.new, rows.K, run.counters[LO]
+    m, square, found, last = new.size // 2, task.level * task.level, 0, STAGES - 1
     for n in range(m):
-        if new[n] ** 2 + new[m + n] ** 2 >= square and math.isnan(run.arrivals[lo + n]):
+        part = 0.0
+        if math.isnan(run.arrivals[lo + n]):
+            after = new[n] ** 2 + new[m + n] ** 2 - square
+            if after >= 0.0:
+                part = 1.0
+            else:  # the last slope is that at the end of the step, to the order of its stages
+                rise = 2.0 * h * (x[n] * K[0, n] + x[m + n] * K[0, m + n])
+                fall = 2.0 * h * (new[n] * K[last, n] + new[m + n] * K[last, m + n])
+                part = _summit(x[n] ** 2 + x[m + n] ** 2 - square, rise, after, fall)
+        rows.room[0, n] = part
+        if part > 0.0:
             found += 1
     return found
 
@@ -332,10 +373,16 @@ def _note_arrivals(
     square, met = task.level * task.level, max(1e-15, _MET * task.tolerance)
     foremost = -1
     for n in range(m):
-        above = new[n] ** 2 + new[m + n] ** 2 - square
-        if above < 0.0 or not math.isnan(run.arrivals[lo + n]):
+        if rows.room[0, n] == 0.0:
             continue
-        low, high, part = 0.0, h, h
+        part = h * rows.room[0, n]
+        if part < h:
+            take_step(x, rows.p, ends[0], ends[1], part, rows.K, inside)
+        reached = inside if part < h else new
+        above = reached[n] ** 2 + reached[m + n] ** 2 - square
+        if above < 0.0:
+            continue
+        low, high = 0.0, part
         below = x[n] ** 2 + x[m + n] ** 2 - square
         for _ in range(_MAX_TRIALS):
             part = low + below / (below - above) * (high - low)
@@ -347,7 +394,7 @@ def _note_arrivals(
                 low, below, above = part, value, 0.5 * above
             else:
                 high, above, below = part, value, 0.5 * below
-        run.arrivals[lo + n] = run.clock[0] + part
+        _note(task, run, lo + n, run.clock[0] + part)
         foremost = lo + n
     return foremost
 
@@ -360,7 +407,7 @@ def _pass_time(task: LoopTask, clock: FloatArray, h: float) -> None:
     clock[4] = whole - (clock[0] - t)
     if clock[0] >= clock[3]:
         clock[3] = clock[0] + task.review
-        if clock[2] < _LAZY:
+        if clock[2] < LAZY:
             clock[1] = h * min(_GROW, _SAFETY * max(clock[2], 1e-8) ** (-0.125))
         clock[2] = 0.0
 
@@ -405,9 +452,9 @@ def _advance(
         if h < task.shortest:
             clock[1] = 0.0
             return TOO_SHORT
+        foremost, arriving = -1, _crossing(task, run, rows, h)
         if _sample_is_due(task, run, h):
             _take_samples(take_step, task, run, rows, ends, h)
-        foremost, arriving = -1, _crossing(task, run, rows)
         if arriving > _FEW:
             foremost = _note_many(take_step, task, run, rows, ends, h)
         elif arriving > 0:

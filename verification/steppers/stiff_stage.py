@@ -34,22 +34,8 @@ _MAX_DENSE = 100
 _PAD = 4
 """Margins of sites at rest that are solved for at first, on either side."""
 
-_TIGHTEST = 1e-12
-_LEAST = 0.1
-
-
-def least_error(tolerance: float, displacement: float) -> float:
-    """Return what the error of a run through a stage is at least: a tenth of the tolerance.
-
-    Its error comes in leaps far below the tolerance, so that runs at other tolerances may agree
-    by accident.
-
-    Examples
-    --------
-    >>> least_error(1e-6, 100.0) == 0.1 * 1e-6 * 100.0
-    True
-    """
-    return _LEAST * max(_TIGHTEST, tolerance) * displacement
+TIGHTEST = 1e-12
+"""Tolerance below which the implicit method is not asked to go."""
 
 
 def full_right_side(chain: VdpChain, state: FloatArray) -> FloatArray:
@@ -220,7 +206,7 @@ def _radau(
     """Return what scipy's Radau finds up to the end, or to where (8) is stiff no more."""
     from scipy.integrate import solve_ivp
 
-    tolerance = max(_TIGHTEST, tolerance)
+    tolerance = max(TIGHTEST, tolerance)
     solved = solve_ivp(
         lambda _, x: full_right_side(chain, x),
         (begin, end),

@@ -268,7 +268,7 @@ class SmoothIntegration(Integration):
             from verification.steppers.stiff_stage import TIGHTEST
 
             least = max(least, TIGHTEST)
-        size = max(float(np.abs(self._run.samples).max()), self.chain.forced_size)
+        size: float = max(float(np.abs(self._run.samples).max()), self.chain.forced_size)
         return smooth.LAZY * least * size
 
     def least_arrival_error(self) -> float:

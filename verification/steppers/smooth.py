@@ -46,9 +46,6 @@ _FIRST = 0.5
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
 LAZY = 0.25
 """A step grows if its error is below this part of the tolerance."""
-_MAX_TRIALS, _MET = 60, 0.01
-_FEW = 4
-"""Arrivals within a step that are located one by one; more of them together, by interpolation."""
 _PARTS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
 """Parts of a step between whose states is interpolated: the polynomial is of the order of steps."""
 
@@ -145,7 +142,7 @@ class Rows(NamedTuple):
     K : ndarray, shape (STAGES, 2m)
         Slopes.
     room : ndarray, shape (2, 2m)
-        Of ``step_error``; then where within the step arrivals are to be looked for (``_crossing``).
+        Of ``step_error``; then 1 where a site may arrive within the step (``_arriving``), else 0.
     p : ndarray, shape (P,)
         Parameters of the kernel in the present step.
     """
@@ -185,6 +182,13 @@ def _never(
 
 
 @inner()
+def _beyond(row: FloatArray, n: int, square: float) -> float:
+    """Return by how much the squared amplitude of a site of a row exceeds a square."""
+    y, w = row[n], row[row.size // 2 + n]
+    return float(y * y + w * w - square)
+
+
+@inner()
 def _widened(
     x: FloatArray, rest: float, margin: int, lo: int, hi: int, sites: int
 ) -> tuple[int, int]:
@@ -193,11 +197,11 @@ def _widened(
     square = rest * rest
     new_lo, new_hi = lo, hi
     for n in range(min(m, margin)):
-        if x[n] ** 2 + x[m + n] ** 2 > square:
+        if _beyond(x, n, square) > 0.0:
             new_lo = max(0, lo + n - margin)
             break
     for n in range(m - 1, max(0, m - margin) - 1, -1):
-        if x[n] ** 2 + x[m + n] ** 2 > square:
+        if _beyond(x, n, square) > 0.0:
             new_hi = min(sites, lo + n + margin + 1)
             break
     return min(lo, new_lo), max(hi, new_hi)
@@ -275,18 +279,11 @@ def _interpolated(values: FloatArray, part: float) -> float:
     return float(above / below)
 
 
-@inner()
-def _note(task: LoopTask, run: LoopState, site: int, time: float) -> None:
-    """Note an arrival, unless it is in the part of the last step that is beyond the end."""
-    if time <= task.end:
-        run.arrivals[site] = time
-
-
 @inner(**COUNTED)
-def _note_many(
+def _note_arrivals(
     take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
 ) -> int:
-    """Find the arrivals of the many sites in question within the step; return the foremost of them.
+    """Find the arrivals of the sites in question within the step; return the foremost of them.
 
     They are found by interpolation between the states at a few times of the step.
     """
@@ -298,12 +295,10 @@ def _note_many(
         if 0 < j < last:
             take_step(x, rows.p, ends[0], ends[1], _PARTS[j] * h, rows.K, row)
         for n in range(m):
-            values[j, n] = row[n] ** 2 + row[m + n] ** 2 - square
+            values[j, n] = _beyond(row, n, square)
     foremost = -1
     for n in range(m):
-        if rows.room[0, n] == 0.0:
-            continue
-        reached = 0
+        reached = 0 if rows.room[0, n] > 0.0 else last + 1
         while reached <= last and values[reached, n] < 0.0:
             reached += 1
         if reached > last:
@@ -315,88 +310,39 @@ def _note_many(
                 low = middle
             else:
                 high = middle
-        _note(task, run, lo + n, run.clock[0] + high * h)
-        foremost = lo + n
+        time = run.clock[0] + high * h
+        if time <= task.end:  # which the last step passes
+            run.arrivals[lo + n] = time
+            foremost = lo + n
     return foremost
 
 
 @inner()
-def _summit(before: float, rise: float, after: float, fall: float) -> float:
-    """Return the part of a step at which a value that rises and falls may pass 0; 0 if it cannot.
+def _may_pass(before: float, rise: float, after: float, fall: float) -> bool:
+    """Return whether a value below 0 at both ends of a step may be above in between.
 
-    The value is negative at both ends, and taken for the cubic of its values and slopes there; the
-    slopes are those by the part. No cubic exceeds its values at the ends by 4/27 of both slopes.
+    It is taken for the cubic of its values and slopes at the ends (by the part of the step), which
+    exceeds the values by 4/27 of each slope at most.
     """
-    if rise <= 0.0 or fall >= 0.0 or max(before, after) + 0.25 * (rise - fall) < 0.0:
-        return 0.0
-    square = 3.0 * (after - before) - 2.0 * rise - fall
-    cube = 2.0 * (before - after) + rise + fall
-    return rise / (math.sqrt(square * square - 3.0 * cube * rise) - square)
+    return rise > 0.0 > fall and max(before, after) + 0.25 * (rise - fall) >= 0.0
 
 
 @inner()
-def _crossing(task: LoopTask, run: LoopState, rows: Rows, h: float) -> int:
-    """Return how many sites may pass the level within the step.
-
-    Put into ``rows.room`` the part of the step at which each of them is to be looked at, and 0 for
-    the others: 1 if it is beyond the level at the end, and less if it may have been so in between.
-    """
+def _arriving(task: LoopTask, run: LoopState, rows: Rows, h: float) -> bool:
+    """Return whether any site may pass the level within the step; mark those in ``rows.room``."""
     x, new, K, lo = rows.x, rows.new, rows.K, run.counters[LO]
-    m, square, found, last = new.size // 2, task.level * task.level, 0, STAGES - 1
+    m, square, found, last = new.size // 2, task.level * task.level, False, STAGES - 1
     for n in range(m):
-        part = 0.0
+        mark = 0.0
         if math.isnan(run.arrivals[lo + n]):
-            after = new[n] ** 2 + new[m + n] ** 2 - square
-            if after >= 0.0:
-                part = 1.0
-            else:  # the last slope is that at the end of the step, to the order of its stages
-                rise = 2.0 * h * (x[n] * K[0, n] + x[m + n] * K[0, m + n])
-                fall = 2.0 * h * (new[n] * K[last, n] + new[m + n] * K[last, m + n])
-                part = _summit(x[n] ** 2 + x[m + n] ** 2 - square, rise, after, fall)
-        rows.room[0, n] = part
-        if part > 0.0:
-            found += 1
+            before, after = _beyond(x, n, square), _beyond(new, n, square)
+            # The last slope is that at the end of the step, to the order of its stages.
+            rise = 2.0 * h * (x[n] * K[0, n] + x[m + n] * K[0, m + n])
+            fall = 2.0 * h * (new[n] * K[last, n] + new[m + n] * K[last, m + n])
+            if after >= 0.0 or _may_pass(before, rise, after, fall):
+                mark, found = 1.0, True
+        rows.room[0, n] = mark
     return found
-
-
-@inner()
-def _note_arrivals(
-    take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
-) -> int:
-    """Find when a few sites pass the level within the step; return the foremost of them.
-
-    Shorter steps are taken from the beginning of the step, by the Illinois rule: the secant, with
-    the value of an end that stays halved.
-    """
-    x, new, inside, lo = rows.x, rows.new, rows.inside, run.counters[LO]
-    m = x.size // 2
-    square, met = task.level * task.level, max(1e-15, _MET * task.tolerance)
-    foremost = -1
-    for n in range(m):
-        if rows.room[0, n] == 0.0:
-            continue
-        part = h * rows.room[0, n]
-        if part < h:
-            take_step(x, rows.p, ends[0], ends[1], part, rows.K, inside)
-        reached = inside if part < h else new
-        above = reached[n] ** 2 + reached[m + n] ** 2 - square
-        if above < 0.0:
-            continue
-        low, high = 0.0, part
-        below = x[n] ** 2 + x[m + n] ** 2 - square
-        for _ in range(_MAX_TRIALS):
-            part = low + below / (below - above) * (high - low)
-            take_step(x, rows.p, ends[0], ends[1], part, rows.K, inside)
-            value = inside[n] ** 2 + inside[m + n] ** 2 - square
-            if abs(value) <= met * square or high - low <= met * h:
-                break
-            if value < 0.0:
-                low, below, above = part, value, 0.5 * above
-            else:
-                high, above, below = part, value, 0.5 * below
-        _note(task, run, lo + n, run.clock[0] + part)
-        foremost = lo + n
-    return foremost
 
 
 @inner()
@@ -452,12 +398,10 @@ def _advance(
         if h < task.shortest:
             clock[1] = 0.0
             return TOO_SHORT
-        foremost, arriving = -1, _crossing(task, run, rows, h)
+        foremost, arriving = -1, _arriving(task, run, rows, h)
         if _sample_is_due(task, run, h):
             _take_samples(take_step, task, run, rows, ends, h)
-        if arriving > _FEW:
-            foremost = _note_many(take_step, task, run, rows, ends, h)
-        elif arriving > 0:
+        if arriving:
             foremost = _note_arrivals(take_step, task, run, rows, ends, h)
         found = stop(
             take_step, clock[0], h, rows.x, rows.new, rows.p, rows.K, rows.inside, run.memory

@@ -27,7 +27,7 @@ class EquationVerdict(StrEnum):
 
 
 @dataclass(frozen=True)
-class Reading:
+class EquationReading:
     """One way to read an ambiguous equation, or what another place asks of an inconsistent one.
 
     Attributes
@@ -69,7 +69,7 @@ class PrintedEquation:
         Why, in a sentence or two.
     affects : str
         What later in the paper hangs on it; empty for nothing.
-    readings : tuple of Reading
+    readings : tuple of EquationReading
         For an ambiguous equation. For an inconsistent one: what another place makes of it, which
         fails, and the form that does not.
     slip : (Basic, Basic, Basic) or None
@@ -85,7 +85,7 @@ class PrintedEquation:
     verdict: EquationVerdict
     note: str
     affects: str = ""
-    readings: tuple[Reading, ...] = ()
+    readings: tuple[EquationReading, ...] = ()
     slip: tuple[sp.Basic, sp.Basic, sp.Basic] | None = None
     amendments: tuple[tuple[str, str], ...] = ()
 

@@ -9,7 +9,7 @@ from derivations.averaging import readings
 from derivations.averaging.checks import AveragingChecks
 from derivations.averaging.symbols import A_n, phi, psi
 from derivations.chain import PAPER
-from derivations.printing import EquationVerdict, PrintedEquation, Reading
+from derivations.printing import EquationReading, EquationVerdict, PrintedEquation
 from derivations.symbols import a, alpha_0, b, c, epsilon, i, k_1, k_2, n, omega, t, y
 
 _Psi, _bar = psi(n, t), sp.conjugate(psi(n, t))
@@ -163,11 +163,12 @@ _DECAYING = (
              "y: see (36).",
         affects="(36), (37), (38) and Fig. 8 inherit the open n.",
         readings=(
-            Reading("at one site n >= 1", _BALANCE, True, "the substitution is right"),
-            Reading("at every n >= 1", _BALANCE, False,
-                    "three sites force equal amplitudes: no decaying solution exists; what is true "
-                    "instead are real amplitudes with phase steps of -pi/2 and a varying ratio",
-                    readings.at_every_site),
+            EquationReading("at one site n >= 1", _BALANCE, True, "the substitution is right"),
+            EquationReading(
+                "at every n >= 1", _BALANCE, False,
+                "three sites force equal amplitudes: no decaying solution exists; what is true "
+                "instead are real amplitudes with phase steps of -pi/2 and a varying ratio",
+                readings.at_every_site),
         ),
     ),
     PrintedEquation(
@@ -184,12 +185,14 @@ _DECAYING = (
         affects="(35) in the same way. (29) and (36) may not be solved together as they stand at "
                 "eps > 0; in the limit (37) the two are the same.",
         readings=(
-            Reading("alpha_0 as in (9), (29) and (38), an amplitude of y", _phases(1 + epsilon * c),
-                    False, "the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4 are then too many",
-                    _BY_DISPLACEMENT),
-            Reading("with alpha_0 of (9): without the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4, "
-                    "and without 1/omega^2 and 1/omega^4 in (35)", _phases(sp.Integer(1)), True,
-                    "one alpha_0 throughout", _BY_DISPLACEMENT),
+            EquationReading(
+                "alpha_0 as in (9), (29) and (38), an amplitude of y", _phases(1 + epsilon * c),
+                False, "the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4 are then too many",
+                _BY_DISPLACEMENT),
+            EquationReading(
+                "with alpha_0 of (9): without the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4, "
+                "and without 1/omega^2 and 1/omega^4 in (35)", _phases(sp.Integer(1)), True,
+                "one alpha_0 throughout", _BY_DISPLACEMENT),
         ),
     ),
     PrintedEquation(
@@ -202,15 +205,15 @@ _DECAYING = (
              "k_1 < 0 and a positive bracket, that is below the unstable cycle.",
         affects="Fig. 8: alpha_0 and k_1. Against the averaged chain at a = 2.5, b = 0.5, c = 0.1.",
         readings=(
-            Reading("n = 0, the centre", _DECAY.subs(n, 0), False,
-                    "with (29) no solution: its bracket is negative on the cycle",
-                    readings.solved_with_29(0)),
-            Reading("n = 1, the first neighbour", _DECAY.subs(n, 1), True,
-                    "the reading that agrees with the close match claimed for Fig. 8",
-                    readings.solved_with_29(1)),
-            Reading("n large, the linear tail", _FAR, False,
-                    "right for the tail, 2 c sinh k_1 = -1, but not for the neighbour",
-                    readings.solved_with_29(None)),
+            EquationReading("n = 0, the centre", _DECAY.subs(n, 0), False,
+                            "with (29) no solution: its bracket is negative on the cycle",
+                            readings.solved_with_29(0)),
+            EquationReading("n = 1, the first neighbour", _DECAY.subs(n, 1), True,
+                            "the reading that agrees with the close match claimed for Fig. 8",
+                            readings.solved_with_29(1)),
+            EquationReading("n large, the linear tail", _FAR, False,
+                            "right for the tail, 2 c sinh k_1 = -1, but not for the neighbour",
+                            readings.solved_with_29(None)),
         ),
         amendments=(("e^{2k_1 n}", "e^{2k_1}"), ("e^{4k_1 n}", "e^{4k_1}")),
     ),

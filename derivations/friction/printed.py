@@ -30,7 +30,7 @@ from derivations.friction.symbols import (
     y_0,
     y_tilde,
 )
-from derivations.printing import EquationVerdict, PrintedEquation, Reading
+from derivations.printing import EquationReading, EquationVerdict, PrintedEquation
 
 _own, _scaled = y(n, t), y_tilde(n, tau)
 
@@ -120,12 +120,13 @@ EQUATIONS = (
              "bound must include equality, as in (3).",
         affects="All numbers of model I: they use the scaled v_0 = 0.5 of (7).",
         readings=(
-            Reading("the same function mu, with the dimensional v_0", _force(v_tilde_rel, sp.Le),
-                    False, "right only if omega_n y_0 = 1"),
-            Reading("mu at the velocity omega_n y_0 times the scaled one, that is with "
-                    "v_0 / (omega_n y_0) in the place of v_0",
-                    _force(omega_n * y_0 * v_tilde_rel, sp.Le), True,
-                    "(6) is (3) divided by F_N; (7) names this scaled velocity"),
+            EquationReading(
+                "the same function mu, with the dimensional v_0", _force(v_tilde_rel, sp.Le),
+                False, "right only if omega_n y_0 = 1"),
+            EquationReading("mu at the velocity omega_n y_0 times the scaled one, that is with "
+                            "v_0 / (omega_n y_0) in the place of v_0",
+                            _force(omega_n * y_0 * v_tilde_rel, sp.Le), True,
+                            "(6) is (3) divided by F_N; (7) names this scaled velocity"),
         ),
         amendments=((r"\mu(\tilde{v}_{rel})", r"\mu(\omega_n y_0 \tilde{v}_{rel})"),
                     (r"|\tilde{F}| <", r"|\tilde{F}| \leq")),

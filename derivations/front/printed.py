@@ -24,7 +24,7 @@ from derivations.front.symbols import (
     v,
     zeta,
 )
-from derivations.printing import EquationVerdict, PrintedEquation, Reading
+from derivations.printing import EquationReading, EquationVerdict, PrintedEquation
 from derivations.symbols import a, b, c, epsilon, i, n, t
 
 _half = sp.Rational(1, 2)
@@ -81,11 +81,13 @@ EQUATIONS = (
              "state; in (43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2.",
         affects="(45), (47), (53), (54): the reading decides which kinetic relation follows.",
         readings=(
-            Reading("|phi_n| against |phi_us|", _lines(sp.Abs(_own), sp.Abs(phi_us)), True,
-                    "both equilibria for every phase of the cycle; leads to |Sum| = 2 r, (54)"),
-            Reading("real parts", _lines(sp.re(_own), sp.re(phi_us)), False,
-                    "a cycle of the wrong phase counts as at rest; would lead to a relation for "
-                    "Re Sum instead of (54)"),
+            EquationReading(
+                "|phi_n| against |phi_us|", _lines(sp.Abs(_own), sp.Abs(phi_us)), True,
+                "both equilibria for every phase of the cycle; leads to |Sum| = 2 r, (54)"),
+            EquationReading(
+                "real parts", _lines(sp.re(_own), sp.re(phi_us)), False,
+                "a cycle of the wrong phase counts as at rest; would lead to a relation for "
+                "Re Sum instead of (54)"),
         ),
         amendments=_modulus,
     ),
@@ -98,10 +100,11 @@ EQUATIONS = (
              "of complex numbers. The letter F is the friction force in model I.",
         affects="(48).",
         readings=(
-            Reading("step at |phi_n| = |phi_us|", _force(sp.Abs(_own) - sp.Abs(phi_us)), True,
-                    "identical with (44) read by modulus"),
-            Reading("step in the real part", _force(sp.re(_own - phi_us)), False,
-                    "differs from (44) read by modulus"),
+            EquationReading(
+                "step at |phi_n| = |phi_us|", _force(sp.Abs(_own) - sp.Abs(phi_us)), True,
+                "identical with (44) read by modulus"),
+            EquationReading("step in the real part", _force(sp.re(_own - phi_us)), False,
+                            "differs from (44) read by modulus"),
         ),
         amendments=((r"\varphi_n - \varphi_{us}", r"|\varphi_n| - |\varphi_{us}|"),),
     ),
@@ -163,10 +166,10 @@ EQUATIONS = (
         note="Called the derivative of L, it is so only where L = 0.",
         affects="Nothing: (49), (53) and (54) use it on the roots only.",
         readings=(
-            Reading("for every k", _slope, False, "the derivative is -i v_hat - i c sin k",
-                    _checks.slope),
-            Reading("on the roots of L", _slope, True,
-                    "the same number there, with v_hat eliminated", _checks.slope_on_roots),
+            EquationReading("for every k", _slope, False, "the derivative is -i v_hat - i c sin k",
+                            _checks.slope),
+            EquationReading("on the roots of L", _slope, True,
+                            "the same number there, with v_hat eliminated", _checks.slope_on_roots),
         ),
     ),
     PrintedEquation(
@@ -185,11 +188,12 @@ EQUATIONS = (
              "single unknown v_hat.",
         affects="(54) and Figs. 16-18.",
         readings=(
-            Reading("the phase of phi_us is free and comes out of (53)", _threshold, True,
-                    "the modulus alone fixes v_hat: (54)"),
-            Reading("phi_us / phi_s is real and positive, as both on one line in (44)", _threshold,
-                    False, "no solution in general: the sum is not real and negative on (54)",
-                    readings.real_ratio),
+            EquationReading("the phase of phi_us is free and comes out of (53)", _threshold, True,
+                            "the modulus alone fixes v_hat: (54)"),
+            EquationReading(
+                "phi_us / phi_s is real and positive, as both on one line in (44)", _threshold,
+                False, "no solution in general: the sum is not real and negative on (54)",
+                readings.real_ratio),
         ),
     ),
     PrintedEquation(

@@ -17,7 +17,7 @@ from derivations.linearisation.symbols import (
     delta_rate,
     perturbations,
 )
-from derivations.printing import EquationVerdict, PrintedEquation, Reading
+from derivations.printing import EquationReading, EquationVerdict, PrintedEquation
 from derivations.symbols import a, b, c, epsilon, t, y
 
 _x, _delta = components(SITES), perturbations(SITES)
@@ -103,11 +103,12 @@ EQUATIONS = (
         affects="Fig. 9. For a breather far from the ends the difference is of the size of its "
                 "tail.",
         readings=(
-            Reading("the open ends of Figs. 12 and 15", _field(), False,
-                    "the rows of sites 1 and N have a neighbour too many", _open_check),
-            Reading("for an open chain: rows -x_1 - eps c (x_1 - x_2) - ... and its mirror for N",
-                    _open_field(), True,
-                    "what Figs. 12 and 15 need; uniform states are as on the ring", _open_check),
+            EquationReading("the open ends of Figs. 12 and 15", _field(), False,
+                            "the rows of sites 1 and N have a neighbour too many", _open_check),
+            EquationReading(
+                "for an open chain: rows -x_1 - eps c (x_1 - x_2) - ... and its mirror for N",
+                _open_field(), True,
+                "what Figs. 12 and 15 need; uniform states are as on the ring", _open_check),
         ),
         amendments=((r"2x_1 - x_2 - x_N", r"x_1 - x_2"),
                     (r"2x_N - x_1 - x_{N-1}", r"x_N - x_{N-1}")),

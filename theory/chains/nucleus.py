@@ -10,7 +10,7 @@ nucleus of three or more sites stays in phase. An even one has K free at this or
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -67,7 +67,7 @@ class Nucleus:
     size: int
     pattern: str = ""
     place: Place = Place.BULK
-    relaxed_from: str = field(default="", init=False, compare=False, repr=False)
+    relaxed_from: str = field(default="", compare=False, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")
@@ -110,9 +110,7 @@ class Nucleus:
         stays = self.size < 3 or self.size == sites or self.place is Place.EDGE
         if stays or not self.in_phase:
             return self
-        found = Nucleus(self.size, outward_pattern(self.size))
-        object.__setattr__(found, "relaxed_from", self.pattern)
-        return found
+        return replace(self, pattern=outward_pattern(self.size), relaxed_from=self.pattern)
 
     def phases(self) -> NDArray[np.float64]:
         """Return the phases θ_n of the excited sites, the first one zero."""

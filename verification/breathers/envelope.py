@@ -42,8 +42,8 @@ SMALLEST_ETA = 1e-6
 """Below it rounding of the cell's rate, 1/(2η) at the cycle, shifts folds by more than is said."""
 
 
-def start_of(chain: VanDerPolChain) -> float:
-    """Return the coupling at which branches leave the anticontinuum limit.
+def start_of(chain: VanDerPolChain, latest: float = START, part: float = 0.25) -> float:
+    """Return the coupling at which branches leave the anticontinuum limit: a part of their fold.
 
     The fold goes to zero like √η, and is that of the closed form to some per cent.
 
@@ -55,7 +55,7 @@ def start_of(chain: VanDerPolChain) -> float:
     """
     fold = closed_form_fold(chain).c
     assert fold is not None  # only the reading at the centre has none
-    return min(START, 0.25 * fold)
+    return min(latest, part * fold)
 
 
 @dataclass(frozen=True)

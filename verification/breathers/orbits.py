@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.averaged.breather import BreatherStatus, closed_form_fold
+from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
-from verification.breathers.envelope import solve_envelope_breather
+from verification.breathers.envelope import solve_envelope_breather, start_of
 from verification.breathers.exponents import BreatherStability
 from verification.breathers.family import BreatherFamily
 from verification.breathers.floquet import floquet_multipliers
@@ -118,9 +118,7 @@ class Orbits(BreatherFamily):
         return point
 
     def _first(self, c_end: float) -> BranchPoint:
-        fold = closed_form_fold(self.chain).c
-        assert fold is not None  # only the reading at the centre has none
-        least = min(STARTS[0], 0.5 * fold)
+        least = start_of(self.chain, STARTS[0], 0.5)
         for start in (least, *STARTS[1:]) if c_end > least else (0.5 * c_end,):
             if start < c_end:
                 with contextlib.suppress(NotConvergedError):

@@ -39,8 +39,8 @@ _ARCH = 4
 """Additional cost of a value by the rule for c > 3v, in values by the rule on the axis."""
 _MANY_WIGGLES = 64
 """Number of points, a few for each wiggle, above which it pays to find where wiggles matter."""
-_PARTS = 8
-"""Number of parts into which an interval of ln v is divided."""
+_WIDEST, _PARTS = 2.0, 8
+"""Length of the intervals of ln v that are looked at first, and number of parts of each."""
 _FEW_POINTS = 4.0
 """Number of points of an interval that is not divided further."""
 _RESONANCES = 12
@@ -243,7 +243,7 @@ def _where_wiggles_matter(
     (few,) = (~several).nonzero()
     owners, begins, ends = [few], [low[few]], [turn[few]]
     (wide,) = several.nonzero()
-    interval, t = _spaced(low[wide], turn[wide], np.full(wide.size, _PARTS * _COARSEST))
+    interval, t = _spaced(low[wide], turn[wide], np.full(wide.size, _WIDEST))
     (left,) = (interval[1:] == interval[:-1]).nonzero()
     owner, begin, end = wide[interval[left]], t[left], t[left + 1]
     share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]

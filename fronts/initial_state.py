@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, count_within, within
-from verification.runs.excite import FloatArray, StartPoint, add_noise, excite
+from verification.runs.excite import StartPoint, add_noise, excite
 
 
 @dataclass(frozen=True, kw_only=True)

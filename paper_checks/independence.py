@@ -13,6 +13,7 @@ from verification.execution.imports import closure
 PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 
 DEFINITIONS = (
+    "theory.arrays",
     "theory.parameters",
     "theory.result",
     "theory.status",
@@ -25,10 +26,10 @@ DEFINITIONS = (
     "theory.piecewise.dispersion",
     "theory.piecewise.sums.result",
 )
-"""Modules, or packages of them, that define problems and hold no engine, each for a reason: the
-checks of parameters; the two cells; the two chains; where a run starts; which sites form a nucleus;
-the vector field itself, and how it is laid out in rows; compiling, keeping and sweeping; the
-dispersion relation (50) as printed; and the form of a result."""
+"""Modules, or packages of them, that define problems and hold no engine, each for a reason: types
+of arrays; the checks of parameters; the two cells; the two chains; where a run starts; which sites
+form a nucleus; the vector field itself, and how it is laid out in rows; compiling, keeping and
+sweeping; the dispersion relation (50) as printed; and the form of a result."""
 
 
 FORMS = ("theory.result", "verification.runs.excite", "verification.breathers.own")

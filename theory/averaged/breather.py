@@ -24,9 +24,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
+from theory.arrays import FloatArray
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
 from theory.chains.chain import MAX_SITES
 from theory.chains.nucleus import Nucleus, Place
@@ -133,7 +133,7 @@ class ClosedFormBreather:
     fold: ClosedFormFold
     seconds: float
 
-    def amplitudes(self, count: int) -> NDArray[np.float64]:
+    def amplitudes(self, count: int) -> FloatArray:
         """Return A_n = α_0 e^{k_1|n|} for n = 0 … count-1 (Eq. 38); empty if there is none."""
         if self.alpha_0 is None or self.decay is None:
             return np.empty(0)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import FloatArray
 from theory.chains.vdp import VanDerPolChain
 
 _EPS = float(np.finfo(float).eps)
@@ -47,7 +47,7 @@ class NeighbourBranch:
         """Return t below the one of c: there G is far below c², while c ≈ √G at small c."""
         return 2.0 * math.log(c) - math.log1p(self.gap / (4.0 * self.b)) - 7.0
 
-    def squares(self, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def squares(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return S and s: the smallest s, by Newton from below."""
         G, S = self._gain_and_square(t)
         s = G * S / (1.0 + G)
@@ -60,14 +60,12 @@ class NeighbourBranch:
                 break
         return S, s
 
-    def _gain_and_square(
-        self, t: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _gain_and_square(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         part = np.exp(t)
         G = 0.25 * self.gap / self.b * part * np.maximum(1.0 - part, 0.0)
         return G, (self.a + math.sqrt(self.gap) * (1.0 - 2.0 * part)) / self.b
 
-    def coupling(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def coupling(self, t: FloatArray) -> FloatArray:
         """Return c = G/z = G √(S/s); zero where S has turned."""
         G, _ = self._gain_and_square(t)
         S, s = self.squares(t)

@@ -17,17 +17,14 @@ the breather's tail.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
-
-def damping(square: Real, chain: VanDerPolChain) -> Real:
+def damping(square: FloatArray, chain: VanDerPolChain) -> FloatArray:
     """Return g(|φ|²) = ½(1 - a|φ|²/4 + b|φ|⁴/8), the mean damping rate in (34); dimensionless.
 
     Examples
@@ -40,12 +37,12 @@ def damping(square: Real, chain: VanDerPolChain) -> Real:
     return 0.5 * (1.0 - 0.25 * chain.a * square + 0.125 * chain.b * square**2)
 
 
-def damping_slope(square: Real, chain: VanDerPolChain) -> Real:
+def damping_slope(square: FloatArray, chain: VanDerPolChain) -> FloatArray:
     """Return dg/d(|φ|²) = ½(-a/4 + b|φ|²/4)."""
     return 0.125 * (chain.b * square - chain.a)
 
 
-def coupling_matrix(sites: int, ends: Ends) -> Real:
+def coupling_matrix(sites: int, ends: Ends) -> FloatArray:
     """Return the matrix of the springs in (8): (Ly)_n = 2y_n - y_{n-1} - y_{n+1}.
 
     Parameters
@@ -69,7 +66,7 @@ def coupling_matrix(sites: int, ends: Ends) -> Real:
     return matrix
 
 
-def envelope_rate(phi: Complex, chain: VanDerPolChain) -> Complex:
+def envelope_rate(phi: ComplexArray, chain: VanDerPolChain) -> ComplexArray:
     """Return φ' of (43), per unit of slow time T.
 
     Parameters
@@ -96,11 +93,11 @@ def envelope_rate(phi: Complex, chain: VanDerPolChain) -> Complex:
     else:
         springs[0] -= phi[-1]
         springs[-1] -= phi[0]
-    rate: Complex = 0.5j * chain.c * springs - phi * damping(np.abs(phi) ** 2, chain)
+    rate: ComplexArray = 0.5j * chain.c * springs - phi * damping(np.abs(phi) ** 2, chain)
     return rate
 
 
-def envelope_jacobian(phi: Complex, chain: VanDerPolChain) -> Real:
+def envelope_jacobian(phi: ComplexArray, chain: VanDerPolChain) -> FloatArray:
     """Return the real Jacobian of (43) in the unknowns (Re φ, Im φ).
 
     Returns
@@ -127,7 +124,7 @@ def envelope_jacobian(phi: Complex, chain: VanDerPolChain) -> Real:
     )
 
 
-def quarter_turn_phase(sites: int) -> Complex:
+def quarter_turn_phase(sites: int) -> ComplexArray:
     """Return (-i)^n for n = 0 … N-1, so that φ_n = (-i)^n r_n e^{icT}.
 
     Examples
@@ -138,7 +135,7 @@ def quarter_turn_phase(sites: int) -> Complex:
     return np.array([1, -1j, -1, 1j])[np.arange(sites) % 4]
 
 
-def quarter_turn_rate(r: Real, chain: VanDerPolChain) -> Real:
+def quarter_turn_rate(r: FloatArray, chain: VanDerPolChain) -> FloatArray:
     """Return r' of the reduction of (43) to quarter-turn phase steps, per unit T.
 
     Beyond a free end the chain is taken as at rest with the end's frequency that of the bulk.
@@ -159,7 +156,7 @@ def quarter_turn_rate(r: Real, chain: VanDerPolChain) -> Real:
     return 0.5 * chain.c * (left - right) - r * damping(r**2, chain)
 
 
-def quarter_turn_jacobian(r: Real, chain: VanDerPolChain) -> Real:
+def quarter_turn_jacobian(r: FloatArray, chain: VanDerPolChain) -> FloatArray:
     """Return the Jacobian of `quarter_turn_rate`, shape (N, N)."""
     _need_closed(len(r), chain)
     sites = len(r)
@@ -171,7 +168,7 @@ def quarter_turn_jacobian(r: Real, chain: VanDerPolChain) -> Real:
     return matrix - np.diag(damping(square, chain) + 2.0 * square * damping_slope(square, chain))
 
 
-def _neighbours(r: Real, ends: Ends) -> tuple[Real, Real]:
+def _neighbours(r: FloatArray, ends: Ends) -> tuple[FloatArray, FloatArray]:
     left, right = np.roll(r, 1), np.roll(r, -1)
     if ends is Ends.FREE:
         left[0] = right[-1] = 0.0

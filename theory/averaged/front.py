@@ -28,8 +28,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import solve_banded
 
+from theory.arrays import FloatArray
 from theory.parameters import RunError, within
-from theory.piecewise.dispersion import FloatArray
 
 _SMALLEST_ETA = 1e-4
 _LARGEST_ETA = 0.11

@@ -9,15 +9,13 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray
 from theory.cells.compiled import CompiledForce
 from theory.cells.oscillator import Oscillator
 from theory.cells.polynomial import Polynomial
 from theory.parameters import ParameterError
-
-FloatArray = npt.NDArray[np.float64]
 
 _STEP = 1e-3
 """Of the difference that gives g'(0), where no derivative is given."""

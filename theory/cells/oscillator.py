@@ -24,13 +24,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq, minimize_scalar
 
+from theory.arrays import FloatArray
 from theory.cells.averaging import mean_of_powers
 from theory.parameters import ParameterError
-
-FloatArray = npt.NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
 _SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600

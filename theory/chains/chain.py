@@ -12,9 +12,7 @@ from collections.abc import Callable
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-import numpy as np
-import numpy.typing as npt
-
+from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.parameters import ParameterError, real_number, whole_number
 
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
     from theory.chains.coupling import Network
     from theory.chains.drive import Drive
 
-FloatArray = npt.NDArray[np.float64]
 
 CHAINS: dict[str, type[Chain]] = {}
 """Every model by its name; a subclass of :class:`Chain` enters itself."""

@@ -19,10 +19,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy import sparse
 
+from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.parameters import MissingPackageError, ParameterError
 
-FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 Steps = dict[tuple[int, ...], float]

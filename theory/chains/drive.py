@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.parameters import ParameterError, real_number, whole_number
-
-FloatArray = npt.NDArray[np.float64]
 
 MAX_FORCE, MAX_FREQUENCY = 1e6, 1e6
 

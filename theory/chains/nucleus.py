@@ -14,14 +14,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.chains.chain import MAX_SITES
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, whole_number
 from theory.status import Status
-
-Complex = NDArray[np.complex128]
 
 STEPS = {"+": 0.5 * np.pi, "-": -0.5 * np.pi, "0": 0.0, "x": np.pi}
 MARGIN = 7
@@ -112,7 +110,7 @@ class Nucleus:
             return self
         return replace(self, pattern=outward_pattern(self.size), relaxed_from=self.pattern)
 
-    def phases(self) -> NDArray[np.float64]:
+    def phases(self) -> FloatArray:
         """Return the phases θ_n of the excited sites, the first one zero."""
         return np.concatenate([[0.0], np.cumsum([STEPS[sign] for sign in self.pattern])])
 
@@ -142,7 +140,7 @@ class Nucleus:
         first = self.first(sites)
         return tuple(range(first + 1, first + self.size + 1))
 
-    def outside(self, sites: int) -> NDArray[np.bool_]:
+    def outside(self, sites: int) -> BoolArray:
         """Return which sites of a chain are not excited, shape (N,).
 
         Examples
@@ -181,7 +179,7 @@ class Nucleus:
         flipped = self.pattern[::-1].translate(str.maketrans("+-", "-+"))
         return self.place is Place.BULK and (sites - self.size) % 2 == 0 and flipped == self.pattern
 
-    def envelope(self, chain: VanDerPolChain) -> Complex:
+    def envelope(self, chain: VanDerPolChain) -> ComplexArray:
         """Return the start at c = 0: |φ_s| with these phases on the nucleus, rest elsewhere."""
         phi = np.zeros(chain.sites, dtype=complex)
         first = self.first(chain.sites)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.cells.compiled import CompiledForce, read_force
 from theory.cells.compiled_cell import compiled_cell
 from theory.cells.oscillator import Oscillator, OscillatorCell
@@ -31,8 +31,6 @@ from theory.chains.site_values import (
     relative_spread,
 )
 from theory.parameters import ParameterError, truth, whole_number
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

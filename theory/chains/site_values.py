@@ -7,11 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.parameters import ParameterError, real_number
-
-FloatArray = npt.NDArray[np.float64]
 
 _LISTED = 100
 """Values per site that are listed in the parameters; longer arrays are named by a digest."""

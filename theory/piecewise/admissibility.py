@@ -21,9 +21,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
-from theory.piecewise.dispersion import ComplexArray, FloatArray
+from theory.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from theory.piecewise.far_field import MAX_CELLS, NEAR, FarField
 from theory.piecewise.profile import (
     ProfileGrid,
@@ -32,7 +31,7 @@ from theory.piecewise.profile import (
     smooth_number,
     tail_bound,
 )
-from theory.piecewise.roots import LARGEST, SMALLEST, IntArray
+from theory.piecewise.roots import LARGEST, SMALLEST
 from theory.piecewise.steepest_descent import NearShape
 
 TOLERANCE = 1e-11
@@ -256,14 +255,14 @@ class _Descent:
         bound: FloatArray = np.maximum(3.0 * error, TOLERANCE) * r
         return bound
 
-    def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> npt.NDArray[np.bool_]:
+    def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> BoolArray:
         """Return whether φ, which leaves its chord by so much at most, stays on its side of r."""
         zeta = cells[::3]
         gone, bent = self.near.spread(zeta)
         side = np.where(zeta.mean(axis=0) < 0.0, 1.0, -1.0)
         # |φ|² on the chord is convex: at most that at an end, at least that less a quarter of gone²
         square = r * r + side * g.min(axis=0) - np.where(side > 0.0, 0.25 * gone**2, 0.0)
-        safe: npt.NDArray[np.bool_] = side * (np.sqrt(np.maximum(square, 0.0)) - r) > bent
+        safe: BoolArray = side * (np.sqrt(np.maximum(square, 0.0)) - r) > bent
         return safe
 
     def with_slope(
@@ -304,12 +303,10 @@ class _Shape:
         del zeta, r
         return TOLERANCE
 
-    def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> npt.NDArray[np.bool_]:
+    def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> BoolArray:
         """Return whether twice the slopes at the ends of cells leave their margins g positive."""
         del r
-        safe: npt.NDArray[np.bool_] = np.minimum(*g) > (cells[3] - cells[0]) * np.maximum(
-            *np.abs(cells[2::3])
-        )
+        safe: BoolArray = np.minimum(*g) > (cells[3] - cells[0]) * np.maximum(*np.abs(cells[2::3]))
         return safe
 
     def on_lattice(self, sites: tuple[int, int] | None = None) -> tuple[FloatArray, ComplexArray]:
@@ -354,8 +351,8 @@ def _first_violation(shape: _Descent, zeta: FloatArray, r: float) -> tuple[float
 
 def _first_violations(
     shape: _Shape | _Descent, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray],
-    r: FloatArray, inside: npt.NDArray[np.bool_],
-) -> tuple[FloatArray, IntArray, npt.NDArray[np.bool_]]:  # fmt: skip
+    r: FloatArray, inside: BoolArray,
+) -> tuple[FloatArray, IntArray, BoolArray]:  # fmt: skip
     """Return what `_divide` does, of the way along ζ.
 
     ``values`` are φ and its slope at ζ, which ascends through 0, shape (n, m); what is not
@@ -387,7 +384,7 @@ def _first_violations(
 
 def _divide(
     shape: _Shape | _Descent, cells: FloatArray, owner: IntArray, r: FloatArray
-) -> tuple[FloatArray, IntArray, npt.NDArray[np.bool_]]:
+) -> tuple[FloatArray, IntArray, BoolArray]:
     """Divide cells (rows ζ, g, dg/dζ at both ends) until each is safe or a violation is seen.
 
     Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
@@ -421,7 +418,7 @@ def _divide(
         owner = np.concatenate([owner, owner])
 
 
-def _between_its_ends(cells: FloatArray, short: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def _between_its_ends(cells: FloatArray, short: BoolArray) -> BoolArray:
     """Return whether slopes that agree with each other and with the rise of g leave it between.
 
     They do in the cell that touches ζ = 0, where g rises from the threshold, and in ``short`` ones.
@@ -432,13 +429,11 @@ def _between_its_ends(cells: FloatArray, short: npt.NDArray[np.bool_]) -> npt.ND
     monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
     monotone &= np.abs(gb - ga - 0.5 * width * both) < 0.25 * width * np.abs(both)
     rising = ((za == 0.0) & (da > 0)) | ((zb == 0.0) & (db < 0))
-    between: npt.NDArray[np.bool_] = monotone & (rising | short)
+    between: BoolArray = monotone & (rising | short)
     return between
 
 
-def _note(
-    zeta: FloatArray, wrong: npt.NDArray[np.bool_], owner: IntArray, worst: FloatArray
-) -> None:
+def _note(zeta: FloatArray, wrong: BoolArray, owner: IntArray, worst: FloatArray) -> None:
     """Put the least |ζ| that is wrong, with its sign, where it is less than what is known.
 
     ``zeta`` and ``wrong`` have any number of rows, ``owner`` is that of each column.

@@ -18,16 +18,13 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
-from theory.piecewise.dispersion import FloatArray
+from theory.arrays import BoolArray, FloatArray, IntArray
 from theory.piecewise.limits import resonant_velocities, static_sum
 from theory.piecewise.smooth_part import WEAKEST, without_wiggles
 from theory.piecewise.sums.axis import STEEPEST
 from theory.piecewise.sums.integral import MANY, sums_of_pairs
 from theory.piecewise.sums.result import PrecisionError
-
-IntArray = npt.NDArray[np.int64]
 
 _EPS = float(np.finfo(float).eps)
 _TOLERANCE = 1e-14
@@ -488,10 +485,10 @@ def _confirmed_spread(
     return spread, np.concatenate([here[:, None], beside], axis=1)
 
 
-def _differ_surely(values: FloatArray) -> npt.NDArray[np.bool_]:
+def _differ_surely(values: FloatArray) -> BoolArray:
     """Return whether g differs in sign beyond its error between the last two places."""
     g, error = values[0, -2:], values[2, -2:]
-    differ: npt.NDArray[np.bool_] = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
+    differ: BoolArray = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
     return differ
 
 

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from theory.arrays import IntArray
 from theory.parameters import MissingPackageError
 from theory.piecewise.root_count import box_corners, box_of_strips, edge_pieces
-from theory.piecewise.roots import IntArray, RootSet, labelled_roots, strip_bounds
+from theory.piecewise.roots import RootSet, labelled_roots, strip_bounds
 
 _BITS = 120
 _DEEPEST = 12

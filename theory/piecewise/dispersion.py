@@ -28,13 +28,10 @@ them by the argument principle, ``derivations.front`` in symbols.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
-FloatArray = npt.NDArray[np.floating[Any]]
+from theory.arrays import AnyArray, ComplexArray, FloatArray
 
 
 def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
@@ -75,7 +72,8 @@ def dispersion_slope(k: ComplexArray, v: float | FloatArray, c: float | FloatArr
     Equation (51) as printed, -1/(2k) + (2ic/k) sin²(k/2) - i c sin k, has used L(k) = 0 to
     replace v; it equals dL/dk on the roots and nowhere else.
     """
-    return -1j * (v + c * np.sin(k))
+    slope: AnyArray = v + c * np.sin(k)
+    return -1j * slope
 
 
 def root_free_strip(v: float, c: float) -> float:

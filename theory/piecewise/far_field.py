@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from theory.piecewise.dispersion import ComplexArray, FloatArray
-from theory.piecewise.roots import IntArray, labelled_roots
+from theory.arrays import ComplexArray, FloatArray, IntArray
+from theory.piecewise.roots import labelled_roots
 
 NEAR = 2.0
 """Distance in sites from ζ = 0 from which the sum is used."""

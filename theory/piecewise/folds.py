@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.cells.vdp import bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import within
-from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.limits import pinning_coupling, pinning_eta, static_sum
 from theory.piecewise.sums.integral import sums
 

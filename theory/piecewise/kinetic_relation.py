@@ -13,11 +13,11 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import BoolArray, FloatArray
 from theory.cells.vdp import ETA_END, checked_eta, threshold_ratio, threshold_ratio_slope
 from theory.parameters import within
 from theory.piecewise.admissibility import check_fronts
 from theory.piecewise.branch_search import Solutions, all_velocities
-from theory.piecewise.dispersion import FloatArray
 from theory.piecewise.folds import KineticFold, fold_couplings
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, pinning_error, retreat_coupling
 from theory.piecewise.stability import front_stability
@@ -433,7 +433,7 @@ def checked_coupling(c: float) -> float:
     return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
 
 
-def _can_move(eta: FloatArray, retreating: bool) -> npt.NDArray[np.bool_]:
+def _can_move(eta: FloatArray, retreating: bool) -> BoolArray:
     if retreating:
         return (eta > ETA_PIN_END) & (eta < ETA_END)
     return eta < ETA_END

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import ComplexArray
 from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import positive, within
 
@@ -144,14 +145,14 @@ def pinning_eta(c: float) -> float:
     return eta_from_ratio(0.5 * abs(static_sum(within("coupling c", c, 1e-150, 1e300))))
 
 
-def strong_coupling_sum(x: npt.ArrayLike) -> npt.NDArray[np.complex128]:
+def strong_coupling_sum(x: npt.ArrayLike) -> ComplexArray:
     """Return lim Σ(x√c, c) as c → ∞: 1/(q(iq - x)) with q = √(i - x²), Re q > 0.
 
     With k = κ/√c, (50) becomes -iκ²/2 - ixκ + ½ = 0; above the axis κ = -x + iq.
     """
     x_ = np.asarray(x, dtype=complex)
     q = np.sqrt(1j - x_ * x_)
-    result: npt.NDArray[np.complex128] = 1.0 / (q * (1j * q - x_))
+    result: ComplexArray = 1.0 / (q * (1j * q - x_))
     return result
 
 

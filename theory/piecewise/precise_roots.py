@@ -7,8 +7,9 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
+from theory.arrays import IntArray
 from theory.parameters import count_within
-from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, labelled_roots
+from theory.piecewise.roots import checked_velocity_and_coupling, labelled_roots
 from theory.piecewise.sums.result import MAX_DIGITS
 
 GUARD_DIGITS = 100

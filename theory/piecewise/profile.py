@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import ComplexArray, FloatArray, IntArray
 from theory.parameters import ParameterError, count_within, within
-from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
 from theory.result import Result
@@ -197,11 +197,11 @@ class ProfileGrid:
         return 0.5 - total / (2.0 * self.points)
 
     def with_neighbours(
-        self, zeta: FloatArray, front: npt.NDArray[np.int64]
+        self, zeta: FloatArray, front: IntArray
     ) -> tuple[ComplexArray, ComplexArray]:
         """Return φ/φ_s at ζ, and its sum at ζ + 1 and ζ - 1; of several fronts, of those named."""
         m = np.floor(zeta)
-        factor = np.exp(-self.a[front] * ((m + 1.0) - zeta)[:, None])
+        factor: ComplexArray = np.exp(-self.a[front] * ((m + 1.0) - zeta)[:, None])
         factor *= self.late[front]
         factor += self.still[front]
         factor *= self.waves(m)
@@ -294,9 +294,9 @@ def _roots_of_unity(points: int) -> ComplexArray:
     return table
 
 
-def _wrapped(odd: npt.NDArray[np.int64], points: int) -> npt.NDArray[np.int64]:
+def _wrapped(odd: IntArray, points: int) -> IntArray:
     """Return whole numbers modulo twice the points, from -points to points."""
-    wrapped: npt.NDArray[np.int64] = (odd + points) % (2 * points) - points
+    wrapped: IntArray = (odd + points) % (2 * points) - points
     return wrapped
 
 

@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
+from theory.arrays import ComplexArray, FloatArray, IntArray
 from theory.parameters import ParameterError
-from theory.piecewise.dispersion import ComplexArray, FloatArray, dispersion, dispersion_slope
-from theory.piecewise.roots import IntArray, checked_velocity_and_coupling, strip_bounds
+from theory.piecewise.dispersion import dispersion, dispersion_slope
+from theory.piecewise.roots import checked_velocity_and_coupling, strip_bounds
 
 _EPS = float(np.finfo(float).eps)
 _DEEPEST = 200
@@ -106,8 +107,8 @@ def edge_pieces(
         If a root lies on the edge to within rounding.
     """
     pieces = max(4, math.ceil(abs(end - start)))
-    a: ComplexArray = start + (end - start) * np.arange(pieces) / pieces
-    b: ComplexArray = start + (end - start) * np.arange(1, pieces + 1) / pieces
+    ends: ComplexArray = np.asarray(start + (end - start) * np.arange(pieces + 1) / pieces)
+    a, b = ends[:-1], ends[1:]
     sure_a, sure_b = [], []
     for _ in range(_DEEPEST):
         middle = 0.5 * (a + b)

@@ -15,18 +15,11 @@ from dataclasses import dataclass, field
 from typing import SupportsFloat
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
 from theory.parameters import ParameterError, count_within, number, positive, within
-from theory.piecewise.dispersion import (
-    ComplexArray,
-    FloatArray,
-    dispersion,
-    dispersion_slope,
-)
+from theory.piecewise.dispersion import dispersion, dispersion_slope
 from theory.result import Result
-
-IntArray = npt.NDArray[np.int64]
 
 MAX_ROOTS = 1_000_000
 MAX_LABEL = 10**12
@@ -61,7 +54,7 @@ class RootSet(Result):
     residual: FloatArray = field(metadata={"dims": ("label",)})
     radius: FloatArray = field(metadata={"dims": ("label",)})
 
-    def take(self, index: IntArray | npt.NDArray[np.bool_]) -> RootSet:
+    def take(self, index: IntArray | BoolArray) -> RootSet:
         """Return the roots at ``index``, in that order."""
         return RootSet(
             labels=self.labels[index],
@@ -88,7 +81,7 @@ def checked_velocity_and_coupling(
 
 def strip_bounds(labels: IntArray, upper: bool) -> tuple[FloatArray, FloatArray]:
     """Return the lower and upper end of Re k for each label, shapes (n,)."""
-    base = 2.0 * np.pi * labels
+    base: AnyArray = 2.0 * np.pi * labels
     if upper:
         return base - np.pi, base
     low = np.where(labels > 0, base - np.pi, base)
@@ -193,7 +186,7 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
     return roots.take(np.argsort(np.abs(roots.k), kind="stable"))
 
 
-def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> npt.NDArray[np.bool_]:
+def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> BoolArray:
     """Return which roots lie in their strips.
 
     Above the axis the root of a far strip is some Im k/Re k from its edge, less than a rounding,
@@ -273,14 +266,14 @@ def _iterate(
     return k
 
 
-def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[ComplexArray]:
+def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[AnyArray]:
     """Yield starting points, the likeliest first; nearly every case stops after one."""
-    base = 2.0 * np.pi * labels
+    base: AnyArray = 2.0 * np.pi * labels
     sign = 1j if upper else -1j
     still = 2.0 * np.arcsinh(np.sqrt(0.25j / c))
     yield base + sign * still  # the roots at v = 0
     # Where L_k vanishes on the real axis, two roots part: k = k* ± √(-2 L/L_kk).
-    crest = base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
+    crest: AnyArray = base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
     apart = np.sqrt(-2.0 * dispersion(crest + 0j, v, c) / (-1j * c * np.cos(crest)))
     yield crest + np.where(apart.imag * sign.imag > 0, apart, -apart)
     k = base - sign * 0.5j * np.pi

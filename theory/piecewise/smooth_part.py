@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from theory.piecewise.dispersion import ComplexArray, FloatArray
+from theory.arrays import ComplexArray, FloatArray
 from theory.piecewise.sums.legs import LEG_TURN
 
 _NODES = 72

@@ -24,7 +24,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from theory.piecewise.dispersion import ComplexArray, FloatArray, onsite
+from theory.arrays import ComplexArray, FloatArray
+from theory.piecewise.dispersion import onsite
 
 _POINTS = 16
 """Points of a panel, at first."""

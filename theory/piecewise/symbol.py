@@ -25,9 +25,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from theory.piecewise.dispersion import FloatArray, onsite
+from theory.arrays import ComplexArray, FloatArray
+from theory.piecewise.dispersion import onsite
 from theory.piecewise.sums.rules import sum_at
 
 _EPS = float(np.finfo(float).eps)
@@ -186,9 +186,7 @@ def _mean_points(terms: int, speed: float, c: float) -> int:
     return math.ceil(46.1 + 13.6 * math.sqrt(c * terms / speed))
 
 
-def _newton(
-    q: FloatArray, slope: FloatArray, starts: npt.NDArray[np.complex128], reach: float
-) -> npt.NDArray[np.complex128]:
+def _newton(q: FloatArray, slope: FloatArray, starts: ComplexArray, reach: float) -> ComplexArray:
     """Return the zeros within ``reach`` to which Newton's method goes from these points.
 
     A point is given up beyond twice the reach, or where its highest power would overflow. From a
@@ -207,18 +205,16 @@ def _newton(
         there = moving[~gone]
         step[there] = value[~gone] / derivative[~gone]
         w[there] -= step[there]
-    zeros: npt.NDArray[np.complex128] = w[(np.abs(w) < reach) & (np.abs(step) < 1e-9 * np.abs(w))]
+    zeros: ComplexArray = w[(np.abs(w) < reach) & (np.abs(step) < 1e-9 * np.abs(w))]
     return zeros
 
 
-def _polynomial(
-    coefficients: FloatArray, w: npt.NDArray[np.complex128] | complex
-) -> npt.NDArray[np.complex128]:
+def _polynomial(coefficients: FloatArray, w: ComplexArray | complex) -> ComplexArray:
     """Return Σ coefficients_j w^j."""
     powers = np.empty((coefficients.size, np.size(w)), dtype=complex)
     powers[0], powers[1:] = 1.0, w
     np.multiply.accumulate(powers, axis=0, out=powers)
-    values: npt.NDArray[np.complex128] = coefficients.astype(complex) @ powers
+    values: ComplexArray = coefficients.astype(complex) @ powers
     return values
 
 

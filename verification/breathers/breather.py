@@ -9,8 +9,8 @@ from inspect import signature
 from typing import Literal, NamedTuple, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import FloatArray
 from theory.averaged.breather import (
     BreatherStatus,
     Reading,
@@ -33,8 +33,6 @@ from verification.breathers.run import run_averaged_breather, run_breather
 from verification.continuation.newton import NotConvergedError
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.result import ThresholdMethod
-
-Real = NDArray[np.float64]
 
 MAX_SITES = {
     BreatherMethod.CLOSED_FORM: 100_000,
@@ -312,7 +310,7 @@ class _Distance(NamedTuple):
 def _distance(
     chain: VanDerPolChain,
     nucleus: Nucleus,
-    amplitudes: Real,
+    amplitudes: FloatArray,
     frequency: float,
     *,
     error: float,

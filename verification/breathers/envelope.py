@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import BreatherStatus, closed_form_fold
 from theory.averaged.envelope import (
     coupling_matrix,
@@ -32,9 +33,6 @@ from verification.breathers.family import BreatherFamily
 from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.branch import ContinuationBranch, Fold, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 START = 0.01
 """Coupling at which branches leave the anticontinuum limit, where their fold is not near it."""
@@ -88,7 +86,7 @@ class RotatingWaves(BreatherFamily):
         """Rate in which φ' is counted, a power of 16: the cycle attracts at some 1/(2η)."""
         return float(16.0 ** max(round(math.log(0.02 / self.chain.eta, 16.0)), 0))
 
-    def unpack(self, u: Real) -> tuple[Complex, float]:
+    def unpack(self, u: FloatArray) -> tuple[ComplexArray, float]:
         """Return φ and Ω from the unknowns."""
         phi, omega = unpack(u)
         return self.unit * phi, omega
@@ -102,7 +100,7 @@ class RotatingWaves(BreatherFamily):
         unit, pace = self.unit, self.pace
         springs = coupling_matrix(sites, chain.ends)
 
-        def system(u: Real, c: float) -> tuple[Real, Real, Real]:
+        def system(u: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
             here = replace(chain, c=abs(c))
             x, y, omega = u[:sites], u[sites:-1], u[-1]
             phi = np.asarray(unit * (x + 1j * y), dtype=complex)
@@ -157,7 +155,7 @@ class RotatingWaves(BreatherFamily):
         c = self.chain.c
         return self.start(0.0, c) if c <= start_of(self.chain) else None
 
-    def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
+    def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
         """Return the exponents."""
         mirrored = split and self.nucleus.mirrored(self.chain.sites)
         return exponents(*self.unpack(u), replace(self.chain, c=c), mirrored)
@@ -212,7 +210,7 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Breather
     return RotatingWaves(chain, nucleus).solve()
 
 
-def _rounding(phi: Complex, chain: VanDerPolChain) -> float:
+def _rounding(phi: ComplexArray, chain: VanDerPolChain) -> float:
     """Return what rounding of the damping does to an amplitude: it cancels as the cycles meet."""
     gap = max(1.0 - 8.0 * chain.eta, 1e-16)
     return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
@@ -238,7 +236,7 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
         )
     free = replace(chain, ends=Ends.FREE)
 
-    def system(r: Real, c: float) -> tuple[Real, Real, Real]:
+    def system(r: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         here = replace(free, c=abs(c))
         uncoupled = quarter_turn_rate(r, replace(free, c=0.0))
         unit = quarter_turn_rate(r, replace(free, c=1.0)) - uncoupled
@@ -251,7 +249,7 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
 
 
 def _left_pattern(
-    phi: Complex, guess: Complex, excited: NDArray[np.intp], chain: VanDerPolChain
+    phi: ComplexArray, guess: ComplexArray, excited: NDArray[np.intp], chain: VanDerPolChain
 ) -> bool:
     """Whether the solution is not the one that was started from."""
     return bool(np.abs(phi[excited] - guess[excited]).max() > 0.3 * chain.stable_amplitude)

@@ -9,13 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.envelope import envelope_jacobian
 from theory.chains.vdp import VanDerPolChain
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 MARGINAL = 1e-9
 """Growth rates below this count as zero: round-off of an eigenvalue that is exactly zero."""
@@ -46,7 +43,7 @@ class BreatherStability:
         Bound on the distance of each value from a true one; of multipliers only.
     """
 
-    values: Complex
+    values: ComplexArray
     trivial: float
     leader: complex
     growth: float
@@ -62,16 +59,16 @@ class BreatherStability:
         return self.growth <= self.marginal
 
 
-def rotating_jacobian(phi: Complex, omega: float, chain: VanDerPolChain) -> Real:
+def rotating_jacobian(phi: ComplexArray, omega: float, chain: VanDerPolChain) -> FloatArray:
     """Return the Jacobian of φ' - iΩφ in (Re φ, Im φ), shape (2N, 2N)."""
     turn = omega * np.eye(chain.sites)
     zero = np.zeros_like(turn)
-    turned: Real = envelope_jacobian(phi, chain) + np.block([[zero, turn], [-turn, zero]])
+    turned: FloatArray = envelope_jacobian(phi, chain) + np.block([[zero, turn], [-turn, zero]])
     return turned
 
 
 def exponents(
-    phi: Complex, omega: float, chain: VanDerPolChain, mirrored: bool = False
+    phi: ComplexArray, omega: float, chain: VanDerPolChain, mirrored: bool = False
 ) -> BreatherStability:
     """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``."""
     jacobian = rotating_jacobian(phi, omega, chain)
@@ -103,7 +100,7 @@ def exponents(
     )
 
 
-def split_eigenvalues(matrix: Real, parity: int) -> Complex:
+def split_eigenvalues(matrix: FloatArray, parity: int) -> ComplexArray:
     """Return the eigenvalues of a (2N, 2N) matrix on vectors of one parity under n → N+1-n.
 
     Parameters
@@ -117,7 +114,7 @@ def split_eigenvalues(matrix: Real, parity: int) -> Complex:
     return np.asarray(np.linalg.eigvals(basis @ matrix @ basis.T), dtype=complex)
 
 
-def parity_basis(sites: int, parity: int) -> Real:
+def parity_basis(sites: int, parity: int) -> FloatArray:
     """Return orthonormal rows that span the vectors (y, v) of one parity, shape (~N, 2N).
 
     Examples
@@ -134,7 +131,7 @@ def parity_basis(sites: int, parity: int) -> Real:
     return np.block([[half, zero], [zero, half]])
 
 
-def unpack(u: Real) -> tuple[Complex, float]:
+def unpack(u: FloatArray) -> tuple[ComplexArray, float]:
     """Return φ and Ω from the unknowns of a breather of (43)."""
     sites = (len(u) - 1) // 2
     return u[:sites] + 1j * u[sites:-1], float(u[-1])

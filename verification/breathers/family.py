@@ -17,13 +17,14 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.parameters import ParameterError
 from verification.breathers.exponents import BreatherStability
 from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.branch import ContinuationBranch, Fold, StepControl, arrive, trace
-from verification.continuation.newton import BranchPoint, Real, System
+from verification.continuation.newton import BranchPoint, System
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class BreatherFamily(ABC):
         """Return the solution at the coupling of the chain; None if its branch must be followed."""
 
     @abstractmethod
-    def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
+    def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
         """Return what becomes of small perturbations, split by reflection where there is one."""
 
     @abstractmethod
@@ -79,7 +80,7 @@ class BreatherFamily(ABC):
         """Return by how much steps of integration, if there are any, shift a fold."""
         return 0.0
 
-    def monitor(self, u: Real, c: float) -> tuple[float, float, float]:
+    def monitor(self, u: FloatArray, c: float) -> tuple[float, float, float]:
         """Return the growth of all modes, of those of its own parity, and of the others.
 
         Of each what counts as zero is subtracted. Without mirror symmetry the last two repeat the

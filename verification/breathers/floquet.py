@@ -11,23 +11,20 @@ import cmath
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import ClosedFormBreather
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.exponents import BreatherStability, parity_basis, split_eigenvalues
 from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
 MARGINAL = 1e-8
 """Growth per unit T below which a multiplier counts as on the circle (round-off over ε)."""
 
 
 def floquet_multipliers(
-    monodromy: Real,
+    monodromy: FloatArray,
     period: float,
     eps: float,
     *,
@@ -60,7 +57,7 @@ def floquet_multipliers(
     (0.0, -6.931, True)
     """
 
-    def rate(values: Complex) -> float:
+    def rate(values: ComplexArray) -> float:
         return math.log(max(float(np.abs(values).max()), 1e-300)) / (eps * period)
 
     sites = monodromy.shape[0] // 2
@@ -94,7 +91,7 @@ def floquet_multipliers(
     )
 
 
-def _eigenvalue_bound(matrix: Real, vectors: Complex, error: float) -> float:
+def _eigenvalue_bound(matrix: FloatArray, vectors: ComplexArray, error: float) -> float:
     """Return how far eigenvalues of a matrix, of size n, are from those of the true one, at most.
 
     With δ the error of the matrix in the spectral norm and V the vectors, cond(V) δ (Bauer and Fike

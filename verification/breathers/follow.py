@@ -6,9 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
@@ -44,7 +42,7 @@ class FollowedBreather:
 
 def follow(
     chain: VanDerPolChain,
-    couplings: Sequence[float] | NDArray[np.float64],
+    couplings: Sequence[float] | FloatArray,
     *,
     nucleus: Nucleus,
     folds: int = 1,

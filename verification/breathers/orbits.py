@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
@@ -30,8 +30,6 @@ from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.branch import Fold, StepControl, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.steppers.variational import STEPS, Flow, integrate_variations
-
-Real = NDArray[np.float64]
 
 STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in order of trial:
@@ -65,7 +63,7 @@ class Orbits(BreatherFamily):
         """Steps a period."""
         return self.steps or steps_for(self.chain)
 
-    def flow(self, c: float, start: Real, duration: float, steps: int) -> Flow:
+    def flow(self, c: float, start: FloatArray, duration: float, steps: int) -> Flow:
         """Return the motion from a start over a time, with its variations, by so many equal steps.
 
         Raises
@@ -75,7 +73,7 @@ class Orbits(BreatherFamily):
         """
         return integrate_variations(self.chain.replace(c=c), start, duration, steps)
 
-    def rate(self, c: float, state: Real) -> Real:
+    def rate(self, c: float, state: FloatArray) -> FloatArray:
         """Return the right side of (40), the chain (8) as a first-order system.
 
         Examples
@@ -95,7 +93,7 @@ class Orbits(BreatherFamily):
         size, count = 2 * self.chain.sites, refinement * self.count
         site = self.centre if centre is None else centre
 
-        def system(u: Real, c: float) -> tuple[Real, Real, Real]:
+        def system(u: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
             try:
                 end = self.flow(abs(c), u[:-1], float(u[-1]), count)
             except ParameterError as error:
@@ -149,7 +147,7 @@ class Orbits(BreatherFamily):
         except (NotConvergedError, ParameterError):
             return None
 
-    def stability(self, u: Real, c: float, *, split: bool = True) -> BreatherStability:
+    def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
         """Return the multipliers."""
         period = float(u[-1])
         matrix = self.flow(c, u[:-1], period, self.count).monodromy
@@ -209,7 +207,7 @@ class Orbits(BreatherFamily):
         value, _, by_c = self.system(2)(fold.u, fold.parameter)
         return float(abs(value).max() / abs(by_c).max())
 
-    def _parity(self, state: Real) -> int:
+    def _parity(self, state: FloatArray) -> int:
         sites = self.chain.sites
         if not self.nucleus.mirrored(sites):
             return 0
@@ -243,7 +241,7 @@ def steps_for(chain: VdpChain) -> int:
     return STEPS + math.ceil(STEPS * stiffness)
 
 
-def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> Real:
+def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> FloatArray:
     """Return (X, period) from the breather of the averaged chain at this coupling.
 
     Raises

@@ -33,8 +33,8 @@ import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import FloatArray
 from theory.chains.nucleus import MARGIN, Nucleus, outward_pattern, sites_for
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import count_within, positive, within
@@ -44,8 +44,6 @@ from verification.runs.comparison import coarser_tolerance
 from verification.runs.excite import add_noise, excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
-
-FloatArray = NDArray[np.float64]
 
 PAUSE = 100.0
 """Longest slow time from one site that joins to the next in a front."""

@@ -13,9 +13,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
+from theory.arrays import FloatArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
@@ -26,8 +26,6 @@ from verification.continuation.newton import BranchPoint, NotConvergedError, sol
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.variational import Flow
-
-Real = NDArray[np.float64]
 
 STEPS = 64
 """Steps a period where damping is weak."""
@@ -57,11 +55,11 @@ class OwnOrbits(Orbits):
         h = chain.cell.damping_at(y, v)
         return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
 
-    def flow(self, c: float, start: Real, duration: float, steps: int) -> Flow:
+    def flow(self, c: float, start: FloatArray, duration: float, steps: int) -> Flow:
         """Return the motion with its variations, by DOP853."""
         return integrate_with_tangents(self.chain.replace(c=c), start, duration, steps)
 
-    def rate(self, c: float, state: Real) -> Real:
+    def rate(self, c: float, state: FloatArray) -> FloatArray:
         """Return the right side of the chain as a first-order system."""
         return _rate_of(self.chain.replace(c=c))(state[:, None].repeat(2, axis=1))[:, 0]
 
@@ -96,7 +94,7 @@ class OwnOrbits(Orbits):
 
 
 def integrate_with_tangents(
-    chain: OscillatorChain, start: Real, duration: float, steps: int
+    chain: OscillatorChain, start: FloatArray, duration: float, steps: int
 ) -> Flow:
     """Integrate a chain and its variational equations.
 
@@ -144,7 +142,7 @@ def integrate_with_tangents(
     return Flow(columns[:, 0], columns[:, 1:-1], columns[:, -1], samples, steps)
 
 
-def _rate_of(chain: OscillatorChain) -> Callable[[Real], Real]:
+def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
     """Return the rate of a motion, its tangents and its derivative by c, as a function of them.
 
     They are columns; what they have in common is looked up once and not at every stage.
@@ -155,7 +153,7 @@ def _rate_of(chain: OscillatorChain) -> Callable[[Real], Real]:
     line = chain.network is None
     strength = chain.eps * chain.c
 
-    def rate(columns: Real) -> Real:
+    def rate(columns: FloatArray) -> FloatArray:
         y, v = columns[:count], columns[count:]
         pull = matrix @ (y + resistive * v) if resistive else matrix @ y
         by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
@@ -195,7 +193,7 @@ def check_orbits(chain: OscillatorChain) -> None:
     chain.kernels()  # refuses a function without its derivatives, before any search
 
 
-def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> Real:
+def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> FloatArray:
     """Return (X, period) of a run until the nucleus has settled, where y = 0 rises at the centre.
 
     Raises

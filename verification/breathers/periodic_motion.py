@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from theory.arrays import ComplexArray, FloatArray
 
 SAMPLES = 64
 """Samples a period for harmonics and amplitudes."""
@@ -16,7 +14,7 @@ _FINE = 2048
 _NEWTON = 3
 
 
-def first_harmonics(samples: Real) -> Complex:
+def first_harmonics(samples: FloatArray) -> ComplexArray:
     """Return h_n of y_n = Im(h_n e^{iωt}) + …, shape (N,), from one period, shape (M, N).
 
     Examples
@@ -26,11 +24,11 @@ def first_harmonics(samples: Real) -> Complex:
     [1.0]
     """
     spectrum = np.fft.rfft(samples, axis=0) / len(samples)
-    harmonics: Complex = 2j * spectrum[1]  # h/(2i) at +ω
+    harmonics: ComplexArray = 2j * spectrum[1]  # h/(2i) at +ω
     return harmonics
 
 
-def largest_displacements(samples: Real) -> Real:
+def largest_displacements(samples: FloatArray) -> FloatArray:
     """Return max |y_n(t)|, shape (N,), of the trigonometric sums through one period, shape (M, N).
 
     Newton's method on the derivative, from the largest of many values.
@@ -48,7 +46,7 @@ def largest_displacements(samples: Real) -> Real:
     spacing = 2.0 * math.pi / _FINE
     phase = spacing * peak
 
-    def derivative(k: int) -> Real:
+    def derivative(k: int) -> FloatArray:
         terms = weights * (1j * orders) ** k * np.exp(1j * orders * phase)
         return np.asarray(terms.sum(axis=0).real)
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.parameters import RunError
@@ -18,9 +18,6 @@ from theory.status import Status
 from verification.breathers.exponents import BreatherStability
 
 _UNITS = {"phases": "in units of π", "phase_step": "rad"}
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 class BreatherMethod(Status):
@@ -89,13 +86,17 @@ class Breather(Result):
     nucleus: Nucleus
     method: BreatherMethod
     status: BreatherStatus
-    amplitudes: Real = field(default_factory=lambda: np.empty(0), metadata={"dims": ("site",)})
-    waves: Complex = field(default_factory=lambda: np.empty(0, complex), metadata={"json": None})
+    amplitudes: FloatArray = field(
+        default_factory=lambda: np.empty(0), metadata={"dims": ("site",)}
+    )
+    waves: ComplexArray = field(
+        default_factory=lambda: np.empty(0, complex), metadata={"json": None}
+    )
     frequency: float | None = None
     stable: bool | None = None
     growth: float | None = None
     trivial: float | None = None
-    multipliers: Complex | None = field(default=None, metadata={"json": None})
+    multipliers: ComplexArray | None = field(default=None, metadata={"json": None})
     error: float | None = None
     frequency_error: float | None = None
     error_unknown: str = ""
@@ -105,12 +106,14 @@ class Breather(Result):
     fold_error: float | None = None
     time: float | None = None
     drift: float | None = None
-    unknowns: Real = field(default_factory=lambda: np.empty(0), repr=False, metadata={"json": None})
+    unknowns: FloatArray = field(
+        default_factory=lambda: np.empty(0), repr=False, metadata={"json": None}
+    )
     stability: BreatherStability | None = field(default=None, repr=False, metadata={"json": None})
     seconds: float
 
     @property
-    def state(self) -> Real:
+    def state(self) -> FloatArray:
         """A state (y, ẏ) on the orbit, shape (2N,); of (43), (Re φ, Im φ)."""
         return self.unknowns[:-1]
 
@@ -129,18 +132,18 @@ class Breather(Result):
         return float(self.unknowns[-1]) if orbit else 2.0 * math.pi / self.frequency
 
     @property
-    def outward(self) -> Real:
+    def outward(self) -> FloatArray:
         """Amplitudes from the centre (the right one of two; at an edge the first site) outwards."""
         return self.amplitudes[self.nucleus.outward(self.chain.sites) :]
 
     @property
-    def inward(self) -> Real:
+    def inward(self) -> FloatArray:
         """Amplitudes from the centre to the left end; the centre itself only of an odd nucleus."""
         centre = self.nucleus.outward(self.chain.sites)
         return self.amplitudes[: centre + self.nucleus.size % 2][::-1]
 
     @property
-    def phases(self) -> Real:
+    def phases(self) -> FloatArray:
         """Phases of the sites against the centre, in units of π; empty if there is no breather."""
         if not self.waves.size:
             return np.empty(0)

@@ -10,8 +10,8 @@ import math
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.nucleus import Nucleus
@@ -22,9 +22,6 @@ from verification.breathers.periodic_motion import SAMPLES, first_harmonics, lar
 from verification.breathers.result import Breather, BreatherMethod
 from verification.runs.envelope_run import run_envelope
 from verification.steppers.variational import integrate_chain
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 STEPS, ORDER = 20, 18
 """Taylor steps a period where damping is weak, and their order."""
@@ -183,8 +180,8 @@ def _at_end(
     status: BreatherStatus,
     drifts: list[float],
     *,
-    waves: Complex,
-    amplitudes: Real,
+    waves: ComplexArray,
+    amplitudes: FloatArray,
     frequency: float,
     elapsed: float,
     started: float,
@@ -234,7 +231,7 @@ def _steps(chain: VdpChain) -> int:
     return STEPS + math.ceil(STEPS * min(effective_epsilon(chain), STIFFEST))
 
 
-def _period(chain: VdpChain, state: Real, guess: float, steps: int) -> tuple[float, float]:
+def _period(chain: VdpChain, state: FloatArray, guess: float, steps: int) -> tuple[float, float]:
     """Return the time after which the state comes nearest to itself, and the drift left."""
     period, orbits = guess, Orbits(chain, Nucleus(1))
     for _ in range(6):

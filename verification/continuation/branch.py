@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray
 from verification.continuation.newton import (
     PARAMETER_WEIGHT,
     BranchPoint,
     NotConvergedError,
-    Real,
     System,
     solve_at,
     step_along,
 )
 
-Monitor = Callable[[Real, float], tuple[float, ...]]
+Monitor = Callable[[FloatArray, float], tuple[float, ...]]
 
 _SHORTEST = 1e-5
 """Arclength below which a branch cannot be followed."""
@@ -54,7 +54,7 @@ class Fold:
 
     parameter: float
     error: float
-    u: Real
+    u: FloatArray
     evaluations: int
     place: int = 0
 
@@ -75,7 +75,7 @@ class Crossing:
 
     parameter: float
     error: float
-    u: Real
+    u: FloatArray
     from_start: bool
 
 
@@ -327,8 +327,8 @@ def first_crossing(
 def _crossing(
     system: System,
     before: BranchPoint,
-    ends: Sequence[tuple[float, float, Real]],
-    monitored: Callable[[Real, float], float],
+    ends: Sequence[tuple[float, float, FloatArray]],
+    monitored: Callable[[FloatArray, float], float],
 ) -> Crossing:
     """Find where a value becomes positive on a step; ``ends`` have value, p and u at its ends."""
     far = _length_to(before, ends[1][2], ends[1][1])
@@ -374,7 +374,7 @@ def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
     return float(np.linalg.norm(away)) / length
 
 
-def _length_to(start: BranchPoint, u: Real, p: float) -> float:
+def _length_to(start: BranchPoint, u: FloatArray, p: float) -> float:
     across = start.tangent
     return float(
         across[:-1] @ (u - start.u) + across[-1] * PARAMETER_WEIGHT * (p - start.parameter)

@@ -11,12 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import FloatArray
 from theory.parameters import RunError
 
-Real = NDArray[np.float64]
-System = Callable[[Real, float], tuple[Real, Real, Real]]
+System = Callable[[FloatArray, float], tuple[FloatArray, FloatArray, FloatArray]]
 
 PARAMETER_WEIGHT = 10.0
 MAX_NEWTON = 20
@@ -58,15 +57,15 @@ class BranchPoint:
         Evaluations of the system.
     """
 
-    u: Real
+    u: FloatArray
     parameter: float
-    tangent: Real
+    tangent: FloatArray
     residual: float
     correction: float
     iterations: int
 
 
-def solve_at(system: System, guess: Real, p: float, tolerance: float = 1e-11) -> BranchPoint:
+def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-11) -> BranchPoint:
     """Solve F(u, p) = 0 for u by Newton's method.
 
     Raises
@@ -151,16 +150,16 @@ def step_along(
     )
 
 
-def _bordered(slope: Real, by_p: Real, row: Real) -> Real:
+def _bordered(slope: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArray:
     return np.vstack([np.column_stack([slope, by_p / PARAMETER_WEIGHT]), row])
 
 
-def _tangent(slope: Real, by_p: Real, along: Real | None) -> Real:
+def _tangent(slope: FloatArray, by_p: FloatArray, along: FloatArray | None) -> FloatArray:
     """Return the unit null vector of (∂F/∂u, ∂F/∂p), in the sense of ``along`` if given."""
     size = slope.shape[1] + 1
     row = np.zeros(size) if along is None else along
     if along is None:
         row[-1] = 1.0
     vector = np.linalg.solve(_bordered(slope, by_p, row), np.append(np.zeros(size - 1), 1.0))
-    unit: Real = vector / np.linalg.norm(vector)
+    unit: FloatArray = vector / np.linalg.norm(vector)
     return unit

@@ -20,9 +20,9 @@ from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 from numpy.lib import format as npy
 
+from theory.arrays import AnyArray
 from theory.parameters import ParameterError, RunError, within
 from verification.execution.digest import code_of_objects, digest_of_arrays
 from verification.execution.files import file_error, sole_writer, writing
@@ -50,7 +50,7 @@ _DEPENDS_ON = ("python", "numpy", "scipy", "numba")
 
 _WRITTEN = "a checkpoint as this toolkit writes them"
 
-Arrays = Mapping[str, npt.NDArray[Any]]
+Arrays = Mapping[str, AnyArray]
 
 
 class Resumable(Protocol):
@@ -199,7 +199,7 @@ def _resumed(
     return seconds
 
 
-def _arrays(integrations: Iterable[Resumable]) -> dict[str, npt.NDArray[Any]]:
+def _arrays(integrations: Iterable[Resumable]) -> dict[str, AnyArray]:
     return {
         f"{i}.{name}": array
         for i, each in enumerate(integrations)
@@ -318,7 +318,7 @@ def _check_header(path: Path, header: Mapping[str, Any], metadata: Mapping[str, 
         )  # fmt: skip
 
 
-def _read(box: zipfile.ZipFile, name: str, like: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def _read(box: zipfile.ZipFile, name: str, like: AnyArray) -> AnyArray:
     """Read an array that must have the type and shape of another one."""
     with box.open(name) as entry:
         major = npy.read_magic(entry)
@@ -327,7 +327,7 @@ def _read(box: zipfile.ZipFile, name: str, like: npt.NDArray[Any]) -> npt.NDArra
         if shape != like.shape or dtype != like.dtype or fortran:
             raise ValueError("shape")
         entry.seek(0)
-        found: npt.NDArray[Any] = npy.read_array(entry, allow_pickle=False)
+        found: AnyArray = npy.read_array(entry, allow_pickle=False)
         if entry.read(1):
             raise ValueError("length")
     return found

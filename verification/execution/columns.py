@@ -19,12 +19,13 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import AnyArray
 from theory.parameters import ParameterError
 from verification.execution.files import file_error
 
 Scalar: TypeAlias = bool | int | float | str
 """A coordinate of a point, or a cell of CSV."""
-Array: TypeAlias = npt.NDArray[Any]
+Array: TypeAlias = AnyArray
 Cell: TypeAlias = Scalar | Array | None
 """What a table may hold in one place; None if it is missing."""
 

@@ -20,8 +20,8 @@ from types import CodeType
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray
 from verification.execution.imports import SOURCES, closure, code_of, source_of
 
 DRAWING = (
@@ -41,7 +41,7 @@ def digest_of(data: object) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-def digest_of_arrays(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+def digest_of_arrays(arrays: Mapping[str, AnyArray]) -> str:
     """Return a digest of named arrays: names, types, shapes and every bit.
 
     Examples

@@ -29,8 +29,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from theory.parameters import MissingPackageError, ParameterError, count_within
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
+    from theory.arrays import IntArray
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -166,7 +165,7 @@ def answers(
     *,
     workers: int | None = None,
     executor: Executor | None = None,
-    only: Sequence[int] | npt.NDArray[np.int64] | None = None,
+    only: Sequence[int] | IntArray | None = None,
     begun: Callable[[int], None] | None = None,
 ) -> Generator[tuple[int, Answer | Exception], None, None]:
     """Compute a function of every item; yield what comes as it comes.

@@ -26,10 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.fronts.status import FrontStatus
-
-FloatArray = npt.NDArray[np.float64]
-
 
 _NOISE, _DRIFT = 3.0, 6.0
 

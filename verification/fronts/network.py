@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray, BoolArray, FloatArray
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, count_within
 from theory.result import Result
@@ -29,8 +29,6 @@ from verification.fronts.watch import Stall
 from verification.runs.comparison import coarser_tolerance
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
-
-FloatArray = npt.NDArray[np.float64]
 
 EXCITED = 37
 """Sites excited at first: on a square lattice those within a radius of some 3.5."""
@@ -188,7 +186,7 @@ def _runs(
     *,
     tolerance: float,
     stall: float,
-    within_reach: npt.NDArray[np.bool_],
+    within_reach: BoolArray,
     progress: ProgressCallback | None,
 ) -> _SpreadingRuns:
     run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
@@ -205,7 +203,7 @@ def _found(
     chain: OwnChain,
     runs: _SpreadingRuns,
     fit: Callable[[FloatArray], _Fit],
-    distances: npt.NDArray[Any],
+    distances: AnyArray,
 ) -> SpreadRun:
     angles, v, error = fit(runs.run.arrivals)
     if runs.stopped is None:
@@ -225,7 +223,7 @@ def _found(
 def _follow(
     run: SmoothIntegration,
     stall: float,
-    within_reach: npt.NDArray[np.bool_],
+    within_reach: BoolArray,
     progress: ProgressCallback | None,
 ) -> FrontStatus | None:
     """Step until all sites in reach are reached (None), or until the motion has stopped."""

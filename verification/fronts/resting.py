@@ -19,16 +19,14 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray
 from theory.cells.vdp import ETA_END
 from theory.parameters import RunError, within
 from verification.continuation.branch import Fold, StepControl, trace
 from verification.continuation.newton import System, solve_at
 from verification.steppers.amplitudes import Amplitudes, rate, rate_by
-
-FloatArray = npt.NDArray[np.float64]
 
 _SMALLEST_ETA, _LARGEST_ETA = 1e-3, 0.11
 """Below, the cycle attracts at a rate of 1/2η and steps are too many; above, so weakly that windows

@@ -6,14 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from theory.arrays import FloatArray
 from theory.result import Result, plain
 from theory.status import Status
 from verification.fronts.status import FrontStatus
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class LeftBoundary(Status):

@@ -9,15 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Trial
 from verification.fronts.status import FrontStatus
 from verification.runs.comparison import coarser_tolerance
 from verification.runs.integration import Integration
-
-FloatArray = npt.NDArray[np.float64]
 
 MARGIN = 8
 """Sites at the far end that need not be reached, and whose arrivals are not used for v.

@@ -27,8 +27,8 @@ from time import perf_counter
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.cells.vdp import ETA_END, threshold_ratio, threshold_ratio_slope
 from theory.parameters import RunError, within
 from theory.result import Result
@@ -42,9 +42,6 @@ from verification.steppers.amplitudes import (
     steps_in,
     with_disturbances,
 )
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
 
 LARGEST_COUPLING = 1e3
 SLOWEST = 1e-3

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import BoolArray, ComplexArray, FloatArray
 from verification.piecewise.crossing import first_zero
-from verification.piecewise.window import ChainState, Complex
+from verification.piecewise.window import ChainState
 
 _TERMS = 20  # with |lambda| h <= 1 the first neglected Taylor term is 1/20! = 4e-19
 _SAMPLES = 8
@@ -90,12 +90,12 @@ class PiecewiseMotion:
         self._slots = np.arange(sites)
         self._ramp = self._slots / sites
         k = 2 * np.pi * self._ramp
-        self._unit: Complex = np.exp(1j * k)
-        self._rates: Complex = -0.5 + 1j * coupling * (1 - np.cos(k))
+        self._unit: ComplexArray = np.exp(1j * k)
+        self._rates: ComplexArray = -0.5 + 1j * coupling * (1 - np.cos(k))
         self._speeds = np.abs(self._rates)
         self._longest = 1 / float(self._speeds.max())
-        self._samplers: dict[int, Complex] = {}
-        taylor: Complex = np.ones((_TERMS, sites), dtype=np.complex128) / sites
+        self._samplers: dict[int, ComplexArray] = {}
+        taylor: ComplexArray = np.ones((_TERMS, sites), dtype=np.complex128) / sites
         for j in range(1, _TERMS):
             taylor[j] = taylor[j - 1] * self._rates * (self._longest / j)
         self._taylor = taylor
@@ -104,13 +104,13 @@ class PiecewiseMotion:
         self._relay = np.zeros(sites)
         self._relaying = False
         on = np.abs(state.phi) > threshold if state.on is None else state.on
-        self._on: npt.NDArray[np.float64] = np.asarray(on).astype(np.float64)
+        self._on: FloatArray = np.asarray(on).astype(np.float64)
         self._load(np.fft.fft(state.phi + self._ramp))
 
-    def _load(self, spectrum: Complex) -> None:
+    def _load(self, spectrum: ComplexArray) -> None:
         self._sign = 2 * self._on - 1
-        self._equilibrium: Complex = np.fft.fft(0.5 * (self._on + self._ramp)) / -self._rates
-        self._deviation: Complex = spectrum - self._equilibrium
+        self._equilibrium: ComplexArray = np.fft.fft(0.5 * (self._on + self._ramp)) / -self._rates
+        self._deviation: ComplexArray = spectrum - self._equilibrium
 
     def state(self) -> ChainState:
         """Return the envelope now."""
@@ -190,22 +190,22 @@ class PiecewiseMotion:
 
     def _suspects(
         self,
-        gap: npt.NDArray[np.float64],
+        gap: FloatArray,
         least: float,
-        parts: Complex,
-        phi: Complex,
+        parts: ComplexArray,
+        phi: ComplexArray,
         step: float,
-    ) -> npt.NDArray[np.bool_]:
+    ) -> BoolArray:
         """Return which sites may cross in which interval.
 
         gap > 0 means: on its own side. A chord minus ``least``, F h^2/8, bounds it between samples.
         """
-        suspect: npt.NDArray[np.bool_] = np.minimum(gap[:-1], gap[1:]) < least
+        suspect: BoolArray = np.minimum(gap[:-1], gap[1:]) < least
         for crowded in np.nonzero(suspect.sum(axis=1) > _MANY)[0].tolist():
             suspect[crowded] &= ~self._clear(parts[crowded], phi[crowded], step)
         return suspect
 
-    def _clear(self, modes: Complex, phi: Complex, step: float) -> npt.NDArray[np.bool_]:
+    def _clear(self, modes: ComplexArray, phi: ComplexArray, step: float) -> BoolArray:
         """Return which sites stay off the threshold within ``step``, each by its own Taylor sum.
 
         Sharper than the common bound F where the sites differ by decades, as at small r.
@@ -213,15 +213,15 @@ class PiecewiseMotion:
         reach = step / self._longest
         terms = np.abs(np.fft.ifft(self._taylor[1:] * self.sites * modes, axis=1))
         change = reach ** np.arange(1, _TERMS) @ terms
-        clear: npt.NDArray[np.bool_] = (np.abs(phi) - self.threshold) * self._sign > change
+        clear: BoolArray = (np.abs(phi) - self.threshold) * self._sign > change
         return clear
 
-    def _row(self, slot: int) -> Complex:
-        row: Complex = self._unit[(self._slots * slot) % self.sites]
+    def _row(self, slot: int) -> ComplexArray:
+        row: ComplexArray = self._unit[(self._slots * slot) % self.sites]
         return row
 
     def _first_crossing(
-        self, modes: Complex, now: complex, slot: int, step: float, fresh: bool
+        self, modes: ComplexArray, now: complex, slot: int, step: float, fresh: bool
     ) -> float | None:
         """First time in ``[0, step]`` at which a site leaves its side; ``fresh``: it just came."""
         z = (self._taylor * (modes * self._row(slot))).sum(axis=1)

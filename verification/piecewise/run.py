@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
-import numpy.typing as npt
-
+from theory.arrays import FloatArray
 from verification.fronts.status import FrontStatus
 from verification.piecewise.window import ChainState
 
@@ -79,7 +77,7 @@ class FrontRun:
     window: int
     truncation: float
     seconds: float
-    crossing_times: npt.NDArray[np.float64] = field(repr=False)
+    crossing_times: FloatArray = field(repr=False)
     final: ChainState = field(repr=False)
     method: str = METHOD
 

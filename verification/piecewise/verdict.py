@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.fronts.status import FrontStatus
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.run import FrontRun
@@ -79,7 +79,7 @@ class History:
     def _direction(self) -> int:
         return 1 if len(self._waits[1]) >= len(self._waits[-1]) else -1
 
-    def _periods(self) -> npt.NDArray[np.float64]:
+    def _periods(self) -> FloatArray:
         return np.array(self._waits[self._direction()][1:])
 
     def _keep_in_window(self, site: int) -> None:
@@ -118,14 +118,14 @@ class History:
         total = float(recent.sum())
         return self._direction() * len(recent) / total if total > 0 else 0.0
 
-    def _spreads(self) -> npt.NDArray[np.float64]:
+    def _spreads(self) -> FloatArray:
         """Spread of the period over its mean, block by block, counted back from the end."""
         periods = self._periods()
         blocks = len(periods) // BLOCK
         cut = periods[len(periods) - blocks * BLOCK :].reshape(blocks, BLOCK)
         return np.asarray(np.ptp(cut, axis=1) / cut.mean(axis=1))
 
-    def _relative_error(self, spreads: npt.NDArray[np.float64]) -> float:
+    def _relative_error(self, spreads: FloatArray) -> float:
         """Bound the distance of the last mean period from its limit, for a geometric approach.
 
         If deviations shrink by q a block, the last block moved by (1 - q) of what it still had.
@@ -151,7 +151,7 @@ class History:
             return True
         return len(spreads) >= _LONG and not _shrinks(spreads)
 
-    def _is_steady(self, spreads: npt.NDArray[np.float64], tolerance: float) -> bool:
+    def _is_steady(self, spreads: FloatArray, tolerance: float) -> bool:
         reached = max(tolerance, 2 * self._floor())
         if len(spreads) < 3 or spreads[-2] > 10 * reached:
             return False
@@ -219,7 +219,7 @@ class History:
         )
 
 
-def _shrinks(spreads: npt.NDArray[np.float64]) -> bool:
+def _shrinks(spreads: FloatArray) -> bool:
     """Return whether the largest spread falls from one group of blocks to the next, twice."""
     if len(spreads) < 3 * _GROUP:
         return False
@@ -227,12 +227,12 @@ def _shrinks(spreads: npt.NDArray[np.float64]) -> bool:
     return bool(groups[2] < 0.99 * groups[1] < 0.99**2 * groups[0])
 
 
-def _decays(spreads: npt.NDArray[np.float64]) -> bool:
+def _decays(spreads: FloatArray) -> bool:
     """Return whether it falls and is small enough for the fall to be geometric."""
     return _shrinks(spreads) and bool(spreads[-3 * _GROUP :].max() < 0.1)
 
 
-def _repeat(periods: npt.NDArray[np.float64]) -> int | None:
+def _repeat(periods: FloatArray) -> int | None:
     """Find the smallest number of sites after which the last 120 periods repeat to 1e-9."""
     last = periods[-120:]
     for lag in range(1, len(last) // 2 + 1):
@@ -241,7 +241,7 @@ def _repeat(periods: npt.NDArray[np.float64]) -> int | None:
     return None
 
 
-def _spread_of_means(periods: npt.NDArray[np.float64]) -> float:
+def _spread_of_means(periods: FloatArray) -> float:
     """Return half the range of the mean velocity over five equal parts."""
     parts = [part for part in np.array_split(periods, 5) if len(part)]
     means = [1 / float(part.mean()) for part in parts]

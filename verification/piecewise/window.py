@@ -11,12 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.parameters import ParameterError
-
-Complex = npt.NDArray[np.complex128]
-Flags = npt.NDArray[np.bool_]
 
 MAX_SITES = 1 << 15
 _RESERVE = 1 / 16
@@ -39,9 +36,9 @@ class ChainState:
         Index in ``phi`` of a site that has just crossed and stands at r exactly.
     """
 
-    phi: Complex
+    phi: ComplexArray
     origin: int = 0
-    on: Flags | None = None
+    on: BoolArray | None = None
     latest: int | None = None
 
 
@@ -138,14 +135,14 @@ def static_state(coupling: float, sites: int) -> ChainState:
     return ChainState(np.fft.ifft(np.fft.fft(force) / -rates) - slots / sites, -front)
 
 
-def _mode_data(coupling: float, sites: int) -> tuple[Complex, npt.NDArray[np.float64]]:
+def _mode_data(coupling: float, sites: int) -> tuple[ComplexArray, FloatArray]:
     k = 2 * np.pi * np.arange(sites) / sites
     return (-0.5 + 1j * coupling * (1 - np.cos(k))).astype(np.complex128), k
 
 
 def _spectrum_at_switching(
     coupling: float, velocity: float, sites: int, front: int
-) -> tuple[Complex, Complex, Complex]:
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     rates, k = _mode_data(coupling, sites)
     slots = np.arange(sites)
     equilibrium = np.fft.fft(0.5 * ((slots <= front) + slots / sites)) / -rates

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import CHAINS, SmoothChain
 from theory.chains.friction import FrictionChain
@@ -29,8 +29,6 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.scipy_states import compared
 from verification.references.pace import last_state, paced
-
-FloatArray = npt.NDArray[np.float64]
 
 OWN_ROWS = ("vdp", "averaged", "chain", "averaged-chain")
 """Smooth models whose runs are held against a right side written a second time."""

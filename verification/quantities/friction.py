@@ -14,8 +14,8 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.parameters import RunError
 from verification.quantities.chains import friction_cell, friction_chain
@@ -33,7 +33,6 @@ from verification.references.pace import NoReferenceError, Pace
 if TYPE_CHECKING:
     from verification.references.friction_events import EventRun
 
-FloatArray = npt.NDArray[np.float64]
 
 _TAU = 40.0
 
@@ -167,7 +166,7 @@ def switch_energy(at: Mapping[str, float]) -> StatedValue:
     )
 
 
-def _root_energy(c: float, y: npt.NDArray[np.float64], velocity: npt.NDArray[np.float64]) -> float:
+def _root_energy(c: float, y: FloatArray, velocity: FloatArray) -> float:
     return math.sqrt(float(y @ y + velocity @ velocity + c * np.sum(np.diff(y) ** 2)))
 
 

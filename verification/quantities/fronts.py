@@ -17,8 +17,8 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.quantities.chains import vdp_chain
 from verification.quantities.kinetic_relation import precise_velocity
 from verification.quantities.quantity import (
@@ -32,8 +32,6 @@ from verification.quantities.quantity import (
 )
 from verification.references.equations import amplitude_of, as_state, full_rate, quarter_turn_rate
 from verification.references.pace import NoReferenceError, Pace
-
-FloatArray = npt.NDArray[np.float64]
 
 _FILLED, _END = 24, 8
 _MIN_SITES, _MAX_SITES = 64, 352

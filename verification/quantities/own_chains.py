@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
+from theory.arrays import FloatArray
 from theory.chains.oscillator import OscillatorChain
 from verification.quantities.quantity import (
     Computation,
@@ -26,8 +26,6 @@ from verification.quantities.scipy_states import precisely
 from verification.references.equations import Rate, pull_matrix
 from verification.references.extrapolation import precise_state
 from verification.references.network import oscillator_rate
-
-FloatArray = npt.NDArray[np.float64]
 
 _END = 30.0
 _FREQUENCY = 1.1

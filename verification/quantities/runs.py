@@ -11,8 +11,8 @@ from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import ComplexArray
 from theory.chains.vdp import VdpChain
 from verification.quantities.chains import vdp_chain
 from verification.quantities.quantity import (
@@ -40,8 +40,6 @@ from verification.references.equations import (
 )
 from verification.references.extrapolation import PreciseState, extended, integrate
 from verification.references.pace import NoReferenceError, last_state, paced
-
-ComplexArray = npt.NDArray[np.complex128]
 
 _END = 30.0
 _FIRST_PART, _MAX_PART = 30, 400

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray
 from verification.quantities.quantity import ReferenceCheck
 from verification.references.extrapolation import PreciseState
 from verification.references.pace import NoReferenceError
-
-AnyArray = npt.NDArray[Any]
 
 TOLERANCE, LOOSER = 1e-12, 3e-11
 """Relative tolerances of a reference; by how much its two states differ is its uncertainty."""

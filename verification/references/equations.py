@@ -13,21 +13,19 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray, BoolArray, ComplexArray, FloatArray
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VanDerPolChain
 
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
 Rate = Callable[[float, FloatArray], FloatArray]
 ComplexRate = Callable[[float, ComplexArray], ComplexArray]
 Motion = Callable[[float], tuple[FloatArray, FloatArray]]
 
 
-def pull(y: npt.NDArray[Any], ends: Ends = Ends.FREE) -> npt.NDArray[Any]:
+def pull(y: AnyArray, ends: Ends = Ends.FREE) -> AnyArray:
     """Return 2y_n - y_{n-1} - y_{n+1} along the first axis.
 
     Parameters
@@ -227,7 +225,7 @@ def quarter_turn_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
 
 
 def piecewise_rate(
-    c: float, excited: npt.NDArray[np.bool_], left: complex, right: complex, ring: bool = False
+    c: float, excited: BoolArray, left: complex, right: complex, ring: bool = False
 ) -> ComplexRate:
     """Return dφ/dT of (44), phases locked, while the sites with |φ| above the threshold stay so.
 

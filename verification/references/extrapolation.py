@@ -15,11 +15,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray
 from verification.references.pace import Pace
 
-AnyArray = npt.NDArray[Any]
 Rate = Callable[[Any, AnyArray], AnyArray]
 
 COLUMNS = 8

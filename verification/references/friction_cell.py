@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
 from verification.references.equations import dynamic_friction
 from verification.references.passages import passage_velocity
@@ -21,13 +21,11 @@ from verification.references.passages import passage_velocity
 CELL = FrictionCell()
 """Parameters (7)."""
 
-Real = NDArray[np.float64]
 
-
-def slip_rate(belt: float) -> Callable[[float, Real], list[float]]:
+def slip_rate(belt: float) -> Callable[[float, FloatArray], list[float]]:
     """Return the right side of the slip equation."""
 
-    def rate(_: float, state: Real) -> list[float]:
+    def rate(_: float, state: FloatArray) -> list[float]:
         y, w = state
         return [w, -2.0 * CELL.xi * w - y + float(dynamic_friction(abs(belt - w), CELL))]
 
@@ -39,11 +37,11 @@ class _Event:
 
     terminal = True
 
-    def __init__(self, height: Callable[[Real], float], direction: float) -> None:
+    def __init__(self, height: Callable[[FloatArray], float], direction: float) -> None:
         self._height = height
         self.direction = direction
 
-    def __call__(self, _: float, state: Real) -> float:
+    def __call__(self, _: float, state: FloatArray) -> float:
         return float(self._height(state))
 
 
@@ -64,7 +62,7 @@ def highest_after_slip(belt: float) -> float:
     return float(run.y[1, -1] - belt)
 
 
-def averaged_damping(belt: float) -> tuple[Real, Real]:
+def averaged_damping(belt: float) -> tuple[FloatArray, FloatArray]:
     """Return amplitudes R and the rate D(R) of R' = -D(R), one cell averaged over a turn.
 
     D(R) = ξR - (1/2π)∮ F cos θ dθ at y' = R cos θ, with F of (6); F changes sign where the cell
@@ -93,10 +91,10 @@ def averaged_front(belt: float, sites: int = 200) -> float:
     crossings = amplitudes[1:-1][np.diff(np.sign(damping[1:])) != 0.0]
     level, cycle = float(crossings[0]), float(crossings[-1])
 
-    def rate(_: float, r: Real) -> Real:
+    def rate(_: float, r: FloatArray) -> FloatArray:
         padded = np.concatenate([[cycle], r, [0.0]])
         drag = np.sign(r) * np.interp(np.abs(r), amplitudes, damping)
-        out: Real = 0.5 * c * (padded[:-2] - padded[2:]) - drag
+        out: FloatArray = 0.5 * c * (padded[:-2] - padded[2:]) - drag
         return out
 
     start = np.where(np.arange(sites) < sites // 4, cycle, 0.0)

@@ -13,17 +13,14 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray, IntArray
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
 from verification.references.equations import dynamic_friction, load
 from verification.references.pace import NoReferenceError, Pace
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 BEGINS, ENDS, REVERSES = 0, 1, 2
 """Kinds of events."""

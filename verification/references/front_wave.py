@@ -13,13 +13,11 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.sparse import csc_matrix, diags, hstack, vstack
 from scipy.sparse.linalg import spsolve
 
-FloatArray = npt.NDArray[np.float64]
-AnyArray = npt.NDArray[Any]
+from theory.arrays import AnyArray, FloatArray
 
 _REACH = 10
 """Points on either side that a difference takes."""

@@ -9,12 +9,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
+from theory.arrays import FloatArray
 from verification.references.equations import Rate
 
-FloatArray = npt.NDArray[np.float64]
 Force = Callable[[FloatArray], FloatArray]
 Damping = Callable[[FloatArray, FloatArray], FloatArray]
 

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+
+from theory.arrays import AnyArray
 
 MAX_SECONDS = 10.0
 """Processor seconds of one check: were one in fifteen as slow as that, a thousand points would take
@@ -66,7 +67,7 @@ def paced(rate: Callable[..., Any], end: float) -> Callable[..., Any]:
 
 def last_state(
     rate: Callable[..., Any], end: float, start: Any, rtol: float, atol: float, **options: Any
-) -> npt.NDArray[Any]:
+) -> AnyArray:
     """Return the state at the end by ``scipy.integrate.solve_ivp`` from zero, DOP853 by default.
 
     Raises

@@ -6,17 +6,15 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.references.equations import full_rate, quarter_turn_rate
 
-Real = NDArray[np.float64]
 
-
-def arrivals_of_chain(chain: VdpChain, end: float, level: float, start: float) -> Real:
+def arrivals_of_chain(chain: VdpChain, end: float, level: float, start: float) -> FloatArray:
     """Return when |Ψ| first reaches a level in (8), the first site displaced.
 
     scipy's DOP853 in pieces of half a period, each searched between its steps.
@@ -102,7 +100,7 @@ def quarter_turn_velocity(a: float, b: float, c: float, sites: int = 60) -> floa
     on_cycle, level = chain.stable_amplitude, chain.unstable_amplitude
     free = quarter_turn_rate(chain)
 
-    def rate(t: float, r: Real) -> Real:
+    def rate(t: float, r: FloatArray) -> FloatArray:
         out = free(t, r)
         out[0] += 0.5 * c * on_cycle
         return out

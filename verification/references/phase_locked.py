@@ -18,12 +18,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from verification.references.equations import averaged_damping, pull_matrix
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 MARGIN = 9
 """Sites at rest on each side of the core; amplitudes fall at least fivefold a site."""
@@ -58,15 +55,15 @@ class LockedBreather:
 
     size: int
     c: float
-    phi: Complex = field(repr=False)
+    phi: ComplexArray = field(repr=False)
     omega: float
     growth: float
 
     @property
-    def steps(self) -> Real:
+    def steps(self) -> FloatArray:
         """Phase steps of the core over π, each from -1 to 1."""
         core = self.phi[MARGIN:-MARGIN]
-        turned: Real = np.angle(core[1:] / core[:-1]) / np.pi
+        turned: FloatArray = np.angle(core[1:] / core[:-1]) / np.pi
         return turned
 
     @property
@@ -95,7 +92,7 @@ class LockedBranch:
     stable: tuple[tuple[float, float], ...]
 
 
-def residual(u: Real, c: float, a: float, b: float) -> Real:
+def residual(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
     """Return the equations of a breather, u = (Re φ, Im φ, Ω), and the phase of its centre."""
     sites = (u.size - 1) // 2
     phi = u[:sites] + 1j * u[sites:-1]
@@ -104,7 +101,7 @@ def residual(u: Real, c: float, a: float, b: float) -> Real:
     return np.concatenate([equations.real, equations.imag, [phi[MARGIN].imag]])
 
 
-def jacobian(u: Real, c: float, a: float, b: float) -> Real:
+def jacobian(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
     """Return the derivative of `residual` by u, by hand."""
     sites = (u.size - 1) // 2
     x, y = u[:sites], u[sites:-1]
@@ -122,7 +119,7 @@ def jacobian(u: Real, c: float, a: float, b: float) -> Real:
     return matrix
 
 
-def solve(guess: Real, c: float, a: float, b: float, rounds: int = 40) -> Real | None:
+def solve(guess: FloatArray, c: float, a: float, b: float, rounds: int = 40) -> FloatArray | None:
     """Solve by Newton's method with shortened steps; None where it does not converge."""
     u = guess.copy()
     size = float(np.linalg.norm(residual(u, c, a, b)))
@@ -146,7 +143,7 @@ def solve(guess: Real, c: float, a: float, b: float, rounds: int = 40) -> Real |
     return None
 
 
-def growth_rate(u: Real, c: float, a: float, b: float, *, mirrored: bool = False) -> float:
+def growth_rate(u: FloatArray, c: float, a: float, b: float, *, mirrored: bool = False) -> float:
     """Return the largest real part of the exponents, the zero of the phase left out.
 
     With ``mirrored`` of perturbations alone that are the same on both sides.
@@ -161,7 +158,7 @@ def growth_rate(u: Real, c: float, a: float, b: float, *, mirrored: bool = False
     return float(np.delete(rates, np.argmin(np.abs(rates))).real.max())
 
 
-def phase_patterns(size: int, grid: int = 13) -> Iterator[Real]:
+def phase_patterns(size: int, grid: int = 13) -> Iterator[FloatArray]:
     """Yield the phase steps that lock to first order in c, δ of even sizes over a grid.
 
     Examples
@@ -218,7 +215,9 @@ def family(size: int, a: float, b: float) -> list[LockedBreather]:
     return _distinct(patterns, size, a, b)
 
 
-def _distinct(patterns: Iterable[Real], size: int, a: float, b: float) -> list[LockedBreather]:
+def _distinct(
+    patterns: Iterable[FloatArray], size: int, a: float, b: float
+) -> list[LockedBreather]:
     """Return the breathers of a size to which patterns of phase steps lead, each once."""
     found: list[LockedBreather] = []
     for steps in patterns:
@@ -237,7 +236,7 @@ def follow(start: LockedBreather, a: float, b: float) -> LockedBranch:
     The end is where two solutions meet: √(c_end - c) is linear there, so the last points give it.
     """
     c, u, step = start.c, _unknowns(start), LONGEST
-    before: tuple[float, Real] | None = None
+    before: tuple[float, FloatArray] | None = None
     history = [(c, start.growth)]
     while step > 1e-8:
         guess = u if before is None else u + (u - before[1]) * step / (c - before[0])
@@ -256,7 +255,7 @@ def follow(start: LockedBreather, a: float, b: float) -> LockedBranch:
     return LockedBranch(first=start, last=last, c_end=c + step, stable=_ranges(history))
 
 
-def start_from(steps: Real, a: float, b: float, c: float) -> Real:
+def start_from(steps: FloatArray, a: float, b: float, c: float) -> FloatArray:
     """Return unknowns with the core on the cycle at the phase steps, and the linear tails."""
     root = np.sqrt(1.0 - 8.0 * b / a**2)
     cycle = np.sqrt(a / b * (1.0 + root))
@@ -268,12 +267,12 @@ def start_from(steps: Real, a: float, b: float, c: float) -> Real:
     return np.concatenate([phi.real, phi.imag, [c]])
 
 
-def _unknowns(found: LockedBreather) -> Real:
+def _unknowns(found: LockedBreather) -> FloatArray:
     turned = found.phi * np.exp(-1j * np.angle(found.phi[MARGIN]))
     return np.concatenate([turned.real, turned.imag, [found.omega]])
 
 
-def _breather(u: Real, size: int, c: float, a: float, b: float) -> LockedBreather:
+def _breather(u: FloatArray, size: int, c: float, a: float, b: float) -> LockedBreather:
     sites = (u.size - 1) // 2
     phi = u[:sites] + 1j * u[sites:-1]
     return LockedBreather(
@@ -281,7 +280,7 @@ def _breather(u: Real, size: int, c: float, a: float, b: float) -> LockedBreathe
     )
 
 
-def _is_nucleus(u: Real, size: int, a: float, b: float) -> bool:
+def _is_nucleus(u: FloatArray, size: int, a: float, b: float) -> bool:
     """Whether exactly the core is near the stable cycle."""
     root = np.sqrt(1.0 - 8.0 * b / a**2)
     unstable = np.sqrt(a / b * (1.0 - root))
@@ -292,7 +291,7 @@ def _is_nucleus(u: Real, size: int, a: float, b: float) -> bool:
     return bool(np.array_equal(high, core))
 
 
-def _same(one: Complex, other: Complex) -> bool:
+def _same(one: ComplexArray, other: ComplexArray) -> bool:
     """Whether two envelopes differ by a turn of the phase and a reflection at most."""
     for phi in (other, other[::-1]):
         turn = np.vdot(phi, one)
@@ -329,7 +328,7 @@ def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBrea
     return _breather(u, start.size, c, a, b)
 
 
-def outward_breather(size: int, c: float, a: float, b: float) -> Real:
+def outward_breather(size: int, c: float, a: float, b: float) -> FloatArray:
     """Return the unknowns of the mirror-symmetric breather of odd size, its steps outwards π/2.
 
     Raises
@@ -342,7 +341,9 @@ def outward_breather(size: int, c: float, a: float, b: float) -> Real:
     return _solved_along(start_from(outward, a, b, START), couplings, size, a, b)
 
 
-def _solved_along(u: Real, couplings: Real, size: int, a: float, b: float) -> Real:
+def _solved_along(
+    u: FloatArray, couplings: FloatArray, size: int, a: float, b: float
+) -> FloatArray:
     """Return the unknowns at the last of some couplings, each solved from the one before."""
     for c in couplings.tolist():
         found = solve(u, c, a, b)

@@ -12,13 +12,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray
 from verification.references.equations import averaged_damping, pull
 from verification.references.extrapolation import PreciseState, extended
 from verification.references.pace import NoReferenceError
 
-AnyArray = npt.NDArray[Any]
 Defect = Callable[[AnyArray], AnyArray]
 
 _STEP = 1e-5

@@ -12,13 +12,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
 from verification.references.equations import regularised_rate
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class Solver(StrEnum):

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
-FloatArray = npt.NDArray[np.float64]
+from theory.arrays import FloatArray
 
 
 def kappa_by_shooting(eta: float, low: float, high: float) -> tuple[float, float]:

@@ -19,15 +19,12 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray, IntArray
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, positive, within
 from verification.execution.compiled import inner, outer
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 PAPER_BAND = 1e-4
 ODE23T_RELATIVE, ODE23T_ABSOLUTE = 1e-3, 1e-6

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.cells.polynomial import Polynomial, as_polynomial
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
@@ -17,8 +18,6 @@ from theory.result import Result
 from verification.runs.excite import excite
 from verification.runs.integration import checked_state
 from verification.runs.simulate import simulate
-
-FloatArray = npt.NDArray[np.float64]
 
 SHARE = "share_of_eps"
 """Name of the parameter that scales the nonlinear part of the stiffness with ε."""

@@ -12,14 +12,13 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray, IntArray
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, RunError, need_instance, whole_number
 from theory.result import Result
 from verification.execution.pool import answers_in_order
 from verification.execution.progress import ProgressCallback
-
-FloatArray = npt.NDArray[np.float64]
 
 VALUES = ("v", "c_crit", "frequency", "value")
 """Attributes of a result that may be its number; the first that it has is taken."""
@@ -52,7 +51,7 @@ class Ensemble(Result):
 
     chain: Any
     quantity: str
-    seeds: npt.NDArray[np.int64] = field(metadata={"axis": "seed"})
+    seeds: IntArray = field(metadata={"axis": "seed"})
     values: FloatArray = field(metadata={"dims": ("seed",)})
     errors: FloatArray = field(metadata={"dims": ("seed",)})
     reasons: npt.NDArray[np.str_] = field(metadata={"dims": ("seed",)})

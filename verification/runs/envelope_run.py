@@ -10,16 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.chains.vdp import VanDerPolChain
 from verification.runs.excite import as_psi
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.kernel import fast
 from verification.steppers.runge_kutta import Step
-
-FloatArray = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 STEP = 0.1
 """Step in T of the method of order 8; rates are of order 1."""
@@ -45,7 +42,7 @@ class EnvelopeRun:
         Steps taken.
     """
 
-    phi: Complex
+    phi: ComplexArray
     time: float
     escaped: bool
     coupling: float
@@ -77,11 +74,11 @@ def escape(  # noqa: PLR0917  (as a Condition)
 
 def run_envelope(
     chain: VanDerPolChain,
-    phi: Complex,
+    phi: ComplexArray,
     duration: float,
     *,
     rate: float = 0.0,
-    watched: NDArray[np.bool_] | None = None,
+    watched: BoolArray | None = None,
     limit: float = np.inf,
 ) -> EnvelopeRun:
     """Integrate (43) until ``duration`` or until a watched site passes the limit.

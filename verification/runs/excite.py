@@ -13,8 +13,8 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache, singledispatch
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Chain, SmoothChain
 from theory.chains.friction import FrictionChain
@@ -24,7 +24,6 @@ from verification.runs.integration import as_psi
 
 __all__ = ["StartPoint", "add_noise", "as_psi", "cycle_point", "excite", "excite_edge"]
 
-FloatArray = npt.NDArray[np.float64]
 
 MAX_DISPLACEMENT = 1e3
 

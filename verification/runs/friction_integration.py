@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import AnyArray, BoolArray, FloatArray
 from theory.chains.chain import Chain
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
@@ -36,8 +37,6 @@ from verification.steppers.friction_series import (
 )
 from verification.steppers.stop_code import StopCode
 from verification.steppers.taylor import taylor_order
-
-FloatArray = npt.NDArray[np.float64]
 
 _REST = 0.01
 _PIECE = 200_000
@@ -139,7 +138,7 @@ class FrictionIntegration(Integration):
         return self.time >= self.end
 
     @property
-    def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def state_arrays(self) -> dict[str, AnyArray]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
         run = self._run
         return {
@@ -184,9 +183,9 @@ class FrictionIntegration(Integration):
         return np.array([self._row(Y), self._row(W) + self.chain.cell.v_d])
 
     @property
-    def stuck(self) -> npt.NDArray[np.bool_]:
+    def stuck(self) -> BoolArray:
         """Sites that stick now, shape (N,)."""
-        stuck: npt.NDArray[np.bool_] = self._run.mode[MODE, 1:-1] == 0
+        stuck: BoolArray = self._run.mode[MODE, 1:-1] == 0
         return stuck
 
     @property

@@ -33,10 +33,9 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import AnyArray, ComplexArray, FloatArray
 from theory.chains.chain import Chain
 from theory.parameters import ParameterError, RunError
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class NotFiniteError(RunError):
@@ -126,7 +125,7 @@ class Integration(ABC):
 
     @property
     @abstractmethod
-    def state_arrays(self) -> Mapping[str, npt.NDArray[Any]]:
+    def state_arrays(self) -> Mapping[str, AnyArray]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
 
     @property
@@ -232,7 +231,7 @@ def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
         given, kind = np.zeros(0), "O"
     if np.ma.is_masked(start):
         raise ParameterError("start", "a masked array", "without a masked value", "fill them in")
-    state: npt.NDArray[Any] = given
+    state: AnyArray = given
     if kind == "c" and given.shape == (sites,):
         state = np.array([given.imag, given.real])
     if kind not in "iufc" or state.shape != (2, sites) or not np.all(np.isfinite(state)):
@@ -262,7 +261,7 @@ def check_options(kind: type[Integration], options: Mapping[str, Any]) -> None:
             )
 
 
-def as_psi(state: FloatArray) -> npt.NDArray[np.complex128]:
+def as_psi(state: FloatArray) -> ComplexArray:
     """Return Ψ = ẏ + iy, or φ, of states (…, 2, N).
 
     Examples
@@ -270,5 +269,5 @@ def as_psi(state: FloatArray) -> npt.NDArray[np.complex128]:
     >>> as_psi(np.array([[1.0], [2.0]]))
     array([2.+1.j])
     """
-    psi: npt.NDArray[np.complex128] = state[..., 1, :] + 1j * state[..., 0, :]
+    psi: ComplexArray = state[..., 1, :] + 1j * state[..., 0, :]
     return psi

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from theory.parameters import (
     ParameterError,
@@ -33,8 +34,6 @@ from verification.runs.comparison import (
 )
 from verification.runs.integration import Integration, checked_state, integration
 from verification.runs.trajectory import RunStatus, Trajectory
-
-FloatArray = npt.NDArray[np.float64]
 
 __all__ = ["friction_integration", "simulate", "smooth_integration"]
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import AnyArray, FloatArray
 from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
@@ -25,8 +26,6 @@ from verification.runs.integration import (
 from verification.steppers import smooth
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, RING
 from verification.steppers.stop_code import StopCode
-
-FloatArray = npt.NDArray[np.float64]
 
 STIFF_STEP = 5e-4
 """Steps of (8) below this are left to the implicit method: the damping rate is then some 1e4."""
@@ -167,7 +166,7 @@ class SmoothIntegration(Integration):
         return rest
 
     @property
-    def state_arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def state_arrays(self) -> dict[str, AnyArray]:
         """The arrays that make up the state of the run; filled in place when it is resumed."""
         return dict(self._run._asdict())
 

@@ -7,13 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
 from theory.chains.chain import SmoothChain
 from theory.result import Result, plain
 from theory.status import Status
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class RunStatus(Status):
@@ -117,10 +115,10 @@ class Trajectory(Result):
             "seconds": self.seconds,
         }
 
-    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def arrays(self) -> dict[str, AnyArray]:
         """Return what a file of arrays holds: samples by name, as the model calls them."""
         if isinstance(self.chain, SmoothChain):
-            states: dict[str, npt.NDArray[Any]] = {"psi": self.psi}
+            states: dict[str, AnyArray] = {"psi": self.psi}
         else:
             states = {"y": self.y, "velocity": self.velocity, "envelope": self.amplitude}
         return {
@@ -142,9 +140,9 @@ class Trajectory(Result):
         return self.states[:, 1]
 
     @property
-    def psi(self) -> npt.NDArray[np.complex128]:
+    def psi(self) -> ComplexArray:
         """Ψ = ẏ + iy of (8), φ of (43), shape (M, N)."""
-        psi: npt.NDArray[np.complex128] = self.states[:, 1] + 1j * self.states[:, 0]
+        psi: ComplexArray = self.states[:, 1] + 1j * self.states[:, 0]
         return psi
 
     @property
@@ -156,15 +154,15 @@ class Trajectory(Result):
         return phase
 
     @property
-    def width(self) -> npt.NDArray[np.int64]:
+    def width(self) -> IntArray:
         """Number of sites above the level at each sample, shape (M,)."""
-        width: npt.NDArray[np.int64] = np.count_nonzero(self.amplitude > self.level, axis=1)
+        width: IntArray = np.count_nonzero(self.amplitude > self.level, axis=1)
         return width
 
     @property
-    def stuck(self) -> npt.NDArray[np.bool_]:
+    def stuck(self) -> BoolArray:
         """Sites of a friction chain that stick at the last sample, shape (N,)."""
-        stuck: npt.NDArray[np.bool_] = np.equal(self.velocity[-1], self.chain.v_d)
+        stuck: BoolArray = np.equal(self.velocity[-1], self.chain.v_d)
         return stuck
 
     @property

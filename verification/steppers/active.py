@@ -6,12 +6,8 @@ contiguous row is what compiled loops run through fastest.
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
+from theory.arrays import FloatArray
 from verification.execution.compiled import inner
-
-FloatArray = npt.NDArray[np.float64]
 
 REST, FREE, RING, FOLLOWING, NETWORK = 0, 1, 2, 3, 4
 """Beyond an end there is rest; nothing; the other end; or, on the left, a wave that goes on with

@@ -24,13 +24,12 @@ import math
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import DOP853
 
+from theory.arrays import FloatArray
 from theory.cells.vdp import threshold_ratio, threshold_ratio_slope
 from verification.execution.compiled import outer
 
-FloatArray = npt.NDArray[np.float64]
 Parameter = Literal["c", "eta"]
 
 _STAGES = DOP853.n_stages

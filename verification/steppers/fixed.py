@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from verification.execution.compiled import outer
@@ -12,8 +12,6 @@ from verification.steppers.active import FREE, RING
 from verification.steppers.rows import put
 from verification.steppers.runge_kutta import STAGES, Step, classical_step, dop853_step
 from verification.steppers.smooth import compiled_step
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, order: int) -> None:

@@ -40,8 +40,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray, IntArray
 from verification.steppers.friction_series import (
     ARRIVAL,
     BEYOND,
@@ -87,9 +87,6 @@ from verification.steppers.friction_series import (
     term_length,
 )
 from verification.steppers.stop_code import StopCode
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 STICK_BEGINS, STICK_ENDS, REVERSAL = 0, 1, 2
 """Kinds of events."""

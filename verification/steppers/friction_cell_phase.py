@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.execution.compiled import outer
 from verification.steppers.friction_series import (
     MODE,
@@ -30,8 +30,6 @@ from verification.steppers.friction_series import (
     term_length,
     value_at,
 )
-
-FloatArray = npt.NDArray[np.float64]
 
 HIGHEST, LOWEST, TOUCH, FASTEST, SLOWEST = 0, 1, 2, 3, 4
 """Where a phase ends: ẏ falls through 0; ẏ rises through 0; ẏ rises to v_d; ẏ stops rising; ẏ

@@ -37,14 +37,12 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray, IntArray
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from verification.execution import compiled
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 MU_ST, MU_D, V0, XI, V_D, C = 0, 1, 2, 3, 4, 5

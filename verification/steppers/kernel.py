@@ -11,14 +11,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
+from theory.arrays import FloatArray
 from theory.chains.chain import Kernel, SmoothChain
 from verification.execution.compiled import UNCOUNTED, inner
 from verification.steppers.active import FOLLOWING, FREE, RING
-
-FloatArray = npt.NDArray[np.float64]
 
 Slope = Callable[[FloatArray, FloatArray, int, int, FloatArray], None]
 """From a state, parameters, and what is beyond the two ends, to its derivative (last argument)."""

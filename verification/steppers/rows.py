@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from theory.arrays import FloatArray
 from verification.execution.compiled import inner
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @inner()

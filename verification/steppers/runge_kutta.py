@@ -15,15 +15,12 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
 from scipy.integrate import DOP853
 
+from theory.arrays import FloatArray
 from verification.execution.compiled import inner
 from verification.steppers.kernel import Slope, fast
 from verification.steppers.rows import finite, largest
-
-FloatArray = npt.NDArray[np.float64]
 
 STAGES = DOP853.n_stages
 

@@ -13,9 +13,9 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numba import types
 
+from theory.arrays import FloatArray, IntArray
 from theory.chains.chain import SmoothChain
 from verification.execution.compiled import COUNTED, UNCOUNTED, inner, outer
 from verification.steppers.active import end_codes
@@ -24,9 +24,6 @@ from verification.steppers.rows import finite, largest, put
 from verification.steppers.runge_kutta import STAGES, Step, dop853_step, step_error
 from verification.steppers.specialise import pointer, source_mark
 from verification.steppers.stop_code import StopCode
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION, MOVED = (
     int(StopCode.REACHED),

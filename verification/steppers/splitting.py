@@ -11,11 +11,9 @@ import math
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.execution.compiled import outer
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @outer(cache=True, error_model="numpy")

@@ -12,13 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import RunError
-
-FloatArray = npt.NDArray[np.float64]
 
 GENTLE = 2e3
 """Damping rate at which the stage ends."""

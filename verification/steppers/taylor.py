@@ -16,13 +16,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from verification.execution.compiled import inner, outer
 from verification.steppers.active import add_coupling, end_codes
 from verification.steppers.rows import finite, largest, put
-
-FloatArray = npt.NDArray[np.float64]
 
 FULL, ENVELOPE = 0, 1
 """Codes of the two equations."""

@@ -21,15 +21,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.execution.compiled import inner, outer
 from verification.steppers.rows import put
-
-Real = NDArray[np.float64]
 
 ORDER = 20
 """Order of the Taylor series."""
@@ -57,14 +55,16 @@ class Flow:
         Number of steps.
     """
 
-    state: Real
-    monodromy: Real
-    by_c: Real
-    samples: Real
+    state: FloatArray
+    monodromy: FloatArray
+    by_c: FloatArray
+    samples: FloatArray
     steps: int
 
 
-def integrate_variations(chain: VdpChain, start: Real, duration: float, steps: int = STEPS) -> Flow:
+def integrate_variations(
+    chain: VdpChain, start: FloatArray, duration: float, steps: int = STEPS
+) -> Flow:
     """Integrate (8) and its variational equations along the solution.
 
     Parameters
@@ -95,8 +95,8 @@ def integrate_variations(chain: VdpChain, start: Real, duration: float, steps: i
 
 def integrate_along_sinusoids(
     chain: VdpChain,
-    amplitudes: Real,
-    phases: Real,
+    amplitudes: FloatArray,
+    phases: FloatArray,
     omega: float,
     *,
     misprinted: bool = False,
@@ -125,7 +125,7 @@ def integrate_along_sinusoids(
 
 
 def integrate_chain(
-    chain: VdpChain, start: Real, duration: float, steps: int, order: int = ORDER
+    chain: VdpChain, start: FloatArray, duration: float, steps: int, order: int = ORDER
 ) -> Flow:
     """Integrate (8) alone: `Flow.monodromy` and `Flow.by_c` are empty.
 
@@ -150,7 +150,7 @@ def integrate_chain(
 
 def _integrate(
     chain: VdpChain,
-    start: Real,
+    start: FloatArray,
     duration: float,
     steps: int,
     order: int = ORDER,
@@ -207,33 +207,33 @@ class _Run(NamedTuple):
         Filled with y at the beginning of each step.
     """
 
-    y: Real
-    v: Real
-    ty: Real
-    tv: Real
-    samples: Real
+    y: FloatArray
+    v: FloatArray
+    ty: FloatArray
+    tv: FloatArray
+    samples: FloatArray
 
 
 class _Sinusoids(NamedTuple):
     """Amplitudes and phases, shape (2, N), of what replaces the solution, or (0, 0); frequency."""
 
-    base: Real
+    base: FloatArray
     omega: float
 
 
 class _Series(NamedTuple):
     """Taylor coefficients: those of the orbit of shape (order + 1, N), of its tangents with M."""
 
-    Y: Real
-    V: Real
-    S: Real
-    Q: Real
-    G: Real
-    H: Real
-    P: Real
-    W: Real
-    DY: Real
-    DV: Real
+    Y: FloatArray
+    V: FloatArray
+    S: FloatArray
+    Q: FloatArray
+    G: FloatArray
+    H: FloatArray
+    P: FloatArray
+    W: FloatArray
+    DY: FloatArray
+    DV: FloatArray
 
 
 @outer(cache=True)
@@ -314,7 +314,7 @@ def _add_products(equation: _Equation, series: _Series, k: int) -> None:
 
 
 @inner()
-def _add_motion(equation: _Equation, series: _Series, spring: Real, k: int) -> None:
+def _add_motion(equation: _Equation, series: _Series, spring: FloatArray, k: int) -> None:
     """Fill the coefficients k + 1 of Y and V from (8)."""
     Y, V, W, eps = series.Y, series.V, series.W, equation.eps
     for n in range(spring.size):
@@ -336,7 +336,9 @@ def _add_sinusoids(series: _Series, forced: _Sinusoids, phase: float, k: int) ->
 
 
 @inner()
-def _add_tangents(equation: _Equation, series: _Series, spring: Real, row: Real, k: int) -> None:
+def _add_tangents(
+    equation: _Equation, series: _Series, spring: FloatArray, row: FloatArray, k: int
+) -> None:
     """Fill the coefficients k + 1 of the tangents; ``row`` is room."""
     G, P, DY, DV = series.G, series.P, series.DY, series.DV
     sites, columns = spring.size, row.size
@@ -378,7 +380,7 @@ def _sum_up(series: _Series, run: _Run, h: float) -> bool:
 
 
 @inner()
-def _value(coefficients: Real, h: float) -> float:
+def _value(coefficients: FloatArray, h: float) -> float:
     """Return the polynomial at h (Horner)."""
     total = coefficients[-1]
     for k in range(coefficients.size - 2, -1, -1):

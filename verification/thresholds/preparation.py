@@ -15,13 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.chains.nucleus import MARGIN, Nucleus, Place, sites_for
 from theory.chains.vdp import VanDerPolChain
 from verification.runs.envelope_run import EnvelopeRun, run_envelope
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ class NucleusPreparation:
         """Return the chain with `MARGIN` sites around the nucleus."""
         return replace(chain, sites=sites_for(self.size, MARGIN), c=c)
 
-    def start(self, chain: VanDerPolChain) -> Complex:
+    def start(self, chain: VanDerPolChain) -> ComplexArray:
         """Return φ_n at T = 0, shape (N,)."""
         phi = self.nucleus.envelope(chain)
         if self.perturbation > 0.0:
@@ -84,7 +82,7 @@ def hold(
     )
 
 
-def phase_steps(run: EnvelopeRun, preparation: NucleusPreparation) -> NDArray[np.float64]:
+def phase_steps(run: EnvelopeRun, preparation: NucleusPreparation) -> FloatArray:
     """Return the phase steps inside the nucleus in units of π, from -1 to 1."""
     core = run.phi[~preparation.nucleus.outside(len(run.phi))]
     return np.asarray(np.angle(core[1:] / core[:-1]) / np.pi, dtype=float)

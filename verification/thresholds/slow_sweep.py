@@ -13,13 +13,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, positive
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds.escape import LOWEST, escape_range
-from verification.thresholds.preparation import Complex, NucleusPreparation, hold
+from verification.thresholds.preparation import NucleusPreparation, hold
 from verification.thresholds.result import (
     Definition,
     Delay,
@@ -27,8 +27,6 @@ from verification.thresholds.result import (
     Threshold,
     ThresholdMethod,
 )
-
-Real = NDArray[np.float64]
 
 START, END = 0.15, 0.6
 """Couplings at which a sweep begins if the nucleus holds there, and at which it is given up."""
@@ -66,7 +64,7 @@ def sweep_envelope(
 
 def _settled(
     chain: VanDerPolChain, preparation: NucleusPreparation
-) -> tuple[VanDerPolChain, Complex]:
+) -> tuple[VanDerPolChain, ComplexArray]:
     """Return the chain at the first coupling, from `START` down, at which it holds, and φ_n."""
     c = START
     while (run := hold(chain, preparation, c, SETTLING)).escaped:
@@ -119,7 +117,7 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
     )
 
 
-def _extrapolated(speed: Real, c: Real) -> tuple[float, float]:
+def _extrapolated(speed: FloatArray, c: FloatArray) -> tuple[float, float]:
     """Return c at rate zero, and what the next term of the law changes."""
     # At a fold the delay is K rate^{2/3}; the next term is of first order in the rate.
     terms = np.column_stack([np.ones_like(speed), speed ** (2.0 / 3.0), speed])

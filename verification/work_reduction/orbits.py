@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import least_squares
 
+from theory.arrays import ComplexArray, FloatArray, IntArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.orbits import STIFFEST, solve_orbit, steps_for
@@ -15,8 +15,6 @@ from verification.breathers.result import Breather
 from verification.references.equations import damping, pull
 from verification.steppers.variational import STEPS, integrate_variations
 from verification.work_reduction.comparison import Comparison
-
-FloatArray = npt.NDArray[np.float64]
 
 _MAX_STEPS = STEPS + math.ceil(STEPS * STIFFEST)
 """What `steps_for` gives for the steepest cycle that it accepts."""
@@ -38,7 +36,7 @@ def harmonics_not_solved_for(eps: float = 0.05, sites: int = 3) -> Comparison:
 
 
 def _balanced(
-    chain: VdpChain, odd: npt.NDArray[np.int64], h: npt.NDArray[np.complex128], orbit: Breather
+    chain: VdpChain, odd: IntArray, h: ComplexArray, orbit: Breather
 ) -> tuple[float, float]:
     """Return the period by harmonic balance, y = Re Σ h_j e^{ijωt}, and its own error.
 
@@ -49,7 +47,7 @@ def _balanced(
     middle = chain.sites // 2
     h = h * np.exp(-1j * np.outer(np.angle(h[middle, 0]) * np.ones(chain.sites), odd))
 
-    def parts(unknown: FloatArray) -> tuple[float, npt.NDArray[np.complex128]]:
+    def parts(unknown: FloatArray) -> tuple[float, ComplexArray]:
         both = unknown[1:].reshape(2, *h.shape)
         return float(unknown[0]), both[0] + 1j * both[1]
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
+from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.cells.vdp import threshold_ratio
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from verification.piecewise.chain import PiecewiseMotion, Rest
@@ -22,9 +22,6 @@ from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
 from verification.work_reduction.comparison import Comparison, timed
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
 
 
 def _moving(c: float, r: float) -> ChainState:
@@ -59,7 +56,7 @@ class EverySite(PiecewiseMotion):
         parts: ComplexArray,
         phi: ComplexArray,
         step: float,
-    ) -> npt.NDArray[np.bool_]:
+    ) -> BoolArray:
         found = super()._suspects(gap, least, parts, phi, step)
         return np.ones_like(found) if self.every else found
 

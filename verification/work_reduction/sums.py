@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import mpmath as mp
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
 from theory.piecewise.admissibility import TOLERANCE, check_admissible
@@ -21,9 +21,6 @@ from theory.piecewise.sums.axis import plain_points
 from theory.piecewise.sums.integral import sums
 from theory.piecewise.sums.series import RootSeries, sum_by_roots, tail_sum
 from verification.work_reduction.comparison import Comparison, timed
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
 
 _TAIL_DIGITS = 15
 _EPS = float(np.finfo(float).eps)

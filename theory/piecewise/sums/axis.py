@@ -16,11 +16,7 @@ import numpy as np
 from theory.piecewise.sums.arithmetic import cosine_and_sine, quotient
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    from theory.piecewise.dispersion import ComplexArray, FloatArray
-
-    IntArray = npt.NDArray[np.int64]
+    from theory.arrays import ComplexArray, FloatArray, IntArray
 
 EPS = 2.0**-52
 SLOWEST = 0.08

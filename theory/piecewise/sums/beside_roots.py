@@ -9,9 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from theory.piecewise.dispersion import ComplexArray, FloatArray
+from theory.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from theory.piecewise.sums.axis import EPS, SLOWEST, STEEPEST
 from theory.piecewise.sums.corrected_axis import PAIR_FROM, corrected_errors
 from theory.piecewise.sums.legs import CLEAR
@@ -21,13 +20,13 @@ _MAX_STEPS = 6
 _SIZE = 2048
 """Values in one block: their tables stay near the processor."""
 
-Found = tuple[ComplexArray, FloatArray, FloatArray, npt.NDArray[np.bool_]]
+Found = tuple[ComplexArray, FloatArray, FloatArray, BoolArray]
 """Σ and derivatives, error bounds, numbers of points, and which roots did not settle."""
 
 
 def sums_beside_roots(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
-) -> tuple[ComplexArray, FloatArray, npt.NDArray[np.int64]]:
+) -> tuple[ComplexArray, FloatArray, IntArray]:
     """Return Σ, derivatives and error bounds, shapes (3, n), and numbers of points.
 
     For values for which the axis alone is not enough; ``fast`` are the compiled rules.

@@ -17,8 +17,8 @@ from time import perf_counter
 
 import numpy as np
 
+from theory.arrays import ComplexArray, FloatArray
 from theory.parameters import within
-from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 

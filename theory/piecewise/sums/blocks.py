@@ -41,7 +41,7 @@ from theory.piecewise.sums.poles import (
 )
 
 if TYPE_CHECKING:
-    from theory.piecewise.dispersion import FloatArray
+    from theory.arrays import FloatArray
 
 _LARGEST_EXPONENT = 100.0
 """Of e^z, beyond which the effect of a root is none."""

@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import ComplexArray, FloatArray, IntArray
 from theory.parameters import within
-from theory.piecewise.dispersion import ComplexArray, FloatArray
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums import axis, rules
 from theory.piecewise.sums.beside_roots import means_of_block, sums_beside_roots
@@ -47,7 +47,7 @@ _FEW_VALUES = 3
 _PIECE = 2**15
 """Points on the axis at a time."""
 
-Rows = tuple[ComplexArray, FloatArray, npt.NDArray[np.int64]]
+Rows = tuple[ComplexArray, FloatArray, IntArray]
 """Values and bounds on their errors, a row each for Σ and its derivatives, and points."""
 
 
@@ -75,7 +75,7 @@ class SumArray:
     by_c: ComplexArray | None
     error_by_v: FloatArray | None
     error_by_c: FloatArray | None
-    points: npt.NDArray[np.int64]
+    points: IntArray
 
 
 def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:

@@ -16,8 +16,8 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import IntArray
 from theory.parameters import count_within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
@@ -120,7 +120,7 @@ def _equispaced(v: Any, c: Any, count: int) -> Any:
     return total / count - 1
 
 
-def departing_labels(v: float, c: float) -> npt.NDArray[np.int64]:
+def departing_labels(v: float, c: float) -> IntArray:
     """Return the labels of the three roots below the axis nearest Re k = -2c/v.
 
     The one in the strip (2πn, 2πn + 2π) leaves as its Re k passes (2n + 1)π, when

@@ -46,10 +46,7 @@ from theory.piecewise.sums.corrected_axis import corrected_axis
 from theory.piecewise.sums.legs import arch
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    from theory.piecewise.dispersion import ComplexArray, FloatArray
+    from theory.arrays import ComplexArray, FloatArray, IntArray
 
 
 def sum_at(
@@ -79,7 +76,7 @@ def sum_at(
 
 def fill(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, values: ComplexArray,
-    errors: FloatArray, points: npt.NDArray[np.int64],
+    errors: FloatArray, points: IntArray,
 ) -> None:  # fmt: skip
     """Write Σ, ∂Σ/∂v, ∂Σ/∂c into ``values``, their error bounds into ``errors``, shapes (3, n)."""
     for i in range(v.size):

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.work_precision import (
     Effort,
@@ -30,6 +29,7 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
 )
+from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
@@ -38,8 +38,6 @@ from verification.breathers.orbits import orbit_guess, solve_orbit, steps_for
 from verification.breathers.run import run_breather
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate
-
-FloatArray = npt.NDArray[np.float64]
 
 ENVELOPE, SHOOTING, RUN = "averaged chain", "shooting", "long run"
 ROOT, LONG = "scipy root over solve_ivp", "scipy, long run"

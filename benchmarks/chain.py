@@ -19,7 +19,6 @@ from time import perf_counter, process_time
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
@@ -32,6 +31,7 @@ from benchmarks.work_precision import (
     WorkPrecision,
     least_factor,
 )
+from theory.arrays import FloatArray
 from theory.chains.vdp import VdpChain
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate
@@ -44,7 +44,6 @@ from verification.steppers.fixed import fixed_steps
 from verification.steppers.splitting import saba, split_steps
 from verification.steppers.taylor import FULL, taylor_order, taylor_steps
 
-FloatArray = npt.NDArray[np.float64]
 Solve = Callable[[float], FloatArray]
 """From a tolerance to the final (y, ẏ)."""
 Forces = Callable[[Any, Any], list[Any]]

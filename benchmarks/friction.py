@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
@@ -26,6 +25,7 @@ from benchmarks.work_precision import (
     WorkPrecision,
     least_factor,
 )
+from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from verification.quantities.problems import Problem, timed
 from verification.references.friction_events import run_events
@@ -33,8 +33,6 @@ from verification.references.regularised import Solver, run_regularised
 from verification.references.switch_model import run_switch
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
-
-FloatArray = npt.NDArray[np.float64]
 
 SAMPLES = 201
 GARBAGE = 0.1

@@ -22,7 +22,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.work_precision import (
     Effort,
@@ -33,6 +32,7 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
 )
+from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.fronts.measure import measure_front
@@ -45,7 +45,6 @@ from verification.runs.simulate import simulate
 if TYPE_CHECKING:
     from scipy.integrate import DOP853
 
-FloatArray = npt.NDArray[np.float64]
 Rate = Callable[[float, FloatArray], FloatArray]
 
 OURS, WAVE, REDUCED, WHOLE, SHORTCUT = (

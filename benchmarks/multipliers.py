@@ -14,7 +14,6 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.work_precision import (
     Effort,
@@ -25,6 +24,7 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
 )
+from theory.arrays import ComplexArray, FloatArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.floquet import floquet_multipliers
@@ -33,9 +33,6 @@ from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate, variational_rate
 from verification.references.pace import last_state
 from verification.steppers.variational import integrate_variations
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
 
 TAYLOR, STATED = "Taylor series with variations", "Taylor series, error stated"
 DIFFERENCES, EQUATIONS = "differences of scipy's flow", "scipy on the variational equations"

@@ -17,7 +17,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.chain import Solve, compiled_by_heyoka, compiled_by_jitcode
 from benchmarks.record import Target, WorkPoint
@@ -31,6 +30,7 @@ from benchmarks.work_precision import (
     WorkPrecision,
     least_factor,
 )
+from theory.arrays import FloatArray
 from theory.chains.oscillator import OscillatorChain
 from verification.execution.time_limit import time_limit
 from verification.quantities.own_chains import OURS, chain_of, rate_of
@@ -39,8 +39,6 @@ from verification.references.network import states_by_scipy
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
-
-FloatArray = npt.NDArray[np.float64]
 
 STATED, HEYOKA, JITCODE = "Runge-Kutta 8, error stated", "heyoka", "jitcode dop853"
 LOW, HIGH = 1e-10, 1e-3

@@ -12,9 +12,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from fronts.curves import Curve
+from theory.arrays import FloatArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, ascending, count_within, need_instance, word
@@ -22,8 +22,6 @@ from theory.result import Result
 
 if TYPE_CHECKING:
     from verification.fronts.result import Front
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

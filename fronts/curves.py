@@ -8,12 +8,10 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.parameters import ParameterError
 from theory.result import Result, is_cell, plain
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,8 +8,8 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.parameters import ParameterError, real_array, truth
 from theory.piecewise.kinetic_relation import (
     KineticRelation,
@@ -19,7 +19,6 @@ from theory.piecewise.kinetic_relation import (
 from theory.result import Result
 from verification.execution.progress import ProgressCallback, of_part
 
-FloatArray: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = float | Sequence[float] | FloatArray
 """A number or a one-dimensional array of them."""
 

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from fronts.piecewise.kinetic_relation import damping_ratio
+from theory.arrays import ComplexArray, FloatArray
 from theory.parameters import ParameterError, RunError, count_within, number, within
 from theory.piecewise.kinetic_relation import KineticBranch, trace_kinetic_relation
 from theory.result import Result
-
-FloatArray: TypeAlias = npt.NDArray[np.float64]
-ComplexArray: TypeAlias = npt.NDArray[np.complex128]
 
 _FARTHEST = 1e6
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from theory.arrays import FloatArray
 
 A, B, EPS = 2.5, 0.5, 0.01
 """Parameters of Figs. 7-11."""
 
-Real = NDArray[np.float64]
 
-
-def flow(state: Real, c: float, duration: float, tolerance: float = 1e-11) -> Real:
+def flow(state: FloatArray, c: float, duration: float, tolerance: float = 1e-11) -> FloatArray:
     """Integrate (8) with free ends by DOP853; (2N,) or (2N, M) for M runs at once."""
     from theory.chains.vdp import VdpChain
     from verification.references.equations import full_rate
@@ -22,12 +21,12 @@ def flow(state: Real, c: float, duration: float, tolerance: float = 1e-11) -> Re
     return last_state(rate, duration, start.ravel(), tolerance, tolerance).reshape(start.shape)
 
 
-def monodromy_by_differences(state: Real, c: float, period: float) -> Real:
+def monodromy_by_differences(state: FloatArray, c: float, period: float) -> FloatArray:
     """Differentiate the flow of scipy by central differences."""
     size, step = len(state), 1e-6
     moved = np.column_stack(
         [state[:, None] + step * np.eye(size), state[:, None] - step * np.eye(size)]
     )
     ends = flow(moved, c, period, 1e-12)
-    matrix: Real = (ends[:, :size] - ends[:, size:]) / (2.0 * step)
+    matrix: FloatArray = (ends[:, :size] - ends[:, size:]) / (2.0 * step)
     return matrix

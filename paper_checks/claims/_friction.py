@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from theory.arrays import FloatArray
 
 if TYPE_CHECKING:
     from theory.chains.friction import FrictionChain
@@ -22,9 +23,7 @@ def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
     return FrictionChain.of(FrictionCell(v_d=v_d), c=c, sites=sites)
 
 
-def arrivals_by_scipy(
-    chain: FrictionChain, excited: tuple[int, ...], end: float
-) -> NDArray[np.float64]:
+def arrivals_by_scipy(chain: FrictionChain, excited: tuple[int, ...], end: float) -> FloatArray:
     """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
     from verification.references.friction_events import run_events
     from verification.runs.excite import excite
@@ -37,9 +36,7 @@ def arrivals_by_scipy(
     return arrivals
 
 
-def arrivals_compiled(
-    chain: FrictionChain, excited: tuple[int, ...], end: float
-) -> NDArray[np.float64]:
+def arrivals_compiled(chain: FrictionChain, excited: tuple[int, ...], end: float) -> FloatArray:
     """Return the same by the event-exact Taylor stepper."""
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.ruling import fails, holds, partly
+from theory.arrays import FloatArray
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
 
@@ -28,7 +28,7 @@ STYLES = (("o-", "blue"), ("s--", "vermilion"), ("^:", "green"))
 class BreatherEnvelopes:
     """Envelopes of the chain of Fig. 3a at its three times, shape (3, 31)."""
 
-    envelope: NDArray[np.float64]
+    envelope: FloatArray
     stuck: tuple[int, ...]
     """Sites that have stuck by the last time."""
     gap: float
@@ -127,7 +127,7 @@ def _draw(
 class FrontEnvelopes:
     """The front of Fig. 3b at its three times."""
 
-    envelope: NDArray[np.float64]
+    envelope: FloatArray
     arrived: tuple[int, ...]
     trailing: tuple[float, ...]
     ahead: tuple[float, ...]

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, flow
 from paper_checks.claims._orbits import CENTRE, SITES, orbit_of
 from paper_checks.ruling import fails, holds
+from theory.arrays import FloatArray
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
 
@@ -27,9 +27,9 @@ AGREE = 1e-6
 class Localised:
     """Amplitudes of the breather by site, from the orbit and from a run of (8)."""
 
-    orbit: NDArray[np.float64]
-    run: NDArray[np.float64]
-    harmonics: NDArray[np.float64]
+    orbit: FloatArray
+    run: FloatArray
+    harmonics: FloatArray
     stable: bool
     frequency: float
     error: float

@@ -8,12 +8,12 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
 from paper_checks.claims._orbits import CENTRE, SMALL, averaged_of, orbit_of
 from paper_checks.ruling import fails, holds
+from theory.arrays import FloatArray
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
 
@@ -27,7 +27,7 @@ C = 0.1
 EPSILONS = (0.04, 0.02, 0.01, 0.005)
 
 
-def closed_form(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.float64]:
+def closed_form(reading: Reading, places: FloatArray) -> FloatArray:
     """Return amplitudes of n = 0 and 1 by (29), (37) and (38)."""
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
@@ -40,9 +40,9 @@ def closed_form(reading: Reading, places: NDArray[np.float64]) -> NDArray[np.flo
 class OrbitAmplitudes:
     """Amplitudes of n = 0 and 1 on the orbit and by the closed form, shape (11, 2)."""
 
-    exact: NDArray[np.float64]
-    theory: NDArray[np.float64]
-    tail: NDArray[np.float64]
+    exact: FloatArray
+    theory: FloatArray
+    tail: FloatArray
     """The closed form with (37) read in the far tail instead of at n = 1."""
     centre_has_none: bool
     """Whether (37) read at n = 0 has no solution."""

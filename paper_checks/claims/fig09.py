@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow, monodromy_by_differences
 from paper_checks.claims._orbits import SITES, orbit_of
 from paper_checks.claims._required import required
 from paper_checks.ruling import agrees, fails, holds, partly
+from theory.arrays import FloatArray
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
 
@@ -95,10 +95,10 @@ def multipliers() -> Multipliers:
     )
 
 
-def _moduli(found: Any) -> NDArray[np.float64]:
+def _moduli(found: Any) -> FloatArray:
     if found is None:
         raise ArithmeticError("an orbit has no multipliers")
-    moduli: NDArray[np.float64] = np.sort(np.abs(found.values))
+    moduli: FloatArray = np.sort(np.abs(found.values))
     return moduli
 
 

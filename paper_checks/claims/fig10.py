@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, flow
 from paper_checks.ruling import fails, holds, partly
+from theory.arrays import FloatArray
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_panels, picture
 
@@ -27,19 +27,19 @@ IN_PHASE, STEADY = 0.1, 0.05
 class InPhase:
     """Phase steps and amplitudes of nuclei prepared in phase."""
 
-    times: NDArray[np.float64]
-    steps: dict[tuple[int, float], NDArray[np.float64]]
+    times: FloatArray
+    steps: dict[tuple[int, float], FloatArray]
     """Phase steps over π by size and perturbation, one row a time."""
-    shapes: dict[int, NDArray[np.float64]]
+    shapes: dict[int, FloatArray]
     """Amplitudes by site at the end, without perturbation."""
     localised: bool
     gap: float
     """Between (8) by scipy and the averaged chain, phase steps over π at εt = 12."""
 
     @property
-    def end_steps(self) -> NDArray[np.float64]:
+    def end_steps(self) -> FloatArray:
         """Sizes of the phase steps of three sites at the end, over π."""
-        found: NDArray[np.float64] = np.abs(self.steps[3, 0.0][-1])
+        found: FloatArray = np.abs(self.steps[3, 0.0][-1])
         return found
 
     @property

@@ -8,12 +8,12 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._breathers import EPS, A, B, monodromy_by_differences
 from paper_checks.claims._required import required
 from paper_checks.ruling import agrees, corrected, fails, holds, partly
+from theory.arrays import FloatArray
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
 
@@ -352,7 +352,7 @@ def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
     )
 
 
-def _growth(u: npt.NDArray[np.float64], c: float) -> float:
+def _growth(u: FloatArray, c: float) -> float:
     """Return the largest growth rate per unit of εt of perturbations of (state, period)."""
     moduli = np.linalg.eigvals(monodromy_by_differences(u[:-1], c, float(u[-1])))
     others = np.delete(moduli, np.argmin(np.abs(moduli - 1.0)))

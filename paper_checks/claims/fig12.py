@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, A, B
 from paper_checks.ruling import fails, holds
+from theory.arrays import FloatArray
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import new_panels, picture
 
@@ -40,8 +40,8 @@ class Steady:
     in_order: bool
     arrival_error: float
     gap: float
-    shapes: tuple[NDArray[np.float64], ...]
-    amplitudes: tuple[NDArray[np.float64], ...]
+    shapes: tuple[FloatArray, ...]
+    amplitudes: tuple[FloatArray, ...]
 
     @property
     def velocities(self) -> tuple[float, float]:

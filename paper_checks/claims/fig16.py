@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.ruling import fails, holds
+from theory.arrays import ComplexArray, FloatArray
 from verification.pictures.data_table import Curves, long_table
 from verification.pictures.figures import COLOURS, new_axes, picture
 
@@ -26,15 +26,15 @@ class ProfileValues:
 
     v: float
     v_error: float
-    zeta: NDArray[np.float64]
-    phi: NDArray[np.complex128]
+    zeta: FloatArray
+    phi: ComplexArray
     error: float
-    few: NDArray[np.float64]
-    series: NDArray[np.complex128]
+    few: FloatArray
+    series: ComplexArray
     series_gap: float
     series_error: float
-    sites: NDArray[np.float64]
-    chain: NDArray[np.complex128]
+    sites: FloatArray
+    chain: ComplexArray
     chain_gap: float
     admissible: bool
     proven_beyond: tuple[float, float]

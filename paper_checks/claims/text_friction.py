@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS
@@ -16,6 +15,7 @@ from paper_checks.claims._breathers import A as VDP_A
 from paper_checks.claims._breathers import B as VDP_B
 from paper_checks.claims._friction import SITES, chain_of, disagreement
 from paper_checks.ruling import corrected, fails, holds
+from theory.arrays import FloatArray
 
 if TYPE_CHECKING:
     from verification.breathers.outcome import Evolution
@@ -242,7 +242,7 @@ def nucleation() -> Nucleation:
     )
 
 
-def _outward(arrivals: NDArray[np.float64], centre: int) -> bool:
+def _outward(arrivals: FloatArray, centre: int) -> bool:
     """Return whether the sites that joined did so one after the other from the centre on."""
     sides = arrivals[centre + 1 :], arrivals[:centre][::-1]
     reached = [int(np.count_nonzero(~np.isnan(side))) for side in sides]

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.claims._closed_form import solutions
 from paper_checks.ruling import corrected, fails, holds, partly
+from theory.arrays import FloatArray
 
 SETS = ((2.5, 0.5), (4.0, 0.5))
 """The (a, b) of Figs. 7-11, and of Figs. 12, 13, 16, 17."""
@@ -38,8 +38,8 @@ class Cells:
 
 
 def _trajectory(
-    rate: Callable[[float, NDArray[np.float64]], list[float]], end: float, start: list[float]
-) -> Callable[[float], NDArray[np.float64]]:
+    rate: Callable[[float, FloatArray], list[float]], end: float, start: list[float]
+) -> Callable[[float], FloatArray]:
     """Return (y, y') as a function of time from 0 to ``end``."""
     from scipy.integrate import solve_ivp
 

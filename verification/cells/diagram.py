@@ -8,16 +8,14 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from theory.parameters import count_within
 from theory.result import Result, plain
 from verification.cells.friction import cycle_velocities
 from verification.cells.friction_cycles import check_slip_cycles, stick_slip_once, unstable_once
-
-FloatArray = npt.NDArray[np.float64]
 
 MAX_VELOCITIES = 2000
 """Most velocities of one diagram at the shell."""

@@ -13,17 +13,15 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray
 from theory.cells.oscillator import OscillatorCycle
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, within
 from verification.cells.result import CellCycle, CellStatus, OwnCell
 from verification.cells.vdp import ROUNDING, Maximum, longest_step
-
-FloatArray = npt.NDArray[np.float64]
 
 _STIFFEST = 60.0
 """Largest ε max|h| on a cycle: DOP853 takes half a minute there."""

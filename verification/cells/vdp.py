@@ -11,16 +11,13 @@ from __future__ import annotations
 import math
 from time import perf_counter
 
-import numpy as np
-import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from theory.arrays import FloatArray
 from theory.cells.vdp import ETA_END, eta_from_damping, is_bistable
 from theory.parameters import ParameterError, within
 from verification.cells.result import Cell, CellCycle, CellStatus
-
-FloatArray = npt.NDArray[np.float64]
 
 ROUNDING = 1e-14
 """Relative rounding of a period, over the some hundred steps that it takes."""

@@ -25,8 +25,8 @@ from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.parameters import within
@@ -34,8 +34,6 @@ from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState, Reason, State
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
-
-FloatArray = npt.NDArray[np.float64]
 
 WINDOW = 40.0
 HOLD = 3

@@ -27,6 +27,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
 from theory.parameters import within
@@ -35,8 +36,6 @@ from verification.maps.state import FoundState, Reason, State
 from verification.runs import smooth_integration  # noqa: F401  (register)
 from verification.runs.excite import excite
 from verification.runs.integration import checked_state, integration
-
-FloatArray = npt.NDArray[np.float64]
 
 WINDOW = 5.0
 SAMPLES = 16

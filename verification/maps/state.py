@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-import numpy.typing as npt
-
+from theory.arrays import FloatArray
 from theory.result import Result
 from theory.status import Status
 
@@ -64,5 +62,5 @@ class FoundState(Result):
     above: int
     reached: int | None = None
     steps: int
-    amplitude: npt.NDArray[np.float64] = field(metadata={"json": None}, compare=False)
+    amplitude: FloatArray = field(metadata={"json": None}, compare=False)
     seconds: float

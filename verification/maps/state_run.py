@@ -13,6 +13,7 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.chain import SmoothChain
 from verification.execution.compiled import UNCOUNTED, inner, outer
 from verification.maps.state import FoundState, Reason, State
@@ -20,9 +21,6 @@ from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE
 from verification.steppers.rows import put
 from verification.steppers.runge_kutta import Step
-
-FloatArray = npt.NDArray[np.float64]
-
 
 _FRONT, _BREATHER, _FIXED_POINT = 1, 2, 3
 _STATES = State.UNDECIDED, State.FRONT, State.BREATHER, State.FIXED_POINT

@@ -29,9 +29,9 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar
 
-import numpy as np
 import numpy.typing as npt
 
+from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, positive, within
@@ -39,8 +39,6 @@ from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState
 from verification.maps.state_run import Rules, run_to_state
 from verification.runs.excite import excite
-
-FloatArray = npt.NDArray[np.float64]
 
 FIGURE_15 = VdpChain(a=4.0, b=0.5, c=0.0, sites=16)
 """The chain of Fig. 15 as it is read here; η takes the place of a, of which print says nothing."""

@@ -28,5 +28,4 @@ def monodromy_by_differences(state: FloatArray, c: float, period: float) -> Floa
         [state[:, None] + step * np.eye(size), state[:, None] - step * np.eye(size)]
     )
     ends = flow(moved, c, period, 1e-12)
-    matrix: FloatArray = (ends[:, :size] - ends[:, size:]) / (2.0 * step)
-    return matrix
+    return (ends[:, :size] - ends[:, size:]) / (2.0 * step)

@@ -98,8 +98,7 @@ def multipliers() -> Multipliers:
 def _moduli(found: Any) -> FloatArray:
     if found is None:
         raise ArithmeticError("an orbit has no multipliers")
-    moduli: FloatArray = np.sort(np.abs(found.values))
-    return moduli
+    return np.sort(np.abs(found.values))
 
 
 def rule_multipliers(e: Multipliers) -> Ruling:

@@ -93,8 +93,7 @@ def envelope_rate(phi: ComplexArray, chain: VanDerPolChain) -> ComplexArray:
     else:
         springs[0] -= phi[-1]
         springs[-1] -= phi[0]
-    rate: ComplexArray = 0.5j * chain.c * springs - phi * damping(np.abs(phi) ** 2, chain)
-    return rate
+    return 0.5j * chain.c * springs - phi * damping(np.abs(phi) ** 2, chain)
 
 
 def envelope_jacobian(phi: ComplexArray, chain: VanDerPolChain) -> FloatArray:

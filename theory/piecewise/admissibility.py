@@ -252,8 +252,7 @@ class _Descent:
     def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
         """Bound the error of |φ|² - r² near 0."""
         error = self.near.error(zeta.ravel()).reshape(zeta.shape)
-        bound: FloatArray = np.maximum(3.0 * error, TOLERANCE) * r
-        return bound
+        return np.maximum(3.0 * error, TOLERANCE) * r
 
     def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> BoolArray:
         """Return whether φ, which leaves its chord by so much at most, stays on its side of r."""

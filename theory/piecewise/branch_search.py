@@ -285,8 +285,7 @@ def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
     |Σ| ≤ c(1 + 2c)/(2w(v + w)) with w² = v² - c².
     """
     size = c * (1.0 + 2.0 * c) / least
-    bound: FloatArray = np.minimum(2.0 * size, np.sqrt(c * c + 0.25 * size))
-    return bound
+    return np.minimum(2.0 * size, np.sqrt(c * c + 0.25 * size))
 
 
 def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> FloatArray:

@@ -44,8 +44,7 @@ def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
     c : float
         Coupling, dimensionless.
     """
-    value: ComplexArray = 0.5 - 2j * c * np.sin(0.5 * k) ** 2
-    return value
+    return 0.5 - 2j * c * np.sin(0.5 * k) ** 2
 
 
 def dispersion(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:

@@ -150,8 +150,7 @@ def _maxima(c: float) -> FloatArray:
     t, _ = _summits(np.log(v[crest]), couplings)
     height = _height(t, couplings)[0]
     order = np.argsort(-height)
-    found: FloatArray = t[order[height[order] > still + _EXCESS]]
-    return found
+    return t[order[height[order] > still + _EXCESS]]
 
 
 def _summits(

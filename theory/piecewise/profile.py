@@ -212,8 +212,7 @@ class ProfileGrid:
         """Return e^{ikm}, shape (n, N)."""
         # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
         turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points)[part] + 1)
-        waves: ComplexArray = _roots_of_unity(self.points)[turns % (2 * self.points)]
-        return waves
+        return _roots_of_unity(self.points)[turns % (2 * self.points)]
 
     def on_lattice(
         self, per_site: int, sites: tuple[int, int] | None = None
@@ -296,8 +295,7 @@ def _roots_of_unity(points: int) -> ComplexArray:
 
 def _wrapped(odd: IntArray, points: int) -> IntArray:
     """Return whole numbers modulo twice the points, from -points to points."""
-    wrapped: IntArray = (odd + points) % (2 * points) - points
-    return wrapped
+    return (odd + points) % (2 * points) - points
 
 
 def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:

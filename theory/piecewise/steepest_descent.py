@@ -144,8 +144,7 @@ class NearShape:
         """Estimate the error of φ/φ_s at ζ, shape (n,): the change by half as many points again."""
         m = self._sites(zeta, zeta)[0]
         sites, which = np.unique(m, return_inverse=True)
-        found: FloatArray = np.array([self._path(site)[1] for site in sites.tolist()])[which]
-        return found
+        return np.array([self._path(site)[1] for site in sites.tolist()])[which]
 
     def _sites(self, zeta: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return m of positions ζ, and ρ of ``ends`` counted from it, of the advancing front."""

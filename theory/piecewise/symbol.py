@@ -172,8 +172,7 @@ def symbol_coefficients(v: float, c: float, terms: int, points: int | None = Non
         for power in some:
             before = np.multiply(before, u, out=power)
         means[first : first + rows] = np.add.reduce(some, axis=1)  # each alone takes twice as long
-    coefficients: FloatArray = 0.5 * np.real(turn * means)
-    return coefficients
+    return 0.5 * np.real(turn * means)
 
 
 def terms_at(speed: float) -> int:
@@ -214,8 +213,7 @@ def _polynomial(coefficients: FloatArray, w: ComplexArray | complex) -> ComplexA
     powers = np.empty((coefficients.size, np.size(w)), dtype=complex)
     powers[0], powers[1:] = 1.0, w
     np.multiply.accumulate(powers, axis=0, out=powers)
-    values: ComplexArray = coefficients.astype(complex) @ powers
-    return values
+    return coefficients.astype(complex) @ powers
 
 
 def _slope(q: FloatArray) -> FloatArray:

@@ -56,8 +56,7 @@ class FrictionRules(StateRules):
 
     def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
         """Return the start with noise of this size on y and ẏ, which are of order one."""
-        noisy: FloatArray = start + size * np.random.default_rng(seed).standard_normal(start.shape)
-        return noisy
+        return start + size * np.random.default_rng(seed).standard_normal(start.shape)
 
     def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
         """Run until the state has a name."""

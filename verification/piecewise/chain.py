@@ -213,12 +213,10 @@ class PiecewiseMotion:
         reach = step / self._longest
         terms = np.abs(np.fft.ifft(self._taylor[1:] * self.sites * modes, axis=1))
         change = reach ** np.arange(1, _TERMS) @ terms
-        clear: BoolArray = (np.abs(phi) - self.threshold) * self._sign > change
-        return clear
+        return (np.abs(phi) - self.threshold) * self._sign > change
 
     def _row(self, slot: int) -> ComplexArray:
-        row: ComplexArray = self._unit[(self._slots * slot) % self.sites]
-        return row
+        return self._unit[(self._slots * slot) % self.sites]
 
     def _first_crossing(
         self, modes: ComplexArray, now: complex, slot: int, step: float, fresh: bool

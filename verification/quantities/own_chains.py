@@ -71,8 +71,7 @@ def rate_of(at: Mapping[str, float]) -> Rate:
         return y + k * y**3
 
     def damping(y: FloatArray, v: FloatArray) -> FloatArray:
-        h: FloatArray = 1.0 - a * y**2 + 0.5 * y**4
-        return h
+        return 1.0 - a * y**2 + 0.5 * y**4
 
     driven = np.eye(sites)[1] * at.get("force", 0.0)
     return oscillator_rate(

@@ -310,5 +310,4 @@ def as_complex(state: FloatArray) -> ComplexArray:
 def amplitude_of(state: FloatArray) -> FloatArray:
     """Return |Ψ|, shape (N, ...), of states (y, ẏ) of shape (2N, ...)."""
     sites = len(state) // 2
-    amplitude: FloatArray = np.hypot(state[:sites], state[sites:])
-    return amplitude
+    return np.hypot(state[:sites], state[sites:])

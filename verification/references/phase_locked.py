@@ -63,8 +63,7 @@ class LockedBreather:
     def steps(self) -> FloatArray:
         """Phase steps of the core over π, each from -1 to 1."""
         core = self.phi[MARGIN:-MARGIN]
-        turned: FloatArray = np.angle(core[1:] / core[:-1]) / np.pi
-        return turned
+        return np.angle(core[1:] / core[:-1]) / np.pi
 
     @property
     def stable(self) -> bool:

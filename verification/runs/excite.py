@@ -170,5 +170,4 @@ def add_noise(start: FloatArray, size: float, seed: int) -> FloatArray:
     True
     """
     noise = np.random.default_rng(seed).standard_normal((2, start.shape[1]))
-    noisy: FloatArray = start + size * noise[::-1]
-    return noisy
+    return start + size * noise[::-1]

@@ -245,8 +245,7 @@ class FrictionIntegration(Integration):
     @property
     def log(self) -> FloatArray:
         """Rows (τ, site from 1, kind) of the first events."""
-        log: FloatArray = self._run.log[: int(self._run.counters[friction.LOGGED])].copy()
-        return log
+        return self._run.log[: int(self._run.counters[friction.LOGGED])].copy()
 
     @classmethod
     def perturbed(cls, chain: Chain, start: FloatArray, ulps: int) -> FloatArray:

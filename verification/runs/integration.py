@@ -169,8 +169,7 @@ class Integration(ABC):
 
         All sites are moved alike, so that a mirror-symmetric start stays so.
         """
-        moved: FloatArray = start * (1.0 + ulps * np.finfo(float).eps)
-        return moved
+        return start * (1.0 + ulps * np.finfo(float).eps)
 
 
 @singledispatch
@@ -269,5 +268,4 @@ def as_psi(state: FloatArray) -> ComplexArray:
     >>> as_psi(np.array([[1.0], [2.0]]))
     array([2.+1.j])
     """
-    psi: ComplexArray = state[..., 1, :] + 1j * state[..., 0, :]
-    return psi
+    return state[..., 1, :] + 1j * state[..., 0, :]

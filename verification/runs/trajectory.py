@@ -142,8 +142,7 @@ class Trajectory(Result):
     @property
     def psi(self) -> ComplexArray:
         """Ψ = ẏ + iy of (8), φ of (43), shape (M, N)."""
-        psi: ComplexArray = self.states[:, 1] + 1j * self.states[:, 0]
-        return psi
+        return self.states[:, 1] + 1j * self.states[:, 0]
 
     @property
     def phase(self) -> FloatArray:

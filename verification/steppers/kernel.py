@@ -94,8 +94,7 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
         for n in range(1, end):
             next_y[n], next_w[n] = site((y[n], w[n]), (y[n - 1], w[n - 1]), (y[n + 1], w[n + 1]), p)
 
-    found: Slope = slope
-    return found
+    return slope
 
 
 @lru_cache(maxsize=64)
@@ -151,5 +150,4 @@ def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) 
             pull = (next_y[i], next_w[i] if on_velocities else 0.0)
             next_y[i], next_w[i] = site((y[i], w[i]), pull, p, lo + i, sites)
 
-    found: Slope = slope
-    return found
+    return slope

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from verification.execution.checkpoint import run_to_end
+from verification.runs.checkpoint import run_to_end
 
 
 @dataclass
@@ -20,6 +20,7 @@ class Logistic:
     steps: int = 3
     pause: float = 0.0
     state: npt.NDArray[np.float64] = field(default_factory=lambda: np.linspace(0.1, 0.9, 7))
+    chain: str = "a chain"
     clock: npt.NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
 
     @property

@@ -19,15 +19,11 @@ import pytest
 from numpy.lib import format as npy
 
 from theory.parameters import ParameterError, RunError
-from verification.execution import checkpoint
-from verification.execution.checkpoint import (
-    check_samples,
-    load_checkpoint,
-    run_to_end,
-    save_checkpoint,
-)
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import FileError
+from verification.runs import checkpoint
+from verification.runs.checkpoint import load_checkpoint, run_to_end, save_checkpoint
+from verification.runs.simulate import MAX_NUMBERS, _check_samples
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
@@ -285,16 +281,16 @@ def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_samples_are_as_many_as_memory_has_room_for() -> None:
-    most = checkpoint.MAX_NUMBERS // 1000
-    check_samples(2, 1)
-    check_samples(most, 1000)
+    most = MAX_NUMBERS // 1000
+    _check_samples(2, 1)
+    _check_samples(most, 1000)
     for samples, sites, said in (
         (1, 1, "number of samples"),
         (1_000_001, 1, "number of samples"),
         (most + 1, 1000, f"at most {most} for 1000 sites"),
     ):
         with pytest.raises(ParameterError, match=said) as refusal:
-            check_samples(samples, sites)
+            _check_samples(samples, sites)
         assert (refusal.value.quantity, refusal.value.value) == ("number of samples", samples)
 
 

@@ -31,12 +31,12 @@ from paper_checks.ruling import holds
 from paper_checks.run import run
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
-from verification.execution import checkpoint
-from verification.execution.checkpoint import run_to_end
 from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import SweepError, sweep
 from verification.maps.state_map import StateTask, boundary_path, state_map
+from verification.runs import checkpoint
+from verification.runs.checkpoint import run_to_end
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 

@@ -42,7 +42,6 @@ from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import Orbits
 from verification.cells import vdp as vdp_cell
 from verification.continuation.branch import Fold
-from verification.execution import checkpoint
 from verification.execution import sweep as sweeping
 from verification.execution.files import FileError
 from verification.execution.interruption import Deferred, Terminated
@@ -71,6 +70,7 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
+from verification.runs import checkpoint
 from verification.runs.excite import StartPoint, excite
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds import escape

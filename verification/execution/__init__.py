@@ -6,8 +6,8 @@
     Which code a result depends on; what a stored result says of itself; storing and reading one.
 ``pool``, ``interruption``, ``progress``
     Worker processes, interrupts and SIGTERM, what is shown meanwhile.
-``store``, ``checkpoint``
-    What an interrupted computation goes on from: finished results; a run of a chain.
+``store``
+    The finished results, from which an interrupted computation goes on.
 ``sweep``, ``table``
     A function at many points, and the table that comes of it.
 ``discovery``

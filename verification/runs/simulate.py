@@ -23,9 +23,9 @@ from theory.parameters import (
     truth,
     within,
 )
-from verification.execution.checkpoint import check_samples, run_to_end
 from verification.execution.progress import ProgressCallback
 from verification.runs import friction_integration, smooth_integration
+from verification.runs.checkpoint import run_to_end
 from verification.runs.comparison import (
     PERTURBATION,
     arrival_error_from,
@@ -38,6 +38,9 @@ from verification.runs.trajectory import RunStatus, Trajectory
 __all__ = ["friction_integration", "simulate", "smooth_integration"]
 
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-14, 1e-2
+
+MAX_NUMBERS = 10**8
+"""Samples times sites that a run may keep: some gigabytes."""
 
 
 def simulate(  # noqa: PLR0913  (all but three by name)
@@ -147,10 +150,10 @@ def _sample_times(
 ) -> FloatArray:
     sites = getattr(chain, "sites", 1)
     if times is None:
-        check_samples(samples, sites)
+        _check_samples(samples, sites)
         return np.linspace(0.0, t_end, int(samples))
     found = np.atleast_1d(real_array("times of the samples", times))
-    check_samples(len(found), sites)
+    _check_samples(len(found), sites)
     if not (
         found.ndim == 1 and np.all(np.diff(found) >= 0.0) and found[0] >= 0.0 and found[-1] <= t_end
     ):
@@ -158,6 +161,15 @@ def _sample_times(
             "times of the samples", "not ascending from 0 to the end", "ascending", "sort them"
         )
     return found
+
+
+def _check_samples(samples: float, sites: int) -> None:
+    within("number of samples", samples, 2, 1_000_000)
+    most = MAX_NUMBERS // sites
+    if samples > most:
+        raise ParameterError(
+            "number of samples", samples, f"at most {most} for {sites} sites", "ask for fewer"
+        )
 
 
 def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Trajectory:

@@ -17,18 +17,19 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
 
 from theory.arrays import AnyArray
-from theory.parameters import ParameterError, RunError, within
+from theory.parameters import ParameterError, RunError
 from verification.execution.digest import code_of_objects, digest_of_arrays
 from verification.execution.files import file_error, sole_writer, writing
 from verification.execution.interruption import Deferred, deferred_interrupts
 from verification.execution.metadata import differences, installed_versions
 from verification.execution.progress import ProgressCallback
+from verification.runs.integration import Integration
 
 FORMAT = 3
 """Format of the file; files of another one are refused."""
@@ -38,9 +39,6 @@ SAVE_PERIOD = 5.0
 
 SAVE_SHARE = 20.0
 """Least interval between two checkpoints, over the time that writing one takes."""
-
-MAX_NUMBERS = 10**8
-"""Samples times sites that a run may keep: some gigabytes."""
 
 _MAX_HEADER = 1_000_000
 """Bytes of the entry that describes the run."""
@@ -53,54 +51,8 @@ _WRITTEN = "a checkpoint as this toolkit writes them"
 Arrays = Mapping[str, AnyArray]
 
 
-class Resumable(Protocol):
-    """What an integration must have so that it can be resumed."""
-
-    @property
-    def state_arrays(self) -> Arrays:
-        """The arrays that make up its state; filled in place when it is resumed."""
-
-    @property
-    def metadata(self) -> Mapping[str, Any]:
-        """What decides it, as JSON has it, to be held against a checkpoint."""
-
-    @property
-    def time(self) -> float:
-        """Time reached, from 0 to the end."""
-
-    @property
-    def finished(self) -> bool:
-        """Whether it has reached its end."""
-
-    def advance(self, budget: int) -> None:
-        """Step until the end, or until some ``budget`` of sites times steps is spent."""
-
-    def check_state(self) -> None:
-        """Raise ValueError if the arrays, as read from a file, are no state of this run.
-
-        Finite times, and every counter within the arrays that it counts: compiled code does not
-        look.
-        """
-
-
-def check_samples(samples: float, sites: int) -> None:
-    """Refuse more samples than memory has room for.
-
-    Raises
-    ------
-    ParameterError
-        If there are fewer than 2, or samples times sites is above `MAX_NUMBERS`.
-    """
-    within("number of samples", samples, 2, 1_000_000)
-    most = MAX_NUMBERS // sites
-    if samples > most:
-        raise ParameterError(
-            "number of samples", samples, f"at most {most} for {sites} sites", "ask for fewer"
-        )
-
-
 def run_to_end(
-    integrations: Sequence[Resumable],
+    integrations: Sequence[Integration],
     end: float,
     budget: int,
     checkpoint: Path | None = None,
@@ -110,8 +62,8 @@ def run_to_end(
 
     Parameters
     ----------
-    integrations : sequence of Resumable
-        The integrations.
+    integrations : sequence of Integration
+        Each fills its ``state_arrays`` in place when it is resumed.
     end : float
         Their end time.
     budget : int
@@ -149,7 +101,7 @@ def run_to_end(
 
 
 def _advance(
-    integrations: Sequence[Resumable],
+    integrations: Sequence[Integration],
     end: float,
     budget: int,
     save: Callable[[], None] | None,
@@ -185,7 +137,7 @@ def _advance(
 
 
 def _resumed(
-    path: Path, integrations: Sequence[Resumable], metadata: Mapping[str, Any], end: float
+    path: Path, integrations: Sequence[Integration], metadata: Mapping[str, Any], end: float
 ) -> float:
     """Fill integrations from a checkpoint, and return the seconds spent before."""
     seconds = load_checkpoint(path, _arrays(integrations), metadata)
@@ -199,7 +151,7 @@ def _resumed(
     return seconds
 
 
-def _arrays(integrations: Iterable[Resumable]) -> dict[str, AnyArray]:
+def _arrays(integrations: Iterable[Integration]) -> dict[str, AnyArray]:
     return {
         f"{i}.{name}": array
         for i, each in enumerate(integrations)
@@ -207,9 +159,9 @@ def _arrays(integrations: Iterable[Resumable]) -> dict[str, AnyArray]:
     }
 
 
-def _metadata(integrations: Sequence[Resumable]) -> dict[str, Any]:
+def _metadata(integrations: Sequence[Integration]) -> dict[str, Any]:
     # A chain of the user's brings its equation from elsewhere.
-    owners = [*integrations, *(each.chain for each in integrations if hasattr(each, "chain"))]
+    owners = [*integrations, *(each.chain for each in integrations)]
     return {
         "integrations": {str(i): dict(each.metadata) for i, each in enumerate(integrations)},
         "code": code_of_objects(owners)[1],

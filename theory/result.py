@@ -376,13 +376,7 @@ def _coordinate(result: Result, axis: str) -> Any:
 
 
 def optional_package(package: str) -> Any:
-    """Return a package of the extra ``tables``.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-    """
+    """Return a package of the extra ``tables``."""
     try:
         return import_module(package)
     except ModuleNotFoundError:

@@ -122,13 +122,7 @@ def check_writable(path: Path) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all.
-
-    Raises
-    ------
-    FileError
-        If that is not possible; what was there before is then still there.
-    """
+    """Write a file, whole or not at all."""
     with writing(path) as file:
         file.write(content)
 
@@ -169,11 +163,6 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
         The file.
     write : callable
         Fills the file at the path it is given, which has the same suffix, or puts a folder there.
-
-    Raises
-    ------
-    FileError
-        If that is not possible; what was there before is then still there.
     """
     target = _target(path)
     if target is None:

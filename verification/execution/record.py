@@ -50,13 +50,7 @@ class Record:
     metadata: Metadata = field(default_factory=Metadata)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the record as JSON has it, metadata and content side by side.
-
-        Raises
-        ------
-        ValueError
-            If the content has a key of the metadata.
-        """
+        """Return the record as JSON has it, metadata and content side by side."""
         clash = sorted({*self.content} & {*_OWN})
         if clash:
             raise ValueError(f"the content has keys of the metadata: {', '.join(clash)}.")
@@ -65,13 +59,7 @@ class Record:
         return body | {"checksum": digest_of(body)}
 
     def save(self, path: Path) -> None:
-        """Write the record, whole or not at all.
-
-        Raises
-        ------
-        FileError
-            If the file cannot be written.
-        """
+        """Write the record, whole or not at all."""
         write_json(path, self.to_dict())
 
     @classmethod

@@ -199,13 +199,7 @@ class Window:
         return self.chain.c if self.along == "c" else self.chain.eta
 
     def at(self, value: float) -> Window:
-        """Return the same sites at another value of the parameter.
-
-        Raises
-        ------
-        NotConvergedError
-            If no front has it.
-        """
+        """Return the same sites at another value of the parameter."""
         if not 0.0 < value < (math.inf if self.along == "c" else ETA_END):
             raise NotConvergedError(f"there is no front at {self.along} = {value:.6g}.")
         if self.along == "c":

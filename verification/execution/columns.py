@@ -121,8 +121,6 @@ class Columns:
 
     Parameters
     ----------
-    count : int
-        Rows.
     flat : bool, optional
         Refuse arrays, for which CSV has no place.
     folder : Path, optional

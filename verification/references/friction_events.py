@@ -83,12 +83,8 @@ def run_events(
 
     Parameters
     ----------
-    chain : FrictionChain
-        Parameters.
     start : ndarray, shape (2, N)
         y and ẏ.
-    t_end : float
-        τ, positive.
     times : ndarray, optional
         Where the state is sampled, ascending; by default 201 even times.
     tolerance : float

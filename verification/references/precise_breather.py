@@ -32,8 +32,6 @@ def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSt
 
     Parameters
     ----------
-    eta, c : float
-        η and coupling, dimensionless.
     phi : complex ndarray, shape (N,)
         Where Newton's method starts.
     omega : float

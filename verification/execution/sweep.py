@@ -154,11 +154,9 @@ def sweep(
         out = Path(out)
     metadata = _metadata(function, asked, command, needed=out is not None)
     if out is not None and resume and not part_path(out).exists():
-        table = load_table(out)
-        known = None if table is None else table.metadata
-        if table is not None and known is not None and _identity(known) == _identity(metadata):
-            shapes = {name: column.shape[1:] for name, column in table.arrays.items()}
-            return replace(table, dims=named_dims(shapes, dims or {}))
+        finished = _finished(out, metadata, dims or {})
+        if finished is not None:
+            return finished
     store = None if out is None else Store(part_path(out), _identity(metadata), resume=resume)
     with store or nullcontext(), terminated_as_interrupted() if out else nullcontext():
         found = _Found(points=asked, out=out, names=dims or {})
@@ -201,6 +199,17 @@ def part_path(out: Path) -> Path:
     'map.csv.part'
     """
     return out.with_name(out.name + ".part")
+
+
+def _finished(
+    out: Path, metadata: Metadata, dims: Mapping[str, str | Sequence[str]]
+) -> Table | None:
+    """Return the table of an earlier session, if it is there and of the same sweep."""
+    table = load_table(out)
+    if table is None or table.metadata is None or _identity(table.metadata) != _identity(metadata):
+        return None
+    shapes = {name: column.shape[1:] for name, column in table.arrays.items()}
+    return replace(table, dims=named_dims(shapes, dims))
 
 
 @dataclass(kw_only=True)

@@ -20,8 +20,9 @@ from theory.averaged.breather import (
 )
 from theory.cells.vdp import eta_from_ratio, threshold_ratio
 from theory.chains.vdp import VdpChain, effective_epsilon
-from theory.piecewise.branch_search import MAX_POINTS, all_velocities
+from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.dispersion import root_free_strip
+from theory.piecewise.first_points import MAX_POINTS
 from theory.piecewise.folds import fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import Regime, kinetic_relation, trace_kinetic_relation
 from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance

@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from theory.piecewise import branch_search
+from theory.piecewise import first_points
 from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance
 from theory.piecewise.sums.integral import sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 
 
-def first_points(c: float, target: float, shift: float, refine: float) -> np.ndarray:
+def points_of_one(c: float, target: float, shift: float, refine: float) -> np.ndarray:
     """Return the first points ln v of one coupling."""
-    case, _, t = branch_search._first_points(np.array([c]), np.array([target]), shift, refine)
+    case, _, t = first_points.first_points(np.array([c]), np.array([target]), shift, refine)
     assert not case.any()
     return t
 
@@ -31,7 +31,7 @@ def first_points(c: float, target: float, shift: float, refine: float) -> np.nda
     ],
 )
 def test_beyond_the_largest_velocity_the_sum_is_too_small(c, least, bound):
-    last = float(branch_search._highest_velocities(np.array([c]), np.array([least]))[0])
+    last = float(first_points._highest_velocities(np.array([c]), np.array([least]))[0])
     assert bound(last, c) == pytest.approx(least, rel=1e-12)
     for v in (last, 1.1 * last, 3 * last):
         assert abs(sum_by_quadrature(v, c).value) <= bound(v, c)
@@ -39,17 +39,17 @@ def test_beyond_the_largest_velocity_the_sum_is_too_small(c, least, bound):
 
 @pytest.mark.parametrize("shift", [0.0, 2.0])
 def test_no_first_point_lies_beyond_the_largest_velocity(shift):
-    last = math.exp(first_points(3.0, 0.6, shift, 1.0)[-1])
+    last = math.exp(points_of_one(3.0, 0.6, shift, 1.0)[-1])
     least = np.array([abs(0.6 - shift)])  # |Sum| is at least that
-    assert last == pytest.approx(branch_search._highest_velocities(np.array([3.0]), least)[0])
+    assert last == pytest.approx(first_points._highest_velocities(np.array([3.0]), least)[0])
 
 
 def lowest(c: float, target: float, shift: float) -> float:
-    return float(branch_search._lowest_velocities(np.array([c]), np.array([target]), shift)[0])
+    return float(first_points._lowest_velocities(np.array([c]), np.array([target]), shift)[0])
 
 
 def on_contour(v: float, c: float) -> float:
-    return float(branch_search._distance_on_contour(np.array([v]), np.array([c]))[0])
+    return float(first_points._distance_on_contour(np.array([v]), np.array([c]))[0])
 
 
 @pytest.mark.parametrize("shift", [0.0, 2.0])
@@ -78,38 +78,38 @@ def test_for_strong_coupling_the_smallest_velocity_is_larger_and_still_below_all
 
 def test_each_of_several_couplings_has_the_points_that_it_has_alone():
     c, target = np.array([0.5, 150.0, 8.0, 2.0]), np.array([0.6, 0.9, 0.6, 0.4])
-    case, piece, t = branch_search._first_points(c, target, 0.0, 1.0)
+    case, piece, t = first_points.first_points(c, target, 0.0, 1.0)
     assert case.size > c.size  # at strong coupling not all of the way is searched
     case = case[piece]
     for i, (c_, target_) in enumerate(zip(c.tolist(), target.tolist(), strict=True)):
-        np.testing.assert_array_equal(t[case == i], first_points(c_, target_, 0.0, 1.0))
+        np.testing.assert_array_equal(t[case == i], points_of_one(c_, target_, 0.0, 1.0))
     assert np.all(np.diff(case) >= 0)
 
 
 def test_the_contour_is_one_period_of_k_weighted_by_its_length():
     # X = sin^2(k/2), so dX = sin(k/2) cos(k/2) dk; the integral is over |dk| / 2 pi, both halves.
     step = 1e-5
-    sigma = branch_search._SIGMA
+    sigma = first_points._SIGMA
 
     def of(s):
         square = 1j * np.exp(2 * s)
         return square / (1 + square)
 
     X = of(sigma)
-    np.testing.assert_allclose(branch_search._X, X, rtol=1e-12)
+    np.testing.assert_allclose(first_points._X, X, rtol=1e-12)
     middle = abs(sigma) < 8  # beyond, 1 - X is lost in rounding
     slope = (of(sigma + step) - of(sigma - step)) / (2 * step)
     length = np.abs(slope / np.sqrt(X * (1 - X))) * np.diff(sigma)[0] / np.pi
-    ours = branch_search._LENGTH
+    ours = first_points._LENGTH
     np.testing.assert_allclose(ours[middle], length[middle], rtol=1e-5)
 
 
 @pytest.mark.parametrize("refine", [1.0, 2.0])
 def test_the_first_points_are_as_near_as_the_waves_of_the_sum_ask_for(refine):
     c = 0.8
-    t = first_points(c, 0.6, 0.0, refine)
+    t = points_of_one(c, 0.6, 0.0, refine)
     wave = math.pi / (4 * c + 1) / refine
-    coarse = branch_search._COARSEST / refine
+    coarse = first_points._COARSEST / refine
     nearness = np.maximum(np.diff(t) / coarse, -np.diff(np.exp(-t)) / wave)
     assert np.all(nearness <= 1 + 1e-9)
     assert np.median(nearness) > 0.5
@@ -117,7 +117,7 @@ def test_the_first_points_are_as_near_as_the_waves_of_the_sum_ask_for(refine):
 
 def test_the_first_points_hold_every_resonance_and_both_its_sides():
     c = 8.0
-    t = first_points(c, 0.6, 0.0, 2.0)
+    t = points_of_one(c, 0.6, 0.0, 2.0)
     velocities, widths = resonant_velocities(c, 4)
     held = 0
     for centre, width in zip(velocities, widths, strict=True):

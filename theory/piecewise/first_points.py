@@ -1,0 +1,198 @@
+"""Where the search for solutions of |Σ(v, c)| = 2r begins, so that none lies unseen between points.
+
+The points are spaced by the scales of g(ln v) = |Σ + shift| - 2r: the exponential wiggles in 1/v at
+small v, and the resonances at large c. They lie between bounds outside of which there is no
+solution and, where the wiggles are many, only where these can reach zero
+(``theory.piecewise.smooth_part``).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from theory.arrays import FloatArray, IntArray
+from theory.piecewise.limits import resonant_velocities, static_sum
+from theory.piecewise.smooth_part import WEAKEST, without_wiggles
+from theory.piecewise.sums.result import PrecisionError
+
+_COARSEST = 0.25
+_MANY_WIGGLES = 64
+"""Number of points, a few for each wiggle, above which it pays to find where wiggles matter."""
+_WIDEST, _PARTS = 2.0, 8
+"""Length of the intervals of ln v that are looked at first, and number of parts of each."""
+_FEW_POINTS = 4.0
+"""Number of points of an interval that is not divided further."""
+_RESONANCES = 12
+"""Of one coupling that are looked at, at most."""
+MAX_POINTS = 200_000
+"""Points of one coupling from which the search begins, at most: some ten seconds."""
+NEAREST_TO_PINNING = 1e-12
+"""Solutions that need |Σ| nearer than this to its limit at v = 0 are not looked for (v < 0.018)."""
+
+
+def first_points(
+    c: FloatArray, target: FloatArray, shift: float, refine: float
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return pieces of the way between the bounds, and points t = ln v spaced by the scales of g.
+
+    Of each piece the case; of each point the piece, and t, which ascends in each. Between pieces
+    there is no solution.
+    """
+    low = _lowest_velocities(c, target, shift)
+    high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
+    wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
+    spacing = np.full(c.size, _COARSEST / refine)
+    turn = np.minimum(np.maximum(spacing / wiggle, low), high)
+    low, turn, high = np.log(low), np.log(turn), np.log(high)
+    owner, begin, end = _where_wiggles_matter(c, target, shift, (low, turn, wiggle))
+    _refuse_too_many(c, target, owner, (np.exp(-begin) - np.exp(-end)) / wiggle[owner])
+    every = np.arange(c.size)
+    interval, inverse = _spaced(np.exp(-end), np.exp(-begin), wiggle[owner])
+    smooth, t = _spaced(turn, high, spacing)
+    owner, begin, end = (np.concatenate(x) for x in ((owner, every), (begin, turn), (end, high)))
+    points = [
+        (interval, -np.log(inverse)),
+        (smooth + owner.size - c.size, t),
+        _resonances(c[owner], (begin, end), wiggle[owner], refine),
+    ]
+    order = np.lexsort((begin, owner))
+    apart = np.ones(owner.size, dtype=bool)
+    apart[1:] = (owner[order[1:]] != owner[order[:-1]]) | (begin[order[1:]] > end[order[:-1]])
+    piece = np.empty(owner.size, dtype=np.int64)
+    piece[order] = np.cumsum(apart) - 1
+    interval, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
+    within = piece[interval]
+    ascending = np.lexsort((t, within))
+    within, t = within[ascending], t[ascending]
+    distinct = np.ones(t.size, dtype=bool)
+    distinct[1:] = (t[1:] > t[:-1]) | (within[1:] > within[:-1])
+    return owner[order[apart]], within[distinct], t[distinct]
+
+
+def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return intervals and points of them, both ends included, at most ``spacing`` apart."""
+    steps = 1 + np.ceil((end - begin) / spacing).astype(np.int64)
+    count = steps + 1
+    interval = np.arange(begin.size).repeat(count)
+    first = count.cumsum() - count
+    share = (np.arange(interval.size) - first[interval]) / steps[interval]
+    return interval, (1.0 - share) * begin[interval] + share * end[interval]
+
+
+def _resonances(
+    c: FloatArray, bounds: tuple[FloatArray, FloatArray], wiggle: FloatArray, refine: float
+) -> tuple[IntArray, FloatArray]:
+    """Return intervals and ln v of resonances narrower than the spacing, and of both their sides.
+
+    ``c``, ``bounds`` (of ln v) and ``wiggle`` are those of each interval.
+    """
+    if c.max(initial=0.0) <= 1.0:  # none is narrow
+        return np.empty(0, dtype=np.int64), np.empty(0)
+    places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
+    centre, width = c[:, None] * places, widths / refine
+    spacing = np.minimum(_COARSEST / refine, centre * wiggle[:, None])
+    narrow = np.tile(width < centre * spacing, 3) & (c[:, None] > 1.0)
+    near = np.concatenate([centre, centre - width, centre + width], axis=1)
+    taken = narrow & (near > np.exp(bounds[0])[:, None]) & (near < np.exp(bounds[1])[:, None])
+    return np.nonzero(taken)[0], np.log(near[taken])
+
+
+def _where_wiggles_matter(
+    c: FloatArray, target: FloatArray, shift: float, scales: tuple[FloatArray, ...]
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return cases and ends of the intervals of ln v, within bounds, to be searched finely.
+
+    ``scales`` are the bounds, of ln v, and the spacing in 1/v. Where the wiggles are many, the
+    smooth part of g and their height are looked at on parts of intervals. Within one, the former is
+    taken to go beyond its ends by no more than it changes over it or those beside it. Where g may
+    then be zero, the part is divided in turn, unless it has few points, or the wiggles are higher
+    than the smooth part all the way.
+    """
+    low, turn, wiggle = scales
+    points = (np.exp(-low) - np.exp(-turn)) / wiggle
+    several = (c > WEAKEST) & (points > _MANY_WIGGLES)
+    (few,) = (~several).nonzero()
+    owners, begins, ends = [few], [low[few]], [turn[few]]
+    (wide,) = several.nonzero()
+    interval, t = _spaced(low[wide], turn[wide], np.full(wide.size, _WIDEST))
+    (left,) = (interval[1:] == interval[:-1]).nonzero()
+    owner, begin, end = wide[interval[left]], t[left], t[left + 1]
+    share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
+    while owner.size:
+        t = (1.0 - share) * begin + share * end
+        sum_, height = without_wiggles(np.exp(t).ravel(), np.tile(c[owner], _PARTS + 1))
+        g = np.abs(sum_ + shift).reshape(t.shape) - target[owner]
+        rise = np.pad(np.abs(np.diff(g, axis=0)), ((1, 1), (0, 0)))
+        rise = np.maximum(np.maximum(rise[:-2], rise[2:]), rise[1:-1])
+        height = height.reshape(t.shape)
+        height = np.maximum(height[1:], height[:-1])
+        least = np.minimum(np.abs(g[1:]), np.abs(g[:-1]))
+        high = (least <= height).all(axis=0)
+        part, column = ((least <= rise + height) & ~high).nonzero()
+        parts = owner[column], t[part, column], t[part + 1, column]
+        done = ((np.exp(-begin) - np.exp(-end)) <= _FEW_POINTS * wiggle[owner])[column]
+        owners += [owner[high], parts[0][done]]
+        begins += [begin[high], parts[1][done]]
+        ends += [end[high], parts[2][done]]
+        owner, begin, end = (row[~done] for row in parts)
+    return np.concatenate(owners), np.concatenate(begins), np.concatenate(ends)
+
+
+def _refuse_too_many(
+    c: FloatArray, target: FloatArray, owner: IntArray, points: FloatArray
+) -> None:
+    """Refuse a case that would need more than ``MAX_POINTS`` points."""
+    (crowded,) = (np.bincount(owner, points, c.size) > MAX_POINTS).nonzero()
+    if crowded.size:
+        raise PrecisionError(
+            f"the velocities at c = {c[crowded[0]]:.6g}, |Sum| = {target[crowded[0]]:.6g} need "
+            f"more than {MAX_POINTS} values of the sum to be told apart; simulate the front, or "
+            "take a smaller c."
+        )
+
+
+def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
+    """Return v above which |Σ| is below ``least``.
+
+    On the real line, with X = sin²(k/2) ≤ k²/4, |¼ - A²| ≤ 2c(1 + 2c)X, and |A² + v²k²| is at
+    least ¼ and at least ¼ + (v² - c²)k². The first gives |Σ| ≤ 2c(1 + 2c)/v, the second
+    |Σ| ≤ c(1 + 2c)/(2w(v + w)) with w² = v² - c².
+    """
+    size = c * (1.0 + 2.0 * c) / least
+    return np.minimum(2.0 * size, np.sqrt(c * c + 0.25 * size))
+
+
+def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> FloatArray:
+    """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
+    still = np.array([static_sum(value) for value in c.tolist()])
+    gap = np.maximum(np.abs(np.abs(still + shift) - target), NEAREST_TO_PINNING)
+    # theory.piecewise.limits.static_sum_distance, 2e/(1 - e), takes |1/2A| ≤ 1. Its mean is at most
+    # the root of that of |1/2A|² = Re 1/2A, whose mean is 1 + Σ(0⁺). The bound is equal to the gap.
+    low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + still.real) / gap)
+    # a sharper bound for large c, where the plain one costs many points
+    (wide,) = (c > 3.0).nonzero()
+    for some in np.array_split(wide, 1 + c.size // 256) if wide.size else ():
+        below, above, half = low[some], np.sqrt(c[some]), 0.5 * gap[some]
+        for _ in range(12 if some.size else 0):
+            middle = np.sqrt(below * above)
+            far = _distance_on_contour(middle, c[some]) > half
+            below, above = np.where(far, below, middle), np.where(far, middle, above)
+        low[some] = below
+    return low
+
+
+_SIGMA = np.arange(-30.0, 30.0, 0.25)
+_SQUARE = 1j * np.exp(2.0 * _SIGMA)
+_X = _SQUARE / (1.0 + _SQUARE)
+_LENGTH = 0.25 / np.abs(np.cosh(_SIGMA + 0.25j * np.pi)) / np.pi
+
+
+def _distance_on_contour(v: FloatArray, c: FloatArray) -> FloatArray:
+    """Return the bound of ``static_sum_distance`` pointwise on the path of ``sums.precise``."""
+    A = 0.5 - 2j * c[:, None] * _X
+    e = np.exp(-A.real / v[:, None])
+    terms = e * (np.abs(1.0 - 2.0 * _X) + e) / (np.abs(A) * (1.0 - e) ** 2)
+    bound: FloatArray = terms @ _LENGTH
+    return bound

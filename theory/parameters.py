@@ -57,6 +57,15 @@ class RunError(ArithmeticError):
 class MissingPackageError(ImportError):
     """A package that is not installed; the message is one sentence that names the extra.
 
+    Parameters
+    ----------
+    package : str
+        The package.
+    extra : str
+        The extra of this distribution that installs it.
+    purpose : str
+        What needs it.
+
     Examples
     --------
     >>> print(MissingPackageError("python-flint", "certify", "a certified root"))

@@ -143,6 +143,8 @@ def read_force(given: Any, quantity: str) -> Polynomial | CompiledForce:
     ----------
     given : str, number, SymPy expression, function or sequence of them
         A polynomial, or a function compiled by numba, or one and its derivatives.
+    quantity : str
+        ``damping`` or ``stiffness``.
     """
     if isinstance(given, CompiledForce):
         return given

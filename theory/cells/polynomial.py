@@ -156,6 +156,8 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> Polynomial:
     ----------
     text : str
         As in ``1 - a*y**2 + b*y**4``; ``^`` is a power too.
+    quantity : str
+        What it is, for the message.
 
     Raises
     ------

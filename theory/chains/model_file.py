@@ -21,6 +21,10 @@ def read_model(
     ----------
     path : Path
         In TOML; a file of weights is looked for beside it.
+    known : sequence of str
+        Names of the attributes.
+    changes : mapping, optional
+        Attributes in place of those in the file.
     """
     try:
         found = tomllib.loads(path.read_text(encoding="utf-8"))

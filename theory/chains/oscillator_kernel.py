@@ -169,6 +169,8 @@ def functions_of(source: str, outside: Namespace = (), mark: str = "") -> dict[s
 
     Parameters
     ----------
+    source : str
+        The text.
     outside : tuple of pairs
         Names of functions that it calls, and these.
     mark : str

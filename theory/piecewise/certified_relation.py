@@ -56,6 +56,13 @@ def certify_relation(
 ) -> CertifiedRelation:
     """Prove the velocities and thresholds of an answer, as far as possible.
 
+    Parameters
+    ----------
+    answer : KineticRelation
+        As computed in double precision.
+    progress : callable, optional
+        Called with the fraction done, now and then.
+
     Raises
     ------
     MissingPackageError

@@ -53,6 +53,10 @@ def certify_roots(v: float | str, c: float | str, labels: IntArray, upper: bool)
     ----------
     v, c : float or str
         Front velocity v̂ and coupling, dimensionless: exact binary numbers, or decimals as text.
+    labels : ndarray of int, shape (n,)
+        Consecutive strip numbers.
+    upper : bool
+        Half-plane.
 
     Raises
     ------

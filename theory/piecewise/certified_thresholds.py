@@ -72,6 +72,10 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
     ----------
     flint : module
         python-flint; its working precision is the caller's.
+    eta : float
+        η = b/a².
+    pin : Enclosure
+        Of c_pin at this η.
 
     Raises
     ------

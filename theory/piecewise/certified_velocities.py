@@ -222,6 +222,13 @@ def prove_velocities(
 
     If no interval is left, the velocities are exactly so many, one in each enclosure.
 
+    Parameters
+    ----------
+    relation : Relation
+        At one coupling.
+    progress : callable, optional
+        Called with the fraction of the cells done.
+
     Raises
     ------
     WorkLimitError
@@ -279,6 +286,8 @@ def enclose_root(relation: Relation, low: float, high: float, slope: Any) -> Enc
 
     Parameters
     ----------
+    relation : Relation
+        At one coupling.
     low, high : float
         Ends of a cell over which ``slope``, a ball of ∂h/∂v, does not contain 0, and at whose ends
         h differs in sign.
@@ -306,7 +315,15 @@ def _narrower(relation: Relation, cell: Any, slope: Any) -> Any:
 
 
 def enclose_near(relation: Relation, v: float, error: float) -> Enclosure | None:
-    """Return where the one zero of h near v lies, or None if it could not be proven there."""
+    """Return where the one zero of h near v lies, or None if it could not be proven there.
+
+    Parameters
+    ----------
+    relation : Relation
+        At one coupling.
+    v, error : float
+        A computed velocity and its stated error.
+    """
     for wider in (2.0, 1e2, 1e4):
         reach = wider * max(error, 4e-16 * v)
         low, high = v - reach, v + reach

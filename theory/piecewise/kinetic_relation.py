@@ -350,6 +350,15 @@ def trace_kinetic_relation(
 ) -> list[KineticRelation]:
     """Return :func:`kinetic_relation` for arrays of c and η, broadcast together, all at once.
 
+    Parameters
+    ----------
+    c, eta : array_like of float
+        Couplings and η.
+    admissibility : bool
+        Check assumption (47) on every branch.
+    progress : callable, optional
+        Told the fraction done, now and then.
+
     Returns
     -------
     list of KineticRelation

@@ -37,6 +37,10 @@ def precise_roots(
     ----------
     v, c : float, str or mpf
         Front velocity v̂ and coupling, dimensionless; strings are read as decimals.
+    labels : ndarray of int
+        Strip numbers (``theory.piecewise.roots``).
+    upper : bool
+        Half-plane.
     digits : int
         From 1 to 2000, and 100 more for sums that work beyond what they return.
     """

@@ -38,6 +38,13 @@ def count_in_box(
     |L_kk| ≤ c cosh(Im k). L then stays in a half-plane on the piece and its change of argument
     there is exact; no sampling density is assumed.
 
+    Parameters
+    ----------
+    v, c : float
+        Front velocity v̂ and coupling, dimensionless.
+    x_low, x_high, y_low, y_high : float
+        The box in the plane of k.
+
     Raises
     ------
     ParameterError

@@ -41,6 +41,10 @@ def floquet_multipliers(
     ----------
     monodromy : float array, shape (2N, 2N)
         Displacements first, then velocities.
+    period : float
+        Period in t.
+    eps : float
+        ε, for the rate per unit of T.
     parity : int, optional
         Parity of the breather under reflection; 0 if it has none.
     error : float, optional

@@ -254,6 +254,15 @@ def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> FloatArray:
 def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int | None = None) -> Breather:
     """Solve for the periodic orbit at the coupling of ``chain``.
 
+    Parameters
+    ----------
+    chain : VdpChain
+        Needs two cycles and c > 0.
+    nucleus : Nucleus
+        Which sites, and the pattern of phases.
+    steps : int, optional
+        Taylor steps a period; by default `steps_for`.
+
     Raises
     ------
     ParameterError

@@ -148,6 +148,12 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
     ----------
     joined : ndarray, shape (N,)
         Slow time at which each site joined, 0 for those excited at the start, nan for never.
+    slow_time : float
+        Length of the run.
+    size : int
+        Sites above the level at the end.
+    pause : float, optional
+        Longest pause of a front.
 
     Examples
     --------
@@ -206,6 +212,8 @@ def follow_nucleus(
         Excited sites, odd or even as N is, for a start of mirror symmetry.
     perturbation : float
         Size of the noise on every site; 0 for exact mirror symmetry.
+    seed : int
+        Seed of the noise.
     slow_time : float
         Length of the run in T = εt.
 

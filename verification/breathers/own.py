@@ -100,8 +100,12 @@ def integrate_with_tangents(
 
     Parameters
     ----------
+    chain : OscillatorChain
+        With inertia.
     start : float array, shape (2N,)
         Displacements, then velocities.
+    duration : float
+        Time t.
     steps : int
         Equal steps of DOP853.
 

@@ -50,8 +50,12 @@ def run_breather(
     ----------
     chain : VdpChain
         ε at most 0.2.
+    nucleus : Nucleus
+        Excited sites and their phases at the start.
     tolerance : float, optional
         Drift per unit T that counts as settled.
+    seed : int, optional
+        Of the noise on the start.
 
     Returns
     -------
@@ -115,6 +119,15 @@ def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int 
 
     The drift is max |φ_n' - iΩφ_n| with Ω of the centre, from the equation and not from
     differences of states: it is zero on a breather, whatever the step of the run.
+
+    Parameters
+    ----------
+    chain : VdpChain or AveragedChain
+        a, b, c, ε and the ends.
+    nucleus : Nucleus
+        Excited sites and their phases at the start.
+    seed : int, optional
+        Of the noise on the start.
 
     Returns
     -------

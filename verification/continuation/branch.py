@@ -148,6 +148,8 @@ def trace(
         The branch ends where the parameter leaves the range between the start and here.
     monitor : callable, optional
         Evaluated at every point up to the first fold.
+    steps : StepControl, optional
+        How it is followed.
 
     Raises
     ------

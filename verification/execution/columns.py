@@ -121,6 +121,8 @@ class Columns:
 
     Parameters
     ----------
+    count : int
+        Rows.
     flat : bool, optional
         Refuse arrays, for which CSV has no place.
     folder : Path, optional

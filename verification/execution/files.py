@@ -159,6 +159,8 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
 
     Parameters
     ----------
+    path : Path
+        The file.
     write : callable
         Fills the file at the path it is given, which has the same suffix, or puts a folder there.
     """

@@ -32,6 +32,8 @@ def closure(
 
     Parameters
     ----------
+    module : str
+        Dotted name.
     packages : collection of str, optional
         Top-level packages that are followed; all others are left out.
     without : collection of str, optional
@@ -108,6 +110,8 @@ def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
 
     Parameters
     ----------
+    path : Path
+        The file.
     package : str
         Dotted name of the package it is in, for relative imports.
     """

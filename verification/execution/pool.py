@@ -71,7 +71,13 @@ def cores_allowed() -> int:
 
 @contextmanager
 def worker_pool(workers: int | None = None) -> Iterator[Executor]:
-    """Give a pool of processes, none of which outlives this one or an interrupt."""
+    """Give a pool of processes, none of which outlives this one or an interrupt.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Number of processes; by default one a core that may be used.
+    """
     count = worker_count(workers)
     before = set(multiprocessing.active_children())
     # 'spawn' on every system: forking a process that runs compiled threads can hang.

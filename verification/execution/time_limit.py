@@ -22,6 +22,8 @@ def time_limit(seconds: float, *, of_processor: bool = False) -> Iterator[None]:
 
     Parameters
     ----------
+    seconds : float
+        On the clock.
     of_processor : bool, optional
         Of this process's processor time, in which what else the machine does has no part.
     """

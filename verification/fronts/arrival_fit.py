@@ -97,6 +97,8 @@ def settle(
         From a number of sites to a pair of runs.
     sites : int
         Length tried first; doubled each time.
+    max_sites : int
+        Longest chain.
     accuracy : float
         Relative error of v at which the front counts as steady.
     seen : float

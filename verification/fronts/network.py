@@ -118,10 +118,14 @@ def spread(
 
     Parameters
     ----------
+    chain : OscillatorChain
+        Of any coupling.
     excited : int
         Sites excited, those nearest to the middle.
     directions : int
         Directions of a lattice, evenly spaced over a turn.
+    tolerance : float
+        Local error.
     stall : float
         Time t without an arrival after which it counts as stopped.
     progress : callable, optional
@@ -314,6 +318,8 @@ def planar(
 
     Parameters
     ----------
+    chain : OscillatorChain
+        A lattice.
     excited : int
         Rows excited.
     tolerance, stall, progress

@@ -139,6 +139,11 @@ class PinningEta:
 def pinning_eta(c: float) -> PinningEta | None:
     """Return η_pin(c), at which c_pin(η) = c; None if it is not from 1e-3 to 0.11.
 
+    Parameters
+    ----------
+    c : float
+        Coupling, dimensionless.
+
     Examples
     --------
     >>> pin = pinning_eta(0.101944386)

@@ -36,6 +36,8 @@ class Stall:
 
     Parameters
     ----------
+    run : Integration
+        The run.
     time : float
         Time without an arrival after which the amplitudes are noted, and twice that before the
         motion is called pinned or creeping.

@@ -42,6 +42,10 @@ def reference_sum(v: float, c: float, digits: int, without: str = "") -> tuple[A
 
     Parameters
     ----------
+    v, c : float
+        Velocity and coupling, dimensionless.
+    digits : int
+        After the point.
     without : str
         ``series`` or ``integral``: a method that must not be used.
 

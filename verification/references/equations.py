@@ -86,6 +86,8 @@ def full_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
 
     Parameters
     ----------
+    chain : VanDerPolChain
+        Its a, b, c, ε and ends.
     wave : bool
         Whether a wave goes on to the left of the first site, a quarter of a turn a site: y_0 = ẏ_1
         there.
@@ -114,6 +116,8 @@ def linearised_rate(chain: VanDerPolChain, motion: Motion) -> Rate:
 
     Parameters
     ----------
+    chain : VanDerPolChain
+        Its a, b, c, ε and ends.
     motion : callable
         From t to y and ẏ, shape (N,) each.
 
@@ -201,6 +205,8 @@ def quarter_turn_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
 
     Parameters
     ----------
+    chain : VanDerPolChain
+        Its a, b, c.
     wave : bool
         Whether r_0 = r_1, as of a wave that goes on to the left; else the neighbours missing at the
         ends are zero, without the term of a free end that the reduction cannot hold.
@@ -225,6 +231,8 @@ def piecewise_rate(
 
     Parameters
     ----------
+    c : float
+        Coupling, dimensionless.
     excited : ndarray of bool, shape (N,)
         Which sites are above the threshold.
     left, right : complex

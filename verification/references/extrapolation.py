@@ -100,6 +100,8 @@ def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> Prec
 
     Parameters
     ----------
+    rate : callable
+        Right side, of t and the state.
     start : ndarray
         Of long doubles, or of objects.
     end : float

@@ -83,8 +83,12 @@ def run_events(
 
     Parameters
     ----------
+    chain : FrictionChain
+        Parameters.
     start : ndarray, shape (2, N)
         y and ẏ.
+    t_end : float
+        τ, positive.
     times : ndarray, optional
         Where the state is sampled, ascending; by default 201 even times.
     tolerance : float

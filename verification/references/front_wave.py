@@ -39,6 +39,8 @@ def front_velocity(
 
     Parameters
     ----------
+    c, eta : float
+        Coupling and η, dimensionless.
     per_site : int, optional
         Points a site, at least ten; the error of v falls like its twentieth power.
     behind, ahead : int, optional

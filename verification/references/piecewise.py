@@ -19,6 +19,8 @@ def sum_by_quadrature(
 
     Parameters
     ----------
+    v, c : float
+        Velocity and coupling, positive, dimensionless.
     tolerance : float, optional
         Absolute, of the integral; scipy's default if not given.
     limit : int

@@ -32,6 +32,8 @@ def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSt
 
     Parameters
     ----------
+    eta, c : float
+        η and coupling, dimensionless.
     phi : complex ndarray, shape (N,)
         Where Newton's method starts.
     omega : float

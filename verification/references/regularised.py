@@ -67,14 +67,20 @@ def run_regularised(
 
     Parameters
     ----------
+    chain : FrictionChain
+        Parameters of (5).
     start : ndarray, shape (2, N)
         y and ẏ.
+    t_end : float
+        τ, positive.
     solver : Solver
         Given the band (LSODA) or the sparsity (Radau, BDF) of the Jacobian.
     delta : float
         Width δ of the regularisation, positive.
     tolerance : float
         Relative tolerance; the absolute one is a thousandth of it.
+    samples : int
+        States sampled, evenly spaced.
 
     Examples
     --------

@@ -20,6 +20,8 @@ def kappa_by_shooting(eta: float, low: float, high: float) -> tuple[float, float
     ----------
     eta : float
         η = b/a², dimensionless; to 0.085, beyond which the side does not tell.
+    low, high : float
+        An interval.
 
     Raises
     ------

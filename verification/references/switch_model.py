@@ -90,14 +90,20 @@ def run_switch(
 
     Parameters
     ----------
+    chain : FrictionChain
+        Parameters of (5).
     start : ndarray, shape (2, N)
         y and ẏ.
+    t_end : float
+        τ, positive.
     step : float, optional
         Fixed step, at most 1/(√(1 + 4c) + 2ξ); by default steps are chosen by the tolerances.
     relative, absolute : float
         Tolerances of the adaptive rule.
     band : float
         Half-width of the stick band in v_rel, positive.
+    samples : int
+        States sampled, evenly spaced.
 
     Examples
     --------

@@ -64,11 +64,15 @@ def run_to_end(
     ----------
     integrations : sequence of Integration
         Each fills its ``state_arrays`` in place when it is resumed.
+    end : float
+        Their end time.
     budget : int
         Sites times steps between two readings of the clock.
     checkpoint : Path, optional
         File into which they are saved every few seconds and when they are interrupted, by the
         keyboard or by SIGTERM. If it exists, they go on from it, to the same bits.
+    progress : callable, optional
+        See `verification.execution.progress.ProgressCallback`.
 
     Raises
     ------
@@ -171,10 +175,14 @@ def save_checkpoint(
 
     Parameters
     ----------
+    path : Path
+        The file.
     arrays : mapping of str to ndarray
         The state; no objects.
     metadata : mapping
         What decides it, as JSON has it; `load_checkpoint` wants the same.
+    seconds : float
+        Run time so far, dimensionless state apart.
 
     Raises
     ------
@@ -200,8 +208,12 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
 
     Parameters
     ----------
+    path : Path
+        The file.
     arrays : mapping of str to ndarray
         As for a new run; each is filled if all fit, else none.
+    metadata : mapping
+        What decides the run that is resumed.
 
     Raises
     ------

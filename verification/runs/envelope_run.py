@@ -89,6 +89,8 @@ def run_envelope(
         a, b, c at T = 0 and the ends.
     phi : complex array, shape (N,)
         Envelope at T = 0.
+    duration : float
+        Slow time.
     rate : float, optional
         dc/dT.
     watched : bool array, optional

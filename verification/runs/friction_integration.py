@@ -48,6 +48,8 @@ class FrictionIntegration(Integration):
 
     Parameters
     ----------
+    chain : FrictionChain
+        Parameters.
     start : array_like
         (y, ẏ) at τ = 0.
     times : array_like, shape (M,), optional

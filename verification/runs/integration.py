@@ -180,6 +180,8 @@ def integration(
 
     Parameters
     ----------
+    chain : Chain
+        Parameters.
     start : array_like
         State at t = 0, as :func:`checked_state` takes it.
     times : array_like, shape (M,)

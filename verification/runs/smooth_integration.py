@@ -49,6 +49,10 @@ class SmoothIntegration(Integration):
 
     Parameters
     ----------
+    chain : SmoothChain
+        Parameters.
+    start : array_like
+        State at t = 0.
     times : array_like, shape (M,)
         Times t of the samples.
     tolerance : float

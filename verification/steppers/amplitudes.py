@@ -99,8 +99,12 @@ def with_disturbances(
     ----------
     rho : ndarray, shape (N,)
         Amplitudes over r_s.
+    chain : Amplitudes
+        Parameters.
     time : float
         In units of slow time.
+    steps : int
+        Number of equal steps.
     phases : bool, optional
         Disturbances s of the phases in place of those of the amplitudes.
     along : {"c", "eta"}, optional

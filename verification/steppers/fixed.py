@@ -23,6 +23,8 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
         Parameters.
     state : ndarray, shape (2, N)
         Overwritten.
+    h, steps
+        Length and number of steps.
     order : int
         8 for DOP853, or 4 for the classical step.
     """

@@ -207,6 +207,10 @@ def advance(run: Run, stop: float, max_steps: int) -> int:
 
     Parameters
     ----------
+    run : Run
+        The run.
+    stop : float
+        Time to reach.
     max_steps : int
         Frames after which to return. A run that goes on from there is the same to the last bit.
     """

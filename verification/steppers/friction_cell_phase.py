@@ -71,6 +71,8 @@ def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
 
     Parameters
     ----------
+    phase : Phase
+        The phase.
     y, w : float
         State at τ = 0, which does not count as an end itself.
     """

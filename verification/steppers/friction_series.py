@@ -259,8 +259,14 @@ def resolved(
 
     Parameters
     ----------
+    series, numbers, law
+        As everywhere here.
+    n : int
+        Site.
     s : float
         Its direction of slip.
+    h : float
+        Step proposed.
     """
     w, order = series[W], series.shape[1] - 1
     if len(law) == 0 and absolute_sum(w, n, h) <= numbers[V0]:
@@ -359,6 +365,10 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
     ----------
     room : ndarray
         ``new_room``; its first row has the coefficients of f, and is overwritten.
+    degree : int
+        Degree.
+    h : float
+        End of the interval.
     """
     f, binomial = room[POLYNOMIAL], room[BINOMIALS : BINOMIALS + room.shape[1]]
     work = room[BINOMIALS + room.shape[1] :]

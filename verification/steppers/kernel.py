@@ -50,6 +50,10 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
 
     Parameters
     ----------
+    kernel : callable
+        Right-hand side of a site.
+    count : int
+        Number of its parameters.
     ahead : int
         Quarter turns by which a wave that goes on beyond the left end is ahead of its neighbour.
     """

@@ -155,6 +155,8 @@ def solve_stiff_piece(
 
     Parameters
     ----------
+    chain : VdpChain
+        Parameters.
     state : ndarray, shape (2, N)
         y and ẏ at ``begin``.
     moving : tuple of int

@@ -85,6 +85,8 @@ def full_coefficients(
     ----------
     series : tuple of five ndarray, shape (order + 1, m)
         Of y, ẏ, s, q and g.
+    order : int
+        Highest coefficient.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
     left, right : int

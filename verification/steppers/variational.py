@@ -75,6 +75,8 @@ def integrate_variations(
         Initial displacements and velocities.
     duration : float
         Time, dimensionless; positive or negative.
+    steps : int, optional
+        Number of Taylor steps.
 
     Raises
     ------
@@ -112,6 +114,8 @@ def integrate_along_sinusoids(
         Frequency in t.
     misprinted : bool, optional
         Use the Jacobian as printed in (42), where 1 - 2ax + 4bx³ stands for -2ax + 4bx³.
+    steps : int, optional
+        Number of Taylor steps.
     """
     start = np.concatenate([amplitudes * np.sin(phases), omega * amplitudes * np.cos(phases)])
     base = np.vstack([amplitudes, phases])
@@ -133,6 +137,8 @@ def integrate_chain(
         Initial displacements and velocities.
     duration : float
         Time, dimensionless.
+    steps, order : int
+        Number of Taylor steps in all, and their order.
 
     Raises
     ------

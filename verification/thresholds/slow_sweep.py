@@ -87,6 +87,8 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
     ----------
     rates, escapes : sequence of float
         At least three, rates falling by a constant factor.
+    seconds : float, optional
+        Time the sweeps took, passed on.
 
     Examples
     --------

@@ -145,6 +145,8 @@ def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None)
     ----------
     chain : Chain
         Parameters, with its coupling; of any model that is integrated in time.
+    spreading : Spreading
+        What is excited and what counts.
     final_time : float, optional
         In place of the one in ``spreading``.
 

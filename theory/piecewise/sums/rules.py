@@ -56,6 +56,15 @@ def sum_at(
 
     The bounds are those of the truncation of Σ, of its rounding, and of the errors of v ∂Σ/∂v and
     c ∂Σ/∂c.
+
+    Parameters
+    ----------
+    v, c : float
+        Front velocity v̂ and coupling, positive, dimensionless.
+    tolerance : float
+        Required truncation error of Σ.
+    slopes : bool
+        Whether the derivatives are required.
     """
     count, truncation = plain_points(v, c, tolerance)
     if is_plain(v, c, count):

@@ -1,8 +1,4 @@
-"""The one place where a bad parameter is recognised and described.
-
-What is not as the first line of a function here says is refused with `ParameterError`; and so is,
-in every package, an argument outside the range that the docstring of a function states.
-"""
+"""The one place where a bad parameter is recognised and described."""
 
 from __future__ import annotations
 
@@ -135,6 +131,11 @@ def real_array(quantity: str, values: object) -> NDArray[np.float64]:
 def decimal(quantity: str, value: object) -> float | str:
     """Return a decimal as it was written, digit for digit, or a number as a float.
 
+    Raises
+    ------
+    ParameterError
+        If it is no number.
+
     Examples
     --------
     >>> decimal("coupling c", "0.10"), decimal("coupling c", 1)
@@ -148,6 +149,11 @@ def positive(
     quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
 ) -> float:
     """Return ``value`` as a float if it is finite and positive.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not finite, or not positive.
 
     Examples
     --------
@@ -164,6 +170,11 @@ positive; give a positive number.
 
 def ascending(quantity: str, values: object) -> list[float]:
     """Return positive numbers in ascending order, at least one.
+
+    Raises
+    ------
+    ParameterError
+        If they are not several numbers, there is none, or one is not finite and positive.
 
     Examples
     --------
@@ -189,7 +200,13 @@ def within(
     high: float,
     remedy: str | None = None,
 ) -> float:
-    """Return ``value`` as a float if ``low <= value <= high``."""
+    """Return ``value`` as a float if ``low <= value <= high``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not finite, or outside the range.
+    """
     if type(value) is float and low <= value <= high:  # the words cost more than the check
         return value
     return _checked(
@@ -202,7 +219,13 @@ def within(
 
 
 def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str) -> float:
-    """Return ``value`` as a float if it is finite and not below ``low``."""
+    """Return ``value`` as a float if it is finite and not below ``low``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not finite, or below.
+    """
     return _checked(quantity, value, f"finite and at least {low:g}", remedy, lambda x: x >= low)
 
 
@@ -219,6 +242,11 @@ def refuse_unread(
         Those on which something depends.
     where : str
         What is so, as "for the model vdp".
+
+    Raises
+    ------
+    ParameterError
+        If another one is not at its default.
 
     Examples
     --------
@@ -239,7 +267,13 @@ leave it out: nothing depends on it.
 def count_within(
     quantity: str, value: SupportsFloat, low: int, high: int, remedy: str | None = None
 ) -> int:
-    """Return ``value`` as an int if it is a whole number with ``low <= value <= high``."""
+    """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a whole number in the range.
+    """
     return int(
         _checked(
             quantity,
@@ -256,6 +290,11 @@ def real_number(quantity: str, value: object, low: float, high: float, remedy: s
 
     Unlike :func:`within`, which also reads what is typed at a command line, this one takes numbers
     only: text, truth values and arrays are refused. Numbers of numpy are numbers.
+
+    Raises
+    ------
+    ParameterError
+        If it is not a real number, or not in the range.
 
     Examples
     --------
@@ -276,6 +315,11 @@ def real_number(quantity: str, value: object, low: float, high: float, remedy: s
 def whole_number(quantity: str, value: object, low: int, high: int, remedy: str = "") -> int:
     """Return a parameter as an int if it is a whole number with ``low <= value <= high``.
 
+    Raises
+    ------
+    ParameterError
+        If it is not a number, not whole, or not in the range.
+
     Examples
     --------
     >>> whole_number("number of sites n", 31.0, 2, 100)
@@ -291,6 +335,11 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
 
 def truth(quantity: str, value: object) -> bool:
     """Return a flag as a bool if it is true or false; numbers, text, arrays and None are neither.
+
+    Raises
+    ------
+    ParameterError
+        If it is none.
 
     Examples
     --------
@@ -313,6 +362,11 @@ def _is_truth(value: object) -> bool:
 
 def word(quantity: str, value: object, words: Iterable[str], remedy: str = "name one") -> str:
     """Return a word if it is one of these; numbers, arrays and lists are none.
+
+    Raises
+    ------
+    ParameterError
+        If it is another.
 
     Examples
     --------
@@ -368,6 +422,11 @@ def end_time(quantity: str, value: float) -> float:
 
     Beyond, a time in double precision no longer tells the phase to a part in a million, and a run
     takes days.
+
+    Raises
+    ------
+    ParameterError
+        If it is not in this range.
     """
     allowed = f"positive and at most {LATEST:g}"
     return _checked(quantity, value, allowed, "give such a time", lambda x: 0.0 < x <= LATEST)

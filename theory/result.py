@@ -376,7 +376,13 @@ def _coordinate(result: Result, axis: str) -> Any:
 
 
 def optional_package(package: str) -> Any:
-    """Return a package of the extra ``tables``."""
+    """Return a package of the extra ``tables``.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed.
+    """
     try:
         return import_module(package)
     except ModuleNotFoundError:

@@ -145,6 +145,11 @@ def read_force(given: Any, quantity: str) -> Polynomial | CompiledForce:
         A polynomial, or a function compiled by numba, or one and its derivatives.
     quantity : str
         ``damping`` or ``stiffness``.
+
+    Raises
+    ------
+    ParameterError
+        If it is none of these.
     """
     if isinstance(given, CompiledForce):
         return given

@@ -286,7 +286,13 @@ def _merged(one: Iterable[tuple[str, int]], other: Iterable[tuple[str, int]]) ->
 
 
 def as_polynomial(given: Any, quantity: str) -> Polynomial:
-    """Return a polynomial from text, a number, or an expression of SymPy (read from its text)."""
+    """Return a polynomial from text, a number, or an expression of SymPy (read from its text).
+
+    Raises
+    ------
+    ParameterError
+        If it is none of these.
+    """
     if isinstance(given, Polynomial):
         return given
     if isinstance(given, str):

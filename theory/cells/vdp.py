@@ -44,7 +44,13 @@ def eta_from_damping(a: float, b: float) -> float:
 
 
 def checked_eta(eta: float) -> float:
-    """Return η if it is a positive number that double precision can treat."""
+    """Return η if it is a positive number that double precision can treat.
+
+    Raises
+    ------
+    ParameterError
+        If η is not finite, or below ``SMALLEST_ETA``.
+    """
     remedy = "below it use the limit v = sqrt(c/(8 r)), r = sqrt(2 eta)"
     return at_least("eta = b/a^2", eta, SMALLEST_ETA, remedy)
 
@@ -55,7 +61,13 @@ def is_bistable(eta: float) -> bool:
 
 
 def bistable_eta(eta: float) -> float:
-    """Return η as a float if 0 < η ≤ 1/8: the cell has two limit cycles, or they just meet."""
+    """Return η as a float if the cell has two limit cycles, or they just meet.
+
+    Raises
+    ------
+    ParameterError
+        If η is not in (0, 1/8].
+    """
     allowed, remedy = "greater than 0 and at most 1/8", "beyond 1/8 there are no cycles"
     found = number("eta = b/a^2", eta, allowed, remedy)
     if not 0 < found <= ETA_END:

@@ -263,7 +263,13 @@ class SmoothChain(Chain):
         return 0.0
 
     def check_unforced(self, what: str) -> None:
-        """Refuse a chain on which forces act."""
+        """Refuse a chain on which forces act.
+
+        Raises
+        ------
+        ParameterError
+            If there are any.
+        """
         if self.forces:
             said = " and ".join(map(str, self.forces))
             raise ParameterError("drive", said, f"none for {what}", "leave it out")

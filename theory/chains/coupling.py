@@ -126,6 +126,11 @@ def network_of(coupling: Any, shape: tuple[int, ...], ends: Ends) -> Network:
     ends : Ends
         Of what is made by name.
 
+    Raises
+    ------
+    ParameterError
+        If it is none of these, or has another size.
+
     Examples
     --------
     >>> network_of("next-nearest:1,0.2", (5,), Ends.FREE).matrix.toarray()[0].tolist()

@@ -58,6 +58,11 @@ def read_drives(given: Any, sites: int) -> tuple[Drive, ...]:
     sites : int
         Number of sites N.
 
+    Raises
+    ------
+    ParameterError
+        If one is none of these, or a number is out of range.
+
     Examples
     --------
     >>> [str(each) for each in read_drives("0.1,1.2@1,4:6", 9)]

@@ -25,6 +25,11 @@ def read_model(
         Names of the attributes.
     changes : mapping, optional
         Attributes in place of those in the file.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be read, or a key is none of the attributes.
     """
     try:
         found = tomllib.loads(path.read_text(encoding="utf-8"))

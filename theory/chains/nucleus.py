@@ -125,7 +125,12 @@ class Nucleus:
         return [round(turn) for turn in (self.phases() / (0.5 * math.pi)).tolist()]
 
     def excited(self, sites: int) -> tuple[int, ...]:
-        """Return the excited sites of a chain, counted from 1; it must be as wide as the nucleus.
+        """Return the excited sites of a chain, counted from 1.
+
+        Raises
+        ------
+        ParameterError
+            If the nucleus is wider than the chain.
 
         Examples
         --------
@@ -148,7 +153,13 @@ class Nucleus:
         return mask
 
     def first(self, sites: int) -> int:
-        """Return the index of the first excited site in a chain."""
+        """Return the index of the first excited site in a chain.
+
+        Raises
+        ------
+        ParameterError
+            If the nucleus is wider than the chain.
+        """
         if self.size > sites:
             raise ParameterError(
                 "nucleus", self.size, f"at most the {sites} sites of the chain", "take a longer one"
@@ -210,6 +221,11 @@ def sites_for(size: int, margin: int = MARGIN) -> int:
 
 def nucleus_sites(sites: int, place: Place, size: int) -> tuple[int, ...]:
     """Return the excited sites of a nucleus without a pattern, from 1.
+
+    Raises
+    ------
+    ParameterError
+        If the nucleus does not fit.
 
     Examples
     --------

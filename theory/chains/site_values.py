@@ -37,7 +37,13 @@ def pairs(quantity: str, given: Any) -> dict[str, Any]:
 
 
 def checked_values(given: Any, names: Sequence[str], sites: int) -> dict[str, float | FloatArray]:
-    """Return the value of each named parameter: one number, or one a site, shape (N,)."""
+    """Return the value of each named parameter: one number, or one a site, shape (N,).
+
+    Raises
+    ------
+    ParameterError
+        If one is neither, or not finite, if one is missing, or there is none of this name.
+    """
     values = pairs("values", given)
     for name in values:
         if name not in names:
@@ -77,7 +83,13 @@ def _checked_value(name: str, given: Any, sites: int) -> float | FloatArray:
 
 
 def checked_disorder(given: Any, names: Sequence[str]) -> dict[str, float | str]:
-    """Return relative spreads by name: 0.1 for a normal one, ``uniform:0.1`` for a uniform one."""
+    """Return relative spreads by name: 0.1 for a normal one, ``uniform:0.1`` for a uniform one.
+
+    Raises
+    ------
+    ParameterError
+        If one is neither, or there is no parameter of this name.
+    """
     found = {}
     for name, spread in pairs("disorder", given).items():
         if name not in names:

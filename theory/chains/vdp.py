@@ -89,6 +89,11 @@ class VanDerPolChain(SmoothChain):
         Number of oscillators N, from 2 to 1 000 000.
     ends : Ends
         Free or periodic.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of range.
     """
 
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.PERIODIC)

@@ -364,6 +364,11 @@ def trace_kinetic_relation(
     list of KineticRelation
         In the order of the broadcast arrays, flattened. ``terms`` and ``seconds`` are shares of
         the whole.
+
+    Raises
+    ------
+    ParameterError
+        If any parameter is out of range.
     """
     start = perf_counter()
     c_, eta_ = (
@@ -417,7 +422,13 @@ def trace_kinetic_relation(
 
 
 def checked_coupling(c: float) -> float:
-    """Return the coupling if it is from 1e-8 to 1e8."""
+    """Return the coupling if it is from 1e-8 to 1e8.
+
+    Raises
+    ------
+    ParameterError
+        If it is not.
+    """
     remedy = "use the limits of theory.piecewise.limits beyond"
     return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
 

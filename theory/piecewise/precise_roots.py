@@ -43,6 +43,11 @@ def precise_roots(
         Half-plane.
     digits : int
         From 1 to 2000, and 100 more for sums that work beyond what they return.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
     """
     digits = count_within("digits", digits, 1, MAX_DIGITS + GUARD_DIGITS)
     with mp.workdps(digits + 10):

@@ -61,6 +61,11 @@ def front_stability(v: float, c: float) -> FrontStability:
     -------
     FrontStability
 
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
     Notes
     -----
     The answer is about small disturbances of the switching times and presupposes (47).

@@ -66,6 +66,11 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
     -------
     StabilityLimit
 
+    Raises
+    ------
+    ParameterError
+        If η or the largest coupling is out of range.
+
     Notes
     -----
     From c_fold on, couplings 3 % apart are looked at; a loss of stability over a shorter interval

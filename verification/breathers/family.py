@@ -56,7 +56,13 @@ class BreatherFamily(ABC):
 
     @abstractmethod
     def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
-        """Return a solution at small c, towards ``c_end``; at ``lowest`` if it can be reached."""
+        """Return a solution at small c, towards ``c_end``; at ``lowest`` if it can be reached.
+
+        Raises
+        ------
+        ParameterError
+            If none was found.
+        """
 
     @abstractmethod
     def directly(self) -> BranchPoint | None:
@@ -86,7 +92,13 @@ class BreatherFamily(ABC):
         return found.growth - found.marginal, own - found.marginal, other - found.marginal
 
     def branch(self, c_end: float = 2.0, *, monitored: bool = True) -> ContinuationBranch:
-        """Follow the breather from small c through its fold, with its growth if ``monitored``."""
+        """Follow the breather from small c through its fold, with its growth if ``monitored``.
+
+        Raises
+        ------
+        ParameterError
+            If none was found at small c.
+        """
         monitor = self.monitor if monitored else None
         return trace(self.system(), self.start(c_end), c_end, monitor, self.steps_along)
 

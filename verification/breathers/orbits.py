@@ -242,7 +242,13 @@ def steps_for(chain: VdpChain) -> int:
 
 
 def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> FloatArray:
-    """Return (X, period) from the breather of the averaged chain at this coupling."""
+    """Return (X, period) from the breather of the averaged chain at this coupling.
+
+    Raises
+    ------
+    ParameterError
+        If the averaged chain has no such breather at this coupling.
+    """
     found = solve_envelope_breather(chain, nucleus)
     if found.status is BreatherStatus.NONE:
         raise ParameterError(

@@ -196,7 +196,13 @@ def trace(
 def _next(
     system: System, point: BranchPoint, length: float, tolerance: float
 ) -> tuple[BranchPoint, float]:
-    """Take a step of this length, or of so many halves of it as lead along a smooth branch."""
+    """Take a step of this length, or of so many halves of it as lead along a smooth branch.
+
+    Raises
+    ------
+    NotConvergedError
+        If the step becomes too short.
+    """
     while length >= _SHORTEST:
         with contextlib.suppress(NotConvergedError, np.linalg.LinAlgError):
             new = step_along(system, point, length, tolerance)

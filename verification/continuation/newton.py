@@ -68,6 +68,11 @@ class BranchPoint:
 def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-11) -> BranchPoint:
     """Solve F(u, p) = 0 for u by Newton's method.
 
+    Raises
+    ------
+    NotConvergedError
+        If the residual does not fall to ``tolerance``.
+
     Examples
     --------
     >>> def circle(u, p):
@@ -110,7 +115,13 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
 def step_along(
     system: System, start: BranchPoint, length: float, tolerance: float = 1e-11
 ) -> BranchPoint:
-    """Take one pseudo-arclength step: solve F = 0 on the plane across the tangent."""
+    """Take one pseudo-arclength step: solve F = 0 on the plane across the tangent.
+
+    Raises
+    ------
+    NotConvergedError
+        If Newton's method fails; take a shorter step.
+    """
     across = start.tangent
     u = start.u + length * across[:-1]
     p = float(start.parameter + length * across[-1] / PARAMETER_WEIGHT)

@@ -51,6 +51,11 @@ def exposed(package: str, name: str) -> dict[str, Any]:
 def check_distinct(what: str, names: Iterable[str]) -> None:
     """Refuse two of one name.
 
+    Raises
+    ------
+    ValueError
+        If a name stands twice.
+
     Examples
     --------
     >>> check_distinct("claims", ["fig9", "fig9"])

@@ -122,7 +122,13 @@ def check_writable(path: Path) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all."""
+    """Write a file, whole or not at all.
+
+    Raises
+    ------
+    FileError
+        If that is not possible; what was there before is then still there.
+    """
     with writing(path) as file:
         file.write(content)
 
@@ -163,6 +169,11 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
         The file.
     write : callable
         Fills the file at the path it is given, which has the same suffix, or puts a folder there.
+
+    Raises
+    ------
+    FileError
+        If that is not possible; what was there before is then still there.
     """
     target = _target(path)
     if target is None:

@@ -77,6 +77,11 @@ def worker_pool(workers: int | None = None) -> Iterator[Executor]:
     ----------
     workers : int, optional
         Number of processes; by default one a core that may be used.
+
+    Raises
+    ------
+    ParameterError
+        If the number is not from 1 to `MAX_WORKERS`.
     """
     count = worker_count(workers)
     before = set(multiprocessing.active_children())

@@ -50,7 +50,13 @@ class Record:
     metadata: Metadata = field(default_factory=Metadata)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the record as JSON has it, metadata and content side by side."""
+        """Return the record as JSON has it, metadata and content side by side.
+
+        Raises
+        ------
+        ValueError
+            If the content has a key of the metadata.
+        """
         clash = sorted({*self.content} & {*_OWN})
         if clash:
             raise ValueError(f"the content has keys of the metadata: {', '.join(clash)}.")
@@ -59,7 +65,13 @@ class Record:
         return body | {"checksum": digest_of(body)}
 
     def save(self, path: Path) -> None:
-        """Write the record, whole or not at all."""
+        """Write the record, whole or not at all.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be written.
+        """
         write_json(path, self.to_dict())
 
     @classmethod

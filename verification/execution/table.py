@@ -180,7 +180,13 @@ class Table(Result):
 
 
 def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Path], None]:
-    """Return what writes a dataset as a zarr store, with where it comes from as an attribute."""
+    """Return what writes a dataset as a zarr store, with where it comes from as an attribute.
+
+    Raises
+    ------
+    MissingPackageError
+        If zarr is not installed.
+    """
     optional_package("zarr")
     data = data.assign_attrs(provenance=json.dumps(provenance))
     chunks = {
@@ -352,6 +358,11 @@ def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -
     dims : mapping of str to str or sequence of str
         Names of the dimensions, by column; by default those of ``profile`` are ``profile_0``,
         ``profile_1`` …. Columns that share a name have the same number of entries there.
+
+    Raises
+    ------
+    ParameterError
+        If names and dimensions do not fit.
 
     Examples
     --------

@@ -69,7 +69,13 @@ class StaticFold:
 
 
 def need_eta(eta: float) -> None:
-    """Refuse an η that is not from 1e-3 to 0.11."""
+    """Refuse an η out of range.
+
+    Raises
+    ------
+    ParameterError
+        If it is not from 1e-3 to 0.11.
+    """
     within("eta = b/a^2", eta, _SMALLEST_ETA, _LARGEST_ETA, "measure the front on a running chain")
 
 

@@ -27,6 +27,11 @@ def front_by_switchings(
         Most sites that it may pass.
     **start
         As of `verification.piecewise.simulation.simulate_front`.
+
+    Raises
+    ------
+    ParameterError
+        If a value is out of range.
     """
     from verification.piecewise.simulation import PERIODS, TOLERANCES, simulate_front
 

@@ -199,7 +199,13 @@ class Window:
         return self.chain.c if self.along == "c" else self.chain.eta
 
     def at(self, value: float) -> Window:
-        """Return the same sites at another value of the parameter."""
+        """Return the same sites at another value of the parameter.
+
+        Raises
+        ------
+        NotConvergedError
+            If no front has it.
+        """
         if not 0.0 < value < (math.inf if self.along == "c" else ETA_END):
             raise NotConvergedError(f"there is no front at {self.along} = {value:.6g}.")
         if self.along == "c":

@@ -22,6 +22,11 @@ class Curves(dict[str, "Mapping[str, Column]"]):
     def add(self, name: str, **columns: Column) -> tuple[Any, Any]:
         """Record the columns of one curve and return the first two, to be drawn.
 
+        Raises
+        ------
+        ValueError
+            If there is a curve of that name.
+
         Examples
         --------
         >>> from verification.pictures.figures import new_axes
@@ -47,6 +52,11 @@ def long_table(
     series : mapping of str to mapping
         By name the columns of each curve. A single number or text stands for the whole curve. Where
         a curve lacks a column of another one, cells are empty.
+
+    Raises
+    ------
+    ValueError
+        If the columns of one curve differ in length.
 
     Examples
     --------

@@ -95,6 +95,11 @@ def simulate_front(
     -------
     FrontRun
 
+    Raises
+    ------
+    ParameterError
+        If a quantity is outside its range.
+
     Examples
     --------
     >>> run = simulate_front(0.5, 0.03125)
@@ -121,6 +126,11 @@ def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:
     """Lower the coupling under a moving front, and compare with starts from rest.
 
     Between the fold and ``c_pin`` both a moving and a pinned front exist, and the start decides.
+
+    Raises
+    ------
+    ParameterError
+        If a quantity is outside its range.
 
     Examples
     --------

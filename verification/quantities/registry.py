@@ -20,6 +20,11 @@ _Named = TypeVar("_Named", Quantity, Computation)
 def all_quantities() -> tuple[Quantity, ...]:
     """Return every quantity, module by module in alphabetical order.
 
+    Raises
+    ------
+    ValueError
+        If two have the same name.
+
     Examples
     --------
     >>> "sum" in [quantity.name for quantity in all_quantities()]
@@ -32,6 +37,11 @@ def all_quantities() -> tuple[Quantity, ...]:
 
 def all_computations() -> tuple[Computation, ...]:
     """Return the rows of the robustness table, those of chains registered since among them.
+
+    Raises
+    ------
+    ValueError
+        If two have the same name.
 
     Examples
     --------

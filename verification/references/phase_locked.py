@@ -328,7 +328,13 @@ def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBrea
 
 
 def outward_breather(size: int, c: float, a: float, b: float) -> FloatArray:
-    """Return the unknowns of the mirror-symmetric breather of odd size, its steps outwards π/2."""
+    """Return the unknowns of the mirror-symmetric breather of odd size, its steps outwards π/2.
+
+    Raises
+    ------
+    ArithmeticError
+        If it ends before.
+    """
     outward = np.where(np.arange(size - 1) < (size - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
     couplings = np.linspace(START, c, 1 + round((c - START) / 0.002))
     return _solved_along(start_from(outward, a, b, START), couplings, size, a, b)

@@ -44,6 +44,11 @@ def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSt
     PreciseState
         (Re φ, Im φ, Ω), shape (2N + 1,).
 
+    Raises
+    ------
+    NoReferenceError
+        If Newton's method does not converge.
+
     Examples
     --------
     >>> alone = locked_state(0.08, 0.0, np.array([4.5 + 0j]), 0.0)
@@ -77,6 +82,11 @@ def locked_fold(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSta
     -------
     PreciseState
         (Re φ, Im φ, Ω, c), shape (2N + 2,); its uncertainty is that of c.
+
+    Raises
+    ------
+    NoReferenceError
+        If Newton's method does not converge.
     """
     centre, keep, whole = int(np.argmax(np.abs(phi))), *_mirrored(phi.size)
     size = keep.size

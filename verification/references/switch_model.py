@@ -105,6 +105,11 @@ def run_switch(
     samples : int
         States sampled, evenly spaced.
 
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
+
     Examples
     --------
     >>> chain = FrictionChain(c=0.02, sites=3)

@@ -63,6 +63,11 @@ class FrictionIntegration(Integration):
         sliding.
     logged_events : int
         Events that are listed in ``log``, from 0 to 1e8.
+
+    Raises
+    ------
+    ParameterError
+        If the start does not fit the chain.
     """
 
     method: ClassVar[str] = "Taylor series, exact events"

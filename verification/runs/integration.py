@@ -245,7 +245,13 @@ def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
 
 
 def check_options(kind: type[Integration], options: Mapping[str, Any]) -> None:
-    """Refuse an option that an integration does not have."""
+    """Refuse an option that an integration does not have.
+
+    Raises
+    ------
+    ParameterError
+        If there is one.
+    """
     known = [name for name in signature(kind).parameters if name not in {"chain", "start", "times"}]
     for name in options:
         if name not in known:

@@ -66,6 +66,11 @@ class Spreading:
         Phase steps between the excited sites of a smooth chain, as in `Nucleus`.
     displacement : float or None
         Of the excited sites; by default the excited state of one cell.
+
+    Raises
+    ------
+    ParameterError
+        If one is out of range.
     """
 
     size: int = 1

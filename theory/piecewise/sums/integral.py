@@ -131,6 +131,11 @@ def sums(
         Also return ∂Σ/∂v and ∂Σ/∂c.
     compiled : bool, optional
         Whether to take the compiled rules; by default from ``MANY`` values on.
+
+    Raises
+    ------
+    ParameterError
+        If the tolerance, or any v or c, is out of range.
     """
     within("tolerance", tolerance, 1e-15, 0.1)
     v_, c_ = np.asarray(v, dtype=float), np.asarray(c, dtype=float)

@@ -72,7 +72,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
             seconds=perf_counter() - start,
             digits=digits,
         )
-    lost = math.log10(2.0 + c_ / v_) + math.log10(2.0 + v_)
+    lost = math.log10(2.0 + c_ / v_) + 2.0 * math.log10(2.0 + v_)  # by 1 - e^{-A/v} too
     # A line inside the strip, nearer its edge the more points there are: the bound is then least.
     strip = (1.0 - 1.0 / (2.0 + (digits + 1) * math.log(10.0))) * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)
@@ -106,16 +106,20 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     )
 
 
-def _integrand(X: Any, v: Any, c: Any) -> Any:
-    A = mp.mpf(0.5) - 2j * c * X
-    F = -mp.expm1(-A / v)
-    return F * (2 - F) / ((F * F + 4 * X * (1 - F)) * 2 * A)
+def _integrand(X: Any, E: Any, A: Any) -> Any:
+    """Return G = S/2A, E = e^{-A/v}."""
+    square = E * E
+    return (1 - square) / ((1 + square + (4 * X - 2) * E) * (2 * A))
 
 
 def _equispaced(v: Any, c: Any, count: int) -> Any:
-    total = mp.mpc(0)
+    total, decay = mp.mpc(0), mp.exp(-1 / (2 * v))
     for j in range(count // 2 + 1):
-        value = _integrand(mp.sin(mp.pi * j / count) ** 2, v, c)
+        X = mp.sin(mp.pi * j / count) ** 2
+        turn = 2 * c * X
+        cosine, sine = mp.cos_sin(turn / v)
+        E, A = mp.mpc(decay * cosine, decay * sine), mp.mpc(0.5, -turn)
+        value = _integrand(X, E, A)
         total += value if j in (0, count // 2) else 2 * value
     return total / count - 1
 
@@ -143,12 +147,23 @@ def _correction(v: Any, c: Any, step: Any) -> Any:
 
 
 def _graded(v: Any, c: Any, step: Any, reach: int) -> tuple[Any, Any]:
-    """Return the sum with the step, and with twice the step."""
+    """Return the sum with the step, and with twice the step.
+
+    With t = e^σ and p = t², the point is X = (p² + ip)/(1 + p²), and the weight
+    1/cosh(σ + iπ/4) = √2 t (p + 1 - i(p - 1))/(1 + p²).
+    """
     total = {0: mp.mpc(0), 1: mp.mpc(0)}
-    turn = mp.mpc(0, 1)
+    t, ratio, root = mp.exp(-reach * step), mp.exp(step), mp.sqrt(2)
     for j in range(-reach, reach + 1):
-        square = turn * mp.exp(2 * j * step)
-        weight = 1 / mp.cosh(j * step + turn * mp.pi / 4)
-        total[j % 2] += _integrand(square / (1 + square), v, c) * weight
+        p = t * t
+        inverse = 1 / (1 + p * p)
+        height = p * inverse
+        X = mp.mpc(p * height, height)
+        A = mp.mpc(0.5 + 2 * c * height, -2 * c * X.real)
+        decay, (cosine, sine) = mp.exp(-A.real / v), mp.cos_sin(A.imag / v)
+        E = mp.mpc(decay * cosine, -decay * sine)
+        scale = root * t * inverse
+        total[j % 2] += _integrand(X, E, A) * mp.mpc(scale * (p + 1), scale * (1 - p))
+        t *= ratio
     scale = step / mp.pi
     return (total[0] + total[1]) * scale - 1, 2 * total[0] * scale - 1

@@ -163,11 +163,14 @@ def _step(rate: Rate, t: Any, state: AnyArray, step: Any) -> tuple[AnyArray, flo
 def _midpoint(
     rate: Rate, t: Any, state: AnyArray, first: AnyArray, step: Any, *, substeps: int
 ) -> AnyArray:
-    """Return the state after a step by the midpoint rule, smoothed."""
+    """Return the state after a step by the midpoint rule, smoothed.
+
+    Arrays come first in products: a number of mpmath that is multiplied by one prints it.
+    """
     h = step / substeps
     twice = 2 * h
-    before, here = state, state + h * first
+    before, here = state, state + first * h
     for i in range(1, substeps):
-        before, here = here, before + twice * rate(t + i * h, here)
-    out: AnyArray = (before + here + h * rate(t + step, here)) / 2
+        before, here = here, before + rate(t + i * h, here) * twice
+    out: AnyArray = (before + here + rate(t + step, here) * h) / 2
     return out

@@ -6,6 +6,7 @@ derivative, an integration). It never looks at how the equation was derived.
 
 from __future__ import annotations
 
+import cmath
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
@@ -15,6 +16,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from derivations.algebra.doubles import in_doubles
 from derivations.algebra.equations import parts_of
 from derivations.algebra.steps import Evidence
 
@@ -40,15 +42,16 @@ def value(expression: sp.Basic, point: Point) -> Any:
     ValueError
         If something is left without a value.
     """
-    return _evaluated(expression, _numbers(point, _DOUBLE), _DOUBLE)
+    return _evaluated(expression, point, _DOUBLE)
 
 
-def _numbers(point: Point, digits: int) -> dict[sp.Basic, sp.Expr]:
-    return {atom: _number(given, digits) for atom, given in point.items()}
-
-
-def _evaluated(expression: sp.Basic, numbers: Mapping[sp.Basic, sp.Expr], digits: int) -> Any:
-    result = sp.sympify(expression).xreplace(numbers).evalf(digits)
+def _evaluated(expression: sp.Basic, point: Point, digits: int) -> Any:
+    expression = sp.sympify(expression)
+    quick = in_doubles(expression, point) if digits <= _DOUBLE else None
+    if quick is not None and cmath.isfinite(quick):
+        return quick
+    numbers = {atom: _number(given, digits) for atom, given in point.items()}
+    result = expression.xreplace(numbers).evalf(digits)
     if result.free_symbols or not result.is_number:
         raise ValueError(f"no value for {sorted(map(str, result.free_symbols))}")
     if not result.is_finite:
@@ -61,9 +64,8 @@ def residual(part: sp.Basic, point: Point, digits: int = _DOUBLE) -> tuple[Any, 
     if not isinstance(part, sp.Equality):
         raise TypeError("an expression, not an equation")
     left, right = part.args
-    numbers = _numbers(point, digits)
-    terms = [_evaluated(term, numbers, digits) for term in sp.Add.make_args(left)]
-    terms += [-_evaluated(term, numbers, digits) for term in sp.Add.make_args(right)]
+    terms = [_evaluated(term, point, digits) for term in sp.Add.make_args(left)]
+    terms += [-_evaluated(term, point, digits) for term in sp.Add.make_args(right)]
     return sum(terms), float(sum(abs(term) for term in terms))
 
 
@@ -78,11 +80,9 @@ def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point) -> Any:
     if not isinstance(candidate, sp.Equality):
         raise TypeError("an expression, not an equation")
     left, right = candidate.args
-    numbers = _numbers(point, _DOUBLE)
     zero, one, two = (
-        _evaluated(left, {**numbers, symbol: given}, _DOUBLE)
-        - _evaluated(right, {**numbers, symbol: given}, _DOUBLE)
-        for given in map(sp.Float, (0, 1, 2))
+        value(left, {**point, symbol: given}) - value(right, {**point, symbol: given})
+        for given in (0.0, 1.0, 2.0)
     )
     if one == zero or abs(two - 2 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
         raise ValueError(f"it does not determine {symbol}")

@@ -8,6 +8,7 @@ from dataclasses import replace
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from tests.test_friction_integrator import assert_error_bounds, assert_events_of_scipy, random_start
@@ -25,6 +26,8 @@ from verification.cells.friction import cycle_velocities, friction_cell, unstabl
 from verification.cells.result import CellStatus
 from verification.references.equations import dynamic_friction
 from verification.references.friction_events import run_events
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 from verification.steppers import friction_series
 
 LAWS = {
@@ -239,6 +242,32 @@ def test_cells_whose_cycles_have_no_meaning_say_so() -> None:
 def test_a_diagram_is_refused_where_another_cycle_is_stable() -> None:
     with pytest.raises(ParameterError, match="no cycle that slips all the time is stable"):
         cell_diagram(FrictionCell(law="stribeck", xi=0.35), [0.4], 1e-6)
+
+
+def test_a_stable_cycle_that_passes_close_to_the_point_of_release_is_seen() -> None:
+    """Just above the end of the stick-slip cycle, by scipy: slip for ever, with a largest y."""
+    cell = FrictionCell(law="stribeck", viscous=0.3, v_d=0.6855)
+
+    def slip(_: float, state: np.ndarray) -> list[float]:
+        y, w = state
+        away = cell.v_d - w
+        friction = 0.5 + 0.5 * math.exp(-((away / 0.5) ** 2)) + 0.3 * away
+        return [w, -y - 0.1 * w + friction]
+
+    start = [cell.steady_sliding + 0.3, 0.0]
+    run = solve_ivp(slip, (0.0, 300.0), start, rtol=1e-9, atol=1e-12, dense_output=True)
+    y, w = run.sol(np.linspace(280.0, 300.0, 2001))
+    assert w.max() < cell.v_d
+    assert y.max() - cell.steady_sliding > 0.8
+    with pytest.raises(ParameterError, match="no cycle that slips all the time is stable"):
+        friction_cell(cell)
+    with pytest.raises(ParameterError, match="no cycle that slips all the time is stable"):
+        cell_diagram(cell, [0.6855], 1e-10)
+    # What the refusal advises finds it.
+    one = FrictionChain.of(cell, c=0.0, sites=1)
+    found = simulate(one, excite(one, [1]), 300.0, samples=3001)
+    assert found.states[-200:, 0, 0].max() == pytest.approx(y.max(), rel=1e-3)
+    assert found.event_count == 0
 
 
 def test_without_a_stick_slip_cycle_at_any_velocity_both_its_ends_are_zero() -> None:

@@ -22,7 +22,7 @@ from verification.cells.friction_cycles import (
     check_slip_cycles,
     grazing_slip,
     largest_after_release,
-    never_sticks,
+    slips_in_a_stable_cycle,
     stick_slip_once,
     unstable_once,
 )
@@ -74,7 +74,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     if cell.law is FrictionLaw.STRIBECK:
         check_slip_cycles(cell, tolerance)
     if stable is None and not sliding_stable:
-        raise never_sticks(cell)
+        raise slips_in_a_stable_cycle(cell)
     separated = stable is not None and sliding_stable
     unstable = unstable_cycle(cell, tolerance) if separated and not coulomb else None
     if stable is None:

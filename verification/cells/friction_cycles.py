@@ -177,17 +177,26 @@ def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
     ParameterError
         If there are any.
     """
+    # Slip from the point of release that never sticks again and cannot end in steady sliding ends
+    # in a cycle, however close to that point the cycle passes.
+    if cell.effective_damping <= 0.0 and largest_after_release(cell, tolerance) <= 0.0:
+        raise slips_in_a_stable_cycle(cell)
     _, outside = cycle_turning_points(cell, tolerance)
     reach = outside - cell.steady_sliding
     tried = cell.steady_sliding + np.geomspace(1e-3 * reach, 0.999 * reach, _TRIED)
     signs = [_growth(cell, float(y), tolerance) > 0.0 for y in tried]
     found = sum(one is not other for one, other in pairwise(signs))
     if found > (1 if cell.effective_damping > 0.0 else 0):
-        raise ParameterError(
-            "belt velocity v_d", f"{cell.v_d:g} under {cell.law.value} friction",
-            "one at which no cycle that slips all the time is stable", "take another velocity, or "
-            "run a chain of one site, which is exact for every cycle",
-        )  # fmt: skip
+        raise slips_in_a_stable_cycle(cell)
+
+
+def slips_in_a_stable_cycle(cell: FrictionCell) -> ParameterError:
+    """Return the refusal of a cell with a stable cycle that slips all the time."""
+    return ParameterError(
+        "belt velocity v_d", f"{cell.v_d:g} under {cell.law.value} friction",
+        "one at which no cycle that slips all the time is stable", "take another velocity, or "
+        "run a chain of one site, which is exact for every cycle",
+    )  # fmt: skip
 
 
 def grazing_slip(cell: FrictionCell) -> tuple[float, float] | None:

@@ -52,8 +52,8 @@ class Map(CommandCall):
     Attributes
     ----------
     axes : mapping of str to (float, float, int)
-        Those that are ranges by default, in the order of the table. Each further parameter that is
-        given as a range is an axis too.
+        Those that are ranges by default, while fewer than two others are given as ranges, in the
+        order of the table. Each further parameter that is given as a range is an axis too.
     """
 
     function: str = "fronts.maps:mapped"
@@ -306,7 +306,9 @@ COMMANDS: dict[str, Command] = {
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume
   fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --amplitudes --out map.zarr""",
-        notes="""The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
+        notes="""A map is a plane: what has a range by default takes it only while fewer than
+two parameters are ranges; else v_d is 1.25, a and b replace eta, and c must be given.
+The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
 unless --a or another --b is given. Beside a table OUT.csv stand
 OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the boundaries.""",
         calls={

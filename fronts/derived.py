@@ -148,22 +148,37 @@ def _grid(
     new_chain: type[Chain],
     fields: dict[str, Any],
 ) -> tuple[Chain, dict[str, Any]]:
-    """Return the chain of a map, its axes (what is a range, or one by default), and its table."""
+    """Return the chain of a map, its axes, and its table.
+
+    Axes are what is given as a range and those by default, in their order: with the number that is
+    given, or with their own range while fewer than two are ranges. A map is a plane where not more
+    is asked for.
+    """
     chosen: dict[str, Any] = {}
     axes: dict[str, list[float]] = {}
-    if "eta" in bound.axes:
-        if {"a", "b"} <= {*fields}:
-            raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
-        chosen["held"] = "a" if "a" in fields else "b"
-        fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
+    given = {name: value for name, value in fields.items() if is_range(value)}
+    if is_range(getattr(options, "eta", None)):
+        given["eta"] = options.eta
+    spanned = len(given)
     for name, default in bound.axes.items():
-        value: Any = (
-            getattr(options, "eta", default) if name == "eta" else fields.get(name, default)
-        )
-        axes[name] = values_of(value) if is_range(value) else [value]
-    for name, value in fields.items():
-        if is_range(value):
-            axes[name] = values_of(value)
+        value: Any = getattr(options, "eta", None) if name == "eta" else fields.get(name)
+        if value is None and spanned < 2:
+            value, spanned = default, spanned + 1
+        if value is not None:
+            axes[name] = values_of(value) if is_range(value) else [value]
+        elif name != "eta" and any(
+            bound.fields.is_required(each) for each in bound.fields.parameters if each.name == name
+        ):
+            ranges = " and ".join(option(each) for each in given)
+            raise UsageError(f"give {option(name)} too: {ranges} are the axes of the map.")
+    if "eta" in bound.axes:
+        if "eta" in axes and {"a", "b"} <= {*fields}:
+            raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
+        if "eta" in axes:
+            chosen["held"] = "a" if "a" in fields else "b"
+        fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
+    for name, value in given.items():
+        axes.setdefault(name, values_of(value))
     if not axes:
         raise UsageError("a map needs a range, as in --c 0.1:1:10.")
     # The first values stand for the others, which are checked point by point.

@@ -116,6 +116,30 @@ def test_a_breather_is_that_of_the_figures_where_nothing_is_said(called):
     assert (chain.model, chain.a, chain.b, chain.c) == ("vdp", 2.5, 0.5, 0.1)
 
 
+def test_a_map_of_two_ranges_is_a_plane(called):
+    """What has a range by default keeps the chain's own value, or must be given."""
+    (chain,), options, _ = called("map friction --c 0.01:0.05:3 --xi 0.03:0.06:2")
+    assert {name: len(values) for name, values in options["axes"].items()} == {"c": 3, "xi": 2}
+    assert chain.v_d == 1.25
+    (chain,), options, _ = called("map averaged --c 0.1:0.3:3 --a 2:4:2 --b 0.3")
+    assert {name: len(values) for name, values in options["axes"].items()} == {"c": 3, "a": 2}
+    assert chain.b == 0.3
+    assert "held" not in options
+    _, options, _ = called("map friction --xi 0.03:0.06:2")
+    assert [*options["axes"]] == ["c", "xi"]
+    _, options, _ = called("map averaged --a 4 --b 0.5 --c 0.1:0.2:2 --eps 0.01:0.02:2")
+    assert [*options["axes"]] == ["c", "eps"]
+
+
+def test_a_map_of_two_ranges_without_a_coupling_asks_for_it(capsys):
+    for line in (
+        "friction --xi 0.03:0.06:2 --v-d 1.2:1.3:2",
+        "averaged --eta 0.1:0.12:2 --eps 1:2:2",
+    ):
+        assert main(["map", *line.split()]) == 2
+        assert capsys.readouterr().err.startswith("fronts: give --c too: ")
+
+
 def test_axes_of_a_map_are_what_is_a_range_and_what_the_command_names(called):
     (chain,), options, _ = called("map vdp --eta 0.05 --c 0.1:0.3:3 --eps 0.01:0.1:2")
     assert options["axes"] == {"eta": [0.05], "c": [0.1, 0.2, 0.3], "eps": [0.01, 0.1]}

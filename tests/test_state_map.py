@@ -454,7 +454,7 @@ def test_the_command_writes_map_boundary_stamp_and_picture(
     answer = json.loads(capsys.readouterr().out)
     assert sum(answer["counts"].values()) == answer["points"] == 24
     assert answer["agreement"] is None
-    assert answer["held"] == {"b": 0.5}
+    assert answer["held"] == {"b": 0.5, "eps": 0.01, "sites": 16, "ends": "free"}
     read = np.genfromtxt(out, names=True, delimiter=",", dtype=None, encoding="utf-8")
     assert read.size == 24
     assert read["eta"].max() == 0.13

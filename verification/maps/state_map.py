@@ -302,6 +302,15 @@ class StateMap(Result):
         return self.states.counts("label")
 
     @property
+    def held(self) -> dict[str, Any]:
+        """Parameters of the chain that are the same at every point."""
+        varied = {"model", *self.axes}
+        if "eta" in self.axes:
+            varied |= {*HELD} - {self.task.held}
+        own = self.task.chain.parameters().items()
+        return {name: value for name, value in own if name not in varied}
+
+    @property
     def undecided(self) -> list[dict[str, Scalar]]:
         """The points that are undecided, why, and how many sites were active."""
         return [
@@ -327,11 +336,12 @@ class StateMap(Result):
         return self.states.to_xarray()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the numbers of points by state, what is undecided, and the run times."""
+        """Return what was held, the points by state, what is undecided, and the run times."""
         compared = None if self.averaged is None else self.averaged.to_dict()
-        found = {
+        return {
             "model": self.task.chain.model,
             "axes": list(self.axes),
+            "held": self.held,
             "points": len(self.states),
             "counts": self.counts,
             "agreement": compared and {"with": "averaged", **compared},
@@ -342,10 +352,6 @@ class StateMap(Result):
             "map_seconds": self.map_seconds,
             "seconds": self.seconds,
         }
-        if "eta" in self.axes:
-            held = self.task.held
-            found["held"] = {held: float(getattr(self.task.chain, held))}
-        return found
 
 
 def state_map(

@@ -20,6 +20,7 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
+from verification.breathers.orbits import solve_orbit
 from verification.breathers.result import Breather
 from verification.cells.cell import cell
 from verification.cells.result import BeltCell, CellStatus
@@ -68,6 +69,60 @@ def test_the_error_of_every_method_bounds_its_distance_from_a_run_of_scipy() -> 
     columns = found.columns()
     assert columns["method"].tolist() == list(found.methods)
     assert columns["centre"] == pytest.approx(true[SITES // 2], abs=1e-3)
+
+
+def phases_by_scipy(chain: VdpChain, found: Breather) -> np.ndarray:
+    """Phases against the centre, in units of π, of the orbit by Newton's method with scipy."""
+    rate, sites = full_rate(chain), chain.sites
+
+    def gap(u: np.ndarray) -> np.ndarray:
+        run = solve_ivp(rate, (0.0, u[-1]), u[:-1], "DOP853", rtol=1e-12, atol=1e-14)
+        return np.append(run.y[:, -1] - u[:-1], u[sites // 2])
+
+    u = found.unknowns
+    slope = np.array([(gap(u + 1e-4 * e) - gap(u - 1e-4 * e)) / 2e-4 for e in np.eye(u.size)])
+    u = u - np.linalg.solve(slope.T, gap(u))
+    assert np.abs(gap(u)).max() < 1e-10
+    times = u[-1] * np.arange(64) / 64
+    run = solve_ivp(rate, (0.0, u[-1]), u[:-1], "DOP853", times, rtol=1e-12, atol=1e-14)
+    waves = np.fft.rfft(run.y[:sites], axis=1)[:, 1]
+    return np.asarray(np.angle(waves / waves[sites // 2]) / np.pi)
+
+
+def test_the_errors_of_phases_bound_their_distance_from_those_of_scipy() -> None:
+    """Also of an orbit by far too few steps, whose error is far above that of scipy."""
+    chain = VdpChain(a=A, b=B, c=0.1, eps=0.03, sites=3)
+    exact = solve_orbit(chain, Nucleus(1))
+    true = phases_by_scipy(chain, exact)
+    rough = {steps: solve_orbit(chain, Nucleus(1), steps=steps) for steps in (10, 14)}
+    others = {name: breather(chain, method=name) for name in ("closed-form", "envelope")}
+    for name, each in {
+        "orbit": exact,
+        **rough,
+        **others,
+        "run": breather(chain, method="simulation"),
+    }.items():
+        gap = np.abs((each.phases - true + 1.0) % 2.0 - 1.0)
+        assert each.phases_error.shape == (3,), name
+        assert (gap <= each.phases_error + 1e-10).all(), name
+        step = math.pi * (true[2] - true[1])
+        assert each.phase_step_error is not None
+        assert abs(each.phase_step - step) <= each.phase_step_error + 1e-10, name
+    assert (exact.phases_error < 1e-9).all()
+    assert exact.phases_error[1] == 0.0  # the centre, against which phases are measured
+    assert rough[10].phases_error.max() > 1e-5
+    assert others["envelope"].phases_error[2] < 0.1
+    assert exact.to_dict()["phases_error"] == exact.phases_error.tolist()
+
+
+def test_phases_of_which_nothing_is_known_say_so() -> None:
+    far = breather(VdpChain(a=A, b=B, c=0.1, sites=31), method="envelope")
+    assert far.phases_error[0] == pytest.approx(1.0)
+    stiff = breather(dataclasses.replace(CHAIN, eps=1.0), method="envelope")
+    assert stiff.error_unknown
+    assert stiff.phases.size == SITES
+    assert stiff.phases_error.size == 0
+    assert stiff.phase_step_error is None
 
 
 def test_a_method_that_refuses_the_chain_is_left_out_with_its_reason() -> None:

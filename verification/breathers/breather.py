@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, overload
 
 import numpy as np
 
-from theory.arrays import FloatArray
+from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import (
     BreatherStatus,
     Reading,
@@ -28,7 +28,12 @@ from verification.breathers.families import own_family, own_method
 from verification.breathers.floquet import approximate_multipliers
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.own import OwnOrbits
-from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
+from verification.breathers.result import (
+    Breather,
+    BreatherComparison,
+    BreatherMethod,
+    wave_error_of,
+)
 from verification.breathers.run import run_averaged_breather, run_breather
 from verification.continuation.newton import NotConvergedError
 from verification.thresholds.continuation import breather_threshold
@@ -224,14 +229,17 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
     amplitudes = found.amplitudes(chain.sites)[distance]
     error = found.error * found.alpha_0
-    trust = _distance(chain, nucleus, amplitudes, found.frequency, error=error, frequency_error=0.0)
+    waves = np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex)
+    trust = _distance(
+        chain, nucleus, amplitudes, waves, found.frequency, error=error, frequency_error=0.0
+    )
     return Breather(
         chain=chain,
         nucleus=nucleus,
         method=BreatherMethod.CLOSED_FORM,
         status=BreatherStatus.EXISTS,
         amplitudes=amplitudes,
-        waves=np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex),
+        waves=waves,
         frequency=found.frequency,
         stable=multipliers.stable if multipliers else None,
         growth=multipliers.growth if multipliers else None,
@@ -239,6 +247,7 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         multipliers=multipliers.values if multipliers else None,
         error=trust.amplitude,
         frequency_error=trust.frequency,
+        wave_error=trust.wave,
         error_unknown=trust.unknown,
         residual=found.residual,
         decay=found.decay,
@@ -258,6 +267,7 @@ def _envelope(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breat
         chain,
         nucleus,
         found.amplitudes,
+        found.waves,
         found.frequency,
         error=found.error,
         frequency_error=found.frequency_error,
@@ -266,6 +276,7 @@ def _envelope(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breat
         found,
         error=trust.amplitude,
         frequency_error=trust.frequency,
+        wave_error=trust.wave,
         error_unknown=trust.unknown,
     )
 
@@ -300,10 +311,11 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
 
 
 class _Distance(NamedTuple):
-    """How far amplitudes and frequency are from a solution of the chain, or why unknown."""
+    """How far amplitudes, frequency and waves are from the chain's solution, or why unknown."""
 
     amplitude: float | None
     frequency: float | None
+    wave: float | None
     unknown: str
 
 
@@ -311,6 +323,7 @@ def _distance(
     chain: VanDerPolChain,
     nucleus: Nucleus,
     amplitudes: FloatArray,
+    waves: ComplexArray,
     frequency: float,
     *,
     error: float,
@@ -321,19 +334,36 @@ def _distance(
     try:
         exact = own_family(short, nucleus).solve()
     except (ParameterError, NotConvergedError) as refusal:
-        return _Distance(None, None, str(refusal))
+        return _Distance(None, None, None, str(refusal))
     if exact.frequency is None or exact.error is None or exact.frequency_error is None:
         what = (
             "(8) has no such orbit" if isinstance(short, VdpChain) else "(43) has no such breather"
         )
-        return _Distance(None, None, f"{what} at this coupling")
+        return _Distance(None, None, None, f"{what} at this coupling")
     ours = amplitudes[nucleus.outward(chain.sites) :]
     true = exact.outward
     count = min(true.size, ours.size)
     gap = float(np.abs(ours[:count] - true[:count]).max())
     apart = abs(frequency - exact.frequency)
     apart += exact.frequency_error + frequency_error
-    return _Distance(gap + exact.error + error, apart, "")
+    turned = _turned_gap(waves, nucleus.outward(chain.sites), exact)
+    wave = turned + (exact.wave_error or 0.0) + wave_error_of(error)
+    return _Distance(gap + exact.error + error, apart, wave, "")
+
+
+def _turned_gap(waves: ComplexArray, centre: int, exact: Breather) -> float:
+    """Return the largest distance of waves, those of both centres turned to be real.
+
+    Sites beyond the shorter chain count with their whole amplitude.
+    """
+    other = exact.nucleus.outward(exact.chain.sites)
+    left = min(centre, other)
+    right = min(waves.size - centre, exact.waves.size - other)
+    ours = waves / np.exp(1j * np.angle(waves[centre]))
+    true = exact.waves / np.exp(1j * np.angle(exact.waves[other]))
+    gap = np.abs(ours[centre - left : centre + right] - true[other - left : other + right]).max()
+    beyond = np.abs(np.concatenate([ours[: centre - left], ours[centre + right :]]))
+    return float(max(gap, beyond.max(initial=0.0)))
 
 
 def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:

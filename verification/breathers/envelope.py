@@ -30,7 +30,7 @@ from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, at_least
 from verification.breathers.exponents import BreatherStability, exponents, rotating_jacobian, unpack
 from verification.breathers.family import BreatherFamily
-from verification.breathers.result import Breather, BreatherMethod
+from verification.breathers.result import Breather, BreatherMethod, wave_error_of
 from verification.continuation.branch import ContinuationBranch, Fold, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 
@@ -169,6 +169,7 @@ class RotatingWaves(BreatherFamily):
         left, rounding = 2.0 * point.correction, _rounding(phi, here)
         # Ω is without a unit: its rounding is the relative one of φ, and that of the frequency.
         relative = left + rounding / float(np.abs(phi).max())
+        error = left * self.unit + rounding
         return Breather(
             chain=here,
             nucleus=self.nucleus,
@@ -181,8 +182,9 @@ class RotatingWaves(BreatherFamily):
             growth=stability.growth,
             trivial=stability.trivial,
             multipliers=np.exp(here.eps * (2.0 * math.pi / frequency) * stability.values),
-            error=left * self.unit + rounding,
+            error=error,
             frequency_error=here.eps * relative + float(np.finfo(float).eps) * frequency,
+            wave_error=wave_error_of(error),
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,

@@ -26,7 +26,7 @@ from verification.breathers.exponents import BreatherStability
 from verification.breathers.family import BreatherFamily
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.breathers.result import Breather, BreatherMethod
+from verification.breathers.result import Breather, BreatherMethod, wave_error_of
 from verification.continuation.branch import Fold, StepControl, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.steppers.variational import STEPS, Flow, integrate_variations
@@ -194,6 +194,7 @@ class Orbits(BreatherFamily):
             multipliers=stability.values,
             error=error,
             frequency_error=frequency * error / period,
+            wave_error=wave_error_of(error * max(1.0, 1.0 / frequency)),
             residual=float(np.abs(coarse.state - state).max()),
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,

@@ -17,7 +17,21 @@ from theory.result import Result, plain
 from theory.status import Status
 from verification.breathers.exponents import BreatherStability
 
-_UNITS = {"phases": "in units of π", "phase_step": "rad"}
+_UNITS = {"phases": "in units of π", "phases_error": "in units of π", "phase_step": "rad"}
+
+
+def wave_error_of(error: float) -> float:
+    """Return the error of the waves from that of the state (y, ẏ), or of both parts of φ.
+
+    While an error δ of y and ẏ turns, its wave is up to √2 δ, and turning all waves by that of the
+    centre adds as much; more than twice, for sites whose amplitudes differ and for damping.
+
+    Examples
+    --------
+    >>> wave_error_of(1e-9)
+    4e-09
+    """
+    return 4.0 * error
 
 
 class BreatherMethod(Status):
@@ -63,6 +77,9 @@ class Breather(Result):
         None if unknown, and `error_unknown` says why.
     frequency_error : float or None
         The same for the frequency.
+    wave_error : float or None
+        The same for the waves, turned so that that of the centre is real: `phases_error` and
+        `phase_step_error` follow from it. None if unknown.
     error_unknown : str
         Why the error is not known; empty if it is.
     residual : float or None
@@ -99,6 +116,7 @@ class Breather(Result):
     multipliers: ComplexArray | None = field(default=None, metadata={"json": None})
     error: float | None = None
     frequency_error: float | None = None
+    wave_error: float | None = field(default=None, metadata={"json": None})
     error_unknown: str = ""
     residual: float | None = None
     decay: float | None = None
@@ -151,6 +169,32 @@ class Breather(Result):
         return np.asarray(np.angle(self.waves / centre) / np.pi)
 
     @property
+    def phases_error(self) -> FloatArray:
+        """Errors of the phases, in units of π: 1 where nothing is known; empty if at no site is."""
+        if not self.waves.size or self.wave_error is None:
+            return np.empty(0)
+        errors = self._turns / np.pi
+        errors[self.nucleus.outward(self.chain.sites)] = 0.0
+        return np.asarray(errors)
+
+    @property
+    def phase_step_error(self) -> float | None:
+        """Error of the phase step, in radians; None if unknown."""
+        if not self.waves.size or self.wave_error is None:
+            return None
+        last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
+        return min(float(self._turns[last : last + 2].sum()), math.pi)
+
+    @property
+    def _turns(self) -> FloatArray:
+        """By how much each wave can be turned, in radians."""
+        size = np.abs(self.waves)
+        error = self.wave_error or 0.0
+        share = np.divide(error, size, out=np.ones_like(size), where=size > error)
+        turns = np.where(size > error, np.arcsin(share), np.pi)
+        return np.minimum(turns + 4.0 * float(np.finfo(float).eps), np.pi)
+
+    @property
     def phase_step(self) -> float | None:
         """Phase step from the last site of the nucleus to the next, in radians."""
         last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
@@ -174,7 +218,9 @@ class Breather(Result):
             "amplitudes": plain(self.outward),
             "left": plain(self.inward),
             "phases": plain(self.phases),
+            "phases_error": plain(self.phases_error),
             "phase_step": self.phase_step,
+            "phase_step_error": self.phase_step_error,
         }
 
     def row(self) -> dict[str, Any]:

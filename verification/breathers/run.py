@@ -19,7 +19,7 @@ from theory.chains.vdp import VanDerPolChain, VdpChain, effective_epsilon
 from theory.parameters import ParameterError
 from verification.breathers.orbits import Orbits
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
-from verification.breathers.result import Breather, BreatherMethod
+from verification.breathers.result import Breather, BreatherMethod, wave_error_of
 from verification.runs.envelope_run import run_envelope
 from verification.steppers.variational import integrate_chain
 
@@ -215,6 +215,7 @@ def _at_end(
         # A run that settled has forgotten its noise; one that has not settled decides nothing.
         stable=True if settled else None,
         error=error if known else None,
+        wave_error=wave_error_of(error) if known else None,
         error_unknown="" if known else status.sentence,
         drift=drifts[-1] if drifts else None,
         time=elapsed,

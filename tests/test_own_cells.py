@@ -64,7 +64,7 @@ def test_a_cycle_scales_with_the_displacement_at_which_its_damping_ends(size: fl
 def test_a_cell_without_cycles_rests_from_everywhere_without_error() -> None:
     found = own(damping=1, stiffness="y", eps=0.1)
     assert (found.status, found.cycles, found.error) == (CellStatus.REST, (), 0.0)
-    assert found.steady_sliding == 0.0
+    assert found.steady_sliding is None
     assert found.basin == (-np.inf, np.inf)
 
 
@@ -262,7 +262,7 @@ def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
     for errors in ((1e-3, 1e-6), (1e-6, 1e-3)):
         stable, unstable = (replace(one, error=each) for each in errors)
         found = Cell(
-            model="vdp", parameters={}, status=CellStatus.BISTABLE, steady_sliding=0.0,
+            model="vdp", parameters={}, status=CellStatus.BISTABLE, steady_sliding=None,
             effective_damping=0.1, stable_cycle=stable, unstable_cycle=unstable, seconds=0.0,
         )  # fmt: skip
         assert found.error == 1e-3

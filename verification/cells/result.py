@@ -82,8 +82,8 @@ class Cell(Result):
         Those of the cell.
     status : CellStatus
         Which states are stable.
-    steady_sliding : float
-        y of the state of rest: steady sliding, or 0.
+    steady_sliding : float or None
+        y of steady sliding; None of cells without a belt, which rest at y = 0.
     effective_damping : float
         Linear damping about rest, which is stable where this is positive.
     stable_cycle, unstable_cycle : CellCycle or None
@@ -98,7 +98,7 @@ class Cell(Result):
     model: str
     parameters: dict[str, Any]
     status: CellStatus
-    steady_sliding: float
+    steady_sliding: float | None
     effective_damping: float
     stable_cycle: CellCycle | None
     unstable_cycle: CellCycle | None

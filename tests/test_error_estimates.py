@@ -49,7 +49,7 @@ def test_the_slope_of_the_averaging_error_bounds_what_errors_of_the_runs_can_do(
         slope = math.log(true[0] / true[1]) / math.log(2.0)
         assert abs(slope - made.slope) <= made.slope_error * (1.0 + 2e-3)  # to second order
     assert partial_averaging_error(distances, 0.0 * errors).slope_error == pytest.approx(0.0)
-    bent = partial_averaging_error(np.array([0.4, 0.2, 0.05]), 0.0 * errors)
+    bent = partial_averaging_error(np.array([0.8, 0.4, 0.2, 0.05]), np.zeros(4))
     assert (bent.slope, bent.slope_error) == pytest.approx((2.0, 1.0))
 
 
@@ -58,7 +58,8 @@ def partial_averaging_error(
     errors: np.ndarray[tuple[int], np.dtype[np.float64]],
 ) -> AveragingError:
     return AveragingError(
-        chain=None, slow_time=3.0, eps=0.1 * 0.5 ** np.arange(3), distances=distances,
+        chain=None, slow_time=3.0, eps=0.1 * 0.5 ** np.arange(distances.size),
+        distances=distances,
         errors=errors, seconds=0.0,
     )  # fmt: skip
 

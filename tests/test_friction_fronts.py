@@ -331,3 +331,5 @@ def test_phase_steps_of_a_friction_chain_are_refused_and_not_passed_over() -> No
         threshold(FrictionChain(c=0.0), Nucleus(3, "-+"), accuracy=1e-3, tests=0)
     with pytest.raises(ParameterError, match="start point"):
         threshold(VdpChain(a=4, b=0.5, c=0.0), method="bisection", start_point=StartPoint.MINIMUM)
+    with pytest.raises(ParameterError, match="start point"):
+        threshold(FrictionChain(c=0.0), start_point=StartPoint.MINIMUM, displacement=1.0)

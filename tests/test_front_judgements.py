@@ -961,7 +961,7 @@ def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
     until = continuation._stable_until
     assert until(None, branch, 1e-9) == (0.19, 1e-9)
     assert until(_crossing(0.1), branch, 1e-9) == (0.1, 1e-6 + 1e-9)
-    assert until(_crossing(0.1, from_start=True), branch, 1e-9) == (None, 0.0)
+    assert until(_crossing(0.1, from_start=True), branch, 1e-9) == (None, None)
 
 
 @pytest.mark.parametrize(
@@ -1006,6 +1006,9 @@ def test_runs_of_43_have_the_noise_and_the_seed_that_are_given(
             AVERAGED, Nucleus(1), method=how, perturbation=0.05, seed=7
         )
         assert (made.perturbation, made.seed, made.size) == (0.05, 7, 1)
+    chain = AVERAGED.replace(sites=2001)
+    noise = made.start(chain) - replace(made, perturbation=0.0).start(chain)
+    assert np.cov(noise.real, noise.imag) / 0.05**2 == pytest.approx(np.eye(2), abs=0.15)
 
 
 def _made_up_holds(

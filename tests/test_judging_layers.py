@@ -28,6 +28,7 @@ from fronts.piecewise.profile import _chosen
 from paper_checks.outcome import slug
 from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
+from theory.averaged.breather import Reading, closed_form_fold
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
@@ -279,6 +280,11 @@ def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
         _known(monkeypatch, coarser=shift)
         found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6, tests=0)
         assert 0.98e-4 < found.error < 1.03e-4
+    _known(monkeypatch, coarser=1e-3)  # nowhere but in the error
+    found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+    assert (found.monotone, found.fuzzy, found.c_crit_at_twice_the_time) == (
+        True, None, found.c_crit
+    )  # fmt: skip
 
 
 def test_a_threshold_that_is_late_or_has_gaps_is_fuzzy(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -287,6 +293,10 @@ def test_a_threshold_that_is_late_or_has_gaps_is_fuzzy(monkeypatch: pytest.Monke
     assert late.c_crit_at_twice_the_time == pytest.approx(C_TRUE - 5e-4, abs=1e-6)
     assert late.fuzzy == (late.c_crit_at_twice_the_time, late.c_crit)
     assert late.monotone
+    for later in (1e-6, 3e-6):
+        _known(monkeypatch, later=later)
+        found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+        assert (found.fuzzy is None) is (later < 2e-6)
     gap = late.c_crit * (1.0 + 0.2 * 5 / 12)  # one of the couplings that are tried
     _known(monkeypatch, gap=gap)
     torn = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
@@ -980,7 +990,8 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
 def test_the_closed_form_is_of_one_site_in_the_bulk() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.6)
     found = closed_form_threshold(chain, Nucleus(1))
-    assert 0.0 < found.error < 1e-9 < found.c_crit
+    fold = closed_form_fold(chain, Reading.NEIGHBOUR)
+    assert (found.c_crit, found.error) == (fold.c, fold.error)
     for other in (Nucleus(1, place=Place.EDGE), Nucleus(2, "0")):
         with pytest.raises(ParameterError, match="one centre"):
             closed_form_threshold(chain, other)

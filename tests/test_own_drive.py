@@ -19,6 +19,7 @@ from verification.maps.state_map import StateTask
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, overdamped_rate, states_by_scipy
 from verification.runs.excite import excite
+from verification.runs.integration import integration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
 from verification.steppers.fixed import fixed_steps
@@ -44,6 +45,7 @@ def test_the_error_of_a_driven_run_bounds_its_distance_from_scipy(tolerance: flo
     exact = states_by_scipy(rate, np.zeros(18), run.times)
     assert run.status is RunStatus.RESOLVED
     assert run.error is not None
+    assert not integration(driven(), np.zeros((2, 9)), [1.0]).going_to_rest()
     distance = np.abs(run.states.reshape(5, -1) - exact).max()
     assert 1e-3 * tolerance < distance <= run.error < 1e3 * tolerance
 

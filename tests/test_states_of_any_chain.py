@@ -14,7 +14,7 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.maps.state_map import state_map
 from verification.thresholds import threshold as thresholds
-from verification.thresholds.result import Definition, Mechanism, RunThreshold
+from verification.thresholds.result import BranchThreshold, Definition, Mechanism, RunThreshold
 from verification.thresholds.threshold import threshold
 
 
@@ -28,7 +28,9 @@ def test_bisection_between_runs_meets_the_fold_of_continuation() -> None:
     assert runs.high > fold.c_crit
     assert -runs.error <= runs.c_crit - fold.c_crit < 3e-4
     stable = threshold(chain, definition="stability")
+    assert isinstance(stable, BranchThreshold)
     assert stable.mechanism is Mechanism.SYMMETRY_BREAKING
+    assert (stable.c_crit, stable.error) == (stable.stable_to, stable.stable_to_error)
     assert stable.c_crit < fold.c_crit
 
 

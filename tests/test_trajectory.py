@@ -71,6 +71,7 @@ def test_a_trajectory_becomes_json(model: str) -> None:
     found = json.loads(json.dumps(run.to_dict(), allow_nan=False))
     assert found["model"] == model == run.chain.model
     assert found["amplitudes"] == run.amplitude[-1].tolist()
+    assert found["tolerance"] == (1e-10 if model == "friction" else 1e-9)
     assert isinstance(run.chain, CHAINS[model])
 
 
@@ -100,8 +101,9 @@ def test_sites_stick_that_go_with_the_belt_at_the_end() -> None:
     chain = FrictionChain(c=0.0, sites=3)
     cell = chain.cell
     start = np.array([[0.0, cell.release - 1e-3, cell.steady_sliding], [cell.v_d, cell.v_d, 0.0]])
-    run = simulate(chain, start, 0.01, samples=3)
+    run = simulate(chain, start, 0.01, samples=41)
     assert run.stuck.tolist() == [True, False, False]
+    assert run.to_dict()["width"] == 2  # sites that have stuck
     assert simulate(chain, start, 1e-4, samples=2).stuck.tolist() == [True, True, False]
     assert run.counts["releases"] == 1
 

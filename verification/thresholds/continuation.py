@@ -99,7 +99,6 @@ def breather_threshold(
 
 def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -> Any:
     """Return the chain whose breather is followed: the nucleus and at most ``margin`` beside it."""
-    nucleus.first(chain.sites)  # refuses one that is wider
     # An edge needs the same rest on its one side.
     sides = 2 if nucleus.place is Place.BULK else 1
     sites = min(chain.sites, nucleus.size + sides * margin)
@@ -109,7 +108,7 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
                 "chain", "one whose sites differ, or a network", "of sites that are alike, along a "
                 f"line, for the method {method}", "take bisection",
             )  # fmt: skip
-        return chain.replace(c=0.0, sites=sites)
+        return chain.replace(sites=sites)
     kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
 
@@ -121,11 +120,11 @@ def _nearest(branch: ContinuationBranch, c: float) -> int:
 
 def _stable_until(
     crossing: Crossing | None, branch: ContinuationBranch, error: float
-) -> tuple[float | None, float]:
+) -> tuple[float | None, float | None]:
     if crossing is None and branch.fold is not None:
         return branch.fold.parameter, error
     if crossing is None or crossing.from_start:
-        return None, 0.0
+        return None, None
     return crossing.parameter, crossing.error + error
 
 

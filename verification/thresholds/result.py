@@ -140,8 +140,8 @@ class BranchThreshold(Threshold):
     ----------
     stable_to : float or None
         Up to where the breather is stable against every small perturbation; None if it never is.
-    stable_to_error : float
-        Error of ``stable_to``.
+    stable_to_error : float or None
+        Error of ``stable_to``; None as it is.
     lost_by : Mechanism
         At the fold itself, before it, or never held.
     growth_half_way : float
@@ -151,15 +151,10 @@ class BranchThreshold(Threshold):
     """
 
     stable_to: float | None
-    stable_to_error: float
+    stable_to_error: float | None
     lost_by: Mechanism
     growth_half_way: float
     growth_half_way_mirrored: float | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result for JSON."""
-        unknown = {"stable_to_error": None} if self.stable_to is None else {}
-        return super().to_dict() | unknown
 
 
 @dataclass(frozen=True, kw_only=True)

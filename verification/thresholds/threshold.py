@@ -259,7 +259,7 @@ def _by_runs_of_43(
 
 
 def _of_stability(found: BranchThreshold) -> Threshold:
-    if found.stable_to is None:
+    if found.stable_to is None or found.stable_to_error is None:
         raise ParameterError(
             "pattern", repr(found.nucleus.pattern), "one that is stable at some coupling",
             "name another, or ask for its existence",

@@ -120,6 +120,7 @@ def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
         short = breather_threshold(CHAIN, nucleus, margin=4)
         long = breather_threshold(CHAIN, nucleus, margin=11)
         assert 1e-13 < abs(short.c_crit - long.c_crit) <= short.error
+        assert short.error < 1.001 * abs(short.c_crit - long.c_crit)
 
 
 def test_size_1_loses_stability_to_an_odd_mode_just_before_its_fold() -> None:
@@ -153,6 +154,10 @@ def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
     edge = breather_threshold(CHAIN, Nucleus(1, "", "edge"))  # type: ignore[arg-type]
     pair = breather_threshold(CHAIN, Nucleus(2, "0"))
     assert edge.c_crit == pytest.approx(pair.c_crit, abs=edge.error + pair.error)
+    # Its modes are those of the pair that keep the mirror symmetry (at the points of each branch
+    # that are nearest to half of the way); the slowest of the pair is another one.
+    assert edge.growth_half_way == pytest.approx(pair.growth_half_way_mirrored, rel=1e-2)
+    assert pair.growth_half_way > 0.1 * edge.growth_half_way
 
 
 def test_no_pattern_of_three_or_five_is_stable() -> None:

@@ -964,6 +964,23 @@ def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
     assert until(_crossing(0.1, from_start=True), branch, 1e-9) == (None, None)
 
 
+def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_large(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[int] = []
+    family = continuation.own_family
+
+    def of(chain: Any, nucleus: Nucleus) -> Any:
+        made.append(chain.sites)
+        longer: Any = SimpleNamespace(branch=lambda *, monitored: SimpleNamespace(fold=None))
+        return family(chain, nucleus) if len(made) == 1 else longer
+
+    monkeypatch.setattr(continuation, "own_family", of)
+    found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=1)
+    assert made == [3, 9]
+    assert found.c_crit <= found.error < 1.001 * found.c_crit
+
+
 @pytest.mark.parametrize(
     ("own", "turns", "mirrored", "mechanism"),
     [
@@ -1144,6 +1161,7 @@ def test_a_search_tells_after_each_run_what_part_is_done(
     assert len(seen) == found.runs
     assert all(0.0 < part < 1.0 for part in seen)
     assert seen == sorted(seen)
+    assert seen[0] == pytest.approx(1.0 / (1.0 + math.log(500.0, 1.25) + 2.0 * tests))
     assert seen[-1] > 0.4
 
 
@@ -1216,4 +1234,22 @@ def test_sweeps_have_a_limit_of_rate_zero_where_the_delay_is_that_of_a_fold(
     )
     assert delay.delay_exponent == pytest.approx(exponent, abs=1e-9)
     assert (delay.c_0 is not None) is extrapolated
+    assert slow_sweep.fit_delay(slow_sweep.RATES, [0.2] * 5).delay_exponent is None
     assert pytest.approx(2.0 * math.cbrt(min(slow_sweep.RATES)), rel=0.1) == slow_sweep.LAW
+
+
+def test_a_sweep_that_does_not_escape_ends_where_sweeps_are_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(
+        slow_sweep, "hold", lambda *given: SimpleNamespace(escaped=given[2] > 0.11, phi=None)
+    )
+    ends: list[float] = []
+
+    def run(here: Any, _: None, duration: float, *, rate: float, **__: Any) -> Any:
+        ends.append(here.c + rate * duration)
+        return SimpleNamespace(escaped=False, coupling=ends[-1])
+
+    monkeypatch.setattr(slow_sweep, "run_envelope", run)
+    assert slow_sweep.sweep_envelope(AVERAGED, escape.NucleusPreparation(1), 1e-3) is None
+    assert ends == [pytest.approx(slow_sweep.END)]

@@ -26,6 +26,7 @@ def test_bisection_between_runs_meets_the_fold_of_continuation() -> None:
     assert fold.definition is Definition.EXISTENCE
     assert isinstance(runs, RunThreshold)
     assert runs.high > fold.c_crit
+    assert runs.perturbation == 0.0
     assert -runs.error <= runs.c_crit - fold.c_crit < 3e-4
     stable = threshold(chain, definition="stability")
     assert isinstance(stable, BranchThreshold)

@@ -70,7 +70,7 @@ def test_a_trajectory_becomes_json(model: str) -> None:
         run = simulate(chain, excite(chain, [1]), 20.0, samples=3)
     found = json.loads(json.dumps(run.to_dict(), allow_nan=False))
     assert found["model"] == model == run.chain.model
-    assert found["amplitudes"] == run.amplitude[-1].tolist()
+    assert (found["t_end"], found["amplitudes"]) == (20.0, run.amplitude[-1].tolist())
     assert found["tolerance"] == (1e-10 if model == "friction" else 1e-9)
     assert isinstance(run.chain, CHAINS[model])
 

@@ -327,12 +327,12 @@ def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> Non
 def test_a_run_by_equal_steps_takes_as_many_as_fit_and_says_their_length() -> None:
     chain = VdpChain(a=4, b=0.5, c=0.6, eps=0.05, sites=4)
     start = excite(chain, [1])
-    for steps in (50, 100):
-        run = SmoothIntegration(chain, start, [5.0], step=5.0 / steps)
+    for steps, end in ((50, 5.0), (100, 5.0), (100, 0.01)):  # none is left to the implicit method
+        run = SmoothIntegration(chain, start, [end], step=end / steps)
         while not run.finished:
             run.advance(run.default_budget)
         assert run.counts["steps"] in (steps, steps + 1)  # its last one may be a rounding
-        assert run.metadata["step"] == 5.0 / steps
+        assert run.metadata["step"] == end / steps
     assert SmoothIntegration(chain, start, [5.0]).metadata["step"] is None
 
 

@@ -143,6 +143,22 @@ def test_a_clock_that_is_not_finite_in_any_part_is_refused(place: int) -> None:
         run.check_state()
 
 
+@pytest.mark.parametrize("counters", [(-1, 4, 0), (3, 2, 0), (0, 5, 0), (0, 4, -1), (0, 4, 3)])
+def test_counters_of_a_smooth_chain_beyond_what_they_count_are_refused(
+    counters: tuple[int, int, int],
+) -> None:
+    """Of four sites and two samples."""
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=4)
+    run = SmoothIntegration(chain, excite(chain, [1]), [5.0, 10.0])
+    places = [smooth.LO, smooth.HI, smooth.SAMPLED]
+    for given in ((0, 4, 0), (4, 4, 2)):
+        run._run.counters[places] = given
+        run.check_state()
+    run._run.counters[places] = counters
+    with pytest.raises(ValueError, match="counters"):
+        run.check_state()
+
+
 def test_a_clock_of_a_friction_chain_that_is_not_finite_is_refused() -> None:
     chain = FrictionChain(c=0.02, sites=4)
     run = FrictionIntegration(chain, excite(chain, [1]), [10.0])
@@ -226,6 +242,7 @@ def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
     after[0, left - 1 : right] = 1.0
     piece = stiff_stage.StiffPiece(1, 39, np.array([0.0, 2.0]), lambda _: after.ravel())
     monkeypatch.setattr(stiff_stage, "solve_stiff_piece", lambda *_: piece)
+    assert run._rest == pytest.approx(1e3 * run.tolerance)
     run._pass_stiff_stage()
     low, high = (int(run._run.counters[n]) for n in (smooth.LO, smooth.HI))
     assert low == min(window[0], max(0, left - margin))

@@ -14,12 +14,12 @@ import pytest
 
 from fronts.catalogue import COMMANDS, Measurement
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus
+from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
-from verification.continuation.branch import Crossing
+from verification.continuation.branch import Crossing, Fold
 from verification.fronts import follow, measure, network, resting, switchings, wave
 from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.measure import front_of_wave
@@ -31,7 +31,7 @@ from verification.piecewise.simulation import simulate_front
 from verification.runs.excite import StartPoint, excite
 from verification.thresholds import continuation, escape, slow_sweep, spreading
 from verification.thresholds import threshold as thresholds
-from verification.thresholds.result import Mechanism, RunThreshold, ThresholdMethod
+from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 from verification.thresholds.spreading import Spreading
 
 NAN = math.nan
@@ -956,12 +956,18 @@ def _crossing(c: float, *, from_start: bool = False) -> Crossing:
 
 
 def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
-    fold = SimpleNamespace(parameter=0.19)
-    branch: Any = SimpleNamespace(fold=fold)
+    fold = Fold(0.19, 0.0, np.zeros(1), 1)
     until = continuation._stable_until
-    assert until(None, branch, 1e-9) == (0.19, 1e-9)
-    assert until(_crossing(0.1), branch, 1e-9) == (0.1, 1e-6 + 1e-9)
-    assert until(_crossing(0.1, from_start=True), branch, 1e-9) == (None, None)
+    assert until(None, fold, 1e-9) == (0.19, 1e-9)
+    assert until(_crossing(0.1), fold, 1e-9) == (0.1, 1e-6 + 1e-9)
+    assert until(_crossing(0.1, from_start=True), fold, 1e-9) == (None, None)
+
+
+def test_half_way_is_the_nearest_point_before_the_fold() -> None:
+    points = [SimpleNamespace(parameter=c) for c in (0.01, 0.05, 0.08, 0.15, 0.2, 0.1)]
+    branch: Any = SimpleNamespace(points=points, monitored=[(0.0,)] * 5)
+    assert continuation._nearest(branch, 0.1) == 2
+    assert continuation._nearest(branch, 0.19) == 4
 
 
 def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_large(
@@ -1023,6 +1029,7 @@ def test_runs_of_43_have_the_noise_and_the_seed_that_are_given(
             AVERAGED, Nucleus(1), method=how, perturbation=0.05, seed=7
         )
         assert (made.perturbation, made.seed, made.size) == (0.05, 7, 1)
+    assert made.chain(AVERAGED, 0.1) == AVERAGED.replace(c=0.1, sites=1 + 2 * MARGIN)
     chain = AVERAGED.replace(sites=2001)
     noise = made.start(chain) - replace(made, perturbation=0.0).start(chain)
     assert np.cov(noise.real, noise.imag) / 0.05**2 == pytest.approx(np.eye(2), abs=0.15)
@@ -1083,6 +1090,8 @@ def test_a_nucleus_that_always_holds_or_always_escapes_or_never_soon_is_refused(
     with pytest.raises(ParameterError, match="take another size") as refusal:
         escape._EscapeRuns(AVERAGED, escape.NucleusPreparation(3), 100.0).bracket()
     assert (refusal.value.quantity, refusal.value.value) == ("nucleus", 3)
+    with pytest.raises(ParameterError, match="tolerance"):
+        escape.escape_range(AVERAGED, escape.NucleusPreparation(3), tolerance=0.0)
 
 
 def test_escapes_are_monotone_where_none_lies_below_a_run_that_held() -> None:
@@ -1192,6 +1201,7 @@ def test_what_is_usual_of_a_threshold_is_the_same_by_either_door() -> None:
     given = {name: search[name].default for name in usual if name in search}
     assert given == {name: usual[name] for name in given}
     assert Spreading().final_time == usual["final_time"]
+    assert inspect.signature(escape.escape_range).parameters["duration"].default == 2000.0
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
@@ -1253,3 +1263,40 @@ def test_a_sweep_that_does_not_escape_ends_where_sweeps_are_given_up(
     monkeypatch.setattr(slow_sweep, "run_envelope", run)
     assert slow_sweep.sweep_envelope(AVERAGED, escape.NucleusPreparation(1), 1e-3) is None
     assert ends == [pytest.approx(slow_sweep.END)]
+
+
+@pytest.mark.parametrize(
+    ("noise", "limit", "by"), [(1e-3, 0.2, "hold"), (0.0, None, "both"), (0.0, 0.2, "sweep")]
+)
+def test_what_has_no_limit_of_rate_zero_is_held(
+    noise: float, limit: float | None, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With noise it is not swept at all."""
+    preparation = escape.NucleusPreparation(1, perturbation=noise)
+    held = _held(0.19, seconds=2.0)
+    delay = slow_sweep.Delay(
+        rates=(), escapes=(), c_0=limit, error=None if limit is None else 1e-3,
+        delay_exponent=None, seconds=3.0,
+    )  # fmt: skip
+
+    def given(value: Any) -> Any:
+        def answer(chain: object, prepared: object) -> Any:
+            assert (chain, prepared) == (AVERAGED, preparation)
+            return value
+
+        return answer
+
+    monkeypatch.setattr(slow_sweep, "escape_range", given(held))
+    monkeypatch.setattr(slow_sweep, "measure_delay", given(delay))
+    found = slow_sweep.sweep_threshold(AVERAGED, preparation)
+    assert (found.c_crit, found.seconds, found.delay) == {
+        "hold": (0.19, 2.0, None), "both": (0.19, 5.0, delay), "sweep": (0.2, 3.0, delay),
+    }[by]  # fmt: skip
+
+
+def _held(c: float, seconds: float) -> RunThreshold:
+    return RunThreshold(
+        c_crit=c, error=1e-3, method=ThresholdMethod.HOLD, definition=Definition.FIRST,
+        mechanism=Mechanism.HELD, model="averaged", nucleus=Nucleus(1), low=c, high=c,
+        final_time=1.0, runs=1, seconds=seconds,
+    )  # fmt: skip

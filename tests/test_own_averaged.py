@@ -210,3 +210,7 @@ def test_the_middle_site_is_excited_if_nothing_is_said(
     found = averaging_error(chain, halvings=3)
     assert found.eps.tolist() == [0.04, 0.02, 0.01, 0.005]
     assert all(np.array_equal(each, excite(chain, [middle])) for each in starts)
+    assert averaging_error(chain, slow_time=100.0).slow_time == 100.0
+    fisher = OscillatorChain(damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=0.1)
+    with pytest.raises(ParameterError, match="overdamped"):  # before anything is run
+        averaging_error(fisher)

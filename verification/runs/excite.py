@@ -9,7 +9,7 @@ end of the cycle.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache, singledispatch
 
 import numpy as np
@@ -84,7 +84,7 @@ def excite(
         raise ParameterError(
             "model", chain.model, "a chain of finite length", "measure a front instead"
         )
-    if not isinstance(sites, Iterable) or isinstance(sites, str) or not np.ndim(sites):
+    if not np.ndim(sites):
         raise ParameterError(
             "excited sites", sites, "a sequence of sites", "write a site in brackets, as [1]"
         )
@@ -95,7 +95,7 @@ def excite(
     if displacement is not None:
         displacement = within("displacement", displacement, -MAX_DISPLACEMENT, MAX_DISPLACEMENT)
     turns = [0] * len(sites) if quarter_turns is None else quarter_turns
-    if isinstance(turns, str) or not np.ndim(turns) or len(turns) != len(sites):
+    if not np.ndim(turns) or len(turns) != len(sites):
         raise ParameterError("quarter turns", turns, "one for each excited site", "give as many")
     turns = [whole_number("quarter turns", each, -(10**9), 10**9) for each in turns]
     start = np.empty((2, count))

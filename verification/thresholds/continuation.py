@@ -18,7 +18,7 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.families import own_family
 from verification.breathers.family import BreatherFamily
-from verification.continuation.branch import ContinuationBranch, Crossing, first_crossing
+from verification.continuation.branch import ContinuationBranch, Crossing, Fold, first_crossing
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
@@ -78,7 +78,7 @@ def breather_threshold(
     crossing = first_crossing(family.system(), branch, family.monitor, 0)
     at_half = _nearest(branch, 0.5 * branch.fold.parameter)
     mirrored = nucleus.mirrored(here.sites)
-    c_stable, error_stable = _stable_until(crossing, branch, error)
+    c_stable, error_stable = _stable_until(crossing, branch.fold, error)
     return BranchThreshold(
         c_crit=branch.fold.parameter,
         error=error,
@@ -119,11 +119,11 @@ def _nearest(branch: ContinuationBranch, c: float) -> int:
 
 
 def _stable_until(
-    crossing: Crossing | None, branch: ContinuationBranch, error: float
+    crossing: Crossing | None, fold: Fold, error: float
 ) -> tuple[float | None, float | None]:
-    if crossing is None and branch.fold is not None:
-        return branch.fold.parameter, error
-    if crossing is None or crossing.from_start:
+    if crossing is None:
+        return fold.parameter, error
+    if crossing.from_start:
         return None, None
     return crossing.parameter, crossing.error + error
 

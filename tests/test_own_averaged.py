@@ -200,9 +200,11 @@ def test_the_middle_site_is_excited_if_nothing_is_said(
     sites: int, middle: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     starts: list[np.ndarray] = []
+    shares: list[float] = []
 
     def distance(chain: Any, start: np.ndarray, _: float) -> tuple[float, float]:
         starts.append(start)
+        shares.append(chain.values[averaging_error_module.SHARE] if chain.model == "chain" else 1.0)
         return chain.eps, 1e-9
 
     monkeypatch.setattr(averaging_error_module, "_distance", distance)
@@ -211,6 +213,9 @@ def test_the_middle_site_is_excited_if_nothing_is_said(
     assert found.eps.tolist() == [0.04, 0.02, 0.01, 0.005]
     assert all(np.array_equal(each, excite(chain, [middle])) for each in starts)
     assert averaging_error(chain, slow_time=100.0).slow_time == 100.0
+    duffing = OscillatorChain(damping="y**2 - 1", stiffness="y + k*y**3", values={"k": 0.01}, c=0.1)
+    averaging_error(duffing)
+    assert shares[-3:] == [1.0, 0.5, 0.25]
     fisher = OscillatorChain(damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=0.1)
     with pytest.raises(ParameterError, match="overdamped"):  # before anything is run
         averaging_error(fisher)

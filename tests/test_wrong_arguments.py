@@ -106,6 +106,13 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "no-length": (lambda: fr.threshold(CHAINS["piecewise"]), "model = piecewise"),
     "no-sites": (lambda: fr.excite(CHAINS["piecewise"], [2]), "model = piecewise"),
+    "network-wave": (
+        lambda: fr.simulate(
+            fr.OscillatorChain(damping="y**2 - 1", c=0.1, sites=7, coupling="next-nearest:1,0.2"),
+            START, 1.0, left_boundary_wave=True,
+        ),
+        "left boundary",
+    ),
     "masked-axis": (lambda: fr.state_map(CHAINS["vdp"], c=HIDDEN), "c = "),
     "date": (lambda: fr.kinetic_relation(np.datetime64("2020"), 0.03), "coupling c"),
     "text": (lambda: fr.kinetic_relation("0.3", 0.03), "coupling c"),

@@ -55,7 +55,7 @@ class Described:
 
 
 def described(what: Callable[..., Any]) -> tuple[Described, ...]:
-    """Return the parameters of a function, or the fields of a dataclass.
+    """Return the parameters of a function, or the fields of a dataclass that a user may give.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def described(what: Callable[..., Any]) -> tuple[Described, ...]:
                 metadata=each.metadata,
             )
             for each in dataclasses.fields(what)
-            if each.init
+            if each.init and each.metadata.get("option", True)
         )
     return tuple(
         _of_signature(each, words, module)

@@ -20,6 +20,7 @@ from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.initial_state import prepared
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
+from fronts.signatures import described
 from theory import chains
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
@@ -271,6 +272,8 @@ def test_options_are_those_of_the_model():
     assert {"a", "b", "eps"} <= names
     assert not names & {"c", "sites", "ends"}  # one cell alone has none
     assert "method" in {each.name for each in bound_to("threshold vdp").own.parameters}
+    nucleus = {each.name for each in described(Nucleus)}
+    assert nucleus == {"size", "pattern", "place"}  # what it was relaxed from is for nobody to say
 
 
 def test_every_module_of_chains_is_imported_for_its_models(monkeypatch):

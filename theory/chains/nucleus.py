@@ -65,7 +65,9 @@ class Nucleus:
     size: int
     pattern: str = ""
     place: Place = Place.BULK
-    relaxed_from: str = field(default="", compare=False, repr=False, kw_only=True)
+    relaxed_from: str = field(
+        default="", compare=False, repr=False, kw_only=True, metadata={"option": False}
+    )
 
     def __post_init__(self) -> None:
         size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")

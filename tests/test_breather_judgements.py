@@ -37,15 +37,22 @@ def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     side: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     exact = SimpleNamespace(
-        frequency=1.0, error=0.25, frequency_error=2.0**-5, outward=np.array([2.0, 1.0])
-    )
+        frequency=1.0, error=0.25, frequency_error=2.0**-5, outward=np.array([2.0, 1.0]),
+        waves=np.array([1j, 2j, 1j]), wave_error=0.125, nucleus=Nucleus(1),
+        chain=replace(CHAIN, sites=3),
+    )  # fmt: skip
     family = SimpleNamespace(solve=lambda: exact)
     monkeypatch.setattr(breathers, "own_family", lambda *_: family)
     amplitudes = np.array([9.0, 9.0, 9.0, 9.0, 2.0, 1.0 + 0.5 * side, 9.0, 9.0, 9.0])
-    found = breathers._distance(
-        CHAIN, Nucleus(1), amplitudes, 1.0 + 0.125 * side, error=0.0625, frequency_error=2.0**-6
-    )
-    assert found == (0.5 + 0.25 + 0.0625, 0.125 + 2.0**-5 + 2.0**-6, "")
+    own = _breather(
+        BreatherMethod.ENVELOPE, amplitudes=amplitudes, waves=amplitudes + 0j,
+        frequency=1.0 + 0.125 * side, error=0.0625, frequency_error=2.0**-6,
+    )  # fmt: skip
+    own = replace(own, chain=CHAIN)
+    found = breathers._compared(own, CHAIN)
+    assert (found.error, found.error_unknown) == (0.5 + 0.25 + 0.0625, "")
+    assert found.frequency_error == 0.125 + 2.0**-5 + 2.0**-6
+    assert found.wave_error == pytest.approx(9.0 + 0.125 + 4.0 * 0.0625)  # sites beyond count whole
 
 
 def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
@@ -325,12 +332,13 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
         lengths.append(chain.sites)
         return known
 
-    def distance(_: object, __: object, amplitudes: Any, frequency: float, **errors: float) -> Any:
-        assert errors["frequency_error"] == 0.0  # (30) is explicit
-        return breathers._Distance(amplitudes[0], frequency, str(errors["error"]))
+    def compared(own: Breather, _: object) -> Breather:
+        assert own.frequency_error == 0.0  # (30) is explicit
+        assert 0.0 <= own.error < 1e-12
+        return own
 
     monkeypatch.setattr(breathers, "approximate_multipliers", along)
-    monkeypatch.setattr(breathers, "_distance", distance)
+    monkeypatch.setattr(breathers, "_compared", compared)
     choice = breathers._Choice(Reading.NEIGHBOUR, 0)
     for sites in (8, 9, 30, 31, 40):
         found = breathers._closed_form(AVERAGED.replace(sites=sites), Nucleus(1), choice)
@@ -338,8 +346,6 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
         assert found.multipliers is known.values
         assert found.amplitudes.size == sites
         assert found.amplitudes.argmax() == sites // 2 - (sites + 1) % 2
-        assert (found.error, found.frequency_error) == (found.amplitudes[0], found.frequency)
-        assert 0.0 <= float(found.error_unknown) < 1e-12
     assert lengths == [9, 9, 31, 31, 31]
 
     def stiff(*_: object) -> Any:
@@ -495,13 +501,13 @@ def test_an_averaged_breather_is_compared_with_the_chain_it_stands_for_and_if_it
     """Of the averaged chain it is the breather itself."""
     compared: list[Any] = []
 
-    def distance(chain: Any, nucleus: Nucleus, *_: Any, **errors: float) -> Any:
+    def other(found: Breather, chain: Any) -> Breather:
         compared.append(chain)
-        averaged = solve_envelope_breather(chain, nucleus)
-        assert errors == {"error": averaged.error, "frequency_error": averaged.frequency_error}
-        return breathers._Distance(0.5, 0.25, "")
+        averaged = solve_envelope_breather(chain, found.nucleus)
+        assert (found.error, found.frequency_error) == (averaged.error, averaged.frequency_error)
+        return replace(found, error=0.5, frequency_error=0.25)
 
-    monkeypatch.setattr(breathers, "_distance", distance)
+    monkeypatch.setattr(breathers, "_compared", other)
     own = solve_envelope_breather(AVERAGED, Nucleus(1))
     assert breathers.breather(AVERAGED, method="envelope").error == own.error
     beyond = breathers.breather(replace(CHAIN, c=0.3), method="envelope")

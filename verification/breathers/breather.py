@@ -10,7 +10,6 @@ from typing import Literal, NamedTuple, overload
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import (
     BreatherStatus,
     Reading,
@@ -228,57 +227,34 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         multipliers = None  # too stiff: the stability is then not decided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
     amplitudes = found.amplitudes(chain.sites)[distance]
-    error = found.error * found.alpha_0
-    waves = np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex)
-    trust = _distance(
-        chain, nucleus, amplitudes, waves, found.frequency, error=error, frequency_error=0.0
-    )
-    return Breather(
+    own = Breather(
         chain=chain,
         nucleus=nucleus,
         method=BreatherMethod.CLOSED_FORM,
         status=BreatherStatus.EXISTS,
         amplitudes=amplitudes,
-        waves=waves,
+        waves=np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex),
         frequency=found.frequency,
         stable=multipliers.stable if multipliers else None,
         growth=multipliers.growth if multipliers else None,
         trivial=multipliers.trivial if multipliers else None,
         multipliers=multipliers.values if multipliers else None,
-        error=trust.amplitude,
-        frequency_error=trust.frequency,
-        wave_error=trust.wave,
-        error_unknown=trust.unknown,
+        error=found.error * found.alpha_0,
+        frequency_error=0.0,
         residual=found.residual,
         decay=found.decay,
         fold=fold.c,
         fold_error=fold.error,
         seconds=found.seconds,
     )
+    return _compared(own, chain)
 
 
 def _envelope(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
     found = solve_envelope_breather(chain, nucleus)
     if isinstance(chain, AveragedChain) or found.frequency is None:
         return found
-    assert found.error is not None  # as there is a frequency
-    assert found.frequency_error is not None
-    trust = _distance(
-        chain,
-        nucleus,
-        found.amplitudes,
-        found.waves,
-        found.frequency,
-        error=found.error,
-        frequency_error=found.frequency_error,
-    )
-    return replace(
-        found,
-        error=trust.amplitude,
-        frequency_error=trust.frequency,
-        wave_error=trust.wave,
-        error_unknown=trust.unknown,
-    )
+    return _compared(found, chain)
 
 
 def _orbit(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Breather:
@@ -310,56 +286,47 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
     )
 
 
-class _Distance(NamedTuple):
-    """How far amplitudes, frequency and waves are from the chain's solution, or why unknown."""
+def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
+    """Return a breather whose errors were those as a solution of other equations than the chain's.
 
-    amplitude: float | None
-    frequency: float | None
-    wave: float | None
-    unknown: str
-
-
-def _distance(
-    chain: VanDerPolChain,
-    nucleus: Nucleus,
-    amplitudes: FloatArray,
-    waves: ComplexArray,
-    frequency: float,
-    *,
-    error: float,
-    frequency_error: float,
-) -> _Distance:
-    """Solve the chain itself and compare, its errors and those of what is compared added."""
-    short = replace(chain, sites=min(chain.sites, nucleus.size + REST))
+    They become the distance from a solution of the chain itself, with its errors added.
+    """
+    unknown = replace(found, error=None, frequency_error=None, wave_error=None)
+    short = replace(chain, sites=min(chain.sites, found.nucleus.size + REST))
     try:
-        exact = own_family(short, nucleus).solve()
+        exact = own_family(short, found.nucleus).solve()
     except (ParameterError, NotConvergedError) as refusal:
-        return _Distance(None, None, None, str(refusal))
+        return replace(unknown, error_unknown=str(refusal))
     if exact.frequency is None or exact.error is None or exact.frequency_error is None:
         what = (
-            "(8) has no such orbit" if isinstance(short, VdpChain) else "(43) has no such breather"
+            "(8) has no such orbit" if isinstance(chain, VdpChain) else "(43) has no such breather"
         )
-        return _Distance(None, None, None, f"{what} at this coupling")
-    ours = amplitudes[nucleus.outward(chain.sites) :]
-    true = exact.outward
-    count = min(true.size, ours.size)
-    gap = float(np.abs(ours[:count] - true[:count]).max())
-    apart = abs(frequency - exact.frequency)
-    apart += exact.frequency_error + frequency_error
-    turned = _turned_gap(waves, nucleus.outward(chain.sites), exact)
-    wave = turned + (exact.wave_error or 0.0) + wave_error_of(error)
-    return _Distance(gap + exact.error + error, apart, wave, "")
+        why = f"{what} at this coupling"
+        return replace(unknown, error_unknown=why)
+    assert found.frequency is not None  # as there is a breather
+    assert found.error is not None
+    assert found.frequency_error is not None
+    count = min(exact.outward.size, found.outward.size)
+    gap = float(np.abs(found.outward[:count] - exact.outward[:count]).max())
+    apart = abs(found.frequency - exact.frequency)
+    turned = _turned_gap(found, exact)
+    return replace(
+        found,
+        error=gap + exact.error + found.error,
+        frequency_error=apart + (exact.frequency_error + found.frequency_error),
+        wave_error=turned + (exact.wave_error or 0.0) + wave_error_of(found.error),
+    )
 
 
-def _turned_gap(waves: ComplexArray, centre: int, exact: Breather) -> float:
+def _turned_gap(found: Breather, exact: Breather) -> float:
     """Return the largest distance of waves, those of both centres turned to be real.
 
     Sites beyond the shorter chain count with their whole amplitude.
     """
-    other = exact.nucleus.outward(exact.chain.sites)
+    centre, other = (each.nucleus.outward(each.chain.sites) for each in (found, exact))
     left = min(centre, other)
-    right = min(waves.size - centre, exact.waves.size - other)
-    ours = waves / np.exp(1j * np.angle(waves[centre]))
+    right = min(found.waves.size - centre, exact.waves.size - other)
+    ours = found.waves / np.exp(1j * np.angle(found.waves[centre]))
     true = exact.waves / np.exp(1j * np.angle(exact.waves[other]))
     gap = np.abs(ours[centre - left : centre + right] - true[other - left : other + right]).max()
     beyond = np.abs(np.concatenate([ours[: centre - left], ours[centre + right :]]))

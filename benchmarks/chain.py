@@ -21,6 +21,9 @@ from typing import Any, Literal
 import numpy as np
 
 from benchmarks.record import Target, WorkPoint
+from benchmarks.steppers.fixed import fixed_steps
+from benchmarks.steppers.splitting import saba, split_steps
+from benchmarks.steppers.taylor import FULL, taylor_steps
 from benchmarks.work_precision import (
     Effort,
     MethodAnswer,
@@ -40,9 +43,7 @@ from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.active import FREE
-from verification.steppers.fixed import fixed_steps
-from verification.steppers.splitting import saba, split_steps
-from verification.steppers.taylor import FULL, taylor_order, taylor_steps
+from verification.steppers.friction_series import taylor_order
 
 Solve = Callable[[float], FloatArray]
 """From a tolerance to the final (y, ẏ)."""

@@ -32,7 +32,7 @@ from theory.piecewise.sums.integral import MANY, sums
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.steppers import friction_series
-from verification.steppers.taylor import taylor_order
+from verification.steppers.friction_series import taylor_order
 
 _STAGES = DOP853.n_stages
 _ROWS = [DOP853.A[i, :i] for i in range(1, _STAGES)] + [DOP853.B]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.steppers.fixed import fixed_steps
 from fronts.cli import main
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
@@ -22,7 +23,6 @@ from verification.runs.excite import excite
 from verification.runs.integration import integration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
-from verification.steppers.fixed import fixed_steps
 
 PAPER = {"damping": "1 - a*y**2 + b*y**4", "values": {"a": 4.0, "b": 0.5}}
 DRIVE = ["0.3,1.1@3", {"amplitude": 0.1, "frequency": 0.7, "phase": 0.4, "sites": [7, 8, 9]}]

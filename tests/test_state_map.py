@@ -17,6 +17,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from benchmarks.steppers.fixed import fixed_steps
 from fronts.cli import main
 from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VdpChain
@@ -39,7 +40,6 @@ from verification.maps.vdp_rules import (
 from verification.references.equations import amplitude_of, as_state, averaged_rate, full_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
-from verification.steppers.fixed import fixed_steps
 
 FULL, ENVELOPE = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
 

@@ -14,6 +14,9 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from benchmarks.steppers.fixed import fixed_steps
+from benchmarks.steppers.splitting import saba, split_steps
+from benchmarks.steppers.taylor import ENVELOPE, FULL, taylor_steps
 from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
@@ -21,12 +24,10 @@ from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers import amplitudes
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST, RING, end_codes
-from verification.steppers.fixed import fixed_steps
+from verification.steppers.friction_series import taylor_order
 from verification.steppers.kernel import slope_of
 from verification.steppers.runge_kutta import dop853_step, step_error
 from verification.steppers.specialise import source_mark
-from verification.steppers.splitting import saba, split_steps
-from verification.steppers.taylor import ENVELOPE, FULL, taylor_order, taylor_steps
 
 FloatArray = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]

@@ -21,8 +21,7 @@ from theory.parameters import ParameterError
 from verification.cells.result import CellCycle
 from verification.runs.friction_integration import FrictionIntegration
 from verification.steppers import friction_cell_phase as phases
-from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room
-from verification.steppers.taylor import taylor_order
+from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room, taylor_order
 
 _LONGEST = 1e4
 _MAX_TURNS = 100

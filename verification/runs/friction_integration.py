@@ -34,9 +34,9 @@ from verification.steppers.friction_series import (
     Y,
     law_of,
     new_numbers,
+    taylor_order,
 )
 from verification.steppers.stop_code import StopCode
-from verification.steppers.taylor import taylor_order
 
 _REST = 0.01
 _PIECE = 200_000

@@ -95,6 +95,17 @@ def law_of(cell: FrictionCell) -> Law:
     return (cell.v_s,) if cell.law is FrictionLaw.STRIBECK else ()
 
 
+def taylor_order(tolerance: float) -> int:
+    """Return the order that costs least for a tolerance, found by measurement.
+
+    Examples
+    --------
+    >>> taylor_order(1e-6), taylor_order(1e-12)
+    (11, 18)
+    """
+    return math.ceil(4.0 - 0.5 * math.log(tolerance))
+
+
 def new_numbers(cell: FrictionCell, c: float, tolerance: float) -> FloatArray:
     """Return ``numbers`` for a chain of such cells."""
     curve = cell.curve

@@ -1,4 +1,4 @@
-"""Taylor series in time for (8) and (43), compiled; slower than ``runge_kutta``, and apart from it.
+"""Taylor series in time for (8) and (43), compiled; slower than DOP853, and apart from it.
 
 Both right sides are polynomials, so the Taylor coefficients of the solution follow one another by
 convolutions (Cauchy products):
@@ -24,17 +24,6 @@ from verification.steppers.rows import finite, largest, put
 
 FULL, ENVELOPE = 0, 1
 """Codes of the two equations."""
-
-
-def taylor_order(tolerance: float) -> int:
-    """Return the order that costs least for a tolerance, found by measurement.
-
-    Examples
-    --------
-    >>> taylor_order(1e-6), taylor_order(1e-12)
-    (11, 18)
-    """
-    return math.ceil(4.0 - 0.5 * math.log(tolerance))
 
 
 Series = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
@@ -180,7 +169,7 @@ def taylor_steps(
     tolerance: float,
     order: int,
 ) -> int:
-    """Advance a state of shape (2, N) to ``end``, all sites; for tests and benchmarks.
+    """Advance a state of shape (2, N) to ``end``, all sites.
 
     Returns the number of steps, or -1 if a number is not finite.
     """

@@ -1,4 +1,4 @@
-"""Equal steps of a smooth chain, all sites: for tests and benchmarks."""
+"""Equal steps of a smooth chain, all sites."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Steppers that are here to be measured beside those of ``verification.steppers``."""

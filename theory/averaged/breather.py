@@ -165,7 +165,8 @@ def check_closed_form(nucleus: Nucleus, sites: int) -> None:
 
 def decay_of_centre(alpha_0: float, chain: VanDerPolChain) -> float:
     """Return e^{k_1} = (-b α_0⁴ + 2a α_0² - 8)/(16 c) (Eq. 29)."""
-    return _gain(alpha_0**2, chain) / chain.c
+    square = alpha_0**2
+    return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0 / chain.c
 
 
 def breather_frequency(chain: VanDerPolChain) -> float:
@@ -294,10 +295,6 @@ def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
     t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
     c = branch.coupling_at(t)
     return ClosedFormFold(c=c, error=_NOISE * c, reading=reading, place=math.exp(t))
-
-
-def _gain(square: float, chain: VanDerPolChain) -> float:
-    return (-chain.b * square**2 + 2.0 * chain.a * square - 8.0) / 16.0
 
 
 def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:

@@ -154,13 +154,11 @@ def read_force(given: Any, quantity: str) -> Polynomial | CompiledForce:
     if isinstance(given, CompiledForce):
         return given
     functions = tuple(given) if isinstance(given, (tuple, list)) else (given,)
-    if functions and all(callable(each) and not _symbolic(each) for each in functions):
+    if functions and all(
+        callable(each) and not hasattr(each, "free_symbols") for each in functions
+    ):
         return CompiledForce("g" if quantity == "stiffness" else "h", functions)
     return as_polynomial(given, quantity)
-
-
-def _symbolic(given: Any) -> bool:
-    return hasattr(given, "free_symbols")
 
 
 def _arguments(function: Function) -> tuple[str, ...]:

@@ -206,13 +206,13 @@ def shape(node: ast.AST) -> str:
         if value is None or value == [] or name in _NO_CODE:
             continue
         several = value if isinstance(value, list) else [value]
-        inner = [_part(each) for each in several if not _is_text(each)]
+        inner = [
+            shape(each) if isinstance(each, ast.AST) else repr(each)
+            for each in several
+            if not _is_text(each)
+        ]
         parts.append(f"{name}=[{','.join(inner)}]")
     return f"{type(node).__name__}({';'.join(parts)})"
-
-
-def _part(value: object) -> str:
-    return shape(value) if isinstance(value, ast.AST) else repr(value)
 
 
 def _is_text(node: object) -> bool:

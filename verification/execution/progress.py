@@ -66,7 +66,7 @@ class Progress:
         stream: TextIO | None = None,
     ) -> None:
         self._name, self._steps, self._at_once, self._quiet = name, steps, at_once, quiet
-        self._stream = stream or sys.stderr or _nowhere()
+        self._stream = stream or sys.stderr or io.StringIO()
         self._live: Live | None = None
         self._task: TaskID | None = None
         self._logs = _is_of_system(self._stream)
@@ -79,7 +79,7 @@ class Progress:
         """Number of steps that have ended."""
 
     def __enter__(self) -> Progress:
-        if _in_notebook() or _is_terminal(self._stream):
+        if _in_notebook() or (not self._stream.closed and self._stream.isatty()):
             self._live = _live_line(self._stream)
             self._task = self._live.add_task(self._name, total=1.0, left="")
             self._live.start()
@@ -203,15 +203,6 @@ def _live_line(stream: TextIO) -> Live:
         transient=True,
         refresh_per_second=2,
     )
-
-
-def _nowhere() -> TextIO:
-    """Return a stream for a process whose standard error is closed."""
-    return io.StringIO()
-
-
-def _is_terminal(stream: TextIO) -> bool:
-    return not stream.closed and stream.isatty()
 
 
 def _is_of_system(stream: TextIO) -> bool:

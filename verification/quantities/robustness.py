@@ -110,14 +110,10 @@ def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
     spread = (
         ((number + 0.5) / count, place, Point(quantity=computation.name, number=number))
         for place, computation in enumerate(computations)
-        for count in [_share(computation, points, whole)]
+        for count in [max(min(MIN_POINTS, points), round(points * computation.share / whole))]
         for number in range(count)
     )
     return tuple(point for _, _, point in sorted(spread, key=lambda each: each[:2]))
-
-
-def _share(computation: Computation, points: int, whole: float) -> int:
-    return max(min(MIN_POINTS, points), round(points * computation.share / whole))
 
 
 def robustness(

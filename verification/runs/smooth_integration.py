@@ -293,16 +293,17 @@ class SmoothIntegration(Integration):
                 f"a displacement of {np.abs(run.state).max():.3g} makes the model "
                 f"{self.chain.model} need steps below {self._task.shortest:g} of its time at "
                 f"t = {self.time:.6g}: start from a smaller one"
-                + (", or run (8), which has a stiff method." if self._has_full() else ".")
+                + (
+                    ", or run (8), which has a stiff method."
+                    if hasattr(self.chain, "full")
+                    else "."
+                )
             )
         elif ended is StopCode.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at t = {self.time:.6g}; "
                 "start from a smaller displacement, or lower the coupling."
             )
-
-    def _has_full(self) -> bool:
-        return hasattr(self.chain, "full")
 
     def _pass_stiff_stage(self) -> None:
         """Pass a piece of time by the implicit method; samples and arrivals are taken from it."""

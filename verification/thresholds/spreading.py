@@ -132,10 +132,6 @@ class Spreading:
         )
 
 
-def _from_cycle(chain: Chain, spreading: Spreading) -> bool:
-    return isinstance(chain, FrictionChain) and spreading.displacement is None
-
-
 def _sites(chain: Chain) -> int:
     sites: int = getattr(chain, "sites", 0)
     if not sites:
@@ -294,6 +290,7 @@ def spreading_threshold(
         ends = (min([late, c, *below]), max([c, *above]))
         if ends[1] - ends[0] > 2.0 * accuracy:
             fuzzy = ends
+    from_cycle = isinstance(chain, FrictionChain) and spreading.displacement is None
     return RunThreshold(
         c_crit=c,
         error=error,
@@ -307,7 +304,7 @@ def spreading_threshold(
         high=high,
         final_time=spreading.final_time,
         ends=getattr(chain, "ends", None),
-        start_point=spreading.point if _from_cycle(chain, spreading) else None,
+        start_point=spreading.point if from_cycle else None,
         c_crit_at_twice_the_time=late,
         fuzzy=fuzzy,
         monotone=monotone,

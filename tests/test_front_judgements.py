@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import fields, replace
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -392,7 +392,7 @@ def test_options_of_a_front_have_the_ranges_that_are_documented(
         raise _BegunError
 
     monkeypatch.setattr(measure, "_settled", begun)
-    monkeypatch.setattr(network, "_runs", begun)
+    monkeypatch.setattr(network, "_measured", begun)
     monkeypatch.setattr(simulation, "_start_state", begun)
     chain = _lengths(kind)
     for inside in (low, high):
@@ -432,7 +432,7 @@ def test_an_option_is_read_or_refused(
         raise _BegunError
 
     monkeypatch.setattr(measure, "_settled", begun)
-    monkeypatch.setattr(network, "_runs", begun)
+    monkeypatch.setattr(network, "_measured", begun)
     monkeypatch.setattr(simulation, "_start_state", begun)
     read = option in READ[kind]
     with pytest.raises(_BegunError if read else ParameterError, match=None if read else option):
@@ -820,15 +820,18 @@ class _Lattice:
     """Runs on a lattice that are made up: when each row or site is reached at each tolerance."""
 
     def __init__(self, *courses: Any, stopped: FrontStatus | None = None) -> None:
-        self.courses, self.stopped = courses, stopped
+        self.courses, self.stopped = iter(courses), stopped
 
-    def __call__(self, chain: Any, start: Any, **given: Any) -> network._SpreadingRuns:
-        self.start, self.given = start, given
-        run, coarser = (
-            None if each is None else SimpleNamespace(arrivals=each) for each in self.courses
-        )
-        made: Any = network._SpreadingRuns(self.stopped, run, coarser, 10)  # type: ignore[arg-type]
-        return made
+    def run(self, *_: Any, **__: Any) -> Any:
+        return SimpleNamespace(arrivals=next(self.courses), counts={"steps": 5})
+
+    def follow(self, run: Any, _: float, within_reach: Any, __: Any) -> FrontStatus | None:
+        assert within_reach.all()
+        return self.stopped if run.arrivals is not None else FrontStatus.PINNED
+
+    def put(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(network, "SmoothIntegration", self.run)
+        monkeypatch.setattr(network, "_follow", self.follow)
 
 
 def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
@@ -854,8 +857,7 @@ def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
         ((fine, None), None, 2.0),  # the other one stopped: nothing is known of v
         ((fine, None), FrontStatus.CREEPING, 0.0),  # and was not run
     ):
-        runs = _Lattice(*courses, stopped=stopped)
-        monkeypatch.setattr(network, "_runs", runs)
+        _Lattice(*courses, stopped=stopped).put(monkeypatch)
         found = network.planar(chain, stall=1.0)
         assert found.spread.velocities == pytest.approx(
             2.0 * (2.5 if courses[0] is coarse else 2.0)
@@ -864,8 +866,7 @@ def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
         assert found.spread.angles.tolist() == [0.5 * math.pi]
         assert found.spread.arrivals is not courses[0]
         assert found.spread.arrivals.tolist() == courses[0].tolist()
-        assert (found.steps, found.stopped) == (10, stopped)
-        assert runs.given["within_reach"].all()
+        assert (found.steps, found.stopped) == (10 if stopped is None else 5, stopped)
     assert turned[:2] == [[*range(1, 13)], [0, 0, 0, -1, -1, -1, -2, -2, -2, -3, -3, -3]]
 
 
@@ -878,7 +879,7 @@ def test_a_motion_from_the_middle_is_as_sure_as_its_run_at_a_coarser_tolerance(
     fine, coarse = away / 2.0, away / 2.5
     monkeypatch.setattr(network, "excite", lambda *_, **__: "start")
     for courses, v in (((fine, coarse), 2.0), ((coarse, fine), 2.5)):
-        monkeypatch.setattr(network, "_runs", _Lattice(*courses))
+        _Lattice(*courses).put(monkeypatch)
         found = network.spread(chain, directions=4, stall=1.0).spread
         # Twice as much in slow time; sites beside a ray are farther than along it.
         assert found.velocities == pytest.approx([2.0 * v] * 4, rel=0.02)
@@ -909,9 +910,13 @@ def test_what_becomes_of_a_motion_is_said_by_its_run_at_the_tolerance_asked(
     left = iter(ends)
     monkeypatch.setattr(network, "SmoothIntegration", begun)
     monkeypatch.setattr(network, "_follow", lambda *_: next(left))
-    given: dict[str, Any] = {"stall": 1.0, "within_reach": np.ones(1, dtype=bool), "progress": None}
-    runs = network._runs(cast("Any", None), np.zeros(2), tolerance=1e-8, **given)
-    assert (runs.stopped, runs.steps, runs.coarser is not None) == (stopped, steps, compared)
+    chain: Any = SimpleNamespace(time_unit=1.0, links=SimpleNamespace(positions=None))
+    found = network._measured(
+        chain, np.zeros(2), np.zeros(1), lambda _: (np.zeros(1), np.ones(1), np.zeros(1)),
+        tolerance=1e-8, stall=1.0, progress=None,
+    )  # fmt: skip
+    assert (found.stopped, found.steps) == (stopped, steps)
+    assert found.spread.errors == (0.0 if compared or stopped else 1.0)
     assert asked == pytest.approx([1e-8, 1e-6][: len(ends)])
     asked.clear()
     left = iter(ends)

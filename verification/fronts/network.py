@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
-from theory.arrays import AnyArray, BoolArray, FloatArray
+from theory.arrays import BoolArray, FloatArray
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, count_within
 from theory.result import Result
@@ -142,14 +142,6 @@ def spread(
     nearest = np.argsort(away, kind="stable")[:excited]
     turns = [chain.front_phase_step * round(float(away[n])) for n in nearest]
     start = excite(chain, [int(n) + 1 for n in nearest], quarter_turns=turns)
-    runs = _runs(
-        chain,
-        start,
-        tolerance=tolerance,
-        stall=stall,
-        within_reach=np.isfinite(away),
-        progress=progress,
-    )
 
     def fit(arrivals: FloatArray) -> _Fit:
         return _fitted(
@@ -161,63 +153,48 @@ def spread(
             excited=excited,
         )
 
-    return _found(chain, runs, fit, away)
+    return _measured(chain, start, away, fit, tolerance=tolerance, stall=stall, progress=progress)
 
 
 _Fit = tuple[FloatArray, FloatArray, FloatArray]
 """Directions, velocities per unit t, and their uncertainties."""
 
 
-class _SpreadingRuns(NamedTuple):
-    """What became of a motion that stopped, its run, and one at a coarser tolerance that did not.
-
-    Velocities are then as uncertain as they differ; all of them if only the second run stopped.
-    """
-
-    stopped: FrontStatus | None
-    run: SmoothIntegration
-    coarser: SmoothIntegration | None
-    steps: int
-
-
-def _runs(
+def _measured(
     chain: OwnChain,
     start: FloatArray,
+    distances: FloatArray,
+    fit: Callable[[FloatArray], _Fit],
     *,
     tolerance: float,
     stall: float,
-    within_reach: BoolArray,
     progress: ProgressCallback | None,
-) -> _SpreadingRuns:
+) -> SpreadRun:
+    """Run until all sites at a finite distance are reached, and fit velocities to the arrivals.
+
+    They are at least as uncertain as they differ from those of a second run at a coarser tolerance;
+    all of them if only that run stopped.
+    """
+    within_reach = np.isfinite(distances)
     run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
     stopped = _follow(run, stall, within_reach, progress)
-    if stopped is not None:
-        return _SpreadingRuns(stopped, run, None, run.counts["steps"])
-    other = SmoothIntegration(chain, start, [_NEVER], tolerance=coarser_tolerance(tolerance))
-    arrived = _follow(other, stall, within_reach, progress) is None
-    steps = run.counts["steps"] + other.counts["steps"]
-    return _SpreadingRuns(None, run, other if arrived else None, steps)
-
-
-def _found(
-    chain: OwnChain,
-    runs: _SpreadingRuns,
-    fit: Callable[[FloatArray], _Fit],
-    distances: AnyArray,
-) -> SpreadRun:
-    angles, v, error = fit(runs.run.arrivals)
-    if runs.stopped is None:
-        other = np.zeros(v.size) if runs.coarser is None else fit(runs.coarser.arrivals)[1]
-        error = np.maximum(error, np.abs(v - other))
+    steps = run.counts["steps"]
+    angles, v, error = fit(run.arrivals)
+    if stopped is None:
+        other = SmoothIntegration(chain, start, [_NEVER], tolerance=coarser_tolerance(tolerance))
+        arrived = _follow(other, stall, within_reach, progress) is None
+        coarser = fit(other.arrivals)[1] if arrived else np.zeros(v.size)
+        error = np.maximum(error, np.abs(v - coarser))
+        steps += other.counts["steps"]
     found = Spread(
         angles=angles,
         velocities=v * chain.time_unit,
         errors=error * chain.time_unit,
-        distances=np.asarray(distances, dtype=float),
-        arrivals=runs.run.arrivals.copy(),
+        distances=distances,
+        arrivals=run.arrivals.copy(),
         positions=chain.links.positions,
     )
-    return SpreadRun(stopped=runs.stopped, spread=found, steps=runs.steps)
+    return SpreadRun(stopped=stopped, spread=found, steps=steps)
 
 
 def _follow(
@@ -337,14 +314,6 @@ def planar(
     sites = np.flatnonzero(row < excited)
     turns = [chain.front_phase_step * int(row[n]) for n in sites]
     start = excite(chain, (sites + 1).tolist(), quarter_turns=turns)
-    runs = _runs(
-        chain,
-        start,
-        tolerance=tolerance,
-        stall=stall,
-        within_reach=np.ones(chain.sites, dtype=bool),
-        progress=progress,
-    )
     used = (row >= excited) & (row < rows - math.ceil(EDGE))
 
     def fit(arrivals: FloatArray) -> _Fit:
@@ -352,7 +321,8 @@ def planar(
         v, error = _slope(row[part].astype(float), arrivals[part])
         return np.full(1, 0.5 * math.pi), np.full(1, v), np.full(1, error)
 
-    return _found(chain, runs, fit, row)
+    away = row.astype(float)
+    return _measured(chain, start, away, fit, tolerance=tolerance, stall=stall, progress=progress)
 
 
 def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float, float]:

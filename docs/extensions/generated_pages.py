@@ -77,6 +77,7 @@ def equations() -> str:
 
 def _row(printed: Any, step: Any, functions: list[str], figures: list[str]) -> str:
     from derivations import catalogue
+    from paper_checks.claims._equation_errata import readable
     from paper_checks.report.inline_math import typeset
     from paper_checks.report.mathml import formula
 
@@ -92,11 +93,11 @@ def _row(printed: Any, step: Any, functions: list[str], figures: list[str]) -> s
     )
     name = catalogue.owner(printed.number)
     verdict = printed.verdict.value
-    note = f" {typeset(printed.note)}" if printed.note else ""
+    note = f" {typeset(readable(printed.note))}" if printed.note else ""
     lines = [
         f'<span class="eq {verdict}">{verdict}</span>{note}',
-        f'Derivation <a href="steps.html#{name}">{escape(name)}</a>: {typeset(step.operation)}'
-        + (f" (from {sources})" if sources else ""),
+        f'Derivation <a href="steps.html#{name}">{escape(name)}</a>: '
+        f"{typeset(readable(step.operation))}" + (f" (from {sources})" if sources else ""),
     ]
     if functions:
         lines.append(
@@ -131,6 +132,7 @@ def steps() -> str:
     """Return the page of the derivations: every step with its operation and its equation."""
     from derivations import catalogue
     from derivations.algebra.rendering import equation_mathml
+    from paper_checks.claims._equation_errata import readable
     from paper_checks.report.inline_math import typeset
 
     parts = [(HERE / "steps_head.md").read_text(encoding="utf-8")]
@@ -138,7 +140,7 @@ def steps() -> str:
         catalogue.everything(), (*catalogue.NUMBERED, "second-order"), strict=True
     ):
         rows = "".join(
-            f"<tr><td>{place}</td><td>{typeset(step.operation)}"
+            f"<tr><td>{place}</td><td>{typeset(readable(step.operation))}"
             + (
                 f' <a href="equations.html#eq-{step.number}">({step.number})</a>'
                 if step.number is not None
@@ -240,8 +242,8 @@ def speed() -> str:
         if not targets:
             continue
         rows = "".join(
-            f"| {each['claim']} | {each['relation']} {each['limit']:g} {each['unit']} "
-            f"| {each['measured']:.3g} {each['unit']} | {each['verdict']} |\n"
+            f"| {each['claim']} | {each['relation']} {_measure(each['limit'], 'g', each['unit'])} "
+            f"| {_measure(each['measured'], '.3g', each['unit'])} | {each['verdict']} |\n"
             for each in targets
         )
         machine = record["machine"]
@@ -251,6 +253,14 @@ def speed() -> str:
             f"| what | target | measured | |\n|---|---|---|---|\n{rows}"
         )
     return "\n".join(parts)
+
+
+def _measure(value: float, spec: str, unit: str) -> str:
+    """Return a number with its unit: of how many times one is the other, a factor."""
+    number = format(value, spec)
+    if unit.startswith("times"):
+        return f"a factor of {number}{unit.removeprefix('times')}"
+    return f"{number} {unit}".rstrip()
 
 
 def sweeps() -> str:

@@ -14,7 +14,7 @@ from scipy.optimize import fsolve
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.ends import Ends
-from theory.chains.nucleus import Nucleus, outward_pattern
+from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
@@ -26,6 +26,7 @@ from verification.thresholds.escape import escape_range, escape_threshold
 from verification.thresholds.preparation import NucleusPreparation, hold, phase_steps
 from verification.thresholds.result import Mechanism, ThresholdMethod
 from verification.thresholds.slow_sweep import START, measure_delay
+from verification.thresholds.spreading import Spreading, spreads
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0)
 SEED = 20261121
@@ -314,3 +315,22 @@ def test_a_short_chain_is_solved_with_its_own_sites() -> None:
     assert found.c_crit == pytest.approx(fold[2], abs=1e-7)
     with pytest.raises(ParameterError, match="at most the 5 sites"):
         breather_threshold(chain, Nucleus(7, "000000"))
+
+
+def test_without_a_fold_the_fold_is_named_and_not_the_pattern() -> None:
+    """At η = 1e-4, ε = 1e-4 the cycle turns too slowly for its neighbours to follow."""
+    chain = VdpChain(a=1, b=1e-4, c=0, eps=1e-4, sites=3)
+    with pytest.raises(ParameterError, match="fold of the breather = absent up to c = 2"):
+        breather_threshold(chain, Nucleus(1), ThresholdMethod.ORBIT)
+
+
+def test_at_small_eta_breathers_outlive_the_fold_of_the_average_as_runs_do() -> None:
+    """Runs of (8) at η = 1e-3, ε = 1e-4, on both sides; the fold of (43) is at 0.0172."""
+    chain = VdpChain(a=1, b=1e-3, c=0.03, eps=1e-4, sites=5)
+    spreading = Spreading(place=Place.BULK, final_time=10.0)
+    assert not spreads(chain, spreading)
+    assert spreads(chain.replace(c=0.1), spreading)
+    assert breather(chain, method="envelope").status is BreatherStatus.NONE
+    found = breather(chain, method="orbit")
+    assert (found.status, found.stable) == (BreatherStatus.EXISTS, True)
+    assert breather(chain.replace(c=0.1), method="orbit").stable is False

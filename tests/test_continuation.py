@@ -308,6 +308,33 @@ def test_a_crossing_that_is_not_found_in_time_is_no_crossing(
         first_crossing(_linear(1.0), branch, monitor, 0)
 
 
+@pytest.mark.parametrize("after", [0, 3])
+def test_a_crossing_whose_search_rounding_ends_is_as_uncertain_as_its_sides(
+    after: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As near a fold at tiny ε, where the next step of Newton's method never becomes small."""
+    at = 0.3217
+
+    def monitor(u: Any, c: float) -> tuple[float]:
+        return (math.expm1(3.0 * (c - at)),)
+
+    branch = trace(_linear(1.0), solve_at(_linear(1.0), np.zeros(1), 0.0), 1.0, monitor)
+    exact, left = branches.step_along, [after]
+
+    def failing(*arguments: Any) -> Any:
+        left[0] -= 1
+        if left[0] < 0:
+            raise NotConvergedError("rounding")
+        return exact(*arguments)
+
+    monkeypatch.setattr(branches, "step_along", failing)
+    found = first_crossing(_linear(1.0), branch, monitor, 0)
+    assert found is not None
+    assert abs(found.parameter - at) <= found.error
+    assert (found.error > 1e-3) is (after == 0)
+    assert monitor(found.u, found.parameter)[0] <= 0.0
+
+
 def test_what_is_positive_from_the_start_crosses_there() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     branch = trace(circle, start, 5.0, lambda u, c: (c,))

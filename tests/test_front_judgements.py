@@ -1179,6 +1179,17 @@ def test_a_search_tells_after_each_run_what_part_is_done(
     assert seen[-1] > 0.4
 
 
+def test_a_search_tells_while_a_run_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One run can take minutes, where eps is small."""
+    monkeypatch.setattr(spreading, "_BUDGET", 500)
+    seen: list[float] = []
+    chain = VdpChain(a=4, b=0.5, c=0.0, sites=5)
+    assert not spreading.spreads(chain, Spreading(), 5.0, seen.append)
+    assert len(seen) > 3
+    assert seen == sorted(seen)
+    assert 0.0 < seen[0] < seen[-1] == 1.0
+
+
 @pytest.mark.parametrize(
     ("chain", "displacement", "point"),
     [

@@ -342,6 +342,8 @@ def _crossing(
 
     try:
         length = brentq(value, 0.0, far, xtol=_CROSSING * PARAMETER_WEIGHT, maxiter=_MAX_CROSSING)
+    except NotConvergedError:
+        length = None  # rounding ends the search: the crossing is between the two nearest places
     except RuntimeError:
         raise NotConvergedError(
             f"where stability changes between c = {ends[0][1]:.6g} and {ends[1][1]:.6g} was not "
@@ -350,7 +352,8 @@ def _crossing(
     low = max(place for place, (found, _, _) in seen.items() if found <= 0.0)
     high = min(place for place, (found, _, _) in seen.items() if found > 0.0)
     apart = abs(seen[high][1] - seen[low][1])
-    return Crossing(seen[length][1], apart + 1e-12, seen[length][2], from_start=False)
+    at = seen[low if length is None else length]
+    return Crossing(at[1], apart + 1e-12, at[2], from_start=False)
 
 
 def arrive(system: System, branch: ContinuationBranch, p: float) -> BranchPoint:

@@ -67,8 +67,9 @@ def breather_threshold(
     branch = family.branch()
     if branch.fold is None:
         raise ParameterError(
-            "pattern", repr(nucleus.pattern), "one whose branch folds below c = 2", "change a or b"
-        )
+            "fold of the breather", "absent up to c = 2", "below c = 2 for a critical coupling",
+            "take a larger eta, or bisection, which asks whether the nucleus spreads",
+        )  # fmt: skip
     longer = _sized(chain, nucleus, method, margin + EXTRA)
     other = own_family(longer, nucleus).branch(monitored=False).fold
     finite = (

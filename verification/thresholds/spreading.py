@@ -139,7 +139,12 @@ def _sites(chain: Chain) -> int:
     return sites
 
 
-def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None) -> bool:
+def spreads(
+    chain: Chain,
+    spreading: Spreading,
+    final_time: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> bool:
     """Run the chain until the nucleus has spread, has gone to rest, or the final time is over.
 
     Parameters
@@ -150,6 +155,8 @@ def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None)
         What is excited and what counts.
     final_time : float, optional
         In place of the one in ``spreading``.
+    progress : callable, optional
+        Called now and then with the part of the final time that is over.
 
     Examples
     --------
@@ -170,6 +177,8 @@ def spreads(chain: Chain, spreading: Spreading, final_time: float | None = None)
             return True
         if run.going_to_rest():
             return False
+        if progress is not None:
+            progress(min(run.time / end, 1.0))
     return spread()
 
 
@@ -193,12 +202,17 @@ class _Search:
     def spreads(self, c: float, *, longer: float = 1.0, coarser: float = 1.0) -> bool:
         """Run the chain at a coupling, with the final time and the tolerance times a factor."""
         self.runs += 1
-        if self._progress is not None:
-            self._progress(self.runs / (self.runs + self._expected))
+        self._report(0.0)
         tolerance = min(1e-4, coarser * self._spreading.tolerance)
         final = longer * self._spreading.final_time
         spreading = replace(self._spreading, tolerance=tolerance)
-        return spreads(self._chain.replace(c=c), spreading, final)
+        return spreads(self._chain.replace(c=c), spreading, final, self._report)
+
+    def _report(self, part: float) -> None:
+        """Report progress after a part of the present run, which may take minutes."""
+        if self._progress is not None:
+            done = self.runs + part
+            self._progress(done / (done + self._expected))
 
     def bracket(self, *, longer: float = 1.0, coarser: float = 1.0) -> tuple[float, float]:
         """Search upwards by a factor from the lowest coupling, then bisect."""

@@ -1226,7 +1226,7 @@ def test_a_coarser_run_has_no_coarser_tolerance_than_any_run_may_have(
 ) -> None:
     made: list[tuple[float, float]] = []
 
-    def spreads(_: object, how: Spreading, final: float) -> bool:
+    def spreads(chain: object, how: Spreading, final: float, *_: object) -> bool:
         made.append((how.tolerance, final))
         return True
 

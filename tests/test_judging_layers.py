@@ -248,7 +248,7 @@ def _known(
     Near one other coupling it is otherwise.
     """
 
-    def made_up(chain: Any, spreading: Spreading, final_time: float) -> bool:
+    def made_up(chain: Any, spreading: Spreading, final_time: float, _: Any) -> bool:
         limit = C_TRUE
         if spreading.tolerance > 1e-8:
             limit += coarser

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from fronts.cli import main
 from theory.averaged.front import strong_coupling_front
@@ -48,6 +49,30 @@ def test_the_uncertainty_bounds_the_distance_from_a_longer_measurement(
         assert short.error is not None
         assert long.error is not None
         assert abs(short.v - long.v) <= short.error + long.error
+
+
+def test_a_front_of_the_full_chain_below_depinning_is_pinned_and_not_creeping() -> None:
+    """Within a cycle √(y² + ẏ²) varies by 3 %; the largest of scipy's run ahead does not change."""
+    chain = VdpChain(a=4, b=0.5, c=0.05)
+    assert measure_front(chain).status is FrontStatus.PINNED
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        (y, v), w = state[:2].tolist(), state[2:].tolist()
+        pull = 0.01 * 0.05 * (v - y)
+        return [
+            *w,
+            -y + pull - 0.01 * w[0] * (1 - 4 * y**2 + 0.5 * y**4),
+            -v - pull - 0.01 * w[1] * (1 - 4 * v**2 + 0.5 * v**4),
+        ]
+
+    start = [chain.stable_amplitude, 0.0, 0.0, 0.0]
+    times = np.concatenate([end + np.linspace(-6.3, 0.0, 64) for end in (1500.0, 2000.0)])
+    run = solve_ivp(rate, (0.0, 2000.0), start, "DOP853", times, rtol=1e-6, atol=1e-8)
+    amplitude = np.hypot(run.y[:2], run.y[2:])
+    early, late = amplitude[:, :64], amplitude[:, 64:]
+    assert np.ptp(early[0]) > 0.02 * chain.stable_amplitude
+    assert abs(late.max(axis=1) - early.max(axis=1)).max() < 1e-3 * chain.stable_amplitude
+    assert late[1].max() < 0.5 * chain.unstable_amplitude
 
 
 def test_a_front_that_outruns_the_waves_does_not_know_what_is_behind_it() -> None:

@@ -5,12 +5,16 @@ Velocities are fitted to the arrivals in ``verification.fronts.arrival_fit``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from theory.arrays import FloatArray
+from theory.chains.chain import Chain
+from theory.chains.oscillator import OscillatorChain
+from theory.chains.vdp import VdpChain
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Trial
 from verification.fronts.status import FrontStatus
@@ -43,10 +47,16 @@ class Stall:
         motion is called pinned or creeping.
     settling_tolerance : float
         Change of an amplitude, from the first time to the second, below which it is pinned.
+    period : float
+        Time over which the largest amplitudes count: of a cycle of (8), within which √(y² + ẏ²)
+        varies by some part ε max|1 - a y² + b y⁴| of itself; 0 where it does not.
     """
 
-    def __init__(self, run: Integration, time: float, settling_tolerance: float) -> None:
+    def __init__(
+        self, run: Integration, time: float, settling_tolerance: float, period: float = 0.0
+    ) -> None:
         self.run, self.time, self.settling_tolerance = run, time, settling_tolerance
+        self.period = period
         self.reached, self.since = 0, 0.0
         self.early: FloatArray | None = None
 
@@ -65,11 +75,37 @@ class Stall:
         if self.run.going_to_rest():
             return FrontStatus.COLLAPSED
         if self.waited > self.time and self.early is None:
-            self.early = self.run.amplitude
+            self.early = self._largest()
         if self.waited <= 2.0 * self.time or self.early is None:
             return None
-        change = float(np.max(np.abs(self.run.amplitude - self.early)))
+        change = float(np.max(np.abs(self._largest() - self.early)))
         return FrontStatus.PINNED if change < self.settling_tolerance else FrontStatus.CREEPING
+
+    def _largest(self) -> FloatArray:
+        """Return the largest amplitudes over a period, step by step."""
+        found, end = self.run.amplitude, self.run.time + self.period
+        while self.run.time < end and not self.run.finished:
+            self.run.advance(1)
+            found = np.maximum(found, self.run.amplitude)
+        return found
+
+
+def cycle_period(chain: Chain) -> float:
+    """Return a time within which every cycle of a chain has turned once; 0 of an averaged one.
+
+    Examples
+    --------
+    >>> from theory.chains.vdp import AveragedChain, VdpChain
+    >>> cycle_period(AveragedChain(a=4, b=0.5, c=0.1))
+    0.0
+    >>> cycle_period(VdpChain(a=4, b=0.5, c=0.1)) > 6.285216
+    True
+    """
+    if isinstance(chain, VdpChain):
+        return 4.0 * math.pi  # twice that of small eps
+    free = isinstance(chain, OscillatorChain) and not chain.drive
+    cycles = chain.cell.cycles if free else ()  # under a force amplitudes never become constant
+    return max((each.period for each in cycles), default=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +114,7 @@ class Watch:
 
     Attributes
     ----------
-    stall_time, settling_tolerance : float
+    stall_time, settling_tolerance, period : float
         As in :class:`Stall`.
     first : int
         First site of which v is made, counted from 0; before it sites are excited.
@@ -91,11 +127,12 @@ class Watch:
     settling_tolerance: float
     first: int
     progress: ProgressCallback | None = None
+    period: float = 0.0
 
     def follow(self, run: Integration) -> FrontStatus | None:
         """Step until the far end is reached (None), or until the front has stopped."""
         sites = run.state.shape[1]
-        stall = Stall(run, self.stall_time, self.settling_tolerance)
+        stall = Stall(run, self.stall_time, self.settling_tolerance, self.period)
         budget, before, part = BUDGET, 0.0, 0.0
         while True:
             run.advance(budget)

@@ -331,3 +331,38 @@ def test_files_may_be_named_by_text(tmp_path: Path) -> None:
     assert map_file.exists()
     run = fr.simulate(CHAINS["vdp"], START, 1.0, checkpoint=str(checkpoint))
     assert run.times[-1] == 1.0
+
+
+def test_a_nucleus_wider_than_its_chain_is_refused_for_that_and_not_for_its_pattern() -> None:
+    chain = fr.VdpChain(a=2.5, b=0.5, c=0.1, sites=9)
+    with pytest.raises(fr.ParameterError, match=r"nucleus = 20 .* at most the 9 sites"):
+        fr.breather(chain, nucleus=fr.Nucleus(20))
+
+
+@pytest.mark.parametrize("size", [4, 6])
+def test_the_pattern_that_is_advised_for_an_even_nucleus_has_a_breather(size: int) -> None:
+    chain = fr.VdpChain(a=2.5, b=0.5, c=0.1, sites=size + 8)
+    with pytest.raises(fr.ParameterError) as refused:
+        fr.breather(chain, nucleus=fr.Nucleus(size))
+    pattern = str(refused.value).split("'")[1]
+    assert fr.breather(chain, nucleus=fr.Nucleus(size, pattern)).status.value == "exists"
+
+
+def test_a_seed_that_no_generator_takes_is_refused_in_a_sentence() -> None:
+    chain = fr.VdpChain(a=2.5, b=0.5, c=0.1)
+    with pytest.raises(fr.ParameterError, match="seed = -1"):
+        fr.breather(chain, method="simulation", seed=-1)
+    with pytest.raises(fr.ParameterError, match="seed = -1"):
+        fr.threshold(chain, fr.Nucleus(3), method="hold", perturbation=1e-3, seed=-1)
+
+
+@pytest.mark.parametrize("c", [None, [0.5, None]])
+def test_none_among_numbers_is_named(c: Any) -> None:
+    with pytest.raises(fr.ParameterError, match=r"coupling c = .*None.* a number or numbers"):
+        fr.kinetic_relation(c=c, eta=0.03)
+
+
+def test_a_fold_that_does_not_exist_has_no_error() -> None:
+    chain = fr.VdpChain(a=2.5, b=0.5, c=0.1)
+    found = fr.breather(chain, method="closed-form", reading="centre")
+    assert (found.fold, found.fold_error) == (None, None)

@@ -121,7 +121,8 @@ def real_array(quantity: str, values: object) -> NDArray[np.float64]:
     ma = sys.modules.get("numpy.ma")  # not loaded: nobody has made a masked array
     try:
         given = np.asarray(values)
-        if given.dtype.kind in "iufO" and not (ma and ma.is_masked(values)):
+        absent = given.dtype.kind == "O" and any(each is None for each in given.ravel())
+        if given.dtype.kind in "iufO" and not absent and not (ma and ma.is_masked(values)):
             return given.astype(float)
     except (TypeError, ValueError, OverflowError):
         pass

@@ -209,9 +209,11 @@ def outward_pattern(size: int) -> str:
     if size == 2:
         return "0"
     if size % 2 == 0:
+        lopsided = "+" * (size // 2) + "-" * (size // 2 - 1)
         raise ParameterError(
-            "nucleus", size, "odd, or 2, for a mirror-symmetric breather", "name a --pattern"
-        )
+            "nucleus", size, "odd, or 2, for a breather that sites in phase relax to",
+            f"name a pattern of + and -, as '{lopsided}'",
+        )  # fmt: skip
     half = (size - 1) // 2
     return "-" * half + "+" * half
 

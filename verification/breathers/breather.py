@@ -20,7 +20,7 @@ from theory.averaged.breather import (
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, need_instance, refuse_unread, word
+from theory.parameters import ParameterError, count_within, need_instance, refuse_unread, word
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.exponents import BreatherStability
 from verification.breathers.families import own_family, own_method
@@ -136,7 +136,7 @@ def breather(
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     nucleus = with_pattern(nucleus, chain.sites)
     _ = chain.stable_amplitude
-    choice = _Choice(Reading(reading), seed)
+    choice = _Choice(Reading(reading), count_within("seed", seed, 0, 2**32 - 1))
     if isinstance(chain, OscillatorChain):
         if method is not None and not (isinstance(method, str) and method == "orbit"):
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")
@@ -183,6 +183,7 @@ class _Choice(NamedTuple):
 
 def with_pattern(nucleus: Nucleus, sites: int) -> Nucleus:
     """Return the nucleus with a pattern that a breather in a chain of so many sites can have."""
+    nucleus.first(sites)  # refuses one that is wider, before its pattern is blamed
     at_edge = nucleus.place is Place.EDGE and nucleus.size != sites
     if nucleus.size > 2 and nucleus.in_phase and at_edge:
         raise ParameterError(
@@ -217,7 +218,7 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
             method=BreatherMethod.CLOSED_FORM,
             status=BreatherStatus.NONE,
             fold=fold.c,
-            fold_error=fold.error,
+            fold_error=None if fold.c is None else fold.error,
             seconds=found.seconds,
         )
     odd = replace(full, sites=min(chain.sites + (chain.sites + 1) % 2, 31))

@@ -13,7 +13,14 @@ from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError, need_instance, refuse_unread, within, word
+from theory.parameters import (
+    ParameterError,
+    count_within,
+    need_instance,
+    refuse_unread,
+    within,
+    word,
+)
 from verification.breathers.families import own_method
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
@@ -252,7 +259,8 @@ def _by_runs_of_43(
             "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
         )
     within("perturbation", noise, 0.0, 0.1)
-    preparation = NucleusPreparation(nucleus.size, nucleus.place, noise, seed)
+    first = count_within("seed", seed, 0, 2**32 - 1)
+    preparation = NucleusPreparation(nucleus.size, nucleus.place, noise, first)
     if how is ThresholdMethod.HOLD:
         return escape_range(chain, preparation)
     return sweep_threshold(chain, preparation)

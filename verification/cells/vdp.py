@@ -76,7 +76,8 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     """
     begin = perf_counter()
     eta = eta_from_damping(a, b)
-    within("small parameter eps", eps, 1e-4, 1.0)
+    remedy = "give such a value; for smaller ones take the averaged cell, which is their limit"
+    within("small parameter eps", eps, 1e-4, 1.0, remedy)
     within("tolerance", tolerance, 1e-13, 1e-6)
     stable = unstable = None
     if is_bistable(eta):

@@ -103,9 +103,10 @@ def cycle_period(chain: Chain) -> float:
     """
     if isinstance(chain, VdpChain):
         return 4.0 * math.pi  # twice that of small eps
-    free = isinstance(chain, OscillatorChain) and not chain.drive
-    cycles = chain.cell.cycles if free else ()  # under a force amplitudes never become constant
-    return max((each.period for each in cycles), default=0.0)
+    # Under a force amplitudes never become constant.
+    if not isinstance(chain, OscillatorChain) or chain.drive:
+        return 0.0
+    return max((each.period for each in chain.cell.cycles), default=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -53,8 +53,8 @@ def exact_profile(zeta: float, v: float, c: float, points: int) -> mp.mpc:
         total = mp.mpc(0)
         for j in range(points):
             k = 2 * mp.pi * (j + mp.mpf("0.5")) / points
-            A = mp.mpf("0.5") - 1j * c_ * (1 - mp.cos(k))
             u = mp.expj(k)
+            A = mp.mpf("0.5") - 1j * c_ * (1 - u.real)
             late = mp.exp(A * f / v_) / (1 - mp.exp(A / v_) / u)
             total += u**m / A * (1 / (1 - 1 / u) - late)
         return mp.mpf("0.5") - total / (2 * points)

@@ -51,9 +51,10 @@ def true_root(k: complex, v: float, c: float) -> mp.mpc:
             at = printed_dispersion(z, v, c)
             slope = (printed_dispersion(z + h, v, c) - printed_dispersion(z - h, v, c)) / (2 * h)
             z -= at / slope
-        # 80 digits less those the difference loses; L is that small only at a root
-        assert abs(at) < mp.mpf(10) ** -30 * (1 + v * abs(z))
-        return z
+            # 80 digits less those the difference loses; L is that small only at a root
+            if abs(at) < mp.mpf(10) ** -30 * (1 + v * abs(z)):
+                return z
+        raise AssertionError(f"no root near {k}")
 
 
 def winding(v: float, c: float, corners: list[complex], points: int) -> int:

@@ -33,7 +33,7 @@ def test_for_little_damping_at_rest_kappa_is_that_of_the_fastest_decay():
 @pytest.mark.parametrize("eta", [0.002, 0.03125, 0.085])
 def test_kappa_is_that_of_shooting(eta):
     found = strong_coupling_front(eta)
-    low, high = kappa_by_shooting(eta, found.kappa - 0.01, found.kappa + 0.02)
+    low, high = kappa_by_shooting(eta, found.kappa - 1e-8, found.kappa + 2e-8)
     # A hundred steps of scipy, each to 1e-13.
     assert low - 1e-11 <= found.kappa + found.error
     assert found.kappa - found.error <= high + 1e-11

@@ -270,15 +270,15 @@ class Window:
         rho = np.where(np.arange(self.left + self.right) <= self.left, 1.0, 0.0)
         h = 0.8 * _STEP / (self.chain.c + self.attraction)
         time = last = before = 0.0
-        interval = math.inf
+        interval, unstable = math.inf, self.unstable
         for _ in range(_PERIODS):
             after = rho
-            while after[self.left + 1] < self.unstable:
+            while after[self.left + 1] < unstable:
                 rho, time = after, time + h
                 after = advanced(rho, self.chain, h, 1)
                 if time - last > 1.0 / SLOWEST:
                     raise self._no_front()
-            part = (self.unstable - rho[self.left + 1]) / (after - rho)[self.left + 1]
+            part = (unstable - rho[self.left + 1]) / (after - rho)[self.left + 1]
             rho = np.append(advanced(rho, self.chain, part * h, 1)[1:], 0.0)
             time -= (1.0 - part) * h
             before, interval, last = interval, time - last, time

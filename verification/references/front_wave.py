@@ -77,7 +77,7 @@ def front_velocity(
         value = np.append(v * slope + (c * neighbours - damping) / 2, R[middle] - unstable)
         column = csc_matrix(np.asarray(slope, float)[:, None])
         above = hstack([_matrix(R.astype(float), float(v), c, eta, per_site), column])
-        change = spsolve(vstack([above, phase]).tocsc(), value.astype(float))
+        change = spsolve(vstack([above, phase]).tocsc(), value.astype(float), permc_spec="MMD_ATA")
         R, v = R - change[:-1], v - change[-1]
         size = float(np.abs(change).max() / stable)
         if last < 1e-10 and size > 0.1 * last:  # its own roundings are all that is left

@@ -208,12 +208,12 @@ def test_sweeps_of_what_leaves_its_breather_are_not_extrapolated(size: int) -> N
 
 @pytest.mark.parametrize(
     ("size", "lowest", "highest"),
-    [(3, 0.178, 0.192), (5, 0.18, 0.19), (7, 0.182, 0.19), (9, 0.182, 0.187)],
+    [(3, 0.178, 0.192), (9, 0.182, 0.187)],
 )
 def test_the_range_of_escape_holds_every_run_that_contradicts_one_threshold(
     size: int, lowest: float, highest: float
 ) -> None:
-    """At couplings far and near; sizes 7, 9 escape, hold and escape again."""
+    """At couplings far and near; size 9 escapes, holds and escapes again."""
     noisy = NucleusPreparation(size, perturbation=1e-6)
     found = escape_range(CHAIN, noisy)
     assert found.low < found.high

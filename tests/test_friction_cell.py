@@ -546,7 +546,7 @@ def test_diagrams_are_written_whole(suffix: str, tmp_path: Path) -> None:
         "friction --v-d 0", "friction --v-d -1", "friction --v-d nan",
         "friction --v-d 1 --mu-st 0.5", "friction --v-d 1 --mu-st 0.4", "friction --v-d 1 --v0 0",
         "friction --v-d 1 --xi -1", "friction --v-d 1 --a 2", "friction --v-d 0:2:5",
-        "friction --v-d 1:2:99999", "friction --v-d 1 --out cell.png", "friction --v-d 200 --xi 0",
+        "friction --v-d 1:2:2001", "friction --v-d 1 --out cell.png", "friction --v-d 200 --xi 0",
         "friction --v-d 1:2:3 --out /nowhere/cell.png", "vdp --a 1 --b 1 --v-d 1",
         "vdp --a -1 --b 1", "vdp --a 2.5 --b 0.5 --eps 0",
     ],

@@ -64,10 +64,10 @@ CASES = {
     "steep": (
         FrictionChain.of(replace(CELL, v0=0.02, v_d=0.5), c=0.1, sites=3),
         random_start(3),
-        20.0,
+        10.0,
     ),
     "alike": (FrictionChain(c=0.3, sites=4), np.full((2, 4), 1.2) * [[1.5], [0.0]], 60.0),
-    "far": (FrictionChain(c=0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 20.0),
+    "far": (FrictionChain(c=0.1, sites=3), np.array([[20.0, 0, 0], [0, 0, 0]]), 12.0),
 }
 
 

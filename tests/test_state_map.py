@@ -387,14 +387,14 @@ def test_the_boundary_of_the_full_chain_begins_at_that_of_the_averaged_one() -> 
 def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
     tmp_path: Path,
 ) -> None:
-    points = state_points(FULL, {"eta": [0.03, 0.09, 0.11, 0.13], "c": [0.05, 0.3, 0.6]})
+    points = state_points(FULL, {"eta": [0.03, 0.11], "c": [0.05, 0.3, 0.6]})
     tables = [
         sweep(FULL, points, out=tmp_path / f"{workers}.csv", workers=workers) for workers in (1, 2)
     ]
     assert list(tables[0].rows()) == list(tables[1].rows())
     assert set(tables[0]["label"]) == {"front", "breather", "fixed point"}
     agreement = compare(tables[0], sweep(ENVELOPE, points, workers=1))
-    assert (agreement.same, agreement.total, agreement.contradicting) == (12, 12, 0)
+    assert (agreement.same, agreement.total, agreement.contradicting) == (6, 6, 0)
     with pytest.raises(ValueError, match="same points"):
         compare(tables[0], sweep(ENVELOPE, points[:3], workers=1))
 

@@ -173,9 +173,10 @@ class _Law:
     def rate(self, modes: IntArray, _: float, z: FloatArray) -> FloatArray:
         """Return the derivative of (y, w); modes: 0 in stick, else the sign of w in slip."""
         w = z[self.sites :]
+        velocity = w + self.cell.v_d
         friction = modes * dynamic_friction(modes * w, self.cell)
-        pull = -friction - 2.0 * self.cell.xi * w - self.hold(z)
-        return np.concatenate([w + self.cell.v_d, np.where(modes == 0, 0.0, pull)])
+        force = friction + load(z[: self.sites], velocity, self.chain)
+        return np.concatenate([velocity, -np.abs(modes) * force])
 
     def first_modes(self, z: FloatArray) -> IntArray:
         """Return the modes at the start."""

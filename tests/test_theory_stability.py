@@ -138,7 +138,7 @@ def test_the_running_chain_keeps_stable_fronts_and_leaves_unstable_ones(c, eta, 
         assert run.status is FrontStatus.UNSTEADY
 
 
-@pytest.mark.parametrize("eta", [0.01, 0.02, 0.04, 0.05, 0.06])
+@pytest.mark.parametrize("eta", [0.01, 0.04, 0.06])
 @pytest.mark.parametrize("share", [0.97, 1.03])
 def test_the_running_chain_loses_the_fastest_front_where_c_stable_says(eta, share):
     """Three per cent on both sides of c_stable, at other η than the paper's."""

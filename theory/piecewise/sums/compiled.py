@@ -29,6 +29,13 @@ _WITHIN_LOOPS = (
     "side_of", "twice_arcsine",
 )  # fmt: skip
 """Calls that would keep a loop from being vectorised."""
+_CALLED = (
+    "block_values", "block_slopes", "plan_legs", "still_parts", "start_roots",
+    "start_resonant_pairs", "settle", "exponents_on_legs", "exponents_on_axis", "exponentials",
+    "clearances", "add_effects", "add_effect_slopes", "add_all_nodes", "add_leg", "add_leg_slopes",
+    "plan_axis",
+)  # fmt: skip
+"""What Python calls; all others are stored as parts of these, without a way in of their own."""
 
 
 def _state_of_sources() -> str:
@@ -42,10 +49,11 @@ def _state_of_sources() -> str:
 
 @lru_cache(maxsize=1)
 def compiled_rules() -> dict[str, Any]:
-    """Return the functions of the rules by name, each one compiled and calling the others so."""
+    """Return what Python calls of the rules by name, compiled and calling the others so."""
     from numba import njit
 
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
+    options: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+    inner = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     state = _state_of_sources()
     namespace: dict[str, Any] = {}
     for module in _MODULES:
@@ -55,7 +63,9 @@ def compiled_rules() -> dict[str, Any]:
             if isinstance(plain, FunctionType) and plain.__module__ == module.__name__:
                 copy = FunctionType(plain.__code__, namespace, name)
                 copy.__module__, copy.__qualname__ = plain.__module__, f"{name}_{state}"
-                namespace[name] = njit(**options, forceinline=name in _WITHIN_LOOPS)(copy)
+                options["forceinline"] = name in _WITHIN_LOOPS
+                kind = {"cache": True} if name in _CALLED else inner
+                namespace[name] = njit(**options, **kind)(copy)
     for plain_name, name in _WITHOUT_BRANCHES.items():
         namespace[plain_name] = namespace[name]
-    return namespace
+    return {name: namespace[name] for name in _CALLED}

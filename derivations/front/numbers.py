@@ -76,6 +76,14 @@ class Lattice:
             total = total - 0.5 * spring * distance * (ahead - back)
         return total
 
+    def newton(self, k: Any, v: float) -> Any:
+        """L/(dL/dk), shape of ``k``: a step of Newton's method, with each exponential once."""
+        value, slope = self.decay - 1j * v * k, -1j * v + 0 * k
+        for distance, spring, ahead, back in self._neighbours(k):
+            value = value - 0.5j * spring * (2 - ahead - back)
+            slope = slope - 0.5 * spring * distance * (ahead - back)
+        return value / slope
+
 
 @lru_cache(maxsize=64)
 def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) -> Any:
@@ -113,8 +121,11 @@ def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
     heights = np.geomspace(0.02, 9, 14)
     k = (columns[:, None] + 1j * sign * heights[None, :]).ravel()
     with np.errstate(all="ignore"):
+        moves = np.arange(k.size)
         for _ in range(25):
-            k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
+            steps = lattice.newton(k[moves], v)
+            k[moves] -= steps
+            moves = moves[np.abs(steps) > 1e-15 * np.abs(k[moves])]  # nor what is not a number
         good = _are_zeros(k, lattice, v)
     k = k[good & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
     found: list[complex] = []
@@ -139,7 +150,7 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
         if np.all(np.abs(k - before) < 1e-9 * np.abs(k)):  # what is left falls to Newton's method
             break
     for _ in range(3):
-        k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
+        k = k - lattice.newton(k, v)
     return k
 
 

@@ -327,7 +327,7 @@ class Differentiate(Operation):
             current = current.diff(self.variable)
             known = {held.diff((self.variable, order)): name, **known}  # the highest first
             plain = current.subs(known).subs(held, self.quantity)
-            (found,) = sp.solve(plain, name)
+            found = -plain.subs(name, 0) / plain.diff(name)  # the highest enters linearly
             out.append(equation(name, sp.expand(found)))
         return system(tuple(out))
 

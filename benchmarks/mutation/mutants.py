@@ -175,15 +175,18 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     2 -> 3
     """
     tree = ast.parse(source)
+    timed = "perf_counter" in source
     found = []
     seen: Counter[tuple[str, str]] = Counter()
     for place in places_of(tree, Scope()):
         node, scope = place.node, place.scope
-        if "perf_counter()" in ast.unparse(node):
+        if timed and "perf_counter()" in ast.unparse(node):
             continue
+        old = ""
         for new in _changes(place):
             changed = ast.copy_location(ast.fix_missing_locations(new), node)
-            text = f"{_short(node)} -> {_short(changed)}"
+            old = old or _short(node)
+            text = f"{old} -> {_short(changed)}"
             if scope.default:  # counted apart
                 text = f"default {text}"
             seen[scope.function, text] += 1

@@ -88,6 +88,8 @@ def _inner(tree: ast.AST, node: ast.AST, scope: Scope) -> Scope:
     elif isinstance(tree, ast.Assign) and isinstance(tree.targets[0], ast.Name):
         name = tree.targets[0].id
     default = scope.default or isinstance(node, ast.arguments)
+    if (name, default) == (scope.keyword, scope.default):
+        return scope
     return replace(scope, keyword=name, default=default)
 
 

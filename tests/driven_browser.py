@@ -179,14 +179,19 @@ class Browser:
         path.write_bytes(base64.b64decode(shot["data"]))
 
 
-@contextmanager
-def opened(profile: Path) -> Iterator[Browser]:
-    """Give a browser; where there is none, skip the test, or fail it if one is asked for."""
+def need_browser() -> None:
+    """Where there is no browser, skip the test, or fail it if one is asked for."""
     if PROGRAM is None:
         missing = f"no browser found: install one of {', '.join(NAMES)}"
         if os.environ.get("FRONTS_NEED_BROWSER"):
             pytest.fail(missing)  # where the project is checked as a whole
         pytest.skip(missing)
+
+
+@contextmanager
+def opened(profile: Path) -> Iterator[Browser]:
+    """Give a browser, if there is one."""
+    need_browser()
     with Browser("data:text/html,ready", profile) as browser:
         yield browser
 

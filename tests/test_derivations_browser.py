@@ -5,7 +5,7 @@ import pytest
 from derivations import catalogue, judgement
 from derivations.algebra.mathml import mathml
 from derivations.algebra.rendering import equation_latex, equation_mathml
-from tests.driven_browser import opened
+from tests.driven_browser import need_browser, opened
 
 PROBE = """(() => {
   const all = (root, what) => [...root.querySelectorAll(what)];
@@ -42,6 +42,7 @@ STYLE = "<style>math { display: inline math; }</style>"
 @pytest.fixture(scope="module")
 def equations():
     """LaTeX and MathML of every derived equation, and of every one as printed, by its name."""
+    need_browser()  # before seconds are spent on what it would draw
     found = {}
     for key in catalogue.LISTING:
         for step in catalogue.load(key).steps:

@@ -158,17 +158,16 @@ def test_the_words_do_not_depend_on_the_terminal():
         "from derivations import catalogue; from derivations.algebra.rendering import sentence;"
         "print(ascii([sentence(s) for s in catalogue.load('averaging').steps]))"
     )
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", code],
-            env={**os.environ, "PYTHONIOENCODING": encoding},
-            capture_output=True,
-            check=True,
-        ).stdout
-        for encoding in ("ascii", "utf-8")
-    ]
-    assert said[0] == said[1]
-    assert b"\\u03b1\\u2080" in said[0]
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    said = ascii([rendering.sentence(step) for step in catalogue.load("averaging").steps])
+    assert done.stdout.strip() == said
+    assert "\\u03b1\\u2080" in said
 
 
 @pytest.mark.parametrize(

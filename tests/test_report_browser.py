@@ -11,7 +11,7 @@ import pytest
 from fronts.cli import main
 from paper_checks import discover
 from paper_checks.report import measurements
-from tests.driven_browser import opened
+from tests.driven_browser import need_browser, opened
 
 TYPED = {
     ("fig16-escape",): ("eq. 4", "Eq 4", "(4)", "eq4", "equations 4", "Eq. (4)"),
@@ -111,6 +111,7 @@ WIDTHS = (1400, 800, 390)
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Write the report on the made-up claims."""
+    need_browser()
     out = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(Path(__file__).parent / "report_example"))

@@ -13,7 +13,7 @@ import pytest
 
 from fronts.cli import main
 from paper_checks import shipped
-from tests.driven_browser import opened
+from tests.driven_browser import need_browser, opened
 
 QUICK = ("equations", "expectations", "fig05-regions", "fig13-similar", "fig15-regions", "fig16",
          "text-uniquely")  # fmt: skip
@@ -61,6 +61,7 @@ PROBE = """(() => {
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """Return the address of a report on the paper."""
+    need_browser()  # before seconds are spent on what it would show
     given = os.environ.get("FRONTS_REPORT")
     if given is None:
         given = tmp_path_factory.mktemp("report")

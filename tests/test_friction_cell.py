@@ -481,6 +481,8 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
         assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable_cycle.min, abs=1e-8)
     assert np.isnan(diagram.unstable[[0, 3]]).all()
     assert np.isnan(diagram.stable[3]).all()
+    dry = cell_diagram(FrictionCell(law="coulomb", xi=0.01), [0.5])
+    assert (np.isnan(dry.stable).any(), np.isnan(dry.unstable).all()) == (False, True)
 
 
 def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None:

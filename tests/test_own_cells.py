@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -189,6 +190,16 @@ def test_a_cycle_is_looked_for_between_those_beside_it(at: int) -> None:
     limits = [each.amplitude for each in chain.cell.cycles]
     found = oscillator._fixed(chain, at, 1e-6)
     assert limits[at] < found < 1.05 * limits[at]
+
+
+def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
+    """Where y is largest v is zero: of a damping yv the largest is half of both sizes."""
+    limit: Any = SimpleNamespace(amplitude=2.0, velocity=3.0)
+    chain: Any = SimpleNamespace(cell=SimpleNamespace(damping_at=lambda y, v: y * v))
+    for share in (0.99, 1.01):
+        chain.eps = share * oscillator._STIFFEST / 3.0
+        with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 60"):
+            oscillator._check_stiffness(chain, limit)
 
 
 def _made_turns(monkeypatch: pytest.MonkeyPatch, cycles: tuple[float, ...], slope: float) -> None:

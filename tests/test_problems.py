@@ -80,6 +80,8 @@ def test_problems_in_its_ranges_are_points_of_a_computation() -> None:
         first = row.fixed_points[: len(inside)]
         for problem, point in zip(inside, first, strict=True):
             assert all(point[name] == problem[name] for name in point if name in problem.values)
+        every_other = [row.point(0, 2 * number) for number in range(len(row.fixed_points))]
+        assert every_other == list(row.fixed_points)
 
 
 def test_what_is_not_there_is_refused() -> None:

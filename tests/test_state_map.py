@@ -20,6 +20,8 @@ from scipy.integrate import solve_ivp
 from benchmarks.steppers.fixed import fixed_steps
 from fronts.cli import main
 from theory.chains.ends import Ends
+from theory.chains.friction import FrictionChain
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution.points import Point
@@ -426,6 +428,24 @@ def test_a_refusal_names_the_value_that_was_given() -> None:
         state_map(ENVELOPE, c=[0.1], refine=3.0)
     with pytest.raises(ParameterError, match=r"^number of sites n = 1001\b"):
         StateTask(chain=FIGURE_15.replace(sites=1001))
+
+
+@pytest.mark.parametrize(
+    ("chain", "usual", "shortest"),
+    [
+        (FIGURE_15, 2000.0, 40.0),
+        (FrictionChain(c=0.0, sites=7), 20_000.0, 320.0),
+        (OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1, sites=7), 2000.0, 80.0),
+    ],
+)
+def test_a_map_has_its_usual_end_and_a_shortest_one(
+    chain: Any, usual: float, shortest: float
+) -> None:
+    """The shortest leaves a state time to hold in its first half."""
+    assert StateTask(chain=chain).end_time == usual
+    assert StateTask(chain=chain, end=shortest).end_time == shortest
+    with pytest.raises(ParameterError, match="end time"):
+        StateTask(chain=chain, end=0.999 * shortest)
 
 
 def test_a_comparison_says_which_map_named_what() -> None:

@@ -106,8 +106,7 @@ def cell_diagram(
         if cycle is None:
             continue
         stable[i], stick[i] = (cycle.min, cycle.max), cycle.stick_time
-        separated = smooth and here.effective_damping > 0.0
-        other = unstable_once(here, tolerance) if separated else None
+        other = unstable_once(here, tolerance) if smooth else None
         if other is not None:
             unstable[i] = other.min, other.max
             growth[i] = np.nan if other.multiplier is None else other.multiplier

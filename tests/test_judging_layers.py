@@ -68,6 +68,8 @@ from verification.quantities.quantity import (
     Computation,
     ReferenceCheck,
     StatedValue,
+    axes,
+    whole,
 )
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
@@ -1085,6 +1087,43 @@ def test_values_at_random_are_of_every_decade_and_beside_what_is_special() -> No
     assert 60 < away.size < 140  # a quarter of them
     assert np.abs(away).max() <= 0.1
     assert min((away > 0).sum(), (away < 0).sum()) > 20
+
+
+def test_corners_are_made_of_both_ends_of_each_range_and_of_what_is_special() -> None:
+    x = Axis(name="x", low=2.0, high=3.0, near=(2.5,), closest=1e-3)
+    y = Axis(name="y", low=1.0, high=100.0)
+    assert x.ends() == pytest.approx((2.0, 3.0, 2.4975, 2.5025), rel=1e-14)
+    assert (x.middle(), y.middle()) == pytest.approx((math.sqrt(6.0), 10.0))
+    assert replace(x, whole=True).middle() == 2.0
+    made = _computation(x, y)
+    assert made.fixed_points == tuple(
+        {"x": one, "y": other} for one in x.ends() for other in (1.0, 100.0)
+    )
+    assert [axis.whole for axis in axes(n=(1, 2), c=(1, 2.5), v=(1.5, 2))] == [True, False, False]
+    assert (whole(3.0), whole(math.inf)) == (3, math.inf)
+
+
+def _computation(*of: Axis) -> Computation:
+    return Computation(
+        name="made-up", title="for this test", axes=of, seconds=1.0,
+        compute=lambda _: StatedValue(value=1.0, error=0.0),
+        check=lambda *_: ReferenceCheck.exact(True, "this test"),
+    )  # fmt: skip
+
+
+def test_every_twentieth_point_has_a_value_that_is_not_allowed() -> None:
+    made = _computation(Axis(name="x", low=0.5, high=2.0), Axis(name="y", low=0.5, high=2.0))
+    for number in range(1, 2000, 2):
+        outside = [not 0.5 <= value <= 2.0 for value in made.point(0, number).values()]
+        assert sum(outside) == (number % 20 == 19)
+
+
+def test_an_error_belongs_to_a_value_and_a_yes_or_no_is_certain() -> None:
+    found = SimpleNamespace(error=1e-3)
+    assert [StatedValue.of(found, value).error for value in (0.5, None)] == [1e-3, 0.0]
+    for held, distance in ((True, 0.0), (False, math.inf)):
+        check = ReferenceCheck.exact(held, "this test")
+        assert (check.distance, check.uncertainty, check.method) == (distance, 0.0, "this test")
 
 
 # ----------------------------------------------------------------------- what is kept and answered

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import shlex
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +22,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.cells import friction_cycles
-from verification.cells.diagram import cell_diagram
+from verification.cells.diagram import bifurcation, cell_diagram
 from verification.cells.friction import (
     _with_error,
     cycle_end_velocity,
@@ -441,8 +442,16 @@ def test_a_cell_that_reverses_before_it_sticks_turns_where_its_slips_back_do(
     assert set(begun) == {(CELL.release, 0.0), (0.5, 0.0)}
 
 
+def test_an_unstable_cycle_that_must_exist_and_is_not_found_is_said_to_be(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(friction_cycles, "_growth", lambda *_, **__: 0.5)
+    with pytest.raises(ArithmeticError, match="no unstable cycle found"):
+        friction_cycles.unstable_once(replace(CELL, v_d=1.3), 1e-8)
+
+
 def test_a_cell_that_never_sticks_is_refused() -> None:
-    with pytest.raises(ParameterError, match=r"= 200 at damping xi = 0 .*stick"):
+    with pytest.raises(ParameterError, match=r"= 200 at damping xi = 0 .*must be low enough .*st"):
         friction_cell(FrictionCell(v_d=200.0, xi=0.0))
     with pytest.raises(ParameterError, match="v_d"):
         friction_cell(FrictionCell(v_d=1e-300))
@@ -475,6 +484,7 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     diagram = cell_diagram(CELL, [1.0, 1.3, 1.7, 2.0])
     for i in (1, 2):
         orbits = friction_cell(replace(CELL, v_d=float(diagram.v_d[i])))
+        assert orbits.hopf_velocity == CELL.hopf_velocity
         assert orbits.stable_cycle is not None
         assert orbits.unstable_cycle is not None
         assert diagram.stable[i, 1] == pytest.approx(orbits.stable_cycle.max, abs=1e-8)
@@ -483,6 +493,37 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     assert np.isnan(diagram.stable[3]).all()
     dry = cell_diagram(FrictionCell(law="coulomb", xi=0.01), [0.5])
     assert (np.isnan(dry.stable).any(), np.isnan(dry.unstable).all()) == (False, True)
+    again = bifurcation([CELL], "v_d", [1.0, 1.3])
+    assert again is not None
+    assert again.stable == pytest.approx(diagram.stable[:2])
+    assert bifurcation([CELL], "xi", [0.1, 0.2]) is None
+
+
+def test_where_no_cycle_is_left_every_slip_ends_in_sliding() -> None:
+    """Under Coulomb's law too, whatever slip would only touch the velocity of the belt."""
+    found = friction_cell(FrictionCell(law="coulomb", xi=0.3), 1e-8)
+    assert grazing_slip(found.cell) is not None
+    assert (found.stable_cycle, found.basin) == (None, (-math.inf, math.inf))
+
+
+@pytest.mark.parametrize("reach", [0.25, 4.0])
+def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
+    reach: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up map two cycles are there in a tenth of the way, or outside of it."""
+    cell = replace(CELL, v_d=1.3)
+    monkeypatch.setattr(
+        friction_cycles, "cycle_turning_points", lambda *_: (0.0, cell.steady_sliding + reach)
+    )
+    for begin in (0.005, 0.85, 1.05):
+        monkeypatch.setattr(
+            friction_cycles, "_growth",
+            lambda _, y, __, begin=begin: float(
+                begin < (y - cell.steady_sliding) / reach < begin + 0.1
+            ),
+        )  # fmt: skip
+        with nullcontext() if begin > 1.0 else pytest.raises(ParameterError, match="slips all"):
+            friction_cycles.check_slip_cycles(cell, 1e-8)
 
 
 def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None:

@@ -6,6 +6,7 @@ case that only this rule decides.
 
 from __future__ import annotations
 
+import inspect
 import math
 import signal
 from contextlib import AbstractContextManager, nullcontext
@@ -94,6 +95,7 @@ def test_the_exit_code_of_the_robustness_table_is_one_if_a_point_is_bad(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     good = robustness.robustness(["c-pin"], 1, workers=1)
+    assert inspect.signature(robustness.robustness).parameters["resume"].default is False
     row = dict[str, object](next(iter(good.table.rows())))
     row["outcome"] = PointOutcome.EXCEEDED.value
     line = ["stress", "--json", "--quantity", "c-pin", "--points", "1"]

@@ -200,6 +200,24 @@ def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
         chain.eps = share * oscillator._STIFFEST / 3.0
         with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 60"):
             oscillator._check_stiffness(chain, limit)
+    chain.cell.cycles = (limit,)
+    with pytest.raises(ParameterError, match="at most 60"):  # before any turn is taken
+        oscillator._cycle(chain, 0, 1e-9)
+
+
+@pytest.mark.parametrize("ahead", [0.5, 2.0])
+def test_a_jump_of_the_map_of_maxima_is_no_cycle(
+    ahead: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It passes over the line on which a turn ends where it begins, from either side."""
+    monkeypatch.setattr(
+        oscillator, "_turn",
+        lambda _, y, *__: SimpleNamespace(top=y * (ahead if y < 1.00003 else 1.0 / ahead)),
+    )  # fmt: skip
+    limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
+    chain: Any = SimpleNamespace(eps=0.1, cell=SimpleNamespace(cycles=limits))
+    with pytest.raises(ParameterError, match="small enough for averaging"):
+        oscillator._fixed(chain, 0, 1e-9)
 
 
 def _made_turns(monkeypatch: pytest.MonkeyPatch, cycles: tuple[float, ...], slope: float) -> None:
@@ -277,6 +295,7 @@ def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
             effective_damping=0.1, stable_cycle=stable, unstable_cycle=unstable, seconds=0.0,
         )  # fmt: skip
         assert found.error == 1e-3
+    assert replace(found, stable_cycle=None, unstable_cycle=None).error == 0.0
 
 
 def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside() -> None:
@@ -300,6 +319,7 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
     """Which are the roots of 1 - ar²/4 + br⁴/8; the true ones are off by the order of ε²."""
     b = eta * a * a
     found = vdp_cell(a, b, 0.01, 1e-6)
+    assert found.to_dict()["eta"] == pytest.approx(eta)
     limits = sorted(np.sqrt(np.roots([b / 8.0, -a / 4.0, 1.0]).real))
     for cycle, limit in zip((found.unstable_cycle, found.stable_cycle), limits, strict=True):
         assert cycle is not None

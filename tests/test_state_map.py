@@ -29,9 +29,9 @@ from verification.execution.sweep import part_path, sweep
 from verification.maps import state_map as state_map_module
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
-from verification.maps.state import State
+from verification.maps.state import Reason, State
 from verification.maps.state_map import StateTask, compare, state_map, state_points
-from verification.maps.state_run import at_rest_for_ever
+from verification.maps.state_run import Rules, at_rest_for_ever, run_to_state
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,
@@ -359,8 +359,31 @@ def test_a_prediction_saves_runs_and_decides_nothing(shift: float, third: float)
         assert row["between"] == ("b" if third else NOTHING)
     assert led["runs"] == len(set(calls))
     assert led["runs"] <= 2.5 * float(plain["runs"])
+    if abs(shift) < 4.0 * width:
+        assert float(led["runs"]) < float(plain["runs"])
     if abs(shift) < 0.45 * width:
         assert led["runs"] == (4 if third else 2)
+
+
+def test_lines_of_a_grid_of_any_number_of_axes_are_along_what_changes() -> None:
+    def task(point: Point) -> dict[str, str]:
+        return {"label": "in" if point.number("y") < 0.5 else "out"}
+
+    axes = {name: [0.0, 1.0] for name in ("x", "y", "z")}
+    lines = boundary_lines(sweep(task, axes, workers=1), [*axes])
+    assert [(each["along"], each["y"], each["until"]) for each in lines] == [("y", 0.0, 1.0)] * 4
+    found = Bisection(task, 1e-9, predictor=task)(lines[0])  # the finest that there is
+    assert found["low"] < 0.5 <= found["high"] <= found["low"] + 1.001e-9
+
+
+def test_a_chain_that_is_more_than_half_filled_and_never_whole_is_no_front() -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.0, sites=4)
+    rules = Rules(
+        level=chain.unstable_amplitude, quiet=0.0, stiffness=0.0, hold=10.0, window=math.inf,
+        settled=1e-5,
+    )  # fmt: skip
+    found = run_to_state(chain, excite(chain, [1, 2, 3]), rules, 50.0, 1e-8)
+    assert (found.state, found.reason) == (State.UNDECIDED, Reason.END_TIME)
 
 
 def test_a_prediction_with_other_labels_at_the_ends_is_not_used() -> None:
@@ -409,6 +432,7 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
         lambda: StateTask(chain=FIGURE_15.replace(sites=1001)),
         lambda: StateTask(chain=FIGURE_15.replace(eps=1e-6)),
         lambda: StateTask(chain=FIGURE_15, displacement=1e6),
+        lambda: StateTask(chain=FIGURE_15, tolerance=1e-2),
         lambda: state_points(FULL, {"eta": [0.0], "c": [0.1]}),
         lambda: state_points(FULL, {"eta": [0.1], "c": [-0.1]}),
         lambda: find_vdp_state(
@@ -460,6 +484,9 @@ def test_a_comparison_says_which_map_named_what() -> None:
     assert (found.same, found.total) == (0, 1)
     assert (row["eta"], row["c"]) == (0.03, 0.6)
     assert compare(one.states, one.states, ("eta", "c")).differing == ()
+    elsewhere = state_map(ENVELOPE, c=[0.5], eta=[0.03], refine=0.0, workers=1)
+    with pytest.raises(ValueError, match="same points"):
+        compare(one.states, elsewhere.states, ("eta", "c"))
 
 
 def test_the_command_writes_map_boundary_stamp_and_picture(

@@ -20,10 +20,11 @@ from verification.execution.points import Point
 from verification.execution.sweep import sweep
 from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.friction_rules import HOLD, WINDOW, find_friction_state
+from verification.maps.rules import rules_of
 from verification.maps.state import State
 from verification.maps.state_map import StateTask, state_points
 from verification.references.friction_events import run_events
-from verification.runs.excite import excite
+from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 
 STRIBECK = {"law": "stribeck", "v_s": 0.6, "viscous": 0.02}
@@ -96,6 +97,14 @@ def test_a_front_needs_all_sites_and_time_to_hold() -> None:
     assert (found.reached, found.reason) == (7, "decided")
     last = float(np.max(run.arrivals))
     assert HOLD * WINDOW <= found.time - last <= (HOLD + 1) * WINDOW
+
+
+def test_a_map_is_of_the_point_of_the_cycle_that_is_named() -> None:
+    start = rules_of(SHORT.chain).start
+    for point in StartPoint:
+        expected = excite(SHORT.chain, [4], point=point)
+        assert np.array_equal(start(SHORT.chain, None, point=point), expected)
+    assert np.array_equal(start(SHORT.chain, None), excite(SHORT.chain, [4]))
 
 
 def test_a_label_found_in_the_second_half_does_not_count() -> None:

@@ -324,6 +324,7 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
     for cycle, limit in zip((found.unstable_cycle, found.stable_cycle), limits, strict=True):
         assert cycle is not None
         assert cycle.averaged == pytest.approx(limit, rel=1e-12)
+        assert (cycle.stick_time, cycle.slip_time) == (0.0, cycle.period)
         assert cycle.amplitude == pytest.approx(limit, rel=1e-3)
         assert cycle.period == pytest.approx(2.0 * np.pi, rel=1e-3)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
 import re
@@ -28,6 +29,8 @@ from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
 from verification.maps import state_map as state_map_module
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
+from verification.maps.friction_rules import find_friction_state
+from verification.maps.rules import StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import Reason, State
 from verification.maps.state_map import StateTask, compare, state_map, state_points
@@ -467,6 +470,8 @@ def test_a_map_has_its_usual_end_and_a_shortest_one(
 ) -> None:
     """The shortest leaves a state time to hold in its first half."""
     assert StateTask(chain=chain).end_time == usual
+    for find in (find_friction_state, find_smooth_state, find_vdp_state):
+        assert inspect.signature(find).parameters["tolerance"].default == StateRules.tolerance
     assert StateTask(chain=chain, end=shortest).end_time == shortest
     with pytest.raises(ParameterError, match="end time"):
         StateTask(chain=chain, end=0.999 * shortest)

@@ -75,11 +75,10 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
     cycles = tuple(_cycle(chain, at, tolerance) for at in range(len(limits)))
     # A weak nonlinear damping decides where the linear one is zero.
     rests = damping > 0.0 or (damping == 0.0 and not limits[0].stable)
+    # Motion stays bounded, so that the outermost cycle is stable if there is one.
     unstable = _first(cycles, limits, stable=False, above=0)
     inner = 0 if unstable is None else cycles.index(unstable)
     stable = _first(cycles, limits, stable=True, above=inner)
-    if stable is None:
-        stable = _first(cycles, limits, stable=True, above=0)
     return OwnCell(
         model=chain.model,
         parameters=chain.parameters(),

@@ -112,6 +112,7 @@ def test_a_label_found_in_the_second_half_does_not_count() -> None:
     sure = SHORT(point)
     time = float(sure["time"])
     assert (sure["label"], sure["why"]) == ("front", "decided")
+    assert SHORT.alone()(point)["reached"] == sure["reached"] == 7
     assert replace(SHORT, end=1.9 * time)(point)["why"] == "end time"
     # windows are 40 long, without rounding: what is found by half of the end time counts
     assert replace(SHORT, end=2.0 * time)(point)["label"] == "front"

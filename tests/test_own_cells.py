@@ -320,6 +320,7 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
     b = eta * a * a
     found = vdp_cell(a, b, 0.01, 1e-6)
     assert found.to_dict()["eta"] == pytest.approx(eta)
+    assert (found.steady_sliding, found.effective_damping) == (0.0, 0.01)
     limits = sorted(np.sqrt(np.roots([b / 8.0, -a / 4.0, 1.0]).real))
     for cycle, limit in zip((found.unstable_cycle, found.stable_cycle), limits, strict=True):
         assert cycle is not None

@@ -50,8 +50,9 @@ def _state_of_sources() -> str:
 @lru_cache(maxsize=1)
 def compiled_rules() -> dict[str, Any]:
     """Return what Python calls of the rules by name, compiled and calling the others so."""
-    from numba import njit
+    import numba
 
+    njit: Any = numba.njit
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
     inner = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     state = _state_of_sources()

@@ -54,7 +54,7 @@ def compiled_rules() -> dict[str, Any]:
 
     njit: Any = numba.njit
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
-    inner = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    inner: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     state = _state_of_sources()
     namespace: dict[str, Any] = {}
     for module in _MODULES:
@@ -64,9 +64,9 @@ def compiled_rules() -> dict[str, Any]:
             if isinstance(plain, FunctionType) and plain.__module__ == module.__name__:
                 copy = FunctionType(plain.__code__, namespace, name)
                 copy.__module__, copy.__qualname__ = plain.__module__, f"{name}_{state}"
-                options["forceinline"] = name in _WITHIN_LOOPS
+                options |= {"forceinline": name in _WITHIN_LOOPS}
                 kind = {"cache": True} if name in _CALLED else inner
-                namespace[name] = njit(**options, **kind)(copy)
+                namespace[name] = njit(**(options | kind))(copy)
     for plain_name, name in _WITHOUT_BRANCHES.items():
         namespace[plain_name] = namespace[name]
     return {name: namespace[name] for name in _CALLED}

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from derivations.algebra.doubles import in_doubles
 from derivations.algebra.evidence import fast_average
 from derivations.chain import ChainModel
 from derivations.symbols import epsilon
@@ -121,9 +122,10 @@ def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> 
     """Return the chain with given values of its symbols."""
 
     def number(expression: sp.Expr) -> float:
-        if expression in values:  # most are a letter or a number, for which subs is slow
-            return float(values[expression])
         exact = sp.sympify(expression)
+        quick = in_doubles(exact, values)
+        if quick is not None and quick.imag == 0.0:
+            return quick.real
         return float(exact.subs(values) if exact.free_symbols else exact)
 
     def row(powers: Mapping[int, sp.Expr]) -> tuple[float, ...]:

@@ -41,8 +41,11 @@ def in_doubles(expression: sp.Basic, point: Mapping[sp.Basic, complex]) -> compl
 def _number(expression: sp.Basic, point: Mapping[sp.Basic, complex]) -> Number:
     if expression in point:
         return complex(point[expression]), 0.0
+    if expression is sp.I:
+        return 1j, 0.0
     if not expression.args:  # a number; a symbol without a value raises TypeError
-        value = complex(expression)
+        exact = isinstance(expression, sp.Rational)  # most are, which SymPy converts slowly
+        value = complex(int(expression.p) / int(expression.q) if exact else expression)
         return value, EPS * abs(value)
     combine = _COMBINED[expression.func]
     return combine([_number(part, point) for part in expression.args])

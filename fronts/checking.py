@@ -338,7 +338,8 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     try:
         entries = discover.select(every, keys)
     except discover.UnknownKeyError as error:
-        raise ParameterError("claim", " ".join(keys), "a claim that exists", str(error)) from None
+        why = str(error).removesuffix(".")
+        raise ParameterError("claim", " ".join(keys), "one that exists", why) from None
     outcomes = run(
         entries,
         jobs=count_within("workers", workers, 1, 256),

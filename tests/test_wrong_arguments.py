@@ -366,3 +366,13 @@ def test_a_fold_that_does_not_exist_has_no_error() -> None:
     chain = fr.VdpChain(a=2.5, b=0.5, c=0.1)
     found = fr.breather(chain, method="closed-form", reading="centre")
     assert (found.fold, found.fold_error) == (None, None)
+
+
+def test_a_claim_that_does_not_exist_is_refused_with_one_full_stop() -> None:
+    with pytest.raises(fr.ParameterError, match=r"claim = nope .* shows all\.$"):
+        fr.judge("nope")
+
+
+@pytest.mark.parametrize("v", [0.3, 100.0])
+def test_a_value_of_the_sum_is_a_complex_number_of_python(v: float) -> None:
+    assert type(fr.sigma(v=v, c=3.0).value) is complex

@@ -104,7 +104,7 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     within("tolerance", tolerance, 1e-15, 0.1)
     value, _, _, truncation, rounding, _, points = rules.sum_at(v, c, tolerance, False)
     return KineticSum(
-        value=value,
+        value=complex(value),
         error=truncation + rounding,
         terms=points,
         method="integral",

@@ -75,7 +75,7 @@ def checked_velocity_and_coupling(
         If either is not from 1e-12 to 1e12.
     """
     for name, value in (("velocity v", v), ("coupling c", c)):
-        within(name, number(name, value), SMALLEST, LARGEST, "use a limit formula beyond")
+        within(name, number(name, value), SMALLEST, LARGEST)
     return float(v), float(c)
 
 

@@ -141,7 +141,7 @@ def sums(
     v_, c_ = np.asarray(v, dtype=float), np.asarray(c, dtype=float)
     for name, given in (("velocity v", v_), ("coupling c", c_)):
         for extreme in (given.min(), given.max()) if given.size else ():
-            within(name, float(extreme), SMALLEST, LARGEST, "use a limit formula beyond")
+            within(name, float(extreme), SMALLEST, LARGEST)
     v_, c_ = np.broadcast_arrays(v_, c_)
     fast = v_.size >= MANY if compiled is None else compiled
     values, errors, points = sums_of_pairs(v_.ravel(), c_.ravel(), tolerance, slopes, fast)

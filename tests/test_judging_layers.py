@@ -94,7 +94,7 @@ NAN = math.nan
 def test_the_exit_code_of_the_robustness_table_is_one_if_a_point_is_bad(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    good = robustness.robustness(["c-pin"], 1, workers=1)
+    good = robustness.robustness(["c-pin"], 1, 3, workers=1)
     assert inspect.signature(robustness.robustness).parameters["resume"].default is False
     row = dict[str, object](next(iter(good.table.rows())))
     row["outcome"] = PointOutcome.EXCEEDED.value
@@ -809,6 +809,38 @@ def test_a_point_of_the_robustness_table_is_known_by_its_seed_and_number() -> No
     assert again not in (computation.point(1, number), computation.point(number, 0))
     assert found["values"] == " ".join(f"{name}={value!r}" for name, value in again.items())
     assert found["outcome"] not in {each.value for each in BAD}
+
+
+def test_a_row_of_the_robustness_table_counts_the_points_of_its_quantity() -> None:
+    """The tightest is of those that are right, over what was allowed; an exact one is at 0."""
+    outcomes = [PointOutcome.RIGHT, PointOutcome.RIGHT, PointOutcome.EXCEEDED, PointOutcome.REFUSED]
+    made: Any = {
+        "quantity": np.array(["c-pin"] * 4 + ["eta-pin"]),
+        "number": np.array([0, 1, 2, 3, 1]),
+        "outcome": np.array([*outcomes, PointOutcome.RIGHT]),
+        "stated": np.array([0.75, 0.0, 1.0, NAN, 1.0]),
+        "uncertainty": np.array([0.25, 0.0, 0.0, NAN, 0.0]),
+        "distance": np.array([0.5, 0.0, 10.0, NAN, 0.9]),
+        "seconds": np.array([1.0, 3.0, 2.0, 0.5, 9.0]),
+    }
+    row = robustness._line(computation_named("c-pin"), made)
+    assert (row.quantity, row.points, row.random) == ("c-pin", 4, 2)
+    assert {name: count for name, count in row.counts.items() if count} == {
+        "right": 2, "exceeded": 1, "refused": 1,
+    }  # fmt: skip
+    assert (row.tightest, row.slowest) == (0.5, 3.0)
+
+
+def test_every_quantity_has_its_share_of_the_points_and_twelve_at_least() -> None:
+    made = _computation(Axis(name="x", low=1.0, high=2.0))
+    for points, share, count in ((1000, 1.0, 250), (1000, 0.01, 12), (5, 0.01, 5)):
+        assert robustness._share(replace(made, share=share), points, 4.0) == count
+    names = [str(point["quantity"]) for point in robustness.points_of(["eta-pin", "c-pin"], 40)]
+    assert names == ["eta-pin", "c-pin"] * 20
+    with pytest.raises(ParameterError, match="number of points = 0 "):
+        robustness.points_of(["c-pin"], 0)
+    with pytest.raises(ParameterError, match="seed = -1 "):
+        robustness.robustness(["c-pin"], 1, -1)
 
 
 # -------------------------------------------------------------------------- a front that stops

@@ -375,6 +375,8 @@ def test_lines_of_a_grid_of_any_number_of_axes_are_along_what_changes() -> None:
     axes = {name: [0.0, 1.0] for name in ("x", "y", "z")}
     lines = boundary_lines(sweep(task, axes, workers=1), [*axes])
     assert [(each["along"], each["y"], each["until"]) for each in lines] == [("y", 0.0, 1.0)] * 4
+    with pytest.raises(ParameterError, match="tolerance of the boundary"):
+        Bisection(task, 0.999e-9)
     found = Bisection(task, 1e-9, predictor=task)(lines[0])  # the finest that there is
     assert found["low"] < 0.5 <= found["high"] <= found["low"] + 1.001e-9
 
@@ -470,8 +472,10 @@ def test_a_map_has_its_usual_end_and_a_shortest_one(
 ) -> None:
     """The shortest leaves a state time to hold in its first half."""
     assert StateTask(chain=chain).end_time == usual
-    for find in (find_friction_state, find_smooth_state, find_vdp_state):
-        assert inspect.signature(find).parameters["tolerance"].default == StateRules.tolerance
+    finds = {20_000.0: (find_friction_state,), 2000.0: (find_smooth_state, find_vdp_state)}
+    for find in finds[usual]:
+        given = inspect.signature(find).parameters
+        assert (given["end"].default, given["tolerance"].default) == (usual, StateRules.tolerance)
     assert StateTask(chain=chain, end=shortest).end_time == shortest
     with pytest.raises(ParameterError, match="end time"):
         StateTask(chain=chain, end=0.999 * shortest)

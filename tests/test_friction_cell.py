@@ -487,6 +487,8 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
         assert orbits.hopf_velocity == CELL.hopf_velocity
         assert orbits.stable_cycle is not None
         assert orbits.unstable_cycle is not None
+        errors = orbits.stable_cycle.error, orbits.unstable_cycle.error, orbits.cycle_end_error
+        assert orbits.error == max(errors)
         assert diagram.stable[i, 1] == pytest.approx(orbits.stable_cycle.max, abs=1e-8)
         assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable_cycle.min, abs=1e-8)
     assert np.isnan(diagram.unstable[[0, 3]]).all()
@@ -502,7 +504,14 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
 def test_where_no_cycle_is_left_every_slip_ends_in_sliding() -> None:
     """Under Coulomb's law too, whatever slip would only touch the velocity of the belt."""
     found = friction_cell(FrictionCell(law="coulomb", xi=0.3), 1e-8)
-    assert grazing_slip(found.cell) is not None
+    turning = grazing_slip(found.cell)
+    assert turning is not None
+    t = np.linspace(0.0, 3.0 * math.pi, 100_001)
+    omega = math.sqrt(1.0 - 0.3**2)
+    for y in turning:  # of u + 0.6 u' + u'' = 0 from rest: the largest velocity is the belt's
+        u = y - found.steady_sliding
+        velocity = -u * np.exp(-0.3 * t) * np.sin(omega * t) / omega
+        assert velocity.max() == pytest.approx(found.cell.v_d, rel=1e-8)
     assert (found.stable_cycle, found.basin) == (None, (-math.inf, math.inf))
 
 

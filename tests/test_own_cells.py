@@ -205,6 +205,30 @@ def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
         oscillator._cycle(chain, 0, 1e-9)
 
 
+@pytest.mark.parametrize(
+    ("status", "lowest", "last", "top"),
+    [
+        (1, [[-0.8, 0.0]], 0.9, 0.9),
+        (0, [[-0.8, 0.0]], 0.9, 0.0),  # turns once, and creeps to rest
+        (-1, [[-0.8, 0.0]], 5.0, np.inf),  # turns once, and leaves all bounds
+        (0, [], 0.9, 0.0),
+        (0, [], -1.1, np.inf),
+    ],
+)
+def test_a_turn_ends_at_the_next_maximum_or_has_no_period(
+    status: int, lowest: list[list[float]], last: float, top: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    run = SimpleNamespace(
+        status=status, y_events=[[], lowest], y=np.array([[1.0, last], [0.0, 0.0]]),
+        t=np.array([0.0, 6.0]),
+    )  # fmt: skip
+    monkeypatch.setattr(oscillator, "solve_ivp", lambda *_, **__: run)
+    chain: Any = SimpleNamespace(eps=0.1, cell=SimpleNamespace(force=None))
+    found = oscillator._turn(chain, 1.0, 6.0, 1e-9)
+    assert (found.top, found.period) == (top, 6.0 if status == 1 else np.inf)
+
+
 @pytest.mark.parametrize("ahead", [0.5, 2.0])
 def test_a_jump_of_the_map_of_maxima_is_no_cycle(
     ahead: float, monkeypatch: pytest.MonkeyPatch
@@ -309,6 +333,9 @@ def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside(
     double = np.roots([b / 8.0, -a / 4.0, 1.0])  # of r², each with the root of rounding
     assert np.abs(radius**2 - double).max() < 1e-7
     assert found.basin == (-radius, radius)
+    assert (found.steady_sliding, found.unstable_cycle.period) == (0.0, 2.0 * np.pi)
+    small = cell(AveragedChain(a=100.0 * a, b=1e4 * b, c=0.0))  # all lengths a tenth
+    assert small.error == pytest.approx(0.1 * found.error)
     assert abs(radius - np.sqrt(2.0)) <= found.error < 1e-6
     for r in (0.9 * radius, 1.1 * radius):
         assert -0.5 * r * (1.0 - a * r**2 / 4.0 + b * r**4 / 8.0) < 0.0

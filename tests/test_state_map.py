@@ -28,13 +28,14 @@ from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
 from verification.maps import state_map as state_map_module
+from verification.maps import state_run
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.friction_rules import find_friction_state
 from verification.maps.rules import StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import Reason, State
 from verification.maps.state_map import StateTask, compare, state_map, state_points
-from verification.maps.state_run import Rules, at_rest_for_ever, run_to_state
+from verification.maps.state_run import LONGEST, Rules, at_rest_for_ever, run_to_state
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,
@@ -381,6 +382,30 @@ def test_lines_of_a_grid_of_any_number_of_axes_are_along_what_changes() -> None:
     assert found["low"] < 0.5 <= found["high"] <= found["low"] + 1.001e-9
 
 
+@pytest.mark.parametrize("full", [True, False])
+def test_runs_of_a_map_miss_no_passage_and_hold_the_energy_of_the_springs(
+    full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chain = VdpChain(a=4, b=0.5, c=2.0, eps=0.01, sites=3)
+    seen: list[float] = []
+    run = state_run.SmoothIntegration
+
+    def begun(*given: Any, longest_step: float, **options: Any) -> Any:
+        seen.append(longest_step)
+        return run(*given, longest_step=longest_step, **options)
+
+    def rests(_: object, stiffness: float, __: float) -> bool:
+        seen.append(stiffness)
+        return True
+
+    monkeypatch.setattr(state_run, "SmoothIntegration", begun)
+    monkeypatch.setattr(state_run, "at_rest_for_ever", rests)
+    found = find_vdp_state(chain if full else chain.averaged(), np.zeros((2, 3)))
+    assert found.state is State.FIXED_POINT
+    assert seen == ([LONGEST, 0.01 * 2.0] if full else [math.inf, 0.0])
+    assert math.pi > LONGEST  # half of a period
+
+
 def test_a_chain_that_is_more_than_half_filled_and_never_whole_is_no_front() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.0, sites=4)
     rules = Rules(
@@ -438,6 +463,7 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
         lambda: StateTask(chain=FIGURE_15.replace(eps=1e-6)),
         lambda: StateTask(chain=FIGURE_15, displacement=1e6),
         lambda: StateTask(chain=FIGURE_15, tolerance=1e-2),
+        lambda: find_vdp_state(FIGURE_15, np.zeros((2, 16)), end=0.0),
         lambda: state_points(FULL, {"eta": [0.0], "c": [0.1]}),
         lambda: state_points(FULL, {"eta": [0.1], "c": [-0.1]}),
         lambda: find_vdp_state(

@@ -285,7 +285,10 @@ def test_the_error_of_an_expanded_cycle_where_friction_has_no_curvature_is_a_len
 def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
     cycle = unstable_cycle(CELL)
     assert cycle is not None
-    assert abs(peak(CELL, cycle.max)[1] - cycle.max) < 1e-10
+    period, highest = peak(CELL, cycle.max)
+    assert abs(highest - cycle.max) < 1e-10
+    assert abs(period - cycle.period) < 1e-9
+    assert cycle.slip_time == cycle.period
     step = 1e-4
     growth = (peak(CELL, cycle.max + step)[1] - peak(CELL, cycle.max - step)[1]) / (2 * step)
     # Differences with a step of 1e-4 are good to 1e-7.
@@ -504,6 +507,7 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
 def test_where_no_cycle_is_left_every_slip_ends_in_sliding() -> None:
     """Under Coulomb's law too, whatever slip would only touch the velocity of the belt."""
     found = friction_cell(FrictionCell(law="coulomb", xi=0.3), 1e-8)
+    assert grazing_slip(FrictionCell(law="coulomb", xi=1.0)) is None  # slip does not turn
     turning = grazing_slip(found.cell)
     assert turning is not None
     t = np.linspace(0.0, 3.0 * math.pi, 100_001)

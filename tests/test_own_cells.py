@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -319,7 +319,21 @@ def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
             effective_damping=0.1, stable_cycle=stable, unstable_cycle=unstable, seconds=0.0,
         )  # fmt: skip
         assert found.error == 1e-3
+        given = {each.name: getattr(found, each.name) for each in fields(found)}
+        own_cell = OwnCell(**given, cycles=(stable, unstable))
+        assert own_cell.error == 1e-3
     assert replace(found, stable_cycle=None, unstable_cycle=None).error == 0.0
+
+
+def test_the_error_of_closed_cycles_covers_the_rounding_of_their_parameters() -> None:
+    """Which grows as they meet, at η = 1/8."""
+    b = 0.12499999 * 16.0
+    found = cell(AveragedChain(a=4.0, b=b, c=0.0))
+    for other in (np.nextafter(b, 0.0), np.nextafter(b, 9.0)):
+        near = cell(AveragedChain(a=4.0, b=float(other), c=0.0))
+        for name in ("stable_cycle", "unstable_cycle"):
+            gap = abs(getattr(found, name).amplitude - getattr(near, name).amplitude)
+            assert 1e-13 < gap <= getattr(found, name).error < 1e-5
 
 
 def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside() -> None:

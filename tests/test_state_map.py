@@ -33,12 +33,13 @@ from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.friction_rules import find_friction_state
 from verification.maps.rules import StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
-from verification.maps.state import Reason, State
+from verification.maps.state import FoundState, Reason, State
 from verification.maps.state_map import StateTask, compare, state_map, state_points
 from verification.maps.state_run import LONGEST, Rules, at_rest_for_ever, run_to_state
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,
+    VanDerPolRules,
     find_vdp_state,
     level_of,
     positive_damping_square,
@@ -404,6 +405,22 @@ def test_runs_of_a_map_miss_no_passage_and_hold_the_energy_of_the_springs(
     assert found.state is State.FIXED_POINT
     assert seen == ([LONGEST, 0.01 * 2.0] if full else [math.inf, 0.0])
     assert math.pi > LONGEST  # half of a period
+
+
+def test_a_point_at_which_two_starts_end_otherwise_is_undecided(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    states = iter([State.FRONT, State.BREATHER])
+
+    def find(*_: object, **__: object) -> FoundState:
+        return FoundState(
+            state=next(states), reason=Reason.DECIDED, time=1.0, above=3, steps=5,
+            amplitude=np.zeros(16), seconds=0.0,
+        )  # fmt: skip
+
+    monkeypatch.setattr(VanDerPolRules, "find", find)
+    row = ENVELOPE(Point(eta=0.05, c=0.1))
+    assert (row["label"], row["why"], row["steps"]) == ("undecided", "perturbation", 10)
 
 
 def test_a_chain_that_is_more_than_half_filled_and_never_whole_is_no_front() -> None:

@@ -493,6 +493,7 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
         errors = orbits.stable_cycle.error, orbits.unstable_cycle.error, orbits.cycle_end_error
         assert orbits.error == max(errors)
         assert diagram.stable[i, 1] == pytest.approx(orbits.stable_cycle.max, abs=1e-8)
+        assert diagram.multiplier[i] == pytest.approx(orbits.unstable_cycle.multiplier, rel=1e-4)
         assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable_cycle.min, abs=1e-8)
     assert np.isnan(diagram.unstable[[0, 3]]).all()
     assert np.isnan(diagram.stable[3]).all()

@@ -168,6 +168,7 @@ def test_maps_are_the_same_for_one_and_two_workers(tmp_path: Path) -> None:
         lambda: replace(SHORT, nucleus=Nucleus(8, "0000000")),
         lambda: replace(SHORT, end=1.0),
         lambda: find_friction_state(FrictionChain(c=0, sites=7), np.zeros((2, 7)), tolerance=1e-3),
+        lambda: find_friction_state(FrictionChain(c=0, sites=7), np.zeros((2, 7)), end=100.0),
         lambda: replace(SHORT, perturbation=1.0),
         lambda: replace(SHORT, seed=1, held="c"),
         lambda: state_points(SHORT, {"c": [-0.1], "v_d": [1.0]}),

@@ -462,6 +462,21 @@ def test_no_multiplier_is_given_that_differences_do_not_resolve() -> None:
         assert (found.multiplier is not None) is resolved
 
 
+@pytest.mark.parametrize("slopes", [(1.0, 3.0), (3.0, 1.0)])
+def test_no_multiplier_is_given_where_the_map_has_a_corner(
+    slopes: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def turn(_: object, y: float, *__: object) -> oscillator._Turn:
+        return oscillator._Turn(top=1.0 + slopes[y > 1.0] * (y - 1.0), bottom=-1.0, period=6.0)
+
+    monkeypatch.setattr(oscillator, "_turn", turn)
+    monkeypatch.setattr(oscillator, "_fixed", lambda *_: 1.0)
+    monkeypatch.setattr(oscillator, "_check_stiffness", lambda *_: None)
+    limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
+    chain: Any = SimpleNamespace(cell=SimpleNamespace(cycles=limits))
+    assert oscillator._cycle(chain, 0, 1e-9).multiplier is None
+
+
 def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str]) -> None:
     given = ["cell", "chain", "--damping", "y**2 - 1", "--eps", "1"]
     assert main([*given, "--json"]) == 0

@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -58,16 +59,21 @@ def precise_phase(cell: FrictionCell, y: float, v: float, speed: float) -> tuple
         return t, path(t)[0]
 
 
-def peak(cell: FrictionCell, y: float) -> tuple[float, float]:
-    """When and how high is the next maximum of y, by scipy, backward slip continued smoothly."""
+def slip(cell: FrictionCell, y: float) -> Any:
+    """Return the motion from rest at y, by scipy, backward slip continued smoothly."""
 
     def rate(_: float, z: np.ndarray) -> list[float]:
         mu = cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp((z[1] - cell.v_d) / cell.v0)
         return [z[1], mu - 2 * cell.xi * z[1] - z[0]]
 
-    run = solve_ivp(rate, (0, 8), [y, 0], "DOP853", rtol=1e-13, atol=1e-15, dense_output=True)
-    t = brentq(lambda s: run.sol(s)[1], 5.0, 7.5, xtol=1e-14)
-    return float(t), float(run.sol(t)[0])
+    return solve_ivp(rate, (0, 8), [y, 0], "DOP853", rtol=1e-13, atol=1e-15, dense_output=True).sol
+
+
+def peak(cell: FrictionCell, y: float) -> tuple[float, float]:
+    """When and how high is the next maximum of y."""
+    motion = slip(cell, y)
+    t = brentq(lambda s: motion(s)[1], 5.0, 7.5, xtol=1e-14)
+    return float(t), float(motion(t)[0])
 
 
 def test_the_closed_forms_are_those_of_the_force() -> None:
@@ -289,6 +295,8 @@ def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
     assert abs(highest - cycle.max) < 1e-10
     assert abs(period - cycle.period) < 1e-9
     assert cycle.slip_time == cycle.period
+    y, velocity = slip(CELL, cycle.max)(np.linspace(0.0, period, 20_001))
+    assert (y.min(), velocity.max()) == pytest.approx((cycle.min, cycle.speed), abs=1e-6)
     step = 1e-4
     growth = (peak(CELL, cycle.max + step)[1] - peak(CELL, cycle.max - step)[1]) / (2 * step)
     # Differences with a step of 1e-4 are good to 1e-7.

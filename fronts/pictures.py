@@ -62,7 +62,7 @@ def need_picture(names: Sequence[str]) -> None:
         Which names the first of them.
     """
     if DRAWINGS.keys().isdisjoint(names):
-        raise TypeError(f"there is no picture of {names[0]}: name a file ending in .json.")
+        raise TypeError(f"there is no picture of {names[0]}: its numbers are in a .json file.")
 
 
 def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:
@@ -272,7 +272,7 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
         axes.figure.colorbar(dots, ax=axes, label="time of arrival")
         return
     if not result.arrivals.size:
-        raise TypeError("there is no picture of a front without arrivals: name a file in .json.")
+        raise TypeError("there is no picture of a front without arrivals: its numbers are in a .json file.")
     count = np.arange(1, result.arrivals.size + 1)
     unit = result.chain.time_unit  # v is the slope: sites in this time
     axes.plot(result.arrivals / unit, count, "o", **{"ms": 2.5, "color": BLUE, **style})

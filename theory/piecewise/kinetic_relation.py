@@ -429,7 +429,7 @@ def checked_coupling(c: float) -> float:
     ParameterError
         If it is not.
     """
-    remedy = "use the limits of theory.piecewise.limits beyond"
+    remedy = "give a coupling between these"
     return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
 
 

@@ -53,8 +53,8 @@ them all amplitudes are small."""
 @overload
 def breather(
     chain: VanDerPolChain | OscillatorChain,
-    *,
     nucleus: Nucleus = ...,
+    *,
     method: Literal["all"],
     reading: Reading | str = ...,
     seed: int = ...,
@@ -64,8 +64,8 @@ def breather(
 @overload
 def breather(
     chain: VanDerPolChain | OscillatorChain,
-    *,
     nucleus: Nucleus = ...,
+    *,
     method: Literal["envelope", "closed-form", "orbit", "simulation"] | None = ...,
     reading: Reading | str = ...,
     seed: int = ...,
@@ -74,8 +74,8 @@ def breather(
 
 def breather(
     chain: VanDerPolChain | OscillatorChain,
-    *,
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
+    *,
     method: str | None = None,
     reading: Reading | str = Reading.NEIGHBOUR,
     seed: int = 0,

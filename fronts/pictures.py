@@ -272,7 +272,9 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
         axes.figure.colorbar(dots, ax=axes, label="time of arrival")
         return
     if not result.arrivals.size:
-        raise TypeError("there is no picture of a front without arrivals: its numbers are in a .json file.")
+        raise TypeError(
+            "there is no picture of a front without arrivals: its numbers are in a .json file."
+        )
     count = np.arange(1, result.arrivals.size + 1)
     unit = result.chain.time_unit  # v is the slope: sites in this time
     axes.plot(result.arrivals / unit, count, "o", **{"ms": 2.5, "color": BLUE, **style})

@@ -103,8 +103,8 @@ def cycle_period(chain: Chain) -> float:
     """
     if isinstance(chain, VdpChain):
         return 4.0 * math.pi  # twice that of small eps
-    # Under a force amplitudes never become constant.
-    if not isinstance(chain, OscillatorChain) or chain.drive:
+    # Under a force amplitudes never become constant, and states without inertia do not turn.
+    if not isinstance(chain, OscillatorChain) or chain.drive or not chain.oscillates:
         return 0.0
     return max((each.period for each in chain.cell.cycles), default=0.0)
 

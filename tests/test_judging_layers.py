@@ -10,6 +10,7 @@ import inspect
 import math
 import signal
 from contextlib import AbstractContextManager, nullcontext
+from collections import Counter
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -831,10 +832,17 @@ def test_a_row_of_the_robustness_table_counts_the_points_of_its_quantity() -> No
     assert (row.tightest, row.slowest) == (0.5, 3.0)
 
 
-def test_every_quantity_has_its_share_of_the_points_and_twelve_at_least() -> None:
+def test_every_quantity_has_its_share_of_the_points_and_twelve_at_least(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     made = _computation(Axis(name="x", low=1.0, high=2.0))
-    for points, share, count in ((1000, 1.0, 250), (1000, 0.01, 12), (5, 0.01, 5)):
-        assert robustness._share(replace(made, share=share), points, 4.0) == count
+    shares = {"large": 3.0, "middle": 1.0, "small": 0.01}
+    computations = tuple(replace(made, name=name, share=share) for name, share in shares.items())
+    with monkeypatch.context() as patched:
+        patched.setattr(robustness, "chosen", lambda _: computations)
+        for points, counts in ((1000, (748, 249, 12)), (5, (5, 5, 5))):
+            found = Counter(point["quantity"] for point in robustness.points_of([], points))
+            assert found == dict(zip(shares, counts, strict=True))
     names = [str(point["quantity"]) for point in robustness.points_of(["eta-pin", "c-pin"], 40)]
     assert names == ["eta-pin", "c-pin"] * 20
     with pytest.raises(ParameterError, match="number of points = 0 "):

@@ -9,8 +9,8 @@ from __future__ import annotations
 import inspect
 import math
 import signal
-from contextlib import AbstractContextManager, nullcontext
 from collections import Counter
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path

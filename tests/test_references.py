@@ -22,7 +22,7 @@ from verification.references.piecewise import static_sum, sum_by_quadrature, thr
 ROOT = Path(__file__).parents[1]
 REFERENCES = sorted((ROOT / "verification" / "references").glob("*.py"))
 ALLOWED = (
-    "theory.cells", "theory.chains", "theory.parameters", "theory.status",
+    "theory.arrays", "theory.cells", "theory.chains", "theory.parameters", "theory.status",
     "verification.references", "verification.execution",
 )  # fmt: skip
 """Parameters, the enum of the ends, and the compiler's front; no engine, and no other formula."""

@@ -855,10 +855,13 @@ def test_every_quantity_has_its_share_of_the_points_and_twelve_at_least(
 
 
 class _Motion:
-    """A run of which only its time, amplitudes and whether it goes to rest are asked."""
+    """A run of which only time, amplitudes, arrivals and whether it goes to rest are asked."""
+
+    finished = False
 
     def __init__(self) -> None:
         self.time, self.amplitude, self.rests = 0.0, np.array([1.0, 0.5]), False
+        self.arrivals = np.full(2, np.nan)
 
     def going_to_rest(self) -> bool:
         return self.rests
@@ -898,6 +901,23 @@ def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_
     assert stall.status() is FrontStatus.CREEPING
     run.rests = True
     assert stall.status() is FrontStatus.COLLAPSED
+
+
+def test_a_site_that_is_reached_while_the_last_amplitudes_are_taken_is_farther() -> None:
+    class Late(_Motion):
+        def advance(self, budget: int) -> None:
+            self.time += 1.0
+            if self.time > 22.5:
+                self.arrivals, self.amplitude = np.array([22.5, np.nan]), self.amplitude + 1.0
+
+    run: Any = Late()
+    stall = Stall(run, 10.0, 0.25, period=2.0)
+    run.time = 11.0
+    assert stall.status() is None
+    run.time = 21.5
+    assert stall.status() is None
+    stall.note(1)
+    assert (stall.since, stall.early) == (run.time, None)
 
 
 def test_what_changes_before_the_first_stall_time_is_over_does_not_count() -> None:

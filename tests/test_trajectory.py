@@ -28,6 +28,7 @@ from verification.runs import simulate as simulate_module
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
+from verification.steppers import smooth
 from verification.steppers.stop_code import StopCode
 
 FRONT = VdpChain(a=4, b=0.5, c=0.6, sites=8)
@@ -312,3 +313,20 @@ def test_an_arrival_in_the_last_step_but_after_the_end_is_none() -> None:
     for end, arrived in ((last - 1e-6, False), (last + 1e-6, True)):
         run = simulate(chain, excite(chain, [1]), end, samples=2)
         assert np.isfinite(run.arrivals[2]) == arrived
+
+
+def test_every_cubic_that_passes_zero_between_negative_ends_is_looked_at() -> None:
+    """Of a few thousand at random; the largest value of each is found on a fine grid."""
+    rng = np.random.default_rng(3)
+    part = np.linspace(0.0, 1.0, 401)
+    before, after = -rng.uniform(0.0, 1.0, (2, 4000, 1))
+    rise, fall = rng.normal(0.0, 8.0, (2, 4000, 1))
+    curve = 3.0 * (after - before) - 2.0 * rise - fall
+    bend = 2.0 * (before - after) + rise + fall
+    passes = (before + part * (rise + part * (curve + part * bend))).max(axis=1) >= 0.0
+    may_pass = smooth._may_pass.py_func  # type: ignore[attr-defined]
+    ends = np.hstack([before, rise, after, fall])
+    looked_at = np.array([may_pass(*(float(each) for each in row)) for row in ends])
+    assert 1000 < passes.sum() < 3000
+    assert np.all(looked_at[passes])
+    assert looked_at.sum() < 3800  # some are left out

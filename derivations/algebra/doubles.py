@@ -35,12 +35,14 @@ def in_doubles(expression: sp.Basic, point: Mapping[sp.Basic, complex]) -> compl
         value, error = _number(expression, point)
     except (TypeError, ArithmeticError, ValueError, LookupError):
         return None
-    return value if error <= LOST * abs(value) else None
+    return value if cmath.isfinite(value) and error <= LOST * abs(value) else None
 
 
 def _number(expression: sp.Basic, point: Mapping[sp.Basic, complex]) -> Number:
     if expression in point:
-        return complex(point[expression]), 0.0
+        given = point[expression]
+        value = complex(given)
+        return value, 0.0 if isinstance(given, float | complex) else EPS * abs(value)
     if expression is sp.I:
         return 1j, 0.0
     if not expression.args:  # a number; a symbol without a value raises TypeError
@@ -68,7 +70,9 @@ def _product(factors: list[Number]) -> Number:
 def _power(parts: list[Number]) -> Number:
     (base, off), (exponent, uncertain) = parts
     if uncertain <= EPS * abs(exponent) and exponent.imag == 0.0 and exponent.real.is_integer():
-        value, uncertain, logarithm = base ** int(exponent.real), 0.0, 0.0
+        value, uncertain = base ** int(exponent.real), 0.0
+        # Python multiplies up to a hundred factors, and takes the polar form of more.
+        logarithm = abs(cmath.log(base)) if abs(exponent) > 100.0 else 0.0
     else:
         base = _beside_the_cut(base, off)
         value, logarithm = base**exponent, abs(cmath.log(base))
@@ -82,7 +86,7 @@ def _power(parts: list[Number]) -> Number:
 
 def _beside_the_cut(value: complex, error: float) -> complex:
     """Return a value with its zero positive, as the principal branch has it."""
-    if value.real <= 0.0 and 0.0 < abs(value.imag) <= error:
+    if value.real <= 0.0 and abs(value.imag) <= error and (value.imag or error > LOST * abs(value)):
         raise ArithmeticError
     return complex(value.real, value.imag + 0.0)
 

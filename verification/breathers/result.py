@@ -24,7 +24,8 @@ def wave_error_of(error: float) -> float:
     """Return the error of the waves from that of the state (y, ẏ), or of both parts of φ.
 
     While an error δ of y and ẏ turns, its wave is up to √2 δ, and turning all waves by that of the
-    centre adds as much; more than twice, for sites whose amplitudes differ and for damping.
+    centre adds as much where no site is larger than it; twice that, for sites that are up to 1.8
+    times as large, and for damping.
 
     Examples
     --------
@@ -179,8 +180,8 @@ class Breather(Result):
 
     @property
     def phase_step_error(self) -> float | None:
-        """Error of the phase step, in radians; None if unknown."""
-        if not self.waves.size or self.wave_error is None:
+        """Error of the phase step, in radians; None if unknown, or if there is no step."""
+        if self.phase_step is None or self.wave_error is None:
             return None
         last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
         return min(float(self._turns[last : last + 2].sum()), math.pi)
@@ -196,12 +197,10 @@ class Breather(Result):
 
     @property
     def phase_step(self) -> float | None:
-        """Phase step from the last site of the nucleus to the next, in radians."""
+        """Phase step from the last site of the nucleus to the next, in radians; None without."""
         last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
-        if not self.waves.size:
-            return None
         if last + 1 >= self.waves.size:
-            return 0.0
+            return None
         return float(np.angle(self.waves[last + 1] / self.waves[last]))
 
     @property

@@ -14,7 +14,7 @@ import numpy as np
 from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import VdpChain
+from theory.chains.vdp import VdpChain, effective_epsilon
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Trial
 from verification.fronts.status import FrontStatus
@@ -78,7 +78,10 @@ class Stall:
             self.early = self._largest()
         if self.waited <= 2.0 * self.time or self.early is None:
             return None
+        before = self.run.arrivals.copy()
         change = float(np.max(np.abs(self._largest() - self.early)))
+        if np.any(np.isnan(before) & ~np.isnan(self.run.arrivals)):
+            return None  # it has come farther meanwhile
         return FrontStatus.PINNED if change < self.settling_tolerance else FrontStatus.CREEPING
 
     def _largest(self) -> FloatArray:
@@ -93,6 +96,8 @@ class Stall:
 def cycle_period(chain: Chain) -> float:
     """Return a time within which every cycle of a chain has turned once; 0 of an averaged one.
 
+    It is twice the period at small ε, and for (8) longer by what relaxation takes at large ε.
+
     Examples
     --------
     >>> from theory.chains.vdp import AveragedChain, VdpChain
@@ -102,11 +107,11 @@ def cycle_period(chain: Chain) -> float:
     True
     """
     if isinstance(chain, VdpChain):
-        return 4.0 * math.pi  # twice that of small eps
+        return 4.0 * math.pi + 0.5 * effective_epsilon(chain)
     # Under a force amplitudes never become constant, and states without inertia do not turn.
     if not isinstance(chain, OscillatorChain) or chain.drive or not chain.oscillates:
         return 0.0
-    return max((each.period for each in chain.cell.cycles), default=0.0)
+    return 2.0 * max((each.period for each in chain.cell.cycles), default=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ stability or a site wakes up between two of them, the finer run is hardly better
 starts a few units in the last place away. Where motion is unstable, rounding alone grows by e^{λt},
 and no tolerance helps; so the error says it. Where the tolerance is so small that a tenth of it
 would be rounding, the other run has ten times the tolerance instead, and the error is some tens of
-times too large. Two runs may agree by accident; so no error below the local error that a step may
-make is stated (``Integration.least_error``).
+times too large. Two runs may agree by accident; so no error below a part of the local error that is
+allowed to a step is stated (``Integration.least_error``).
 """
 
 from __future__ import annotations

@@ -152,7 +152,7 @@ class Integration(ABC):
         return np.zeros((0, 3))
 
     def least_error(self) -> float:
-        """Return the local error that a step may make: a run is not claimed to err by less.
+        """Return the local error of an ordinary step: a run is not claimed to err by less.
 
         Runs that are compared may agree far better than either is right: where both come to a
         sample by the same few steps, or where one step of the finer run happens to be bad.

@@ -282,7 +282,8 @@ def _note_arrivals(
 ) -> int:
     """Find the arrivals of the sites in question within the step; return the foremost of them.
 
-    They are found by interpolation between the states at a few times of the step.
+    They are found by interpolation between the states at a few times of the step; one that is
+    beyond the level at none of these has not arrived.
     """
     x, new, lo = rows.x, rows.new, run.counters[LO]
     m, square, last = x.size // 2, task.level * task.level, _PARTS.size - 1
@@ -321,7 +322,7 @@ def _may_pass(before: float, rise: float, after: float, fall: float) -> bool:
     It is taken for the cubic of its values and slopes at the ends (by the part of the step), which
     exceeds the values by 4/27 of each slope at most.
     """
-    return rise > 0.0 > fall and max(before, after) + 0.25 * (rise - fall) >= 0.0
+    return max(before, after) + 0.25 * (max(rise, 0.0) - min(fall, 0.0)) >= 0.0
 
 
 @inner()

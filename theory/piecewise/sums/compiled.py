@@ -39,11 +39,13 @@ _CALLED = (
 
 
 def _state_of_sources() -> str:
-    """Digest the modules: numba keeps compiled code until the file of a function changes.
+    """Digest the modules, and this one, which has the options.
 
-    Part of the names, it makes changes in the files of what that calls count too.
+    numba keeps compiled code until the file of a function changes; part of the names, the digest
+    makes changes in the files of what that calls count too.
     """
-    sources = (Path(module.__file__ or "").read_bytes() for module in _MODULES)
+    files = (__file__, *(module.__file__ or "" for module in _MODULES))
+    sources = (Path(file).read_bytes() for file in files)
     return sha256(b"".join(sources)).hexdigest()[:12]
 
 

@@ -172,6 +172,8 @@ def test_a_checkpoint_that_cannot_be_finished_leaves_the_one_before(
 class _Run:
     """A front that has reached every site, at times that tell by which tolerance it was run."""
 
+    chain = AveragedChain(a=4, b=0.5, c=0.1)
+
     def __init__(self, tolerance: float, reached: int = 40) -> None:
         self.tolerance = tolerance
         self.state = np.zeros((2, 40))
@@ -857,7 +859,7 @@ def test_every_quantity_has_its_share_of_the_points_and_twelve_at_least(
 class _Motion:
     """A run of which only time, amplitudes, arrivals and whether it goes to rest are asked."""
 
-    finished = False
+    finished, chain = False, AveragedChain(a=4, b=0.5, c=0.1)
 
     def __init__(self) -> None:
         self.time, self.amplitude, self.rests = 0.0, np.array([1.0, 0.5]), False
@@ -905,16 +907,18 @@ def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_
 
 def test_a_site_that_is_reached_while_the_last_amplitudes_are_taken_is_farther() -> None:
     class Late(_Motion):
+        chain = VdpChain(a=4, b=0.5, c=0.1)  # its amplitudes are taken over a period
+
         def advance(self, budget: int) -> None:
             self.time += 1.0
-            if self.time > 22.5:
-                self.arrivals, self.amplitude = np.array([22.5, np.nan]), self.amplitude + 1.0
+            if self.time > 205.0:
+                self.arrivals, self.amplitude = np.array([205.0, np.nan]), self.amplitude + 1.0
 
     run: Any = Late()
-    stall = Stall(run, 10.0, 0.25, period=2.0)
-    run.time = 11.0
+    stall = Stall(run, 100.0, 0.25)
+    run.time = 101.0
     assert stall.status() is None
-    run.time = 21.5
+    run.time = 201.0
     assert stall.status() is None
     stall.note(1)
     assert (stall.since, stall.early) == (run.time, None)

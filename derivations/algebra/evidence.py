@@ -6,7 +6,6 @@ derivative, an integration). It never looks at how the equation was derived.
 
 from __future__ import annotations
 
-import cmath
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
@@ -48,7 +47,7 @@ def value(expression: sp.Basic, point: Point) -> Any:
 def _evaluated(expression: sp.Basic, point: Point, digits: int) -> Any:
     expression = sp.sympify(expression)
     quick = in_doubles(expression, point) if digits <= _DOUBLE else None
-    if quick is not None and cmath.isfinite(quick):
+    if quick is not None:
         return quick
     numbers = {atom: _number(given, digits) for atom, given in point.items()}
     result = expression.xreplace(numbers).evalf(digits)

@@ -52,7 +52,7 @@ from verification.fronts.resting import StaticFold, static_fold
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.switchings import front_by_switchings
-from verification.fronts.watch import MARGIN, Watch, cycle_period
+from verification.fronts.watch import MARGIN, Watch
 from verification.fronts.wave import FrontWave, NoFrontError, front_wave
 from verification.runs.excite import StartPoint, excite, excite_edge
 from verification.runs.friction_integration import FrictionIntegration
@@ -253,8 +253,6 @@ class FrontPreparation:
         From a length and v (in t) to whether the chain is long enough for another reason.
     doubt : float, optional
         Another velocity (in t), from which the error reaches if it is not.
-    period : float, optional
-        As of `Stall`.
     """
 
     sized: Callable[[int], Chain]
@@ -269,7 +267,6 @@ class FrontPreparation:
     method: str
     enough: Callable[[int, float], bool] = field(default=lambda sites, v: True)
     doubt: float | None = None
-    period: float = 0.0
 
 
 @singledispatch
@@ -285,7 +282,6 @@ def _settled(preparation: FrontPreparation, progress: ProgressCallback | None) -
     watch = Watch(
         stall_time=preparation.stall_time,
         settling_tolerance=preparation.settling_tolerance,
-        period=preparation.period,
         first=preparation.excited,
         progress=progress,
     )
@@ -437,7 +433,6 @@ def _prepare_smooth(
         tolerance=1e-8 if request.tolerance is None else request.tolerance,
         stall_time=stall,
         settling_tolerance=1e-3 * chain.stable_amplitude,
-        period=cycle_period(chain),
         method=SmoothIntegration.method,
         enough=enough,
     )

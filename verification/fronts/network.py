@@ -25,7 +25,7 @@ from verification.fronts.arrival_fit import line
 from verification.fronts.request import Request
 from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import Stall, cycle_period
+from verification.fronts.watch import Stall
 from verification.runs.comparison import coarser_tolerance
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -204,7 +204,7 @@ def _follow(
     progress: ProgressCallback | None,
 ) -> FrontStatus | None:
     """Step until all sites in reach are reached (None), or until the motion has stopped."""
-    watch = Stall(run, stall, 1e-3 * run.chain.stable_amplitude, cycle_period(run.chain))
+    watch = Stall(run, stall, 1e-3 * run.chain.stable_amplitude)
     while True:
         run.advance(_BUDGET)
         reached = int(np.count_nonzero(~np.isnan(run.arrivals)))

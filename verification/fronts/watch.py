@@ -47,16 +47,10 @@ class Stall:
         motion is called pinned or creeping.
     settling_tolerance : float
         Change of an amplitude, from the first time to the second, below which it is pinned.
-    period : float
-        Time over which the largest amplitudes count: of a cycle of (8), within which √(y² + ẏ²)
-        varies by some part ε max|1 - a y² + b y⁴| of itself; 0 where it does not.
     """
 
-    def __init__(
-        self, run: Integration, time: float, settling_tolerance: float, period: float = 0.0
-    ) -> None:
+    def __init__(self, run: Integration, time: float, settling_tolerance: float) -> None:
         self.run, self.time, self.settling_tolerance = run, time, settling_tolerance
-        self.period = period
         self.reached, self.since = 0, 0.0
         self.early: FloatArray | None = None
 
@@ -85,8 +79,11 @@ class Stall:
         return FrontStatus.PINNED if change < self.settling_tolerance else FrontStatus.CREEPING
 
     def _largest(self) -> FloatArray:
-        """Return the largest amplitudes over a period, step by step."""
-        found, end = self.run.amplitude, self.run.time + self.period
+        """Return the largest amplitudes over a period, step by step.
+
+        Within a cycle of (8), √(y² + ẏ²) varies by some part ε max|1 - a y² + b y⁴| of itself.
+        """
+        found, end = self.run.amplitude, self.run.time + cycle_period(self.run.chain)
         while self.run.time < end and not self.run.finished:
             self.run.advance(1)
             found = np.maximum(found, self.run.amplitude)
@@ -120,7 +117,7 @@ class Watch:
 
     Attributes
     ----------
-    stall_time, settling_tolerance, period : float
+    stall_time, settling_tolerance : float
         As in :class:`Stall`.
     first : int
         First site of which v is made, counted from 0; before it sites are excited.
@@ -133,12 +130,11 @@ class Watch:
     settling_tolerance: float
     first: int
     progress: ProgressCallback | None = None
-    period: float = 0.0
 
     def follow(self, run: Integration) -> FrontStatus | None:
         """Step until the far end is reached (None), or until the front has stopped."""
         sites = run.state.shape[1]
-        stall = Stall(run, self.stall_time, self.settling_tolerance, self.period)
+        stall = Stall(run, self.stall_time, self.settling_tolerance)
         budget, before, part = BUDGET, 0.0, 0.0
         while True:
             run.advance(budget)

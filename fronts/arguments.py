@@ -195,24 +195,6 @@ def decimal(text: str) -> str:
     return text
 
 
-def check_seed(seed: int | None) -> None:
-    """Refuse a seed that no generator takes.
-
-    Raises
-    ------
-    UsageError
-        If it is negative.
-    """
-    if seed is not None and seed < 0:
-        raise UsageError(
-            f"--seed {seed} must not be negative.",
-            quantity="--seed",
-            value=seed,
-            allowed="a whole number that is not negative",
-            remedy="give such a number",
-        )
-
-
 def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--out") -> Path:
     """Refuse early, before any work, a path that cannot be written.
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_seed, is_range, values_of
+from fronts.arguments import is_range, values_of
 from fronts.bound import Bound, located
 from fronts.catalogue import Map, Measurement, RunCall
 from fronts.options import option
@@ -231,9 +231,6 @@ def _refuse_other_methods(
                 allowed=f"absent without --method {method}",
                 remedy="leave it out",
             )
-    seed = parameters.get("seed")
-    if isinstance(seed, int):
-        check_seed(seed)
 
 
 def _parameters_of(chain: Any) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError, count_within, within
+from theory.parameters import ParameterError, random_seed, within
 from verification.runs.excite import StartPoint, add_noise, excite
 
 
@@ -85,7 +85,7 @@ def prepared(
     chosen |= {"sites": list(sites), "displacement": float(start[0, sites[0] - 1])}
     if not perturbation:
         return InitialState(state=start, parameters=chosen)
-    seed = count_within("seed", 1 if seed is None else seed, 0, 2**32 - 1)
+    seed = random_seed(1 if seed is None else seed)
     noisy = add_noise(start, within("perturbation", perturbation, 0.0, 1.0), seed)
     chosen |= {"perturbation": perturbation, "seed": seed}
     return InitialState(state=noisy, parameters=chosen)

@@ -243,7 +243,6 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
         ("threshold vdp --method orbit --seed 3", "--seed is for --method sweep or hold"),
         ("breather --c 0.1 --method orbit --seed 3", "--seed is for --method simulation"),
         ("breather --c 0.1 --seed 3", "--seed is for --method simulation"),
-        ("breather --c 0.1 --method simulation --seed -3", "must not be negative"),
         ("map vdp --a 3 --b 0.5", "--b is not allowed with --a while eta varies"),
         ("front vdp --c 0.6", "give --eta, or both --a and --b"),
         ("front vdp --c 0.6 --a 4", "give --eta, or both --a and --b"),

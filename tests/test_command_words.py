@@ -469,15 +469,15 @@ def test_the_paper_has_fifty_four_equations(number: int) -> None:
         fr.derivation(number)
 
 
-def test_a_seed_that_no_generator_takes_is_refused_by_its_option_before_any_point(
+def test_a_seed_that_no_generator_takes_is_refused_before_any_point(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def tried(*_: Any, **__: Any) -> Any:
         raise AssertionError("tried")
 
-    monkeypatch.setattr("verification.quantities.robustness.robustness", tried)
+    monkeypatch.setattr("verification.quantities.robustness.sweep", tried)
     assert main(["stress", "--seed", "-1", "--json"]) == 2
-    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--seed"
+    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "seed"
 
 
 @pytest.mark.parametrize("found", [["hidden_example.py"], ["hidden_example/__init__.py"]])

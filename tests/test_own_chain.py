@@ -328,6 +328,8 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"coupling": "square"}, "rows x columns"),
     ({"coupling": "chain", "sites": (5, 6)}, "square, next-nearest or hexagonal"),
     ({"coupling": "small-world:3,0.1"}, "even number of neighbours"),
+    ({"coupling": "small-world:4,0.1,0.5", "sites": 9}, "seed = 0.5 is not allowed"),
+    ({"seed": -1}, "seed = -1 is not allowed"),
     ({"coupling": np.ones((3, 4))}, r"a matrix of shape \(3, 4\)"),
     ({"coupling": np.ones((3, 3)), "sites": 4}, r"of shape \(4, 4\)"),
     ({"coupling": np.full((3, 3), np.nan)}, "NaN or infinity"),

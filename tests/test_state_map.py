@@ -475,7 +475,8 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
     "make",
     [
         lambda: StateTask(chain=FIGURE_15, held="c"),
-        lambda: StateTask(chain=FIGURE_15, seed=1, end=1.0),
+        lambda: StateTask(chain=FIGURE_15, end=1.0),
+        lambda: StateTask(chain=FIGURE_15, seed=-1),
         lambda: StateTask(chain=FIGURE_15.replace(sites=1001)),
         lambda: StateTask(chain=FIGURE_15.replace(eps=1e-6)),
         lambda: StateTask(chain=FIGURE_15, displacement=1e6),

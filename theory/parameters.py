@@ -334,6 +334,22 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
     return count_within(quantity, value, low, high, remedy or None)
 
 
+def random_seed(value: object) -> int:
+    """Return the seed of a random number generator as an int: a whole number below 2³².
+
+    Raises
+    ------
+    ParameterError
+        If it is none.
+
+    Examples
+    --------
+    >>> random_seed(7.0)
+    7
+    """
+    return whole_number("seed", value, 0, 2**32 - 1)
+
+
 def truth(quantity: str, value: object) -> bool:
     """Return a flag as a bool if it is true or false; numbers, text, arrays and None are neither.
 

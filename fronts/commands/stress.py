@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
-from fronts.arguments import check_seed
 from fronts.files import check_files, write_result
 from fronts.interrupted import resumable_tables
 from fronts.options import refuse_beside
@@ -99,7 +98,6 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
             allowed="absent beside --record",
             remedy="leave it out",
         )
-    check_seed(seed)
     points, seed = 1000 if points is None else points, seed or 0
     table = _checked_table(out, resume, workers)
     from verification.quantities.robustness import robustness

@@ -21,7 +21,7 @@ from scipy import sparse
 
 from theory.arrays import FloatArray
 from theory.chains.ends import Ends
-from theory.parameters import MissingPackageError, ParameterError
+from theory.parameters import MissingPackageError, ParameterError, random_seed
 
 IntArray = npt.NDArray[np.int32]
 
@@ -274,13 +274,13 @@ def _small_world(text: str, numbers: list[float], shape: tuple[int, ...], ends: 
     """Ring of k neighbours of which a part of the links is moved (Watts and Strogatz, 1998)."""
     k, part, seed = [*numbers, *[4.0, 0.1, 0.0][len(numbers) :]][:3]
     (count,) = shape if len(shape) == 1 else (0,)
-    fits = k == int(k) and k % 2 == 0 and 2 <= k < count and 0.0 <= part <= 1.0 and seed >= 0
+    fits = k == int(k) and k % 2 == 0 and 2 <= k < count and 0.0 <= part <= 1.0
     if not fits:
         raise _refused(
             repr(text), "an even number of neighbours below that of sites, a part from 0 to 1, a "
             "seed", "as in small-world:4,0.1,7",
         )  # fmt: skip
-    random = np.random.default_rng(int(seed))
+    random = np.random.default_rng(random_seed(seed))
     links = [
         {(n + d) % count for d in range(-int(k) // 2, int(k) // 2 + 1) if d} for n in range(count)
     ]

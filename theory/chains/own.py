@@ -30,7 +30,7 @@ from theory.chains.site_values import (
     pairs,
     relative_spread,
 )
-from theory.parameters import ParameterError, truth, whole_number
+from theory.parameters import ParameterError, random_seed, truth, whole_number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,11 +82,11 @@ class OwnChain(SmoothChain):
         self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or more")
         self._check_number("eps", "small parameter eps", 1e-9, 10.0)
         self._check_number("velocity_coupling", "velocity coupling", -1e6, 1e6)
-        self._check_count("seed", "seed", 0, 2**32 - 1)
         self._check_ends()
         self._check_size()
         self._close_ring()
         set_ = object.__setattr__
+        set_(self, "seed", random_seed(self.seed))
         set_(self, "overdamped", truth("overdamped", self.overdamped))
         for name in ("damping", "stiffness"):
             set_(self, name, _stored(getattr(self, name), name))

@@ -20,7 +20,7 @@ from theory.averaged.breather import (
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, count_within, need_instance, refuse_unread, word
+from theory.parameters import ParameterError, need_instance, random_seed, refuse_unread, word
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.exponents import BreatherStability
 from verification.breathers.families import own_family, own_method
@@ -136,7 +136,7 @@ def breather(
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
     nucleus = with_pattern(nucleus, chain.sites)
     _ = chain.stable_amplitude
-    choice = _Choice(Reading(reading), count_within("seed", seed, 0, 2**32 - 1))
+    choice = _Choice(Reading(reading), random_seed(seed))
     if isinstance(chain, OscillatorChain):
         if method is not None and not (isinstance(method, str) and method == "orbit"):
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")

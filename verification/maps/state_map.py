@@ -28,7 +28,7 @@ import numpy as np
 from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, need_instance, real_array, truth, within
+from theory.parameters import ParameterError, need_instance, random_seed, real_array, truth, within
 from theory.result import Result
 from verification.execution.columns import Cell, Scalar
 from verification.execution.points import Grid, Point
@@ -112,6 +112,8 @@ class StateTask:
         within("end time", self.end_time, rules.shortest_end, rules.longest_end)
         within("tolerance", self.local_error, 1e-13, 1e-3)
         within("perturbation", self.perturbation, 0.0, 1e-2)
+        if self.seed is not None:
+            random_seed(self.seed)
         if self.displacement is not None:
             within("displacement", self.displacement, 0.0, 100.0)
         self.excited()

@@ -10,7 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
-from theory.parameters import count_within
+from theory.parameters import count_within, random_seed
 from theory.result import Result
 from verification.execution.points import Point
 from verification.execution.progress import ProgressCallback
@@ -152,7 +152,7 @@ def robustness(
     ((), 0)
     """
     begin = perf_counter()
-    count_within("seed", seed, 0, 2**31 - 1)
+    random_seed(seed)
     table = sweep(
         RobustnessTask(seed),
         points_of(names, points),

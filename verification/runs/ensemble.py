@@ -15,15 +15,13 @@ import numpy.typing as npt
 from theory.arrays import FloatArray, IntArray
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError, RunError, need_instance, whole_number
+from theory.parameters import ParameterError, RunError, need_instance, random_seed
 from theory.result import Result
 from verification.execution.pool import answers_in_order
 from verification.execution.progress import ProgressCallback
 
 VALUES = ("v", "c_crit", "frequency", "value")
 """Attributes of a result that may be its number; the first that it has is taken."""
-
-MAX_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,7 +206,7 @@ def _distinct(seeds: Sequence[int]) -> list[int]:
     """Return the seeds as whole numbers, none of them twice."""
     if not isinstance(seeds, Iterable) or isinstance(seeds, str):
         raise ParameterError("seeds", seeds, "a sequence of whole numbers", "give range(16)")
-    given = [whole_number("seed", seed, 0, MAX_SEED) for seed in seeds]
+    given = [random_seed(seed) for seed in seeds]
     if not given:
         raise ParameterError("seeds", "none", "at least one", "give range(16)")
     if len({*given}) < len(given):

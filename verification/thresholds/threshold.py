@@ -15,8 +15,8 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import (
     ParameterError,
-    count_within,
     need_instance,
+    random_seed,
     refuse_unread,
     within,
     word,
@@ -259,7 +259,7 @@ def _by_runs_of_43(
             "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
         )
     within("perturbation", noise, 0.0, 0.1)
-    first = count_within("seed", seed, 0, 2**32 - 1)
+    first = random_seed(seed)
     preparation = NucleusPreparation(nucleus.size, nucleus.place, noise, first)
     if how is ThresholdMethod.HOLD:
         return escape_range(chain, preparation)

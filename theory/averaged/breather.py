@@ -22,6 +22,7 @@ import math
 import time
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal, overload
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -81,19 +82,17 @@ class ClosedFormFold:
 
     Attributes
     ----------
-    c : float or None
-        Dimensionless; None if the reading has no solution at any coupling.
+    c : float
+        Dimensionless.
     error : float
         Estimated error of ``c``.
-    reading : Reading
-        Where (37) was taken.
     place : float
-        For ``neighbour`` the fold's (S_s - S)/(S_s - S_us), in terms of the two cycles' squares.
+        For the reading ``neighbour`` (S_s - S)/(S_s - S_us) at the fold, S_s and S_us the squares
+        of the two cycles.
     """
 
-    c: float | None
+    c: float
     error: float
-    reading: Reading
     place: float = 0.0
 
 
@@ -117,20 +116,20 @@ class ClosedFormBreather:
         Largest residual of (29) and (37).
     error : float
         Bound on the relative error of ``alpha_0`` and ``decay``; infinite if there is none.
-    fold : ClosedFormFold
-        Where the branch ends.
+    fold : ClosedFormFold or None
+        Where the branch ends; None if the reading has no solution at any coupling.
     seconds : float
         Wall-clock time.
     """
 
     status: BreatherStatus
-    alpha_0: float | None
-    decay: float | None
+    alpha_0: float | None = None
+    decay: float | None = None
     frequency: float
-    phase_step: float
-    residual: float
-    error: float
-    fold: ClosedFormFold
+    phase_step: float = -0.5 * math.pi
+    residual: float = math.inf
+    error: float = math.inf
+    fold: ClosedFormFold | None
     seconds: float
 
     def amplitudes(self, count: int) -> FloatArray:
@@ -227,9 +226,15 @@ def solve_breather(
     started = time.perf_counter()
     _check_range(chain)
     fold = closed_form_fold(chain, reading)
-    exists = fold.c is not None and chain.c <= fold.c
+    if fold is None or chain.c > fold.c:
+        return ClosedFormBreather(
+            status=BreatherStatus.NONE,
+            frequency=breather_frequency(chain),
+            fold=fold,
+            seconds=time.perf_counter() - started,
+        )
     solve = _tail if reading is Reading.TAIL else _neighbour
-    S, w, error = solve(chain, fold) if exists else (math.nan, math.nan, math.inf)
+    S, w, error = solve(chain, fold)
     alpha_0, decay = math.sqrt(S), math.sqrt(w)
     site = math.inf if reading is Reading.TAIL else 1.0
     residual = max(
@@ -237,12 +242,11 @@ def solve_breather(
         abs(tail_residual(alpha_0, decay, site, chain)),
     )
     return ClosedFormBreather(
-        status=BreatherStatus.EXISTS if exists else BreatherStatus.NONE,
-        alpha_0=alpha_0 if exists else None,
-        decay=decay if exists else None,
+        status=BreatherStatus.EXISTS,
+        alpha_0=alpha_0,
+        decay=decay,
         frequency=breather_frequency(chain),
-        phase_step=-0.5 * math.pi,
-        residual=residual if exists else math.inf,
+        residual=residual,
         error=error,
         fold=fold,
         seconds=time.perf_counter() - started,
@@ -256,8 +260,20 @@ def _check_range(chain: VanDerPolChain) -> None:
     at_least("coupling c", chain.c, SMALLEST_C, remedy)
 
 
-def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR) -> ClosedFormFold:
-    """Return the largest coupling at which (29) and (37) have a solution.
+@overload
+def closed_form_fold(
+    chain: VanDerPolChain, reading: Literal[Reading.NEIGHBOUR, Reading.TAIL] = ...
+) -> ClosedFormFold: ...
+
+
+@overload
+def closed_form_fold(chain: VanDerPolChain, reading: Reading) -> ClosedFormFold | None: ...
+
+
+def closed_form_fold(
+    chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
+) -> ClosedFormFold | None:
+    """Return the largest coupling at which (29) and (37) have a solution; at the centre they never.
 
     For the reading ``tail`` it is known: c² = m(1 + m) with m = (a² - 8b)/(16 b).
 
@@ -272,11 +288,11 @@ def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
     at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, "take a smaller a or a larger b")
     gap = discriminant(chain)
     if reading is Reading.CENTRE:
-        return ClosedFormFold(c=None, error=0.0, reading=reading)
+        return None
     if reading is Reading.TAIL:
         m = gap / (16.0 * chain.b)
         c = math.sqrt(m) * math.sqrt(1.0 + m)
-        return ClosedFormFold(c=c, error=8.0 * _EPS * c, reading=reading)
+        return ClosedFormFold(c=c, error=8.0 * _EPS * c)
     branch = NeighbourBranch(chain.a, chain.b, gap)
     grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
     # The first fall: c rises from zero, and falls before S turns.
@@ -294,7 +310,7 @@ def closed_form_fold(chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
     below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
     t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
     c = branch.coupling_at(t)
-    return ClosedFormFold(c=c, error=_NOISE * c, reading=reading, place=math.exp(t))
+    return ClosedFormFold(c=c, error=_NOISE * c, place=math.exp(t))
 
 
 def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:

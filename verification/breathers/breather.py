@@ -211,21 +211,21 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
     full = chain.full()
     found = solve_breather(full, choice.reading)
     fold = found.fold
-    if found.alpha_0 is None or found.decay is None:
+    if fold is None or found.alpha_0 is None:
         return Breather(
             chain=chain,
             nucleus=nucleus,
             method=BreatherMethod.CLOSED_FORM,
             status=BreatherStatus.NONE,
-            fold=fold.c,
-            fold_error=None if fold.c is None else fold.error,
+            fold=None if fold is None else fold.c,
+            fold_error=None if fold is None else fold.error,
             seconds=found.seconds,
         )
     odd = replace(full, sites=min(chain.sites + (chain.sites + 1) % 2, 31))
     try:
-        multipliers: BreatherStability | None = approximate_multipliers(odd, found)
+        stability: BreatherStability | None = approximate_multipliers(odd, found)
     except ParameterError:
-        multipliers = None  # too stiff: the stability is then not decided
+        stability = None  # too stiff: the stability is then not decided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
     amplitudes = found.amplitudes(chain.sites)[distance]
     own = Breather(
@@ -236,16 +236,13 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         amplitudes=amplitudes,
         waves=np.asarray(amplitudes * np.exp(1j * found.phase_step * distance), dtype=complex),
         frequency=found.frequency,
-        stable=multipliers.stable if multipliers else None,
-        growth=multipliers.growth if multipliers else None,
-        trivial=multipliers.trivial if multipliers else None,
-        multipliers=multipliers.values if multipliers else None,
         error=found.error * found.alpha_0,
         frequency_error=0.0,
         residual=found.residual,
         decay=found.decay,
         fold=fold.c,
         fold_error=fold.error,
+        stability=stability,
         seconds=found.seconds,
     )
     return _compared(own, chain)

@@ -51,9 +51,7 @@ def start_of(chain: VanDerPolChain, latest: float = START, part: float = 0.25) -
     >>> [f"{start_of(AveragedChain(a=1, b=b, c=0)):.4f}" for b in (0.08, 1e-4)]
     ['0.0100', '0.0014']
     """
-    fold = closed_form_fold(chain).c
-    assert fold is not None  # only the reading at the centre has none
-    return min(latest, part * fold)
+    return min(latest, part * closed_form_fold(chain).c)
 
 
 @dataclass(frozen=True)
@@ -164,7 +162,6 @@ class RotatingWaves(BreatherFamily):
         """Return a solution, its error the Newton step that would come next, and rounding."""
         here = replace(self.chain, c=point.parameter)
         phi, omega = self.unpack(point.u)
-        stability = self.stability(point.u, point.parameter)
         frequency = 1.0 + here.eps * omega
         left, rounding = 2.0 * point.correction, _rounding(phi, here)
         # Ω is without a unit: its rounding is the relative one of φ, and that of the frequency.
@@ -178,10 +175,6 @@ class RotatingWaves(BreatherFamily):
             amplitudes=np.abs(phi),
             waves=phi,
             frequency=frequency,
-            stable=stability.stable,
-            growth=stability.growth,
-            trivial=stability.trivial,
-            multipliers=np.exp(here.eps * (2.0 * math.pi / frequency) * stability.values),
             error=error,
             frequency_error=here.eps * relative + float(np.finfo(float).eps) * frequency,
             wave_error=wave_error_of(error),
@@ -189,7 +182,7 @@ class RotatingWaves(BreatherFamily):
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,
             unknowns=np.append(self.unit * point.u[:-1], omega),
-            stability=stability,
+            stability=self.stability(point.u, point.parameter),
             seconds=time.perf_counter() - started,
         )
 

@@ -64,15 +64,6 @@ class Breather(Result):
         First harmonic of each site, whose angle is its phase; empty if there is none.
     frequency : float or None
         In t; None if there is no breather. Never NaN.
-    stable : bool or None
-        Against every small perturbation; None where the method does not decide it.
-    growth : float or None
-        Largest rate per unit of slow time, trivial one apart.
-    trivial : float or None
-        Distance of the trivial multiplier from 1 (of the trivial exponent from 0 for the method
-        ``envelope``): by it the rates beside it are to be trusted.
-    multipliers : complex array, shape (2N,), or None
-        Floquet multipliers by falling modulus; of the averaged chain e^{ε λ period}.
     error : float or None
         Distance of the amplitudes from those of the chain's own breather, that one's error added;
         None if unknown, and `error_unknown` says why.
@@ -95,10 +86,13 @@ class Breather(Result):
         What was solved for: (y, ẏ) at the moment when y = 0 < ẏ at the centre, and the period; or
         (Re φ, Im φ, Ω), with which the frequency is 1 + εΩ. Empty if there is no solution.
     stability : BreatherStability or None
-        Multipliers, or exponents of (43), with the growth of either parity.
+        Multipliers, or exponents of (43), with the growth of either parity; None where the method
+        does not compute them.
     seconds : float
         Wall-clock time.
     """
+
+    derived = ("stable", "growth", "trivial")
 
     chain: Any
     nucleus: Nucleus
@@ -111,10 +105,6 @@ class Breather(Result):
         default_factory=lambda: np.empty(0, complex), metadata={"json": None}
     )
     frequency: float | None = None
-    stable: bool | None = None
-    growth: float | None = None
-    trivial: float | None = None
-    multipliers: ComplexArray | None = field(default=None, metadata={"json": None})
     error: float | None = None
     frequency_error: float | None = None
     wave_error: float | None = field(default=None, metadata={"json": None})
@@ -149,6 +139,35 @@ class Breather(Result):
             raise RunError(self.status.sentence)
         orbit = self.method is BreatherMethod.ORBIT
         return float(self.unknowns[-1]) if orbit else 2.0 * math.pi / self.frequency
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether no small perturbation grows; None where the method does not decide it."""
+        if self.status is BreatherStatus.SETTLED:
+            return True  # the run has forgotten the noise of its start
+        return None if self.stability is None else self.stability.stable
+
+    @property
+    def growth(self) -> float | None:
+        """Largest growth rate per unit of slow time, trivial one apart; None if not computed."""
+        return None if self.stability is None else self.stability.growth
+
+    @property
+    def trivial(self) -> float | None:
+        """Distance of the trivial multiplier from 1, of the trivial exponent of (43) from 0.
+
+        By it the rates beside it are to be trusted.
+        """
+        return None if self.stability is None else self.stability.trivial
+
+    @property
+    def multipliers(self) -> ComplexArray | None:
+        """Floquet multipliers by falling modulus; of the averaged chain e^{ε λ period}."""
+        if self.stability is None:
+            return None
+        values = self.stability.values
+        averaged = self.method is BreatherMethod.ENVELOPE
+        return np.exp(self.chain.eps * self.period * values) if averaged else values
 
     @property
     def outward(self) -> FloatArray:

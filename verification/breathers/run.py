@@ -212,8 +212,6 @@ def _at_end(
         waves=waves,
         amplitudes=amplitudes,
         frequency=frequency if settled else None,
-        # A run that settled has forgotten its noise; one that has not settled decides nothing.
-        stable=True if settled else None,
         error=error if known else None,
         wave_error=wave_error_of(error) if known else None,
         error_unknown="" if known else status.sentence,

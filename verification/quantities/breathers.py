@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import mpmath as mp
 import numpy as np
@@ -49,7 +49,7 @@ def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:
     return vdp_chain({"a": 1.0, "eps": 0.01, "sites": sites, **at})
 
 
-def _reading(at: Mapping[str, float]) -> Reading:
+def _reading(at: Mapping[str, float]) -> Literal[Reading.NEIGHBOUR, Reading.TAIL]:
     return Reading.NEIGHBOUR if at["reading"] < 2 else Reading.TAIL
 
 

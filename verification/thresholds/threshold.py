@@ -208,9 +208,7 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
     """
     started = time.perf_counter()
     check_closed_form(nucleus, chain.sites)
-    folds = {reading: closed_form_fold(chain, reading) for reading in Reading}
-    fold = folds[Reading.NEIGHBOUR]
-    assert fold.c is not None  # only the reading at the centre has none
+    fold = closed_form_fold(chain)
     return Threshold(
         c_crit=fold.c,
         error=fold.error,
@@ -219,7 +217,11 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
         mechanism=Mechanism.FOLD,
         model=chain.model,
         nucleus=nucleus,
-        readings={reading.value: each.c for reading, each in folds.items()},
+        readings={
+            Reading.CENTRE.value: None,
+            Reading.NEIGHBOUR.value: fold.c,
+            Reading.TAIL.value: closed_form_fold(chain, Reading.TAIL).c,
+        },
         seconds=time.perf_counter() - started,
     )
 

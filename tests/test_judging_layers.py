@@ -32,6 +32,7 @@ from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.cells.friction import FrictionCell
+from theory.cells.oscillator import OscillatorCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
@@ -43,7 +44,7 @@ from verification.breathers import outcome as nuclei
 from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import Orbits
-from verification.cells import vdp as vdp_cell
+from verification.cells import shooting
 from verification.continuation.branch import Fold
 from verification.execution import sweep as sweeping
 from verification.execution.files import FileError
@@ -972,29 +973,16 @@ def test_progress_is_the_chain_that_is_reached_or_the_time_that_is_waited(reache
 # ------------------------------------------------------- errors and references that are judged by
 
 
-def test_the_error_of_a_true_cycle_is_what_a_coarser_tolerance_changes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Of the amplitude, in units of y, or of the period; to either side."""
-    for coarse, expected in (((2.5, 7.0), 0.25), ((1.5, 7.0), 0.25), ((2.0, 6.5), 0.5)):
-        monkeypatch.setattr(
-            vdp_cell, "_shoot",
-            lambda *given, far=coarse: (2.0, 7.0) if given[-1] < 1e-9 else far,
-        )  # fmt: skip
-        found = vdp_cell._cycle(0.1, 0.1, 2.0, between=1.0, a=4.0, tolerance=1e-10)
-        assert (found.max, found.period) == (1.0, 7.0)
-        assert found.error == pytest.approx(expected)
-
-
 @pytest.mark.parametrize("eta", [0.02, 0.08, 0.12])
 def test_a_cycle_is_too_stiff_by_its_largest_damping(eta: float) -> None:
     """ε max|1 - y² + ηy⁴| over the cycle of amplitude √(8/(1 - √(1 - 8η))), point by point."""
     y = np.linspace(0.0, math.sqrt(8.0 / (1.0 - math.sqrt(1.0 - 8.0 * eta))), 20_001)
     largest = float(np.abs(1.0 - y**2 + eta * y**4).max())
-    limit = vdp_cell._STIFFEST / largest
-    vdp_cell._check_stiffness(eta, 0.999 * limit)
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0, (2, 0): -1.0, (4, 0): eta})
+    limit = shooting._STIFFEST / largest
+    shooting._check_stiffness(cell, 0.999 * limit, cell.cycles[1])
     with pytest.raises(ParameterError, match="at most"):
-        vdp_cell._check_stiffness(eta, 1.001 * limit)
+        shooting._check_stiffness(cell, 1.001 * limit, cell.cycles[1])
 
 
 def test_halved_steps_shift_a_fold_by_their_residual_over_the_largest_slope(

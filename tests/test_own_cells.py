@@ -17,10 +17,11 @@ from fronts.cli import main
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
-from verification.cells import oscillator
+from verification.cells import shooting
 from verification.cells.cell import cell
 from verification.cells.result import Cell, CellCycle, CellStatus, OwnCell
-from verification.cells.vdp import longest_step, vdp_cell
+from verification.cells.shooting import longest_step
+from verification.cells.vdp import vdp_cell
 from verification.references.network import oscillator_rate, states_by_scipy
 
 PERIOD, AMPLITUDE = 6.663286859323130, 2.008619860874843
@@ -188,21 +189,21 @@ def test_a_cycle_is_looked_for_between_those_beside_it(at: int) -> None:
     """On both sides of its limit, which here are smaller than the cycles, the middle one's too."""
     chain = OscillatorChain(damping="0.005*v**6 - 0.144*v**4 + v**2 - 1", c=0.0, eps=0.1)
     limits = [each.amplitude for each in chain.cell.cycles]
-    found = oscillator._fixed(chain, at, 1e-6)
+    found = shooting._fixed(chain.cell, chain.eps, at, 1e-6)
     assert limits[at] < found < 1.05 * limits[at]
 
 
 def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
     """Where y is largest v is zero: of a damping yv the largest is half of both sizes."""
     limit: Any = SimpleNamespace(amplitude=2.0, velocity=3.0)
-    chain: Any = SimpleNamespace(cell=SimpleNamespace(damping_at=lambda y, v: y * v))
+    cell: Any = SimpleNamespace(damping_at=lambda y, v: y * v)
     for share in (0.99, 1.01):
-        chain.eps = share * oscillator._STIFFEST / 3.0
+        eps = share * shooting._STIFFEST / 3.0
         with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 60"):
-            oscillator._check_stiffness(chain, limit)
-    chain.cell.cycles = (limit,)
+            shooting._check_stiffness(cell, eps, limit)
+    cell.cycles = (SimpleNamespace(amplitude=1.0, velocity=1.0), limit)
     with pytest.raises(ParameterError, match="at most 60"):  # before any turn is taken
-        oscillator._cycle(chain, 0, 1e-9)
+        shooting.shot_cycles(cell, eps, 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -223,9 +224,9 @@ def test_a_turn_ends_at_the_next_maximum_or_has_no_period(
         status=status, y_events=[[], lowest], y=np.array([[1.0, last], [0.0, 0.0]]),
         t=np.array([0.0, 6.0]),
     )  # fmt: skip
-    monkeypatch.setattr(oscillator, "solve_ivp", lambda *_, **__: run)
-    chain: Any = SimpleNamespace(eps=0.1, cell=SimpleNamespace(force=None))
-    found = oscillator._turn(chain, 1.0, 6.0, 1e-9)
+    monkeypatch.setattr(shooting, "solve_ivp", lambda *_, **__: run)
+    cell: Any = None
+    found = shooting._turn(cell, 0.1, 1.0, 6.0, 1e-9)
     assert (found.top, found.period) == (top, 6.0 if status == 1 else np.inf)
 
 
@@ -235,26 +236,25 @@ def test_a_jump_of_the_map_of_maxima_is_no_cycle(
 ) -> None:
     """It passes over the line on which a turn ends where it begins, from either side."""
     monkeypatch.setattr(
-        oscillator, "_turn",
-        lambda _, y, *__: SimpleNamespace(top=y * (ahead if y < 1.00003 else 1.0 / ahead)),
+        shooting, "_turn",
+        lambda _, __, y, *___: SimpleNamespace(top=y * (ahead if y < 1.00003 else 1.0 / ahead)),
     )  # fmt: skip
     limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
-    chain: Any = SimpleNamespace(eps=0.1, cell=SimpleNamespace(cycles=limits))
+    cell: Any = SimpleNamespace(cycles=limits)
     with pytest.raises(ParameterError, match="small enough for averaging"):
-        oscillator._fixed(chain, 0, 1e-9)
+        shooting._fixed(cell, 0.1, 0, 1e-9)
 
 
 def _made_turns(monkeypatch: pytest.MonkeyPatch, cycles: tuple[float, ...], slope: float) -> None:
     """Let the map of maxima have these fixed points, attracting and not, with exact errors."""
 
-    def turn(_: object, y: float, period: float, tolerance: float) -> Any:
+    def turn(_: object, __: float, y: float, period: float, tolerance: float) -> Any:
         passed = next((at for at, each in enumerate(cycles) if y < each * 1.04), len(cycles) - 1)
         near = cycles[passed] + 1e3 * tolerance
         top = near + (slope if passed % 2 else 1.0 / slope) * (y - near)
-        return oscillator._Turn(top=top, bottom=-0.5 * y, period=period + 1e4 * tolerance)
+        return shooting._Turn(top=top, bottom=-0.5 * y, period=period + 1e4 * tolerance)
 
-    monkeypatch.setattr(oscillator, "_turn", turn)
-    monkeypatch.setattr(oscillator, "_check_stiffness", lambda *_: None)
+    monkeypatch.setattr(shooting, "_turn", turn)
 
 
 @pytest.mark.parametrize("at", [0, 1, 2])
@@ -269,10 +269,10 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
         SimpleNamespace(amplitude=y, period=6.0, stable=stable)
         for y, stable in ((1.0, True), (1.07, False), (1.145, True))
     )
-    chain: Any = SimpleNamespace(cell=SimpleNamespace(cycles=limits))
+    cell: Any = SimpleNamespace(cycles=limits)
     true = (1.01, 1.06, 1.155)
     _made_turns(monkeypatch, true, 3.0)
-    found = oscillator._cycle(chain, at, 1e-9)
+    found = shooting._cycle(cell, 0.1, at, 1e-9)
     assert found.max == pytest.approx(true[at] + 1e-6, abs=1e-12)
     assert found.min == pytest.approx(-0.5 * found.max)
     assert found.multiplier == pytest.approx((1.0 / 3.0, 3.0, 1.0 / 3.0)[at], rel=1e-9)
@@ -300,7 +300,9 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
     damping: str, status: CellStatus, stable: int, unstable: int | None,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(oscillator, "_cycle", lambda _, at, __: SimpleNamespace(at=at, error=0.0))
+    monkeypatch.setattr(
+        shooting, "_cycle", lambda _, __, at, ___: SimpleNamespace(at=at, error=0.0)
+    )
     chain = OscillatorChain(damping=damping, stiffness="y", eps=0.1, c=0.0)
     found: Any = cell(chain)
     assert found.status is status
@@ -369,6 +371,26 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
         assert (cycle.stick_time, cycle.slip_time) == (0.0, cycle.period)
         assert cycle.amplitude == pytest.approx(limit, rel=1e-3)
         assert cycle.period == pytest.approx(2.0 * np.pi, rel=1e-3)
+
+
+def test_both_cycles_of_van_der_pol_close_in_scipy_with_their_multipliers() -> None:
+    """Liouville: the multiplier of a cycle is exp(-ε ∮ h dt), h = 1 - ay² + by⁴."""
+    a, b, eps = 2.5, 0.5, 0.1
+    found = vdp_cell(a, b, eps, 1e-9)
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 1.0 - a * y**2 + b * y**4, np.zeros((1, 1)), c=0.0, eps=eps
+    )  # fmt: skip
+    for cycle in (found.unstable_cycle, found.stable_cycle):
+        assert cycle is not None
+        assert cycle.multiplier is not None
+        start = np.array([cycle.max, 0.0])
+        path = states_by_scipy(rate, start, np.linspace(0.0, cycle.period, 1001), 1e-12)
+        off = np.abs(path[-1] - start).max()
+        assert off <= (1.0 + cycle.multiplier) * cycle.error  # what is off grows in the turn
+        y = path[:-1, 0]
+        lost = eps * float(np.mean(1.0 - a * y**2 + b * y**4)) * cycle.period
+        # By central differences: their step is a ten-thousandth of the cycle.
+        assert cycle.multiplier == pytest.approx(np.exp(-lost), rel=1e-4)
 
 
 def test_the_longest_step_errs_in_proportion_to_the_tolerance() -> None:
@@ -466,15 +488,14 @@ def test_no_multiplier_is_given_that_differences_do_not_resolve() -> None:
 def test_no_multiplier_is_given_where_the_map_has_a_corner(
     slopes: tuple[float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def turn(_: object, y: float, *__: object) -> oscillator._Turn:
-        return oscillator._Turn(top=1.0 + slopes[y > 1.0] * (y - 1.0), bottom=-1.0, period=6.0)
+    def turn(_: object, __: float, y: float, *___: object) -> shooting._Turn:
+        return shooting._Turn(top=1.0 + slopes[y > 1.0] * (y - 1.0), bottom=-1.0, period=6.0)
 
-    monkeypatch.setattr(oscillator, "_turn", turn)
-    monkeypatch.setattr(oscillator, "_fixed", lambda *_: 1.0)
-    monkeypatch.setattr(oscillator, "_check_stiffness", lambda *_: None)
+    monkeypatch.setattr(shooting, "_turn", turn)
+    monkeypatch.setattr(shooting, "_fixed", lambda *_: 1.0)
     limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
-    chain: Any = SimpleNamespace(cell=SimpleNamespace(cycles=limits))
-    assert oscillator._cycle(chain, 0, 1e-9).multiplier is None
+    cell: Any = SimpleNamespace(cycles=limits)
+    assert shooting._cycle(cell, 0.1, 0, 1e-9).multiplier is None
 
 
 def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,187 @@
+"""Cycles of one oscillator by shooting.
+
+    ÿ + g(y) + ε h(y, ẏ) ẏ = 0
+
+To leading order in ε they are in ``theory.cells.oscillator``. The true cycles are fixed points of
+the map from one maximum of y to the next, taken by scipy's DOP853.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from theory.arrays import FloatArray
+from theory.cells.oscillator import Oscillator, OscillatorCycle
+from theory.parameters import ParameterError
+from verification.cells.result import CellCycle
+
+ROUNDING = 1e-14
+"""Relative rounding of a period, over the some hundred steps that it takes."""
+_STIFFEST = 60.0
+"""Largest ε max|h| on a cycle: DOP853 takes half a minute there."""
+_WIDTHS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4)
+"""Relative distances from the limit of ε → 0 at which the cycle is looked for."""
+_SHIFT = 1e-4
+"""Relative step of the difference that gives the multiplier."""
+_CURVED = 1e-2
+"""Relative difference of the two one-sided differences from which they resolve no multiplier."""
+_CLOSED = 1e-3
+"""Relative distance of a fixed point from where its turn ends, above which it is a jump."""
+
+
+def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCycle, ...]:
+    """Return all cycles of a cell with their errors, inner to outer.
+
+    Parameters
+    ----------
+    cell : Oscillator
+        With inertia.
+    eps : float
+        ε.
+    tolerance : float
+        Relative tolerance of DOP853.
+
+    Raises
+    ------
+    ParameterError
+        If ε is so large that the limits of ε → 0 do not lead to the cycles, or that these are too
+        stiff.
+
+    Examples
+    --------
+    >>> from theory.cells.oscillator import OscillatorCell
+    >>> cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -1.0, (2, 0): 1.0})
+    >>> [round(each.max, 4) for each in shot_cycles(cell, 1.0, 1e-9)]  # of Van der Pol (1926)
+    [2.0086]
+    """
+    for limit in cell.cycles:
+        _check_stiffness(cell, eps, limit)
+    return tuple(_cycle(cell, eps, at, tolerance) for at in range(len(cell.cycles)))
+
+
+def longest_step(tolerance: float) -> float:
+    """Return the longest step, over that at a tolerance of 1e-12.
+
+    It errs in proportion to the tolerance, as DOP853 is of order eight. Were it the same at every
+    tolerance, a coarser run would take the same steps where that is all that limits them, and
+    nothing would be seen of their error.
+    """
+    return float((tolerance / 1e-12) ** (1.0 / 8.0))
+
+
+class _Maximum:
+    """An event for scipy: ẏ falls through 0, the start not counted."""
+
+    direction, terminal = -1.0, True
+
+    def __call__(self, t: float, z: FloatArray) -> float:
+        return float(z[1]) if t > 0.0 else -1.0
+
+
+class _Minimum:
+    """An event for scipy: ẏ rises through 0."""
+
+    direction, terminal = 1.0, False
+
+    def __call__(self, t: float, z: FloatArray) -> float:
+        return float(z[1]) if t > 0.0 else 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Turn:
+    """A turn from one maximum of y to the next: that, the minimum between, the time."""
+
+    top: float
+    bottom: float
+    period: float
+
+
+def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: float) -> _Turn:
+    """Return the turn that begins at rest at y.
+
+    A motion that creeps to rest without turning ends at 0, one that leaves all bounds at infinity;
+    neither has a period.
+    """
+
+    def rate(_: float, z: FloatArray) -> list[float]:
+        y, v = z.tolist()
+        return [v, -cell.force(y, v, eps)]
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = solve_ivp(
+            rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(_Maximum(), _Minimum()),
+            rtol=tolerance, atol=1e-2 * tolerance * y,
+            max_step=period / 30.0 * longest_step(tolerance),
+        )  # fmt: skip
+    lowest: list[FloatArray] = list(run.y_events[1]) if run.y_events is not None else []
+    if run.status != 1 or not lowest:
+        rests = run.status == 0 and abs(run.y[0, -1]) < y
+        return _Turn(top=0.0 if rests else math.inf, bottom=math.nan, period=math.inf)
+    bottom = float(lowest[0][0])
+    return _Turn(top=float(run.y[0, -1]), bottom=bottom, period=float(run.t[-1]))
+
+
+def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle:
+    """Return one cycle with its error, from its limit as ε → 0."""
+    limit = cell.cycles[at]
+    fine, coarse = (_fixed(cell, eps, at, each) for each in (tolerance, 100.0 * tolerance))
+    turn, other = (
+        _turn(cell, eps, y, limit.period, each)
+        for y, each in ((fine, tolerance), (coarse, 100.0 * tolerance))
+    )
+    shift = _SHIFT * fine
+    ahead, behind = (
+        (_turn(cell, eps, fine + each, limit.period, tolerance).top - turn.top) / each
+        for each in (shift, -shift)
+    )
+    resolved = abs(ahead - behind) < _CURVED * max(1.0, abs(ahead))
+    gaps = (fine - coarse, turn.bottom - other.bottom, turn.period - other.period)
+    return CellCycle(
+        max=fine,
+        min=turn.bottom,
+        period=turn.period,
+        slip_time=turn.period,
+        multiplier=0.5 * (ahead + behind) if resolved else None,
+        averaged=limit.amplitude,
+        error=max(*(abs(each) for each in gaps), ROUNDING * turn.period),
+    )
+
+
+def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> None:
+    angle = np.linspace(0.0, 2.0 * math.pi, 201)
+    h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
+    stiffness = eps * float(np.max(np.abs(h)))
+    if stiffness > _STIFFEST:
+        raise ParameterError(
+            "eps max|damping| on a cycle", f"{stiffness:.4g}", f"at most {_STIFFEST:g} for a true "
+            "cycle", "take a smaller eps",
+        )  # fmt: skip
+
+
+def _fixed(cell: Oscillator, eps: float, at: int, tolerance: float) -> float:
+    """Return the largest y of a cycle: a fixed point between the cycles beside it."""
+    amplitudes = [each.amplitude for each in cell.cycles]
+    guess, period = amplitudes[at], cell.cycles[at].period
+    low = math.sqrt(amplitudes[at - 1] * guess) if at else 0.0
+    high = math.sqrt(amplitudes[at + 1] * guess) if at + 1 < len(amplitudes) else math.inf
+
+    def growth(y: float) -> float:
+        top = _turn(cell, eps, y, period, tolerance).top
+        return top / y - 1.0 if math.isfinite(top) else 1.0
+
+    for width in _WIDTHS:
+        ends = max(low, guess * (1.0 - width)), min(high, guess * (1.0 + width))
+        if growth(ends[0]) * growth(ends[1]) < 0.0:
+            found = float(brentq(growth, *ends, xtol=1e-14 * guess, rtol=1e-14))
+            if abs(growth(found)) < _CLOSED:
+                return found
+            break
+    raise ParameterError(
+        "small parameter eps", eps, "small enough for averaging to point at the cycles",
+        "take a smaller eps, or parameters further from where cycles meet",
+    )  # fmt: skip

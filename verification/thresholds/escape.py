@@ -2,6 +2,8 @@
 
 Escape need not be monotone in c, and it depends on the noise and on the time waited. So no single
 coupling is found but a range: below it every run that was made held, above it every run escaped.
+Without noise a nucleus escapes at the fold of the breather that it follows, to which the same
+bisection comes down as near as the time allows.
 """
 
 from __future__ import annotations
@@ -184,60 +186,39 @@ def escape_threshold(
     chain: VanDerPolChain,
     preparation: NucleusPreparation,
     *,
-    low: float = 0.15,
-    high: float = 0.25,
     duration: float = 2000.0,
     tolerance: float = 1e-6,
 ) -> RunThreshold:
     """Bisect for the coupling at which the prepared nucleus escapes within a time.
 
-    Runs near a fold pass it ever more slowly, c - c_fold ~ duration⁻², so the bisection is done
-    with ``duration`` and with half of it, and the difference is part of the error.
+    Runs near a fold pass it ever more slowly, c - c_fold ~ duration⁻², so that escapes within half
+    of the time begin four times as far above it. The difference is part of the error, which then
+    reaches down to the fold.
 
     Raises
     ------
     ParameterError
-        If the nucleus escapes at ``low`` or holds at ``high``.
+        If it holds or escapes at every coupling tried.
     """
     started = time.perf_counter()
-    runs = 0
-
-    def bisect(length: float) -> float:
-        nonlocal runs
-        below, above = low, high
-        for c, required in ((below, False), (above, True)):
-            runs += 1
-            if hold(chain, preparation, c, length).escaped is not required:
-                raise ParameterError(
-                    "bracket",
-                    f"[{low}, {high}]",
-                    "such that the nucleus holds at its lower end and escapes at its upper end",
-                    "widen it",
-                )
-        while above - below > tolerance:
-            runs += 1
-            middle = 0.5 * (below + above)
-            if hold(chain, preparation, middle, length).escaped:
-                above = middle
-            else:
-                below = middle
-        return 0.5 * (below + above)
-
-    short, c = bisect(0.5 * duration), bisect(duration)
-    error = 0.5 * tolerance + abs(short - c)
+    runs = _EscapeRuns(chain, preparation, duration)
+    runs.bracket()
+    runs.refine(tolerance)
+    (low, high), soon = runs.ends()
+    c = 0.5 * (low + high)
     return RunThreshold(
         c_crit=c,
-        error=error,
+        error=0.5 * tolerance + abs(0.5 * sum(soon) - c),
         method=ThresholdMethod.HOLD,
         definition=Definition.FIRST,
         mechanism=Mechanism.HELD,
         model="averaged",
         nucleus=preparation.nucleus,
         sites=preparation.chain(chain, c).sites,
-        low=c - 0.5 * tolerance,
-        high=c + 0.5 * tolerance,
+        low=low,
+        high=high,
         perturbation=preparation.perturbation,
         final_time=duration,
-        runs=runs,
+        runs=len(runs.escapes),
         seconds=time.perf_counter() - started,
     )

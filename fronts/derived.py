@@ -148,39 +148,16 @@ def _grid(
     new_chain: type[Chain],
     fields: dict[str, Any],
 ) -> tuple[Chain, dict[str, Any]]:
-    """Return the chain of a map, its axes, and its table.
-
-    Axes are what is given as a range and those by default, in their order: with the number that is
-    given, or with their own range while fewer than two are ranges. A map is a plane where not more
-    is asked for.
-    """
+    """Return the chain of a map, its axes, and its table."""
+    given = {**fields, "eta": options.eta} if hasattr(options, "eta") else fields
+    axes = _axes(bound, given)
     chosen: dict[str, Any] = {}
-    axes: dict[str, list[float]] = {}
-    given = {name: value for name, value in fields.items() if is_range(value)}
-    if is_range(getattr(options, "eta", None)):
-        given["eta"] = options.eta
-    spanned = len(given)
-    for name, default in bound.axes.items():
-        value: Any = getattr(options, "eta", None) if name == "eta" else fields.get(name)
-        if value is None and spanned < 2:
-            value, spanned = default, spanned + 1
-        if value is not None:
-            axes[name] = values_of(value) if is_range(value) else [value]
-        elif name != "eta" and any(
-            bound.fields.is_required(each) for each in bound.fields.parameters if each.name == name
-        ):
-            ranges = " and ".join(option(each) for each in given)
-            raise UsageError(f"give {option(name)} too: {ranges} are the axes of the map.")
     if "eta" in bound.axes:
-        if "eta" in axes and {"a", "b"} <= {*fields}:
-            raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
         if "eta" in axes:
+            if {"a", "b"} <= {*fields}:
+                raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
             chosen["held"] = "a" if "a" in fields else "b"
         fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
-    for name, value in given.items():
-        axes.setdefault(name, values_of(value))
-    if not axes:
-        raise UsageError("a map needs a range, as in --c 0.1:1:10.")
     # The first values stand for the others, which are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
     chain = new_chain(**{**fields, **held})
@@ -193,6 +170,30 @@ def _grid(
     # A CSV comes first: the map refuses it, before any point, if it cannot keep what is asked for.
     resumable = [each for end in (".csv", ".zarr") for each in options.out if each.suffix == end]
     return chain, {**chosen, "axes": axes, "out": resumable[0] if resumable else None}
+
+
+def _axes(bound: Bound, given: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Return the axes of a map with their values: those by default in their order, then others.
+
+    A map is a plane where not more is asked for: an axis by default has what is given for it, a
+    range or a number, or else its own range while fewer than two parameters are ranges.
+    """
+    ranges = [name for name, value in given.items() if is_range(value)]
+    free = 2 - len(ranges)
+    required = {each.name for each in bound.fields.parameters if bound.fields.is_required(each)}
+    chosen: dict[str, Any] = {}
+    for name, default in bound.axes.items():
+        if name in given:
+            chosen[name] = given[name]
+        elif free > 0:
+            chosen[name], free = default, free - 1
+        elif name in required:
+            named = " and ".join(map(option, ranges))
+            raise UsageError(f"give {option(name)} too: {named} are the axes of the map.")
+    chosen |= {name: given[name] for name in ranges}
+    if not chosen:
+        raise UsageError("a map needs a range, as in --c 0.1:1:10.")
+    return {name: values_of(each) if is_range(each) else [each] for name, each in chosen.items()}
 
 
 def _along(

@@ -19,10 +19,11 @@ from derivations.averaging.symbols import phi
 from derivations.catalogue import owner
 from derivations.judgement import EquationJudgement
 from derivations.printing import EquationVerdict
+from derivations.prose import readable
 from derivations.symbols import a, b, c, epsilon, n, omega, t
 from paper_checks.claim import Fault, Finding, Formula, Verdict
 from paper_checks.claims import _equation_numbers, equations
-from paper_checks.claims._equation_errata import LONG, _entry, correction, erratum_of, readable
+from paper_checks.claims._equation_errata import LONG, _entry, correction, erratum_of
 from paper_checks.report.inline_math import typeset
 from paper_checks.report.mathml import LatexError, formula, mathml
 

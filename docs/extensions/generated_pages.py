@@ -77,7 +77,7 @@ def equations() -> str:
 
 def _row(printed: Any, step: Any, functions: list[str], figures: list[str]) -> str:
     from derivations import catalogue
-    from paper_checks.claims._equation_errata import readable
+    from derivations.prose import readable
     from paper_checks.report.inline_math import typeset
     from paper_checks.report.mathml import formula
 
@@ -132,7 +132,7 @@ def steps() -> str:
     """Return the page of the derivations: every step with its operation and its equation."""
     from derivations import catalogue
     from derivations.algebra.rendering import equation_mathml
-    from paper_checks.claims._equation_errata import readable
+    from derivations.prose import readable
     from paper_checks.report.inline_math import typeset
 
     parts = [(HERE / "steps_head.md").read_text(encoding="utf-8")]

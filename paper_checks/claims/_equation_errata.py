@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
+from derivations.prose import readable
 from paper_checks.finding import Erratum, Fault
 
 if TYPE_CHECKING:
@@ -14,28 +14,6 @@ if TYPE_CHECKING:
 
 LONG = 420
 """Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
-
-
-_LETTERS = {
-    "mu": "μ", "xi": "ξ", "phi": "φ", "Psi": "Ψ", "psi": "ψ", "omega": "ω", "eps": "ε",
-    "alpha": "α", "delta": "δ", "theta": "θ", "zeta": "ζ", "eta": "η", "tau": "τ", "pi": "π",
-    "infinity": "∞", "v_hat": "v̂",
-}  # fmt: skip
-_LETTER = re.compile(rf"(?<![A-Za-z'_])({'|'.join(_LETTERS)})(?![A-Za-z'-])")
-_SIGNS = {" >= ": " ≥ ", " <= ": " ≤ ", " << ": " ≪ ", " -> ": " → ", "sqrt(": "√("}
-
-
-def readable(prose: str) -> str:
-    """Return prose of the derivations, which is ASCII, with the paper's letters and signs.
-
-    Examples
-    --------
-    >>> readable("mu(0) = mu_st for n >= 1, not in 'multiple-scales'")
-    "μ(0) = μ_st for n ≥ 1, not in 'multiple-scales'"
-    """
-    for sign, better in _SIGNS.items():
-        prose = prose.replace(sign, better)
-    return _LETTER.sub(lambda found: _LETTERS[found.group(1)], prose)
 
 
 def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:

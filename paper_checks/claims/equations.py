@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
+from derivations.prose import readable
 from paper_checks.claim import Claim, Erratum, Formula, Method, Ruling, Verdict
-from paper_checks.claims._equation_errata import LONG, erratum_of, readable
+from paper_checks.claims._equation_errata import LONG, erratum_of
 from paper_checks.claims._equation_numbers import method, residual
 from paper_checks.ruling import corrected, fails, holds
 

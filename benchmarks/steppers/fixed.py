@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from theory.arrays import FloatArray
@@ -9,9 +11,11 @@ from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from verification.execution.compiled import outer
 from verification.steppers.active import FREE, RING
+from verification.steppers.kernel import fast, slope_of
 from verification.steppers.rows import put
-from verification.steppers.runge_kutta import STAGES, Step, classical_step, dop853_step
+from verification.steppers.runge_kutta import STAGES, STEP, Step
 from verification.steppers.smooth import compiled_step
+from verification.steppers.specialise import pointer, source_mark
 
 
 def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, order: int) -> None:
@@ -29,12 +33,49 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
         8 for DOP853, or 4 for the classical step.
     """
     chain.check_unforced("equal steps")
-    take_step = compiled_step(chain, {8: dop853_step, 4: classical_step}[order])
+    take_step = {8: compiled_step, 4: _classical_step}[order](chain)
     code = RING if chain.ends is Ends.PERIODIC else FREE
     ends = (code, code) if chain.network is None else (0, chain.sites)
     x = np.ascontiguousarray(state).ravel()
     _advance(take_step, x, np.array(chain.kernel_parameters()), ends, float(h), steps)
     state[...] = x.reshape(state.shape)
+
+
+def _classical_step(chain: SmoothChain) -> Any:
+    """Return the classical step of order 4 of a chain; from disk, if it is compiled already."""
+    layout = (*chain.kernel_layout, chain.front_phase_step)
+    if (key := (chain.kernel(), *layout)) not in _CLASSICAL:
+        mark = "-".join([source_mark(chain.kernel()), *map(str, layout)])
+        _CLASSICAL[key] = pointer(_classical, STEP, mark, _slope=slope_of(chain))
+    return _CLASSICAL[key]
+
+
+def _slope(x: FloatArray, p: FloatArray, left: int, right: int, out: FloatArray) -> None:
+    """Stand for the right-hand side that the classical step is compiled with."""
+    raise NotImplementedError
+
+
+@fast
+def _classical(
+    x: FloatArray, p: FloatArray, left: int, right: int, h: float, K: FloatArray, out: FloatArray
+) -> None:
+    half, whole = 0.5 * h, h / 6.0
+    k0, k1, k2, k3 = K[0], K[1], K[2], K[3]
+    _slope(x, p, left, right, k0)
+    for n in range(x.size):
+        out[n] = x[n] + half * k0[n]
+    _slope(out, p, left, right, k1)
+    for n in range(x.size):
+        out[n] = x[n] + half * k1[n]
+    _slope(out, p, left, right, k2)
+    for n in range(x.size):
+        out[n] = x[n] + h * k2[n]
+    _slope(out, p, left, right, k3)
+    for n in range(x.size):
+        out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])
+
+
+_CLASSICAL: dict[Any, Any] = {}
 
 
 @outer(cache=True)

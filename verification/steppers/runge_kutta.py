@@ -1,4 +1,4 @@
-"""Explicit Runge-Kutta steps, compiled for any right-hand side: DOP853 and the classical one.
+"""One step of DOP853, compiled for any right-hand side.
 
 The tableau is scipy's; its nonzero weights become constants of a text that is compiled. The state
 is a row of length 2m (``active``); all quantities are dimensionless.
@@ -15,6 +15,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+from numba import types
 from scipy.integrate import DOP853
 
 from theory.arrays import FloatArray
@@ -30,6 +31,11 @@ Step = Callable[[FloatArray, FloatArray, int, int, float, FloatArray, FloatArray
 The slopes stay in K, of shape (STAGES, 2m). ``out`` is also room for the stages and must not be the
 state.
 """
+STEP: Any = types.void(
+    types.float64[::1], types.float64[::1], types.intp, types.intp, types.float64,
+    types.float64[:, ::1], types.float64[::1],
+)  # fmt: skip
+"""The same in numba's notation."""
 
 
 _ROWS = [*DOP853.A[1:STAGES, :STAGES], DOP853.B]
@@ -118,27 +124,3 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
     if e5 == 0.0:
         return 0.0
     return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))
-
-
-@lru_cache(maxsize=64)
-def classical_step(slope: Slope) -> Step:
-    """Return one classical step of order 4 for a right-hand side; for benchmarks."""
-    text = [
-        "def step(x, p, left, right, h, K, out):",
-        "    half, whole = 0.5 * h, h / 6.0",
-        "    k0, k1, k2, k3 = K[0], K[1], K[2], K[3]",
-        "    slope(x, p, left, right, k0)",
-        "    for n in range(x.size):",
-        "        out[n] = x[n] + half * k0[n]",
-        "    slope(out, p, left, right, k1)",
-        "    for n in range(x.size):",
-        "        out[n] = x[n] + half * k1[n]",
-        "    slope(out, p, left, right, k2)",
-        "    for n in range(x.size):",
-        "        out[n] = x[n] + h * k2[n]",
-        "    slope(out, p, left, right, k3)",
-        "    for n in range(x.size):",
-        "        out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])",
-    ]
-    found: Step = _compiled(text, slope=slope)
-    return found

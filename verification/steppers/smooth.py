@@ -21,7 +21,7 @@ from verification.execution.compiled import COUNTED, UNCOUNTED, inner, outer
 from verification.steppers.active import end_codes
 from verification.steppers.kernel import slope_of
 from verification.steppers.rows import finite, largest, put
-from verification.steppers.runge_kutta import STAGES, Step, dop853_step, step_error
+from verification.steppers.runge_kutta import STAGES, STEP, Step, dop853_step, step_error
 from verification.steppers.specialise import pointer, source_mark
 from verification.steppers.stop_code import StopCode
 
@@ -457,10 +457,9 @@ def _advance_windows(
 
 Loop = Callable[[LoopTask, LoopState, int], int]
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
-_STEP = types.void(_ROW, _ROW, types.intp, types.intp, types.float64, _TABLE, _ROW)
 _TIME = types.float64
 _STOP = types.int64(
-    types.FunctionType(_STEP), _TIME, _TIME, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW
+    types.FunctionType(STEP), _TIME, _TIME, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW
 )  # fmt: skip
 
 
@@ -486,14 +485,13 @@ def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
     return partial(_advance_windows, compiled_step(chain), _STOPS[watch])
 
 
-def compiled_step(chain: SmoothChain, make: Callable[..., Step] = dop853_step) -> Any:
-    """Return one step of a chain, by DOP853 or another; from disk, if it is compiled already."""
+def compiled_step(chain: SmoothChain) -> Any:
+    """Return one step of a chain; from disk, if it is compiled already."""
     kernel, clock = chain.kernel(), (clock_place(chain), len(chain.forces))
-    key = (make, kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
+    key = (kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
     if key not in _STEPS:
-        step = make(slope_of(chain), clock) if chain.forces else make(slope_of(chain))
-        mark = "-".join([source_mark(kernel), make.__name__, *map(str, key[2:])])
-        _STEPS[key] = pointer(step, _STEP, mark)
+        mark = "-".join([source_mark(kernel), *map(str, key[1:])])
+        _STEPS[key] = pointer(dop853_step(slope_of(chain), clock), STEP, mark)
     return _STEPS[key]
 
 

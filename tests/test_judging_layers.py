@@ -872,14 +872,17 @@ class _Motion:
 
 @pytest.mark.parametrize(
     ("change", "status"),
-    [(0.0, FrontStatus.PINNED), (-0.2499, FrontStatus.PINNED),
-     (0.25, FrontStatus.CREEPING), (-0.25, FrontStatus.CREEPING)],
+    [([0.0, 0.0], FrontStatus.PINNED), ([0.0, 0.2499], FrontStatus.PINNED),
+     ([0.0, 0.25], FrontStatus.CREEPING), ([0.0, -0.25], FrontStatus.PINNED),
+     ([0.5, 0.0], FrontStatus.PINNED), ([-0.0999, 0.0], FrontStatus.PINNED),
+     ([-0.1001, 0.0], FrontStatus.CREEPING)],
 )  # fmt: skip
-def test_what_stands_is_pinned_if_no_amplitude_changes_by_the_settling_tolerance(
-    change: float, status: FrontStatus
+def test_what_stands_is_pinned_if_nothing_ahead_grows_and_nothing_behind_falls(
+    change: list[float], status: FrontStatus
 ) -> None:
-    """From one stall time after the last arrival to two."""
+    """From one stall time after the last arrival to two: site 0 is reached, site 1 is not."""
     run: Any = _Motion()
+    run.arrivals = np.array([3.0, np.nan])
     stall = Stall(run, 10.0, 0.25)
     run.time = 3.0
     stall.note(4)
@@ -887,9 +890,25 @@ def test_what_stands_is_pinned_if_no_amplitude_changes_by_the_settling_tolerance
         run.time = time
         assert stall.status() is None
     assert stall.waited == 20.0
-    run.amplitude = run.amplitude + np.array([change, 0.0])
+    run.amplitude = run.amplitude + np.array(change)
     run.time = 23.5
     assert stall.status() is status
+
+
+def test_a_site_that_goes_up_and_down_in_either_stall_time_does_not_grow() -> None:
+    """Noted at two moments it would: 1 at the first, 2 at the last."""
+    run: Any = _Motion()
+    stall = Stall(run, 10.0, 0.25)
+    for time, height in ((5.0, 2.0), (10.5, 1.0), (15.0, 1.0), (20.5, 2.0)):
+        run.time, run.amplitude = time, np.full(2, height)
+        status = stall.status()
+    assert status is FrontStatus.PINNED
+    run = _Motion()
+    stall = Stall(run, 10.0, 0.25)
+    for time, height in ((5.0, 1.0), (10.5, 1.0), (15.0, 2.0), (20.5, 1.0)):
+        run.time, run.amplitude = time, np.full(2, height)
+        status = stall.status()
+    assert status is FrontStatus.CREEPING
 
 
 def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_is() -> None:

@@ -246,7 +246,7 @@ class FrontPreparation:
     stall_time : float
         In units of t.
     settling_tolerance : float
-        Change of an amplitude within the stall time below which a front is pinned.
+        Growth of an amplitude ahead of the front below which it is pinned; see ``watch.Stall``.
     method : str
         Name of the stepper.
     enough : callable

@@ -35,29 +35,43 @@ CHECKS = 40
 """Number of checks within a stall time from which their interval grows no longer."""
 
 
+LEFT = 0.1
+"""Part of its amplitude by which a site that was reached must fall to count as left by the front;
+the waves behind a front that is at rest change amplitudes there for ever, by a percent or two."""
+
+
 class Stall:
     """Whether a run in which sites are reached has stopped; asked again and again as it goes on.
+
+    Two stall times after the last arrival it is at rest if no site that was not reached has become
+    larger in the second of them than it was in the first, and no site that was reached has fallen.
+    What the amplitudes do otherwise does not count: beside a front of (8) or (43) that is at rest,
+    phase waves from the free end move the excited sites, irregularly and without end, and with them
+    the site that is reached next.
 
     Parameters
     ----------
     run : Integration
         The run.
     time : float
-        Time without an arrival after which the amplitudes are noted, and twice that before the
-        motion is called pinned or creeping.
+        Stall time; twice that without an arrival, the motion is called pinned or creeping.
     settling_tolerance : float
-        Change of an amplitude, from the first time to the second, below which it is pinned.
+        Growth of the largest amplitude, from the first stall time to the second, below which it is
+        pinned.
     """
 
     def __init__(self, run: Integration, time: float, settling_tolerance: float) -> None:
         self.run, self.time, self.settling_tolerance = run, time, settling_tolerance
         self.reached, self.since = 0, 0.0
         self.early: FloatArray | None = None
+        self._highest: FloatArray = np.zeros_like(run.amplitude)
+        self._earlier = self._highest
 
     def note(self, reached: int) -> None:
         """Note how far the motion has come; it begins to wait anew if that is farther."""
         if reached > self.reached:
             self.reached, self.since, self.early = reached, self.run.time, None
+            self._highest = np.zeros_like(self._highest)
 
     @property
     def waited(self) -> float:
@@ -68,15 +82,21 @@ class Stall:
         """Return what has become of the motion if it has stopped."""
         if self.run.going_to_rest():
             return FrontStatus.COLLAPSED
+        self._highest = np.maximum(self._highest, self.run.amplitude)
         if self.waited > self.time and self.early is None:
             self.early = self._largest()
+            self._earlier = np.maximum(self._highest, self.early)
+            self._highest = np.zeros_like(self._highest)
         if self.waited <= 2.0 * self.time or self.early is None:
             return None
-        before = self.run.arrivals.copy()
-        change = float(np.max(np.abs(self._largest() - self.early)))
-        if np.any(np.isnan(before) & ~np.isnan(self.run.arrivals)):
+        before = ~np.isnan(self.run.arrivals)
+        last = self._largest()
+        if np.any(~np.isnan(self.run.arrivals) & ~before):
             return None  # it has come farther meanwhile
-        return FrontStatus.PINNED if change < self.settling_tolerance else FrontStatus.CREEPING
+        growth = np.maximum(self._highest, last) - self._earlier
+        grows = bool(np.any(growth[~before] >= self.settling_tolerance))
+        falls = bool(np.any(last[before] < (1.0 - LEFT) * self.early[before]))
+        return FrontStatus.CREEPING if grows or falls else FrontStatus.PINNED
 
     def _largest(self) -> FloatArray:
         """Return the largest amplitudes over a period, step by step.

@@ -962,10 +962,56 @@ def _crossing(c: float, *, from_start: bool = False) -> Crossing:
 
 def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
     fold = Fold(0.19, 0.0, np.zeros(1), 1)
-    until = continuation._stable_until
-    assert until(None, fold, 1e-9) == (0.19, 1e-9)
-    assert until(_crossing(0.1), fold, 1e-9) == (0.1, 1e-6 + 1e-9)
-    assert until(_crossing(0.1, from_start=True), fold, 1e-9) == (None, None)
+    to = continuation._stable_to
+    assert (to(None, fold), to(None, None)) == (0.19, None)
+    assert (to(_crossing(0.1), fold), to(_crossing(0.1, from_start=True), fold)) == (0.1, None)
+
+
+class _Growth:
+    """Solutions u = c whose growth is rate (c - at); half the steps change ``at``."""
+
+    def __init__(self, at: float, finer: float, rate: float = 0.5) -> None:
+        self.at, self.steps, self.slope = at, finer, rate
+
+    def finer(self) -> Any:
+        return _Growth(self.steps, self.steps, self.slope)
+
+    def system(self) -> Any:
+        return lambda u, c: (u - c, np.eye(1), -np.ones(1))
+
+    def stability(self, u: Any, c: float, *, split: bool) -> Any:
+        return SimpleNamespace(marginal=1e-7)
+
+    def monitor(self, u: Any, c: float) -> tuple[float]:
+        return (self.slope * (u[0] - self.at) - 1e-7,)
+
+
+@pytest.mark.parametrize("shift", [0.0, 3e-5, -3e-5])
+def test_the_error_of_a_loss_of_stability_is_that_of_its_growth_over_its_rate(shift: float) -> None:
+    """What counts as zero is added to the growth, so that it is found late; and the steps err."""
+    family: Any = _Growth(0.17, 0.17 + shift)
+    found = Crossing(0.17 + 2e-7, 1e-12, np.array([0.17 + 2e-7]), from_start=False)
+    error = continuation._crossing_error(family, found)
+    assert abs(found.parameter - family.steps) <= error < 3.0 * (abs(shift) + 4e-7)
+    falls: Any = _Growth(0.17, 0.17, -0.5)
+    assert continuation._crossing_error(falls, found) == found.parameter
+
+
+@pytest.mark.parametrize("longer", [None, 0.17, 0.171])
+def test_the_error_of_a_loss_of_stability_has_what_a_longer_chain_changes_in_it(
+    longer: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And not what it changes in the fold; all of it where the longer chain is never stable."""
+    crossings = [
+        _crossing(0.17), _crossing(0.01, from_start=True) if longer is None else _crossing(longer),
+        None,
+    ]  # fmt: skip
+    monkeypatch.setattr(continuation, "first_crossing", lambda *given: crossings.pop(0))
+    monkeypatch.setattr(continuation, "_crossing_error", lambda *given: 1e-6)
+    monkeypatch.setattr(continuation, "_mechanism", lambda *given: Mechanism.REAL_EXPONENT)
+    found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=2)
+    assert found.stable_to == 0.17
+    assert found.stable_to_error == pytest.approx(1e-6 + abs(0.17 - (longer or 0.0)), abs=1e-15)
 
 
 def test_half_way_is_the_nearest_point_before_the_fold() -> None:
@@ -983,7 +1029,10 @@ def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_l
 
     def of(chain: Any, nucleus: Nucleus) -> Any:
         made.append(chain.sites)
-        longer: Any = SimpleNamespace(branch=lambda *, monitored: SimpleNamespace(fold=None))
+        longer: Any = SimpleNamespace(
+            branch=lambda: SimpleNamespace(fold=None, points=[], monitored=[]),
+            system=lambda: None, monitor=None,
+        )  # fmt: skip
         return family(chain, nucleus) if len(made) == 1 else longer
 
     monkeypatch.setattr(continuation, "own_family", of)

@@ -76,6 +76,10 @@ class BreatherFamily(ABC):
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution as a breather; its error is that as a solution of these equations."""
 
+    def finer(self) -> BreatherFamily:
+        """Return the same breathers, their integration, if there is one, in twice the steps."""
+        return self
+
     def step_error(self, fold: Fold) -> float:
         """Return by how much steps of integration, if there are any, shift a fold."""
         return 0.0

@@ -199,6 +199,10 @@ class Orbits(BreatherFamily):
             seconds=time.perf_counter() - started,
         )
 
+    def finer(self) -> Orbits:
+        """Return the same orbits, in twice the steps."""
+        return replace(self, steps=2 * self.count)
+
     def step_error(self, fold: Fold) -> float:
         """Return the shift under a halved step: residual over |∂F/∂c|."""
         value, _, by_c = self.system(2)(fold.u, fold.parameter)

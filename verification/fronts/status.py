@@ -26,14 +26,14 @@ class FrontStatus(Status):
     )
     PINNED = (
         "pinned",
-        "The front is at rest, or slower than the uncertainty of v: no site was reached for long and "
-        "the amplitudes ahead no longer grow, or (44) proves that no site can cross the threshold "
-        "again.",
+        "The front is at rest, or slower than the uncertainty of v: no site was reached for long "
+        "and the amplitudes ahead no longer grow, or (44) proves that no site can cross the "
+        "threshold again.",
     )
     MARGINAL = "marginal", "The front is at rest within round-off of the threshold."
     CREEPING = (
         "creeping",
-        "No site was reached for long, but amplitudes ahead of the front still grow, or sites behind "
-        "it fall: nothing can be said. Allow a longer stall time.",
+        "No site was reached for long, but amplitudes ahead of the front still grow, or sites "
+        "behind it fall: nothing can be said. Allow a longer stall time.",
     )
     COLLAPSED = "collapsed", "The excited sites went to rest: there is no front."

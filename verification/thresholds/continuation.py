@@ -19,10 +19,14 @@ from theory.parameters import ParameterError
 from verification.breathers.families import own_family
 from verification.breathers.family import BreatherFamily
 from verification.continuation.branch import ContinuationBranch, Crossing, Fold, first_crossing
+from verification.continuation.newton import NotConvergedError, solve_at
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
 """Sites added on each side to measure what the finite chain does to a threshold."""
+
+_BEFORE = 1e-6, 1e-4, 1e-2
+"""Parts of a coupling by which the rate of a growth is found before it, in order of trial."""
 
 
 def breather_threshold(
@@ -70,16 +74,24 @@ def breather_threshold(
             "fold of the breather", "absent up to c = 2", "below c = 2 for a critical coupling",
             "take a larger eta, or bisection, which asks whether the nucleus spreads",
         )  # fmt: skip
-    longer = _sized(chain, nucleus, method, margin + EXTRA)
-    other = own_family(longer, nucleus).branch(monitored=False).fold
+    longer = own_family(_sized(chain, nucleus, method, margin + EXTRA), nucleus)
+    other = longer.branch()
     finite = (
-        abs(other.parameter - branch.fold.parameter) if other is not None else branch.fold.parameter
+        abs(other.fold.parameter - branch.fold.parameter)
+        if other.fold is not None
+        else branch.fold.parameter
     )
     error = branch.fold.error + finite + family.step_error(branch.fold)
     crossing = first_crossing(family.system(), branch, family.monitor, 0)
+    beside = first_crossing(longer.system(), other, longer.monitor, 0)
     at_half = _nearest(branch, 0.5 * branch.fold.parameter)
     mirrored = nucleus.mirrored(here.sites)
-    c_stable, error_stable = _stable_until(crossing, branch.fold, error)
+    c_stable = _stable_to(crossing, branch.fold)
+    c_stable_longer = _stable_to(beside, other.fold)
+    error_stable = None
+    if c_stable is not None:
+        own = error if crossing is None else _crossing_error(family, crossing)
+        error_stable = own + abs(c_stable - (c_stable_longer or 0.0))
     return BranchThreshold(
         c_crit=branch.fold.parameter,
         error=error,
@@ -119,14 +131,33 @@ def _nearest(branch: ContinuationBranch, c: float) -> int:
     return min(range(len(before)), key=lambda place: abs(before[place].parameter - c))
 
 
-def _stable_until(
-    crossing: Crossing | None, fold: Fold, error: float
-) -> tuple[float | None, float | None]:
+def _stable_to(crossing: Crossing | None, fold: Fold | None) -> float | None:
+    """Return up to which coupling nothing grows; None if it does from the start."""
     if crossing is None:
-        return fold.parameter, error
-    if crossing.from_start:
-        return None, None
-    return crossing.parameter, crossing.error + error
+        return None if fold is None else fold.parameter
+    return None if crossing.from_start else crossing.parameter
+
+
+def _crossing_error(family: BreatherFamily, crossing: Crossing) -> float:
+    """Return by how much the coupling at which a growth passes zero is shifted on its own chain.
+
+    The growth is known to twice what counts as zero, and to what half the steps change; it rises
+    with c at a rate that is found a little before. All of c where no such rate is found.
+    """
+    finer, c = family.finer(), crossing.parameter
+    for part in _BEFORE:
+        before = c * (1.0 - part)
+        try:
+            point = solve_at(family.system(), crossing.u, before)
+            nearer = solve_at(finer.system(), point.u, before)
+        except NotConvergedError:
+            continue
+        growth = family.monitor(point.u, before)[0]
+        marginal = family.stability(point.u, before, split=False).marginal
+        if growth < -4.0 * marginal:
+            off = 2.0 * marginal + abs(finer.monitor(nearer.u, before)[0] - growth)
+            return crossing.error + off * (c - before) / -growth
+    return c
 
 
 def _mechanism(

@@ -141,7 +141,8 @@ class BranchThreshold(Threshold):
     stable_to : float or None
         Up to where the breather is stable against every small perturbation; None if it never is.
     stable_to_error : float or None
-        Error of ``stable_to``; None as it is.
+        Bound on the error of ``stable_to``: what more sites at rest change in it, and what errors
+        of the growth do. None as it is.
     lost_by : Mechanism
         At the fold itself, before it, or never held.
     growth_half_way : float

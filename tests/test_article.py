@@ -65,6 +65,9 @@ def test_the_article_has_the_counts_the_reasons_and_the_misprints(
     assert r"\item[Eq. (2):] " in content
     assert "two readings" not in content
     assert "\n\n\n" not in content
+    table = content.partition(r"\begin{tabular}")[2].partition(r"\end{tabular}")[0]
+    assert table.count(r"\\" + "\n") == 3
+    assert "\n\n" not in table  # a row is a line of the source
     assert "2026-11-22T" not in "".join(text.values())
     assert "2026-11-22" in "".join(text.values())
     folders = [word for name in ("report", "out") for word in (

@@ -169,6 +169,12 @@ def test_a_run_gets_its_start_and_a_file_its_command(called, tmp_path):
     assert said == "fronts simulate vdp --n 5 --excite 2,3"
 
 
+def test_a_run_takes_the_usual_time_of_its_model_where_none_is_said(called):
+    own = "chain --damping y**2-1 --c 0.5"
+    for model, t_end in (("averaged", 2000.0), ("friction", 1000.0), (own, 1000.0)):
+        assert called(f"simulate {model} --n 5 --excite 2")[1]["t_end"] == t_end
+
+
 def test_a_range_becomes_a_curve_of_chains(called):
     (_, chains, along, values, own), options, _ = called("front vdp --c 0.5:1:3 --eta 0.05")
     assert [chain.c for chain in chains] == [0.5, 0.75, 1.0] == values

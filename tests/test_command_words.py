@@ -1046,7 +1046,26 @@ def test_the_radius_of_a_root_of_many_digits_is_what_printing_them_costs() -> No
     for one, two in zip(coarse.upper + coarse.lower, fine.upper + fine.lower, strict=True):
         with mp.workdps(70):
             k = mp.mpc(two.re, two.im)
-            assert abs(mp.mpc(one.re, one.im) - k) <= one.radius <= 2e-29 * abs(k)
+            assert abs(mp.mpc(one.re, one.im) - k) <= one.radius
+            assert one.radius == pytest.approx(float(1e-29 * abs(k)), rel=1e-6, abs=0.0)
+            assert one.residual < 1e-36
+
+
+@pytest.mark.parametrize(("v", "c"), [("0.3", "0.5"), ("0.05", "2.0")])
+def test_the_radius_of_a_root_of_many_digits_reaches_as_far_as_it_is_off(
+    v: str, c: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each is handed over a little off: by far more than printing costs."""
+    from theory.piecewise import precise_roots as finder
+
+    def moved(*asked: Any) -> list[Any]:
+        return [k + off for k in found(*asked)]
+
+    found, off = finder.precise_roots, 1e-20
+    monkeypatch.setattr(finder, "precise_roots", moved)
+    shown = fr.roots(v, c, count=3, digits=30)
+    for one in shown.upper + shown.lower:
+        assert off <= one.radius <= 2.001 * off
 
 
 def test_roots_are_counted_in_the_strips_of_all_that_were_found(

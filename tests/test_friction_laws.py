@@ -209,6 +209,27 @@ def test_stick_slip_of_a_law_that_does_not_fall_at_small_velocities_begins_at_on
         assert (run.log.size > 0) is sticks
 
 
+@pytest.mark.parametrize(("v_s", "xi"), [(0.5, 1e-3), (2.0, 1e-5), (0.05, 1e-6)])
+def test_stick_slip_of_little_damping_begins_and_ends_where_work_is_balanced(
+    v_s: float, xi: float
+) -> None:
+    """Slow slip is harmonic: 2ξ + ⟨μ'⟩ = 0. Fast slip gains while w is v_d, at a speed v_d t²/2.
+
+    With μ' = -2Δv/v_s² (1 - v²/v_s²) and a mean over v = v_d - w = v_d(1 - sin τ), weighted with
+    cos², slip first touches at v_H(1 + ¾x²), x = v_H/v_s and v_H(1 - x²) = ξv_s²/Δ. Fast slip gains
+    Δ v_d ∫exp(-(v_d t²/2v_s)²)dt, from which 2ξ takes 2πξv_d².
+    """
+    found = friction_cell(FrictionCell(law="stribeck", v_s=v_s, xi=xi, v_d=0.3 * v_s))
+    drop = 0.5
+    x = xi * v_s / drop
+    hopf = xi * v_s**2 / drop * (1.0 + x**2)
+    begin = hopf * (1.0 + 0.75 * x**2)
+    end = (drop * math.sqrt(2.0 * v_s) * math.gamma(1.25) / (math.pi * xi)) ** (2.0 / 3.0)
+    assert abs(found.cycle_begin_velocity - begin) <= found.cycle_end_error + 3.0 * x**4 * begin
+    assert found.cycle_begin_velocity == pytest.approx(begin, rel=1e-7)
+    assert found.cycle_end_velocity == pytest.approx(end, rel=5e-3)
+
+
 @pytest.mark.parametrize(("xi", "drop"), [(0.05, 0.5), (0.05, 1e-5), (0.9, 0.5), (0.95, 1e-2)])
 def test_the_end_of_cycles_under_coulomb_friction_is_that_of_the_linear_equation(
     xi: float, drop: float

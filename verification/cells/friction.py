@@ -33,6 +33,8 @@ _SLOWEST_BELT = 1e-9
 """Below, a cycle and the round-off of y can no longer be distinguished."""
 _FASTEST_STRIBECK, _TRIED = 10.0, 60
 """v_d over v_s up to which the first cycle is looked for, and at how many velocities."""
+_SLOW, _CERTAIN = 1e-5, 1e-3
+"""Below the first v_d over v_s round-off would decide what slip gains, not at the second."""
 
 
 def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
@@ -127,7 +129,8 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
 
     At the ends the slip phase from release only touches ẏ = v_d. The last is infinite for ξ = 0:
     slow departure from v_rel = 0 gains energy and nothing loses any. The first is 0 but under
-    Stribeck's law, which does not fall at small velocities, so that nothing is gained there.
+    Stribeck's law, which does not fall at small velocities, so that nothing is gained there. With
+    little damping it is v_H(1 + ¾(v_H/v_s)²), v_H being where sliding becomes unstable.
 
     Examples
     --------
@@ -142,7 +145,10 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
     first, low = 0.0, 1e-3 * min(1.0, cell.curve.scale)
     if cell.law is FrictionLaw.STRIBECK:
         hopf = cell.curve.unstable_sliding(2.0 * cell.xi)
-        tried = np.geomspace(min(low, hopf.low or low), _FASTEST_STRIBECK * cell.v_s, _TRIED)
+        begin = min(low, 0.5 * hopf.low or low)
+        if hopf.low < _SLOW * cell.v_s < hopf.high:
+            first, begin = hopf.low, _CERTAIN * cell.v_s
+        tried = np.geomspace(begin, _FASTEST_STRIBECK * cell.v_s, _TRIED)
         above = [float(v_d) for v_d in tried if excess(float(v_d)) > 0.0]
         if not above:
             return 0.0, 0.0

@@ -62,5 +62,5 @@ class FoundState(Result):
     above: int
     reached: int | None = None
     steps: int
-    amplitude: FloatArray = field(metadata={"json": None}, compare=False)
+    amplitude: FloatArray = field(metadata={"json": None})
     seconds: float

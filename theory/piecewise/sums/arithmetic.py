@@ -1,9 +1,9 @@
-"""Complex arithmetic of the rules for Σ: as Python has it, and as it vectorises.
+"""Complex arithmetic of the rules for Σ: the operations of Python, and versions that vectorise.
 
-Compiled, a loop over many values is vectorised only where nothing in it branches or calls a
-library. Therefore ``theory.piecewise.sums.compiled`` puts the functions ``…_without_branches`` in
-place of those before them. They differ by roundings, and by range: squares of moduli must be
-numbers.
+The compiler vectorises a loop over many values only if its body neither branches nor calls a
+library. ``theory.piecewise.sums.compiled`` therefore replaces each function by the function
+``…_without_branches`` that follows it. The two differ by rounding and in range: the latter requires
+that squared moduli neither overflow nor underflow.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from typing import Any
 import numpy as np
 
 _PI = (math.floor(math.pi * 2.0**28) / 2.0**28, math.pi % 2.0**-28, math.sin(math.pi))
-"""π in three parts; n times the first has no rounding for n up to 2²³."""
+"""π in three parts; the product of n and the first part is exact for n up to 2²³."""
 _SINE = tuple((-1) ** n / math.factorial(2 * n + 1) for n in range(12))
 _COSINE = tuple((-1) ** n / math.factorial(2 * n) for n in range(13))
 NEAR = 1.7
-"""Modulus up to which `sine_and_cosine_near` is exact but for rounding."""
+"""Largest modulus for which `sine_and_cosine_near` is exact up to rounding."""
 
 
 def quotient(x: Any, y: Any) -> Any:
-    """Return x/y; compiled without the branches of a complex division."""
+    """Return x/y; the compiled version avoids the branches of a complex division."""
     return x / y
 
 
 def quotient_without_branches(x: complex, y: complex) -> complex:
-    """Return x/y where |y|² is neither too large nor too small for a number."""
+    """Return x/y, provided that |y|² neither overflows nor underflows."""
     return x * y.conjugate() * (1.0 / (y.real * y.real + y.imag * y.imag))
 
 
@@ -38,12 +38,12 @@ def modulus(z: complex) -> float:
 
 
 def modulus_without_branches(z: complex) -> float:
-    """Return |z| where |z|² is neither too large nor too small for a number."""
+    """Return |z|, provided that |z|² neither overflows nor underflows."""
     return math.sqrt(z.real * z.real + z.imag * z.imag)
 
 
 def size_of(z: complex) -> float:
-    """Return |Re z| + |Im z|, which is at least |z| and takes no root."""
+    """Return |Re z| + |Im z|, an upper bound of |z| that needs no square root."""
     return abs(z.real) + abs(z.imag)
 
 
@@ -59,7 +59,7 @@ def square_root(z: complex) -> complex:
 
 
 def square_root_without_branches(z: complex) -> complex:
-    """Return √z, Re √z ≥ 0, where |z|² is neither too large nor too small for a number."""
+    """Return √z, Re √z ≥ 0, provided that |z|² neither overflows nor underflows."""
     size = math.sqrt(z.real * z.real + z.imag * z.imag)
     larger = math.sqrt(0.5 * (size + abs(z.real)))
     smaller = 0.5 * abs(z.imag) / (larger + 1e-300)
@@ -69,10 +69,10 @@ def square_root_without_branches(z: complex) -> complex:
 
 
 def cosine_and_sine(theta: float) -> tuple[float, float]:
-    """Return both for |θ| < 2²³, to 2e-16 beside the rounding of θ.
+    """Return cos θ and sin θ for |θ| < 2²³, to 2e-16 apart from the rounding of θ.
 
-    Points on the axis are few for larger θ only where v < 1e-4, and e^{-a} is zero.
-    Taylor's series of half of what is left of θ beside nπ, without branches: loops vectorise.
+    Larger θ occur on an axis with few points only if v < 1e-4, where e^{-a} is zero.
+    The Taylor series is evaluated at half of θ - nπ, without branches, so that loops vectorise.
     """
     n = np.rint(theta * (1.0 / math.pi))
     h = 0.5 * (((theta - n * _PI[0]) - n * _PI[1]) - n * _PI[2])
@@ -97,7 +97,7 @@ def cosine_and_sine(theta: float) -> tuple[float, float]:
 
 
 def sine_and_cosine_near(z: complex) -> tuple[complex, complex]:
-    """Return sin z and cos z for |z| ≤ ``NEAR``, by Taylor's series."""
+    """Return sin z and cos z for |z| ≤ ``NEAR``, by their Taylor series."""
     w = z * z
     sine, cosine = w * _SINE[11] + _SINE[10], w * _COSINE[12] + _COSINE[11]
     sine, cosine = w * sine + _SINE[9], w * cosine + _COSINE[10]

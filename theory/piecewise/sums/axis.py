@@ -1,7 +1,7 @@
-"""Points on the real axis, no root taken away; see ``theory.piecewise.sums.rules``.
+"""The plain rule: points on the real axis, no root subtracted; see ``theory.piecewise.sums.rules``.
 
-The integrand as numbers, arrays and compiled loops over many values, how many points are taken,
-and the bounds of the errors.
+The module contains the integrand, for numbers, for arrays and for compiled loops over many values,
+the number of points, and the error bounds.
 """
 
 from __future__ import annotations
@@ -20,22 +20,26 @@ if TYPE_CHECKING:
 
 EPS = 2.0**-52
 SLOWEST = 0.08
-"""Below this velocity no root is near a path."""
+"""Velocity below which no root lies near a path of integration."""
 STEEPEST = 3.0
-"""Largest c/v on the real axis."""
+"""Largest c/v for which the path is the real axis."""
 MAX_PLAIN = 400
-"""Points that are computed sooner than the roots that would save some of them."""
+"""Largest number of points for which the plain rule is used.
+
+Up to here, evaluating points costs less than finding the roots that would make some of them
+unnecessary.
+"""
 _MAX_POINTS = 2.0**40
-"""Of the plain rule, in a compiled integer; so many are never taken."""
+"""Upper limit of the number of points that fits a compiled integer; so many are never used."""
 _BLOCK = 256
 SLOPE_SHARE = 10.0
-"""Truncation of the derivatives by ln v and ln c, over that of Σ, at most."""
+"""Upper bound of the truncation error of the derivatives by ln v and ln c over that of Σ."""
 
 
 def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
-    """Return N with no root taken away, at most some 10¹², and the bound, proved.
+    """Return the number N of points of the plain rule, at most some 10¹², and the proven bound.
 
-    N is a multiple of 4, and up to an eighth larger than it need be so that few different N occur.
+    N is a multiple of 4; it is rounded up by as much as an eighth so that few different N occur.
 
     On |Im k| ≤ σ < s, c sinh s + vs = ½, both Re A ≥ ½ - c sinh σ and Re(a ± ik) ≥ d/v with
     d = ½ - c sinh σ - vσ > 0, and S is the mean of coth((a ± ik)/2). So |G| ≤
@@ -66,12 +70,12 @@ def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
 
 
 def is_plain(v: Any, c: Any, count: Any) -> Any:
-    """Return whether points on the real axis alone are the fastest rule, or the only one."""
+    """Return whether the plain rule is the fastest one, or the only one."""
     return (count <= MAX_PLAIN) | ((v < SLOWEST) & (c <= STEEPEST * v))
 
 
 def integrand(E: Any, a: Any, X4: Any) -> Any:
-    """Return S/a = 2vG, E = e^{-a} and X4 = 4 sin²(k/2): of numbers, arrays, or compiled."""
+    """Return S/a = 2vG from E = e^{-a}, a and X4 = 4 sin²(k/2), numbers or arrays; compilable."""
     F = 1.0 - E
     return quotient(F + E * F, (F * F + X4 * E) * a)
 
@@ -88,20 +92,21 @@ def integrand_and_slopes(E: Any, a: Any, X4: Any) -> tuple[Any, Any, Any]:
 
 @lru_cache(maxsize=256)
 def _nodes(count: int) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Return X4 and -X4 i/2 at half of ``count`` points, the others being mirrored; and weights."""
+    """Return X4, -X4 i/2 and the weights at half of the points; the others are mirror images."""
     half = (np.arange(count // 2) + 0.5) * (math.pi / count)
     X4 = 4.0 * np.sin(half) ** 2 + 0j
     return X4, -0.5j * X4, np.full(count // 2, 2.0 / count + 0j)
 
 
 def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any, Any, Any]:
-    """Return the mean of G, ∂G/∂v, ∂G/∂c over the points, and rms of |G| and |∂G/∂ ln v|.
+    """Return the means of G, ∂G/∂v, ∂G/∂c over the points, and the rms of |G| and |∂G/∂ ln v|.
 
-    v and c are numbers, or arrays whose last axis has length one, and is summed over.
+    v and c are numbers, or arrays with a last axis of length one, along which the points are laid
+    out and summed.
     """
     X4, turn, weights = _nodes(count)
     single = isinstance(v, float)
-    dot = np.vdot if single else np.vecdot  # without threads
+    dot = np.vdot if single else np.vecdot  # neither starts threads
     mean = weights.dot if single else partial(np.vecdot, weights)
     a = turn * (c / v) + 0.5 / v
     E = np.exp(-a)
@@ -122,7 +127,7 @@ def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any,
 def axis_means_of_one(
     v: float, c: float, count: int, slopes: bool
 ) -> tuple[complex, complex, complex, float, float]:
-    """Return what `axis_means` does, for numbers, as a loop: what the compiled rules call."""
+    """Return the result of `axis_means` for numbers, by a loop; the compiled rules call this."""
     by_v, by_c, total, squares, steep = 0j, 0j, 0j, 0.0, 0.0
     q = 0.5 / v
     for j in range(count // 2):
@@ -150,7 +155,7 @@ def axis_means_of_one(
 
 
 def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
-    """Add Re and Im of S/a, and its |.|², at X and at 1 - X; ``at`` are rows from `_prepared`."""
+    """Add Re and Im of S/a, and |S/a|², at X and at 1 - X; ``at`` has the rows of `_prepared`."""
     q, turn, decay, P_re, P_im = at[0], at[1], at[2], at[3], at[4]
     re, im, squares = sums[0], sums[1], sums[2]
     for i in range(turn.size):
@@ -166,7 +171,7 @@ def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
 
 
 def _slopes_at(X: float, q: float, turn: float, decay: float) -> tuple[complex, complex]:
-    """Return the last two that `integrand_and_slopes` returns, at X."""
+    """Return the last two results of `integrand_and_slopes` at X."""
     theta = turn * X
     x, y = cosine_and_sine(theta)
     E = complex(decay * x, decay * y)
@@ -177,7 +182,7 @@ def _slopes_at(X: float, q: float, turn: float, decay: float) -> tuple[complex, 
 def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
     """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X."""
     q, turn, decay = at[0], at[1], at[2]
-    for i in range(turn.size):  # two loops: one that writes both is not vectorised
+    for i in range(turn.size):  # two loops, since a single loop is not vectorised
         S_a, _ = _slopes_at(X, q[i], turn[i], decay[i])
         sums[0, i] += S_a.real
         sums[1, i] += S_a.imag
@@ -189,7 +194,7 @@ def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
 
 
 def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:
-    """Return 1/2v, 2c/v, d = e^{-1/2v}, and Re and Im of d e^{2ic/v}, as rows."""
+    """Return the rows 1/2v, 2c/v, d = e^{-1/2v}, and Re and Im of d e^{2ic/v}."""
     at = np.empty((5, v.size))
     for i in range(v.size):
         q = 0.5 / v[i]
@@ -200,9 +205,10 @@ def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:
 
 
 def block_values(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
-    """Return the means of Re and Im of S/a and of its |.|² as rows.
+    """Return the means of Re and Im of S/a and of |S/a|² as rows.
 
-    For compilation: the loop over values is the inner one. ``count`` must be a multiple of 4.
+    Written for compilation: the loop over values is the innermost one. ``count`` must be a multiple
+    of 4.
     """
     means = np.empty((3, v.size))
     for first in range(0, v.size, _BLOCK):
@@ -220,7 +226,7 @@ def block_values(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
 def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
     """Return the means of Re, Im and |.|² of S_a, and of Re and Im of (S_a - S/a) X4/a, as rows.
 
-    As `block_values`.
+    See `block_values`.
     """
     means = np.empty((5, v.size))
     for first in range(0, v.size, _BLOCK):
@@ -236,8 +242,8 @@ def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
 
 
 def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
-    """Return what `plain_points` does for arrays, but 0 points where another rule is taken."""
-    # As strip ≤ 0.44/(c + v) and peak ≥ 1, all others need more than ``MAX_PLAIN``.
+    """Return the result of `plain_points` for arrays, but 0 points where another rule is used."""
+    # Since strip ≤ 0.44/(c + v) and peak ≥ 1, all other values need more than ``MAX_PLAIN`` points.
     some = c + v <= 0.44 * MAX_PLAIN / math.log(2.0 / tolerance)
     if not some.all():
         points, truncation = np.zeros(v.size, dtype=np.int64), np.zeros(v.size)
@@ -261,7 +267,7 @@ def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, Floa
 def plain_errors(
     v: Any, c: Any, truncation: Any, size: Any, steep: Any
 ) -> tuple[Any, Any]:  # fmt: skip
-    """Return bounds of the rounding of Σ, and of the errors of v ∂Σ/∂v and c ∂Σ/∂c."""
-    phase = 1.0 + np.exp(-0.5 / v) * c / v  # of e^{-a}, which loses digits in it
+    """Return bounds of the rounding error of Σ, and of the errors of v ∂Σ/∂v and c ∂Σ/∂c."""
+    phase = 1.0 + np.exp(-0.5 / v) * c / v  # e^{-a} loses digits because its phase is large
     rounding = 8.0 * EPS * (size + 1.0) * phase
     return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + steep) * phase

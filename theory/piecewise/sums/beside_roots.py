@@ -1,7 +1,7 @@
-"""Many values of Σ at once where roots are taken away: `legs.arch` and `corrected_axis` in loops.
+"""Many values of Σ at once by the rules that subtract roots: `legs.arch` and `corrected_axis`.
 
-What a value becomes does not depend on those beside it. The few whose roots take more than
-``_MAX_STEPS`` steps are computed one by one.
+Each value is independent of the others in its block. The few values for which the iteration to a
+root takes more than ``_MAX_STEPS`` steps are computed one by one.
 """
 
 from __future__ import annotations
@@ -18,18 +18,19 @@ from theory.piecewise.sums.rules import fill
 
 _MAX_STEPS = 6
 _SIZE = 2048
-"""Values in one block: their tables stay near the processor."""
+"""Number of values in one block, so that their tables fit the processor's cache."""
 
 Found = tuple[ComplexArray, FloatArray, FloatArray, BoolArray]
-"""Σ and derivatives, error bounds, numbers of points, and which roots did not settle."""
+"""Σ and derivatives, error bounds, numbers of points, and where a root did not converge."""
 
 
 def sums_beside_roots(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
 ) -> tuple[ComplexArray, FloatArray, IntArray]:
-    """Return Σ, derivatives and error bounds, shapes (3, n), and numbers of points.
+    """Return Σ and derivatives, their error bounds, each of shape (3, n), and numbers of points.
 
-    For values for which the axis alone is not enough; ``fast`` are the compiled rules.
+    Meant for values for which the plain rule does not suffice; ``fast`` holds the compiled rules.
+    The shapes are (1, n) without ``slopes``.
     """
     rows = 3 if slopes else 1
     values, errors = np.empty((rows, v.size), dtype=complex), np.empty((rows, v.size))
@@ -53,14 +54,14 @@ def sums_beside_roots(
 def _bounds(
     v: FloatArray, c: FloatArray, bound: FloatArray, rough: FloatArray, slopes: bool
 ) -> FloatArray:
-    """Return the bounds of Σ, and with slopes of its derivatives, as rows."""
+    """Return the error bounds of Σ and, with ``slopes``, of its derivatives, as rows."""
     return np.stack([bound, rough / v, rough / c] if slopes else [bound])
 
 
 def _arches(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
 ) -> Found:
-    """Return what `legs.arch` does."""
+    """Return the results of `legs.arch`."""
     rows, bounds = np.zeros((6, v.size)), np.full((2, v.size), 8.0 * EPS)
     number, unsettled = np.zeros(v.size), np.zeros(v.size)
     plan, parts, at = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((5, v.size))
@@ -87,7 +88,7 @@ def _roots_beside(
     v: FloatArray, c: FloatArray, plan: FloatArray, second: bool, slopes: bool,
     unsettled: FloatArray, fast: dict[str, Any],
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the place of the first node in steps, and the effects of the roots beside one leg."""
+    """Return the position of the first node in steps, and the effects of the roots near one leg."""
     step, psi = plan[0], plan[3]
     n = v.size
     q, rho, near = 0.5 / v, c / v, (v >= SLOWEST).astype(float)
@@ -116,14 +117,14 @@ def _roots_beside(
 def _axes(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
 ) -> Found:
-    """Return what `corrected_axis` does."""
+    """Return the results of `corrected_axis`."""
     n = v.size
     q, rho = 0.5 / v, c / v
     equation = q, np.zeros(n), rho
     every, paired = np.ones(n), (rho > PAIR_FROM).astype(float)
     roots, unsettled = np.empty((3, 6, n)), np.zeros(n)
     fast["start_roots"](*equation, roots[:2])
-    roots[1:, :2] = roots[0, :2]  # where no pair is taken away
+    roots[1:, :2] = roots[0, :2]  # used where no pair is subtracted
     fast["start_resonant_pairs"](q, rho, roots)
     taken = [(roots[0], every), (roots[1], paired), (roots[2], paired)][: 3 if paired.any() else 1]
     for at, required in taken:
@@ -158,7 +159,7 @@ def _axes(
 def means_of_block(
     v: FloatArray, c: FloatArray, count: int, slopes: bool, fast: dict[str, Any]
 ) -> tuple[ComplexArray, FloatArray]:
-    """Return the means of G, ∂G/∂v, ∂G/∂c over the points, and rms of |G| and |∂G/∂ ln v|."""
+    """Return the means of G, ∂G/∂v, ∂G/∂c over the points, and the rms of |G| and |∂G/∂ ln v|."""
     values, sizes = np.empty((3 if slopes else 1, v.size), dtype=complex), np.zeros((2, v.size))
     q = 0.5 / v
     re, im, squares = fast["block_values"](v, c, count)

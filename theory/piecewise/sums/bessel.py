@@ -1,13 +1,14 @@
-"""Σ(v, c) from Bessel functions: the front built up in time, no Fourier transform and no roots.
+"""Σ(v, c) from Bessel functions: the response in time, without Fourier transform or roots.
 
-Each site, once crossed, feeds ½ into the linear chain
+Each site, once it has crossed the threshold, feeds ½ into the linear chain
 dφ/dT = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - φ/2, whose response at distance m is
-(-i)^|m| e^{-s/2 + ics} J_|m|(cs). The m-th site behind the one at threshold was crossed m/v ago,
-so with φ(0) = -½ φ_s Σ (Eqs. 49, 53)
+(-i)^|m| e^{-s/2 + ics} J_|m|(cs). The m-th site behind the one at
+the threshold crossed it a time m/v ago, so that with φ(0) = -½ φ_s Σ (Eqs. 49, 53)
 
     Σ(v, c) = -Σ_{m ≥ 1} (-i)^m ∫₀^{m/v} e^{-s/2 + ics} J_m(cs) ds.
 
-Exchanging the order, the integrand on j/v < s < (j + 1)/v is Σ_{m > j} (-i)^m J_m(cs).
+After exchanging sum and integral, the integrand on j/v < s < (j + 1)/v is e^{-s/2 + ics} times
+Σ_{m > j} (-i)^m J_m(cs).
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     ParameterError
         If a parameter is out of range.
     PrecisionError
-        If it would take more than 3e7 Bessel functions: large c.
+        If more than 3e7 Bessel functions would be needed, as at large c.
 
     Examples
     --------
@@ -52,12 +53,12 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     start = perf_counter()
     v, c = checked_velocity_and_coupling(v, c)
     within("tolerance", tolerance, 1e-14, 0.1)
-    # |Σ_{m>j} (-i)^m J_m| ≤ 2 + √(cs) suffices: ∫_S^∞ of it times e^{-s/2} is the truncation.
+    # The truncation is ∫_S^∞ e^{-s/2} |Σ_{m>j} (-i)^m J_m| ds, bounded by |Σ| ≤ 2 + √(cs).
     end = 2.0 * math.log(8.0 * (2.0 + math.sqrt(80.0 * c)) / tolerance)
     width = min(1.0 / v, 2.0, 3.0 / c)
     pieces_each = math.ceil(min(1.0 / v, end) / width)
     panels = math.ceil(end * v)
-    if c < v:  # Σ_{m>j} |J_m(cs)| with cs ≤ c (j + 1)/v dies off: J_m(x) ≤ (x/2)^m/m!
+    if c < v:  # Σ_{m>j} |J_m(cs)| with cs ≤ c (j + 1)/v decays with j: J_m(x) ≤ (x/2)^m/m!
         x_each = c / v
         for j in range(panels):
             if (j + 1) * (math.log(0.5 * x_each * (j + 1)) - math.log(j + 1) + 1.0) < math.log(
@@ -87,9 +88,10 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
 def _summed(
     v: float, c: float, panels: int, end: float, pieces: int, *, nodes: int
 ) -> tuple[complex, int, float]:
-    """Return the integral to ``end`` by Gauss–Legendre, the evaluations, and ∫|integrand|.
+    """Return the integral up to ``end`` by Gauss–Legendre, the evaluations, and ∫|integrand|.
 
-    A panel is the time j/v < s < (j + 1)/v between two sites; each is cut into ``pieces``.
+    A panel is the time j/v < s < (j + 1)/v between the crossings of two sites; each is divided into
+    ``pieces``.
     """
     point, weight = np.polynomial.legendre.leggauss(nodes)
     total, evaluations, size = 0j, 0, 0.0
@@ -108,8 +110,9 @@ def _summed(
 def _later_sites(x: FloatArray, first: int) -> ComplexArray:
     """Return Σ_{m ≥ first} (-i)^m J_m(x), by Miller's downward recurrence.
 
-    J_{m-1} = (2m/x) J_m - J_{m+1} from far above x down, scaled by J_0 + 2 Σ J_{2m} = 1. An x below
-    1e-20 counts as that, which changes J_1 by less than 1e-20 and keeps 2m/x in range.
+    J_{m-1} = (2m/x) J_m - J_{m+1} is run downwards from m far above x, and the result is normalised
+    by J_0 + 2 Σ J_{2m} = 1. An x below 1e-20 is replaced by 1e-20, which changes J_1 by less than
+    1e-20 and keeps 2m/x in range.
     """
     x = np.maximum(x, 1e-20)
     top = float(x.max())

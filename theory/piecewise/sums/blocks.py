@@ -1,7 +1,7 @@
-"""Loops over many values of Σ where roots are taken away, for compilation.
+"""Loops over many values of Σ by the rules that subtract roots, written for compilation.
 
-The loop over values is the innermost, free of branches and of calls, and so vectorised.
-``theory.piecewise.sums.beside_roots`` puts the loops together.
+The loop over values is the innermost one; it is free of branches and calls, and thus vectorised.
+``theory.piecewise.sums.beside_roots`` combines the loops.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ if TYPE_CHECKING:
     from theory.arrays import FloatArray
 
 _LARGEST_EXPONENT = 100.0
-"""Of e^z, beyond which the effect of a root is none."""
+"""Largest exponent z used in e^z; beyond it the effect of a root is zero."""
 
 
 def plan_legs(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, second: bool, plan: FloatArray
 ) -> None:
-    """Write step, number of nodes, truncation and phase of one leg as rows."""
+    """Write step, number of nodes, truncation error and phase of one leg as rows."""
     for i in range(v.size):
         required = LEG_SHARE * tolerance / (phase_rate(v[i], c[i], second) if slopes else 1.0)
         far = 2.0 * modulus(complex(0.5, 2.0 * c[i])) if second else 1.0
@@ -60,7 +60,7 @@ def plan_legs(
 
 
 def start_roots(q: FloatArray, psi: FloatArray, rho: FloatArray, pair: FloatArray) -> None:
-    """Write starting points of two roots into the first two rows of each table."""
+    """Write the starting points of two roots into the first two rows of each table."""
     n = q.size
     meet = pair[0, 2]
     for i in range(n):
@@ -76,7 +76,7 @@ def start_roots(q: FloatArray, psi: FloatArray, rho: FloatArray, pair: FloatArra
 
 
 def halves(at: FloatArray) -> None:
-    """Write sin(p/2) and cos(p/2) below p."""
+    """Write sin(p/2) and cos(p/2) into the rows below p."""
     p_re, p_im, sine_re, sine_im, cosine_re, cosine_im = at[0], at[1], at[2], at[3], at[4], at[5]
     for i in range(at.shape[1]):
         sine, cosine = sine_and_cosine_near(complex(0.5 * p_re[i], 0.5 * p_im[i]))
@@ -87,7 +87,7 @@ def halves(at: FloatArray) -> None:
 def step_all(
     at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, moving: FloatArray
 ) -> None:
-    """Take a step to each root that moves; stop the settled."""
+    """Take one step towards each root that is still moving; mark converged roots as not moving."""
     p_re, p_im, sine_re, sine_im, cosine_re, cosine_im = at[0], at[1], at[2], at[3], at[4], at[5]
     for i in range(q.size):
         p = complex(p_re[i], p_im[i])
@@ -101,7 +101,7 @@ def step_all(
 def settle(
     at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, moving: FloatArray, steps: int
 ) -> None:
-    """Take steps to the roots that move; write p, sin(p/2) and cos(p/2), and which still move."""
+    """Iterate to the moving roots; write p, sin(p/2), cos(p/2), and which roots still move."""
     halves(at)
     for _ in range(steps):
         step_all(at, q, psi, rho, moving)
@@ -132,7 +132,7 @@ def exponents_on_axis(
 
 
 def exponentials(z: FloatArray) -> None:
-    """Write Re and Im of e^z in place of those of z."""
+    """Replace Re and Im of z by those of e^z."""
     re, im, size = z[0], z[1], z[2]
     for i in range(re.size):
         size[i] = math.exp(min(re[i], _LARGEST_EXPONENT))
@@ -142,7 +142,7 @@ def exponentials(z: FloatArray) -> None:
 
 
 def clearances(power: FloatArray, halfway: FloatArray, whole: FloatArray) -> None:
-    """Lower how near a root comes to nodes that begin halfway, and at 0."""
+    """Lower the clearances to that of a root, for nodes that begin half a step from 0, and at 0."""
     for i in range(halfway.size):
         grown = complex(power[0, i], power[1, i])
         halfway[i] = min(halfway[i], clearance_of(grown, -1.0))
@@ -153,7 +153,7 @@ def add_effects(
     v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
     turn: FloatArray, sign: FloatArray, required: FloatArray, effects: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of the effects of one root each, where required, and their roundings."""
+    """Add Re and Im of the effect of one root per value, where required, and its rounding error."""
     re, im, shifts = effects[0], effects[1], effects[6]
     p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
     power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
@@ -173,7 +173,7 @@ def add_effect_slopes(
     v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
     turn: FloatArray, sign: FloatArray, required: FloatArray, effects: FloatArray,
 ) -> None:  # fmt: skip
-    """Add the derivatives of the effects of one root each, where required, and their roundings."""
+    """Add the derivatives of the effect of one root per value, where required, and their errors."""
     v_re, v_im, by_re, by_im, gains = effects[2], effects[3], effects[4], effects[5], effects[7]
     p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
     power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
@@ -194,11 +194,11 @@ def add_effect_slopes(
 def start_nodes(
     v: FloatArray, psi: FloatArray, step: FloatArray, offset: FloatArray, at: FloatArray
 ) -> None:
-    """Write Re and Im of e^{-a} at u = 0, e^{-u²} at the first node, and what it is multiplied by.
+    """Write Re and Im of e^{-a} at u = 0, e^{-u²} at the first node, and its two factors, as rows.
 
-    The first node is half a step from u = 0, or there.
-    The last two rows: from node to node e^{-u²} goes by the one, and that by the other. Their
-    roundings add up where e^{-u²} is small.
+    The first node lies half a step from u = 0, or at u = 0. From each node to the next, e^{-u²} is
+    multiplied by the fourth row, and the fourth row by the fifth. The rounding errors of these
+    products accumulate where e^{-u²} is small.
     """
     for i in range(v.size):
         decay, gauss = math.exp(-0.5 / v[i]), math.exp(-0.25 * step[i] * step[i])
@@ -211,7 +211,7 @@ def start_nodes(
 
 
 def next_nodes(at: FloatArray) -> None:
-    """Go to the next node; see `start_nodes`."""
+    """Advance to the next node; see `start_nodes`."""
     gauss, factor, second = at[2], at[3], at[4]
     for i in range(gauss.size):
         gauss[i] *= factor[i]
@@ -221,7 +221,7 @@ def next_nodes(at: FloatArray) -> None:
 def _node(
     j: int, v: float, c: float, step: float, offset: float, count: float, second: bool
 ) -> tuple[float, complex, float]:
-    """Return Y, A and the share of the term at a node."""
+    """Return Y, A and the weight of the term at a node."""
     u = (j + offset) * step
     A = complex(0.5 + v * u * u, 2.0 * c if second else 0.0)
     return 0.5 * v / c * u * u, A, (0.5 if u == 0.0 else 1.0) * (1.0 if j < count else 0.0)
@@ -246,7 +246,7 @@ def add_node_slopes(
     j: int, v: FloatArray, c: FloatArray, step: FloatArray, offset: FloatArray, count: FloatArray,
     at: FloatArray, second: bool, sums: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of the derivatives of g, and |.| of the first, at node j."""
+    """Add Re and Im of the derivatives of g, and the modulus of that by v, at node j."""
     phase_re, phase_im, gauss = at[0], at[1], at[2]
     for i in range(v.size):
         Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
@@ -263,7 +263,7 @@ def add_all_nodes(
     v: FloatArray, c: FloatArray, plan: FloatArray, offset: FloatArray, second: bool, slopes: bool,
     at: FloatArray, sums: FloatArray,
 ) -> None:  # fmt: skip
-    """Add g, and with ``slopes`` its derivatives, over the nodes of one leg; see `plan_legs`."""
+    """Sum g, and with ``slopes`` its derivatives, over the nodes of one leg; see `plan_legs`."""
     step, count = plan[0], plan[1]
     start_nodes(v, plan[3], step, offset, at)
     for j in range(int(count.max())):
@@ -277,10 +277,10 @@ def add_leg(
     v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
     second: bool, rows: FloatArray, bounds: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of one leg's part of Σ, and the error bounds.
+    """Add Re and Im of the contribution of one leg to Σ, and the error bounds.
 
-    ``sums`` are those of the nodes, and the effects of roots are ``taken`` away. Of the second leg
-    the conjugate is added.
+    ``sums`` holds the sums over the nodes, and ``taken`` the effects of roots, to be subtracted.
+    For the second leg the complex conjugate is added.
     """
     step, truncation = plan[0], plan[2]
     turn = -1.0 if second else 1.0
@@ -301,7 +301,7 @@ def add_leg_slopes(
     v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
     second: bool, rows: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of one leg's part of the derivatives of Σ; see `add_leg`."""
+    """Add Re and Im of the contribution of one leg to the derivatives of Σ; see `add_leg`."""
     step = plan[0]
     turn = -1.0 if second else 1.0
     for i in range(v.size):
@@ -315,7 +315,7 @@ def add_leg_slopes(
 
 
 def still_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:
-    """Write Re and Im of what `legs.still_part` returns as rows."""
+    """Write Re and Im of the results of `legs.still_part` as rows."""
     for i in range(v.size):
         still, by_c = still_part(v[i], c[i], step[i])
         parts[0, i], parts[1, i], parts[2, i], parts[3, i] = (
@@ -324,7 +324,7 @@ def still_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArra
 
 
 def start_resonant_pairs(q: FloatArray, rho: FloatArray, roots: FloatArray) -> None:
-    """Write starting points of the pair that meets in resonance, where it is taken away."""
+    """Write the starting points of the resonant pair, where it is subtracted."""
     for i in range(q.size):
         if rho[i] > PAIR_FROM:
             above, below = resonant_pair(q[i], rho[i])
@@ -335,7 +335,7 @@ def start_resonant_pairs(q: FloatArray, rho: FloatArray, roots: FloatArray) -> N
 def plan_axis(
     v: FloatArray, c: FloatArray, tolerance: float, roots: FloatArray, plan: FloatArray
 ) -> None:
-    """Write the number of points on the axis, and the truncation, as rows."""
+    """Write the number of points on the axis, and the truncation error, as rows."""
     for i in range(v.size):
         depth, bound = strip_of_what_is_left(v[i], c[i])
         count = points_beside_roots(bound, tolerance, depth)

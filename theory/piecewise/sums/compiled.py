@@ -1,7 +1,7 @@
 """The rules of ``theory.piecewise.sums.rules`` compiled by numba: the same functions, much faster.
 
-Each is compiled when it is first called, once for all processes. Loading numba takes half a second,
-so that whoever asks for few values is better served by the functions as they stand.
+Each function is compiled when it is first called, once for all processes. Since importing numba
+takes half a second, the uncompiled functions are faster where only few values are needed.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ _WITHIN_LOOPS = (
     "leg_slopes", "leg_width", "size_of", "root_below_one", "leg_errors", "phase_rate", "_node",
     "side_of", "twice_arcsine",
 )  # fmt: skip
-"""Calls that would keep a loop from being vectorised."""
+"""Functions that are inlined, because a call would prevent a loop from being vectorised."""
 _CALLED = (
     "block_values", "block_slopes", "plan_legs", "still_parts", "start_roots",
     "start_resonant_pairs", "settle", "exponents_on_legs", "exponents_on_axis", "exponentials",
     "clearances", "add_effects", "add_effect_slopes", "add_all_nodes", "add_leg", "add_leg_slopes",
     "plan_axis",
 )  # fmt: skip
-"""What Python calls; all others are stored as parts of these, without a way in of their own."""
+"""Functions called from Python; the others are compiled into these, without an entry point."""
 
 
 def _state_of_sources() -> str:
-    """Digest the modules, and this one, which has the options.
+    """Return a digest of the modules and of this one, which contains the compiler options.
 
-    numba keeps compiled code until the file of a function changes; part of the names, the digest
-    makes changes in the files of what that calls count too.
+    numba's cache of a function is invalid only when the file of that function changes. As the
+    digest is part of the function names, a change in the file of any function called counts too.
     """
     files = (__file__, *(module.__file__ or "" for module in _MODULES))
     sources = (Path(file).read_bytes() for file in files)
@@ -51,7 +51,7 @@ def _state_of_sources() -> str:
 
 @lru_cache(maxsize=1)
 def compiled_rules() -> dict[str, Any]:
-    """Return what Python calls of the rules by name, compiled and calling the others so."""
+    """Return the compiled rules that are called from Python, by name."""
     import numba
 
     njit: Any = numba.njit

@@ -1,4 +1,4 @@
-"""Points on the real axis, one root or three taken away; see ``theory.piecewise.sums.rules``."""
+"""Points on the real axis, one or three roots subtracted; see ``theory.piecewise.sums.rules``."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from theory.piecewise.sums.poles import (
 )
 
 PAIR_FROM = 1.0
-"""c/v from which the pair that meets in resonance is taken away too."""
+"""c/v above which the resonant pair of roots is subtracted too."""
 
 
 def strip_of_what_is_left(v: float, c: float) -> tuple[float, float]:
-    """Return σ and a bound of |G̃| on |Im k| = σ."""
+    """Return σ and a bound of |G̃| on |Im k| = σ, G̃ being G with the roots subtracted."""
     rho = c / v
     if rho > PAIR_FROM:
         return math.acosh(9.0 / rho - 1.0) - 0.25, 1.0 / (1.0 + c)
@@ -29,18 +29,18 @@ def strip_of_what_is_left(v: float, c: float) -> tuple[float, float]:
 
 
 def points_beside_roots(bound: float, tolerance: float, depth: float) -> int:
-    """Return the N, a multiple of 4, with 2 bound/(e^{N depth} - 1) ≤ tolerance."""
+    """Return N, a multiple of 4, such that 2 bound/(e^{N depth} - 1) ≤ tolerance."""
     return max(8, 4 * math.ceil(0.25 * math.log1p(2.0 * bound / tolerance) / depth))
 
 
 def is_at_a_point(k: complex, count: int) -> bool:
-    """Return whether a root k above the axis is so near a point of the rule that digits go."""
-    # beyond ln 1.5 the exponential is larger than 1.5
+    """Return whether a root k above the axis is so near a point that digits are lost."""
+    # an exponent above ln 1.5 makes the exponential larger than 1.5
     return k.imag * count < 0.41 and abs(1.0 + cmath.exp(-1j * count * k)) < 0.5
 
 
 def points_off_roots(above: complex, below: complex, count: int) -> int:
-    """Return the number of points from ``count`` on of which none is at a root of the pair."""
+    """Return a number of points, at least ``count``, such that none is at a root of the pair."""
     for _ in range(4):
         if is_at_a_point(above, count) or is_at_a_point(-below, count):
             count += 4
@@ -50,7 +50,7 @@ def points_off_roots(above: complex, below: complex, count: int) -> int:
 def corrected_errors(
     truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
 ) -> tuple[Any, Any]:
-    """Return bounds of the rounding, and of the errors of the derivatives by ln v and ln c."""
+    """Return bounds of the rounding error, and of the errors of the derivatives by ln v, ln c."""
     rounding = 8.0 * EPS * (size + 1.0 + shifts)
     return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + steep + gains)
 
@@ -58,7 +58,7 @@ def corrected_errors(
 def corrected_axis(
     v: float, c: float, tolerance: float, slopes: bool
 ) -> tuple[complex, complex, complex, float, float, float, int]:
-    """Return Σ by points on the real axis and the roots beside it; see `rules.sum_at`."""
+    """Return Σ by points on the real axis and the roots near it; see `rules.sum_at`."""
     rho, q = c / v, 0.5 / v
     near = root_near(two_roots_near(q, 0.0, rho)[0], q, 0.0, rho)
     depth, bound = strip_of_what_is_left(v, c)

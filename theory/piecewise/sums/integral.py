@@ -1,16 +1,19 @@
 """Σ(v, c) as one integral over a period, by the trapezoidal rule: fast at any v and c.
 
-Summing the real-line integral -1 + (v/π)∫₀^∞ dk/(A² + v²k²) over all periods of A in closed form,
+Summed over all periods of A in closed form, the real-line integral -1 + (v/π)∫₀^∞ dk/(A² + v²k²)
+becomes
 
     Σ(v, c) = -1 + (1/2π) ∫_{-π}^{π} G dk,   G = [1/(2A)] sinh a/(cosh a - cos k),   a = A/v.
 
-With X = sin²(k/2), A = ½ - 2icX, E = e^{-a}, F = 1 - E this is free of overflow and cancellation:
+With X = sin²(k/2), A = ½ - 2icX, E = e^{-a}, F = 1 - E, it takes a form that is free of overflow
+and cancellation:
 
     sinh a/(cosh a - cos k) = F (2 - F)/[F² + 4X(1 - F)].
 
-``theory.piecewise.sums.rules`` has the points. This module runs these rules over arrays. Values
-for which points on the axis are enough are grouped by their number, and each group is one array, or
-from where that saves time one compiled loop; the others are computed one by one.
+``theory.piecewise.sums.rules`` contains the trapezoidal rules, and this module applies them to
+arrays. Values for which the plain rule suffices are grouped by the number of points; each group is
+computed as one array or, for many values, in one compiled loop. The others are computed one by one
+or, for many values, in the compiled loops of ``theory.piecewise.sums.beside_roots``.
 """
 
 from __future__ import annotations
@@ -31,24 +34,24 @@ from theory.piecewise.sums.compiled import compiled_rules
 from theory.piecewise.sums.result import KineticSum
 
 MANY = 20_000
-"""Values from which the compiled rules are taken; loading them takes half a second.
+"""Number of values from which the compiled rules are used; importing numba takes half a second.
 
-They differ from the plain ones by roundings. The choice therefore depends on the question alone:
-what a process has computed before must not show in the last digit.
+The compiled rules differ from the plain ones by rounding. The choice therefore depends on the
+arguments alone, so that the last digit does not depend on what a process has computed before.
 """
 SMALLEST, LARGEST = 1e-20, 1e20
-"""Range of v and c in arrays: beyond, squares of what the rules compute leave that of numbers."""
+"""Range of v and c in arrays; outside it intermediate squares would overflow or underflow."""
 _FEW_POINTS = 1000
-"""Values whose numbers of points are rounded up to powers of two."""
+"""Number of values below which numbers of points are rounded up to powers of two."""
 _POINTS_OF_A_GROUP = 4096
-"""Points that cost as much as the calls of one more group."""
+"""Number of points whose evaluation costs as much as the function calls of one more group."""
 _FEW_VALUES = 3
-"""Values that are computed sooner one by one than as an array."""
+"""Largest number of values for which computing one by one is faster than as an array."""
 _PIECE = 2**15
-"""Points on the axis at a time."""
+"""Number of points on the axis that are evaluated at a time."""
 
 Rows = tuple[ComplexArray, FloatArray, IntArray]
-"""Values and bounds on their errors, a row each for Σ and its derivatives, and points."""
+"""Values and error bounds, one row each for Σ and its derivatives, and numbers of points."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,11 +65,11 @@ class SumArray:
     error : ndarray of float
         Bound on the error of ``value``.
     by_v, by_c : ndarray of complex or None
-        ∂Σ/∂v and ∂Σ/∂c, if asked for.
+        ∂Σ/∂v and ∂Σ/∂c, if requested.
     error_by_v, error_by_c : ndarray of float or None
         Bounds on their errors.
     points : ndarray of int
-        Points of the trapezoidal rule at which the integrand was evaluated.
+        Number of points at which the integrand was evaluated.
     """
 
     value: ComplexArray
@@ -86,7 +89,7 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     v, c : float
         Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12.
     tolerance : float
-        Required error, from 1e-15 to 0.1; the error bound is its truncation plus rounding.
+        Required truncation error, from 1e-15 to 0.1; the error bound adds the rounding error.
 
     Raises
     ------
@@ -126,11 +129,11 @@ def sums(
     v, c : array_like of float
         Front velocity v̂ and coupling, dimensionless, from 1e-20 to 1e20.
     tolerance : float
-        Required truncation error, from 1e-15 to 0.1. Points are spent accordingly.
+        Required truncation error, from 1e-15 to 0.1; it determines the number of points.
     slopes : bool
         Also return ∂Σ/∂v and ∂Σ/∂c.
     compiled : bool, optional
-        Whether to take the compiled rules; by default from ``MANY`` values on.
+        Whether to use the compiled rules; by default from ``MANY`` values on.
 
     Raises
     ------
@@ -163,8 +166,8 @@ def sums_of_pairs(
 ) -> Rows:
     """Return Σ and its derivatives where v, c and the tolerance are known to be in range.
 
-    What `sums` does, without checks and in rows: Σ, with ``slopes`` ∂Σ/∂v and ∂Σ/∂c, shape (1, n)
-    or (3, n), bounds on their errors, and the numbers of points.
+    This is `sums` without checks. The results are arrays of rows: Σ and, with ``slopes``, ∂Σ/∂v and
+    ∂Σ/∂c, shape (1, n) or (3, n); bounds on their errors; and the numbers of points.
     """
     fast = compiled_rules() if compiled else None
     if v.size <= _FEW_VALUES and not fast:
@@ -178,7 +181,7 @@ def sums_of_pairs(
         points = np.where(points, more, 0.0).astype(np.int64)
         if np.min(points) == np.max(points) > 0:
             return *_plain(v, c, truncation, points[0], slopes=slopes, fast=None), points // 2
-    # sixteen bits are sorted in linear time, and no plain rule has as many points
+    # 16-bit integers are sorted in linear time, and the plain rule never has more points than fit
     order = np.argsort(points.astype(np.int16), kind="stable")
     counts, first = np.unique(points[order], return_index=True)
     v, c, truncation = v[order], c[order], truncation[order]
@@ -208,7 +211,7 @@ def _plain(
     v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, *, slopes: bool,
     fast: dict[str, Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
-    """Return Σ, derivatives and error bounds as rows, no root taken away."""
+    """Return Σ, derivatives and error bounds as rows, by the plain rule."""
     rows = 3 if slopes else 1
     if fast:
         values, sizes = means_of_block(v, c, count, slopes, fast)
@@ -227,7 +230,7 @@ def _plain(
 
 
 def _one_by_one(v: FloatArray, c: FloatArray, tolerance: float, slopes: bool) -> Rows:
-    """Return what `sums_of_pairs` does, by any rule."""
+    """Return the results of `sums_of_pairs`, computed one by one with the rule each value needs."""
     rows = 3 if slopes else 1
     values, errors = np.empty((3, v.size), dtype=complex), np.empty((3, v.size))
     points = np.empty(v.size, dtype=np.int64)

@@ -24,14 +24,14 @@ from theory.piecewise.sums.poles import (
 )
 
 LEG_TURN = cmath.exp(0.25j * math.pi)
-"""dk/du, over its modulus, where a leg begins."""
-_BACK = cmath.exp(-0.75j * math.pi)  # -i over that
+"""Phase factor of dk/du where a leg begins."""
+_BACK = cmath.exp(-0.75j * math.pi)  # -i/LEG_TURN
 _DEPTHS = 1.6, 1.0
-"""Im u at which what is left of each leg is bounded."""
+"""Im u at which the integrand of the first and second leg, roots subtracted, is bounded."""
 LEG_SHARE = 0.4
-"""Of the tolerance, for each leg."""
+"""Fraction of the tolerance that is allotted to each leg."""
 CLEAR = 0.5
-"""|e^z ∓ 1| from which a root is far enough from every node."""
+"""|e^z ∓ 1| above which a root is far enough from every node."""
 
 
 def _leg_size(rho: float, far: float, second: bool) -> float:
@@ -42,7 +42,7 @@ def _leg_size(rho: float, far: float, second: bool) -> float:
 def leg_nodes(
     tolerance: float, v: float, rho: float, far: float, second: bool
 ) -> tuple[float, int, float]:
-    """Return the step, the number of nodes, and the bound of the error, both ends included.
+    """Return the step, the number of nodes, and the bound of the error, truncation at U included.
 
     Beyond u = U ≥ √3 the terms are below 2.7 (1 + 2Y) e^{-q - u²} √m/|A|.
     """
@@ -55,16 +55,16 @@ def leg_nodes(
     U = count * step
     rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * math.exp(-q - U * U) / math.pi
     rest *= (step + 0.5 / U) / max(0.5 * far, v * U * U)  # 1 - e^{-x} is at least x/(1 + x)
-    return step, count, tolerance / 1.5 + rest  # size/(e^required - 1), and what lies beyond U
+    return step, count, tolerance / 1.5 + rest  # size/(e^required - 1), and the part beyond U
 
 
 def phase_rate(v: Any, c: Any, second: bool) -> Any:
-    """Return how fast the phase of the leg, and what is left out, turns with ln v or ln c."""
+    """Return the rate at which the phase of the leg and of its error turns with ln v or ln c."""
     return 1.0 + c / v if second else 1.0
 
 
 def leg_term(E: complex, Y: float, A: complex) -> complex:
-    """Return g = (S - 1)/(2A) dk/du, k from where the leg begins, but for a constant factor."""
+    """Return g = (S - 1)/(2A) dk/du up to a constant factor; k counts from the leg's beginning."""
     F = 1.0 - E
     D = F * F + 4j * Y * E
     g: complex = quotient(E * (F - 2j * Y), D * A * root_below_one(Y))
@@ -74,7 +74,7 @@ def leg_term(E: complex, Y: float, A: complex) -> complex:
 def leg_slopes(
     E: complex, Y: float, A: complex, v: float, second: bool
 ) -> tuple[complex, complex, complex]:
-    """Return g, and ∂g/∂v and ∂g/∂c at fixed nodes, the first times -v²; see `leg_term`."""
+    """Return g, -v² ∂g/∂v and ∂g/∂c at fixed nodes; see `leg_term`."""
     g = leg_term(E, Y, A)
     F = 1.0 - E
     D = F * F + 4j * Y * E
@@ -91,9 +91,10 @@ def leg_width(v: float, c: float, step: float) -> float:
 def _on_a_leg(
     v: float, c: float, psi: float, second: bool, nodes: tuple[float, int, float], slopes: bool
 ) -> tuple[complex, complex, complex, float, float]:
-    """Return (1/π)∫g du over the nodes of one leg, derivatives, and sums of moduli.
+    """Return (1/π)∫g du as a sum over the nodes of one leg, its derivatives, and sums of moduli.
 
-    ``nodes`` are the step, their number and the place of the first one in steps, ½ or 0.
+    ``nodes`` contains the step, the number of nodes, and the position of the first one in steps,
+    ½ or 0.
     """
     step, count, offset = nodes
     m = 0.5 * v / c
@@ -120,21 +121,22 @@ def _on_a_leg(
 
 
 def leg_unit(rho: float, step: float, side: float) -> complex:
-    """Return z over sin(p/2), for roots above (1) or below the path (-1)."""
+    """Return the factor of sin(p/2) in z, for roots above (side 1) or below the path (-1)."""
     return _BACK * (TURN * side / (step * math.sqrt(0.5 / rho)))
 
 
 def clearance_of(power: complex, sign: float) -> float:
-    """Return how near a root comes to a node: 0 on it."""
+    """Return a measure of the distance of a root from the nearest node, 0 if it is on the node."""
     return modulus(sign * power - 1.0)
 
 
 def _roots_on_a_leg(
     v: float, c: float, psi: float, second: bool, step: float, offset: float
 ) -> tuple[complex, complex, complex, float, float, float]:
-    """Return the effect of the roots beside one leg, to be taken away, and its derivatives.
+    """Return the effect of the roots near one leg, to be subtracted, and its derivatives.
 
-    Last come the two roundings, and how near a root comes to a node: small where digits are lost.
+    The last three results are the two rounding errors, and the clearance of the roots from the
+    nodes, which is small where digits are lost.
     """
     rho, q = c / v, 0.5 / v
     sign = 1.0 if offset == 0.0 else -1.0
@@ -158,7 +160,10 @@ def _roots_on_a_leg(
 def _leg(
     v: float, c: float, psi: float, second: bool, tolerance: float, slopes: bool
 ) -> tuple[complex, complex, complex, float, float, float, float, int]:
-    """Return one leg's part of Σ, slopes, error bounds, step and number; ψ = 0 for the first."""
+    """Return the leg's part of Σ, slopes, error bounds, step and number of nodes.
+
+    ψ = 0 for the first leg.
+    """
     A_0 = complex(0.5, 2.0 * c if second else 0.0)
     if slopes:
         tolerance /= phase_rate(v, c, second)
@@ -182,18 +187,18 @@ def _leg(
 def leg_errors(
     v: Any, c: Any, second: bool, truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
 ) -> tuple[Any, Any]:
-    """Return bounds of the rounding of one leg, and of the errors of its derivatives."""
+    """Return bounds of the rounding error of one leg, and of the errors of its derivatives."""
     phase = 1.0 + 2.0 * c / v if second else 1.0
     rough = SLOPE_SHARE * phase_rate(v, c, second) * truncation
     return 8.0 * EPS * (size * phase + shifts), rough + 8.0 * EPS * (steep * phase + gains)
 
 
 def still_part(v: float, c: float, step: float) -> tuple[complex, complex]:
-    """Return what the nodes of the first leg make of 1/√(1 - 4ic), and its derivative by c."""
+    """Return the value of 1/√(1 - 4ic) on the nodes of the first leg, and its derivative by c."""
     still = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
-    pole = math.pi / (step * math.sqrt(2.0 * v))  # that of -1/2A, at u = i/√(2v)
+    pole = math.pi / (step * math.sqrt(2.0 * v))  # from the pole of -1/2A at u = i/√(2v)
     share = math.tanh(pole)
-    # at fixed nodes the place of the pole goes like c^{-1/2} and does not depend on v
+    # at fixed nodes this scales like c^{-1/2} and does not depend on v
     by_c = still * (2j * still * still * share - 0.5 * pole / c * (1.0 - share * share))
     return share * still, by_c
 

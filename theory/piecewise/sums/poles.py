@@ -1,8 +1,8 @@
-"""Roots of (50) beside a path, and what each does to the trapezoidal rule along it.
+"""Roots of (50) near a path, and the effect of each on the trapezoidal rule along it.
 
-See ``theory.piecewise.sums.rules``. A root p is counted from where its path begins; there
-p = 0, and q + iψ - iρ(1 - cos p) - ip = 0 with q = 1/2v and ρ = c/v. With ψ = 0 this is
-L(p)/v = 0.
+See ``theory.piecewise.sums.rules``. The variable p is the wave number measured from the beginning
+of the path, and a root p obeys q + iψ - iρ(1 - cos p) - ip = 0 with q = 1/2v and ρ = c/v. With ψ =
+0 this is L(p)/v = 0.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ TURN = 2.0 * math.pi
 MAX_STEPS = 12
 _OVERFLOW = 600.0
 _FARTHEST = -2.33, math.sin(-2.33), math.cos(-2.33)
-"""k, sin k and cos k about which the resonant pair is sought where it is far from resonance."""
+"""k, sin k and cos k of the expansion point for the resonant pair far from resonance."""
 
 
 def step_to_root(
     p: complex, sine: complex, cosine: complex, q: float, psi: float, rho: float
 ) -> tuple[complex, float]:
-    """Return Euler's step of third order, which bears two roots close together, and |slope|.
+    """Return Euler's step of third order, which tolerates two roots close together, and |slope|.
 
-    ``sine`` and ``cosine`` are those of p/2.
+    ``sine`` and ``cosine`` are sin(p/2) and cos(p/2).
     """
     square = 2.0 * rho * sine * sine
     value = q + 1j * (psi - square - p)
@@ -35,7 +35,7 @@ def step_to_root(
 
 
 def is_settled(p: complex, step: complex, steep: float, rho: float) -> bool:
-    """Return whether p is a root to rounding after the step to it; false of what is no number."""
+    """Return whether p, reached by ``step``, is a root to within rounding; False for NaN."""
     size = modulus(step)
     return size * size * size * rho <= 1e-18 * steep * modulus(p)
 
@@ -58,9 +58,9 @@ def root_near(start: complex, q: float, psi: float, rho: float) -> tuple[complex
 def pair_of_the_parabola(q: float, psi: float, rho: float) -> tuple[complex, complex, bool]:
     """Return approximations of the two roots nearest 0, the smaller first.
 
-    The equation is q + iψ = 2iρs² + 2i arcsin s with s = sin(p/2). Arcsin s is replaced by s, and
-    p is 2 arcsin s by its series. Last comes whether the two are so near each other that
-    `two_roots_near` knows better.
+    The equation is q + iψ = 2iρs² + 2i arcsin s with s = sin(p/2). Here arcsin s is replaced by s,
+    and then p = 2 arcsin s is evaluated by its series. The third result says whether the two roots
+    are so close that the expansion in `two_roots_near` is more accurate.
     """
     w = 1.0 / rho
     square = w * w + 2.0 * w * (psi - 1j * q)
@@ -78,9 +78,9 @@ def twice_arcsine(p: complex) -> complex:
 def two_roots_near(q: float, psi: float, rho: float) -> tuple[complex, complex]:
     """Return starting points for the two roots nearest p = 0.
 
-    Those of `pair_of_the_parabola`, or where the two nearly meet (resonance with a
-    linear wave) those of the second-order expansion about the point between them, where the slope
-    vanishes.
+    They are those of `pair_of_the_parabola` or, where the two roots nearly meet (resonance with a
+    linear wave), those of the second-order expansion about the point between them at which the
+    slope vanishes.
     """
     near, far, meet = pair_of_the_parabola(q, psi, rho)
     if not meet:
@@ -92,8 +92,8 @@ def two_roots_near(q: float, psi: float, rho: float) -> tuple[complex, complex]:
 
 
 def resonant_pair(q: float, rho: float) -> tuple[complex, complex]:
-    """Return starting points for the roots above and below the axis that meet in resonance."""
-    if q > 1.0:  # cos p = 1 + (p + iq)/ρ, a fixed point on the branch of each
+    """Return starting points for the roots above and below the axis that meet at resonance."""
+    if q > 1.0:  # fixed-point iteration of cos p = 1 + (p + iq)/ρ, on a branch for each root
         above, below = -1.8 + 2j, -3.5 - 1.5j
         for _ in range(2):
             above = -cmath.acos(1.0 + (above + 1j * q) / rho)
@@ -120,7 +120,7 @@ def side_of(height: float) -> float:
 
 
 def grown(z: complex) -> complex:
-    """Return e^z, less where it would overflow."""
+    """Return e^z, with Re z limited so that it does not overflow."""
     return cmath.exp(complex(min(z.real, _OVERFLOW), z.imag))
 
 
@@ -128,21 +128,23 @@ def effect_of_root(
     root: tuple[complex, complex, complex], wave: complex, v: float, c: float,
     power: complex, turn: complex, sign: float,
 ) -> tuple[complex, complex, complex, float, float]:  # fmt: skip
-    """Return tW, t = 1/(wave L_k), W = 1/(sign e^z - 1), its derivatives, and two roundings.
+    """Return tW, t = 1/(wave L_k), W = 1/(sign e^z - 1), its derivatives, and two error factors.
 
     Parameters
     ----------
     root : tuple of complex
-        A root p from where its path begins, sin(p/2) and cos(p/2).
+        A root p, measured from the beginning of its path, sin(p/2) and cos(p/2).
     wave : complex
-        The same root from k = 0, where it is p itself on the path that begins there.
+        The same root, measured from k = 0; equal to p if the path begins there.
     power, turn : complex
         e^z, and the derivative of z by p.
+    sign : float
+        1 if a node lies at the beginning of the path, -1 if the first node lies half a step away.
 
     Returns
     -------
     value, by_v, by_c : complex
-        And the derivatives by v and c at fixed nodes.
+        tW, and its derivatives by v and c at fixed nodes.
     shift, gain : float
         A relative error δ of the terms of L changes the value by at most ``shift`` δ, and the
         derivatives by ln v and ln c by at most ``gain`` δ.

@@ -1,11 +1,12 @@
 """Σ(v, c) by the periodised integral of ``sums.integral`` to any number of digits.
 
-Where the strip without roots is wide, equispaced points on the real axis. Elsewhere points with
-tan(k/2) = e^{σ + iπ/4}, equispaced in σ: equally many on every scale of k, on the side of the axis
-where Re A grows. The poles of the integrand lie near Im σ = ±π/4 or farther off, but for minus
-those roots below the axis near Re k = -2c/v, where such roots turn away from it; a pole at σ_p that
-belongs above the path makes the rule with step h wrong by t/(e^{-2πiσ_p/h} - 1), t = 1/(k L_k),
-wherever it lies, and this is taken away.
+Where the root-free strip is wide, the points are equispaced on the real axis. Elsewhere they are
+given by tan(k/2) = e^{σ + iπ/4} with σ equispaced: there are equally many on every scale of k, and
+they lie on the side of the axis where Re A grows. The poles of the integrand lie near Im σ = ±π/4
+or farther from the path. The exceptions are the poles at -k, where k is one of the roots below the
+axis near Re k = -2c/v, where such roots turn away from the axis. A pole at σ_p that belongs above
+the path changes the rule with step h by t/(e^{-2πiσ_p/h} - 1), t = 1/(k L_k), wherever it lies;
+this error is subtracted.
 """
 
 from __future__ import annotations
@@ -27,21 +28,21 @@ from theory.piecewise.sums.result import MAX_DIGITS, KineticSum, PrecisionError,
 
 _MAX_POINTS = 200_000
 _SPARE = 8
-"""Digits beyond those asked for that rounding leaves right, of the twelve computed."""
+"""Number of correct digits beyond those required, of the twelve that are computed."""
 
 
 def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> KineticSum:
     """Return Σ(v, c) of Eq. (53) to ``digits`` digits after the point.
 
-    Where v is so small that Σ is its limit (``theory.piecewise.limits.static_sum``) to within that,
-    it is taken, and ``method`` says so.
+    Where v is so small that Σ agrees to this accuracy with its limit as v → 0
+    (``theory.piecewise.limits.static_sum``), the limit is returned, and ``method`` says so.
 
     Parameters
     ----------
     v, c : float or str
         Front velocity v̂ and coupling, dimensionless; strings are read as decimals.
     digits : int
-        From 1 to 2000.
+        Required digits after the point, from 1 to 2000.
 
     Raises
     ------
@@ -72,8 +73,8 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
             seconds=perf_counter() - start,
             digits=digits,
         )
-    lost = math.log10(2.0 + c_ / v_) + 2.0 * math.log10(2.0 + v_)  # by 1 - e^{-A/v} too
-    # A line inside the strip, nearer its edge the more points there are: the bound is then least.
+    lost = math.log10(2.0 + c_ / v_) + 2.0 * math.log10(2.0 + v_)  # includes loss in 1 - e^{-A/v}
+    # The bound is least on a line inside the strip; with more points it lies nearer the edge.
     strip = (1.0 - 1.0 / (2.0 + (digits + 1) * math.log(10.0))) * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)
     # The bound of theory.piecewise.sums.axis.plain_points: 2M/(e^{Nσ} - 1).
@@ -92,7 +93,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
             value, coarse = _graded(exact(v), exact(c), mp.mpf(step), reach)
             value += _correction(exact(v), exact(c), mp.mpf(step))
             coarse += _correction(exact(v), exact(c), 2 * mp.mpf(step))
-            # At both ends |G| ≤ coth(1/4v) nearly, and the weights fall like 2e^{-|σ|}/π.
+            # At both ends |G| ≤ coth(1/4v) approximately, and the weights fall like 2e^{-|σ|}/π.
             ends = 4.0 * (1.0 + 4.0 * v_) * mp.exp(-reach * step)
             truncation = 100 * abs(value - coarse) ** 2 + ends
         error = stated(truncation + mp.mpf(10) ** (-digits - _SPARE))
@@ -127,8 +128,8 @@ def _equispaced(v: Any, c: Any, count: int) -> Any:
 def departing_labels(v: float, c: float) -> IntArray:
     """Return the labels of the three roots below the axis nearest Re k = -2c/v.
 
-    The one in the strip (2πn, 2πn + 2π) leaves as its Re k passes (2n + 1)π, when
-    v (2|n| - 1)π = c (1 + cosh(1/2v)) (fact 4 of ``theory.piecewise.dispersion``).
+    The root in the strip (2πn, 2πn + 2π) leaves the axis as its Re k passes (2n + 1)π, which
+    happens when v (2|n| - 1)π = c (1 + cosh(1/2v)) (fact 4 of ``theory.piecewise.dispersion``).
     """
     crossing = -(c / v) * (1.0 + math.cosh(min(0.5 / v, 30.0)))
     middle = min(max(math.floor(crossing / (2.0 * math.pi)), 1 - MAX_LABEL), -2)
@@ -136,7 +137,7 @@ def departing_labels(v: float, c: float) -> IntArray:
 
 
 def _correction(v: Any, c: Any, step: Any) -> Any:
-    """Return the effect of the departing roots."""
+    """Return the correction for the departing roots; see `departing_labels`."""
     labels = departing_labels(float(v), float(c))
     total = mp.mpc(0)
     for k in precise_roots(v, c, labels, False, mp.mp.dps):
@@ -147,7 +148,7 @@ def _correction(v: Any, c: Any, step: Any) -> Any:
 
 
 def _graded(v: Any, c: Any, step: Any, reach: int) -> tuple[Any, Any]:
-    """Return the sum with the step, and with twice the step.
+    """Return the sums over the graded points with the given step and with twice the step.
 
     With t = e^σ and p = t², the point is X = (p² + ip)/(1 + p²), and the weight
     1/cosh(σ + iπ/4) = √2 t (p + 1 - i(p - 1))/(1 + p²).

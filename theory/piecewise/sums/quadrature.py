@@ -13,16 +13,17 @@ from theory.piecewise.sums.result import KineticSum, PrecisionError
 _MAX_PIECES = 50_000
 
 LARGEST_COUPLING = 20.0
-"""Beyond, peaks of width 1/c lie between QUADPACK's points and its estimate is no bound."""
+"""Beyond it, peaks of width 1/c lie between QUADPACK's points, and its estimate is not a bound."""
 
 
 def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSum:
     """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²), A = ½ - i c (1 - cos k), by QUADPACK.
 
-    Closing the contour of (53) along the real axis, where L has no root, and folding k → -k. With
-    x = vk the integrand is 1/(A² + x²). Pieces of at most an octave of x and at most two periods of
-    A are handed to ``scipy.integrate.quad`` (over more periods its extrapolation returns wrong
-    values with small error estimates); beyond X the rest is 1/X to within max|A|²/(2X³).
+    The formula follows from closing the contour of (53) along the real axis, where L has no root,
+    and combining k with -k. With x = vk the integrand is 1/(A² + x²). Pieces of at most an octave
+    of x and at most two periods of A are integrated by ``scipy.integrate.quad`` (over more periods
+    its extrapolation returns wrong values with small error estimates); the integral beyond X is 1/X
+    to within max|A|²/(2X³).
 
     Parameters
     ----------
@@ -34,14 +35,14 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     Returns
     -------
     KineticSum
-        ``error`` is twice QUADPACK's estimate plus the bound on the rest.
+        ``error`` is twice QUADPACK's estimate plus the bound on the error beyond X.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range.
     PrecisionError
-        If c is above 20, or it would take more than 50 000 pieces (small v).
+        If c is above 20, or more than 50 000 pieces would be needed (small v).
 
     Examples
     --------
@@ -90,11 +91,11 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
             epsabs=0.1 * tolerance / len(edges),
             epsrel=0.0,
             limit=2000,
-            full_output=True,  # and no warning: the estimate says it
+            full_output=True,  # suppresses the warning, which the estimate makes superfluous
         )
         parts.append(part)
         error += 2.0 * (abs(estimate.real) + abs(estimate.imag))
-    # Tens of thousands of pieces, added one by one, would round by more than the estimates say.
+    # Adding tens of thousands of pieces one by one would round by more than the estimates.
     total = complex(math.fsum(np.real(parts)), math.fsum(np.imag(parts)))
     value = total / np.pi - 1.0
     return KineticSum(

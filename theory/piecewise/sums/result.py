@@ -1,17 +1,18 @@
-"""What a method returns for Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of (53).
+"""The result of every method for Σ(v, c) = Σ_{k ∈ M⁺} 1/(k L_k), the left side of (53).
 
-Four methods give it in floating point, and ``theory.piecewise.certified_sum`` in ball arithmetic:
+Four methods compute it in floating point, and ``theory.piecewise.certified_sum`` in ball
+arithmetic:
 
-* ``theory.piecewise.sums.integral``: the periodised integral by the trapezoidal rule, the fast one,
-  and ``theory.piecewise.sums.precise``, the same to any precision;
-* ``theory.piecewise.sums.series``: the printed series over the roots, its tail summed, at any
+* ``theory.piecewise.sums.integral``: the periodised integral by the trapezoidal rule, which is the
+  fastest method, and ``theory.piecewise.sums.precise``, the same to any precision;
+* ``theory.piecewise.sums.series``: the printed series over the roots with its tail summed, at any
   precision;
 * ``theory.piecewise.sums.bessel``: a series of Bessel-function integrals, from the direct solution
   in time;
-* ``theory.piecewise.sums.quadrature``: adaptive quadrature on the real line, the plain baseline.
+* ``theory.piecewise.sums.quadrature``: adaptive quadrature on the real line, the simplest method.
 
-The last two share no code with the others or with each other. The first two share the solver for
-roots beyond double precision, where the integral is corrected for poles beside its contour.
+The last two share no code with the others or with each other. Beyond double precision the first two
+use the same solver for roots, since the integral is then corrected for poles near its contour.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ from typing import Any
 from theory.result import Result
 
 DOUBLE = 15
-"""Digits up to which a value is one in double precision."""
+"""Largest number of digits for which a value is computed in double precision."""
 
 MAX_DIGITS = 2000
-"""Digits that may be required of a root or a sum."""
+"""Largest number of digits that may be required of a root or a sum."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,15 +38,15 @@ class KineticSum(Result):
     value : complex or mpmath.mpc
         Σ, dimensionless.
     error : float or mpmath.mpf
-        Bound on |value - Σ|; no float where it is below the smallest one.
+        Bound on |value - Σ|; an mpf where it is too small for a float.
     terms : int
-        Roots summed, or points at which an integrand was evaluated.
+        Number of roots summed, or of points at which an integrand was evaluated.
     method : str
-        How it was computed.
+        Name of the method.
     seconds : float
         Wall time.
     digits : int
-        Digits after the point in which `to_dict` writes ``re`` and ``im``: as strings beyond 15.
+        Digits after the point with which `to_dict` writes ``re`` and ``im``; beyond 15, as strings.
     """
 
     value: Any
@@ -69,7 +70,7 @@ class KineticSum(Result):
 
     @property
     def error_as_written(self) -> Any:
-        """Error of the value written in ``digits`` decimals, which costs one of the last."""
+        """Error of the value as written: ``error`` plus one unit in the last of its ``digits``."""
         if self.digits <= DOUBLE:
             return self.error
         import mpmath as mp
@@ -81,7 +82,7 @@ class KineticSum(Result):
 
 
 def decimals(value: Any, digits: int) -> str:
-    """Return a number of mpmath in decimal notation, rounded to so many significant digits.
+    """Return an mpmath number in decimal notation, rounded to ``digits`` significant digits.
 
     Examples
     --------
@@ -96,7 +97,7 @@ def decimals(value: Any, digits: int) -> str:
 
 
 def stated(error: Any) -> Any:
-    """Return an error of mpmath as a float, or as it is where that would be zero or subnormal.
+    """Return an mpmath error as a float, or unchanged where the float would be zero or subnormal.
 
     Examples
     --------
@@ -109,7 +110,7 @@ def stated(error: Any) -> Any:
 
 
 def in_powers(error: Any) -> str:
-    """Return an error in two digits and a power of ten, however small, rounded up.
+    """Return an error, however small, as two digits and a power of ten, rounded up.
 
     Examples
     --------
@@ -129,4 +130,4 @@ def in_powers(error: Any) -> str:
 
 
 class PrecisionError(ArithmeticError):
-    """A tolerance that a method cannot reach at these parameters; says what to use instead."""
+    """Raised where a method cannot reach the tolerance at given parameters; suggests a remedy."""

@@ -1,28 +1,30 @@
 """Σ(v, c) by two trapezoidal rules whose cost depends on neither v nor c; one value at a time.
 
-With X = sin²(k/2), A = ½ - 2icX, a = A/v, Σ = -1 + (1/2π)∫G dk over a period, G = S/2A,
-S = sinh a/(cosh a - cos k) (mathematics of ``theory.piecewise.sums.integral``). Where the roots of
-(50) lie near a path, their effect on the trapezoidal rule is known exactly: a pole u_p above a path
-with nodes (j + δ)h changes the rule by 2πi Res/(e^{2πi(δ - u_p/h)} - 1), which is taken away. The
-number of points is then what the next poles ask for. With ρ = c/v:
+With X = sin²(k/2), A = ½ - 2icX and a = A/v, Σ = -1 + (1/2π)∫G dk over a period, where G = S/2A and
+S = sinh a/(cosh a - cos k) (see ``theory.piecewise.sums.integral``). The effect of a root of (50)
+near a path on the trapezoidal rule is known exactly: a pole u_p above a path with nodes (j + δ)h
+changes the rule by 2πi Res/(e^{2πi(δ - u_p/h)} - 1). This is subtracted, and the number of points
+is then determined by the remaining, more distant poles. With ρ = c/v:
 
-* ρ ≤ 3: N points midway between multiples of 2π/N on the real axis. Of the roots, that nearest
-  k = -i/2v is taken away, and from ρ = 1 the pair that meets where the front is in resonance with
-  a linear wave. What is left, G̃, has |G̃| ≤ M/(1 + c) on the lines |Im k| = σ(ρ),
-  M = 1 with the pair taken away and 2.5 without.
-* ρ > 3: the path is bent to where A grows. With X = iY, Y = u²v/2c ≥ 0, A = ½ + vu² is real, and
-  S - 1 falls like e^{-u²}; k runs from 0 to π/2 + i∞. From there it returns to π along X = 1 - iȲ,
-  where S is the same function but for a phase ψ = 2c/v - π of e^{-a}. The 1 that was subtracted
-  from S gives 1/√(1 - 4ic). Two roots lie nearest each of the two legs; with them taken away, the
-  integral of what is left along |Im u| = 1.6, of the second leg 1, is below `_leg_size`.
+* ρ ≤ 3: N points midway between multiples of 2π/N on the real axis. The root nearest k = -i/2v is
+  subtracted and, for ρ > 1, also the pair of roots that meets where the front is in resonance with
+  a linear wave. The remainder G̃ obeys |G̃| ≤ M/(1 + c) on the lines |Im k| = σ(ρ), with M = 1 if
+  the pair is subtracted and M = 2.5 if not.
+* ρ > 3: the path is deformed into the region where Re A grows. With X = iY, Y = u²v/2c ≥ 0,
+  A = ½ + vu² is real, and S - 1 falls like e^{-u²}; k runs from 0 to π/2 + i∞. From there it
+  returns to π along X = 1 - iȲ, where S is the same function except for a phase ψ = 2c/v - π of
+  e^{-a}. The 1 that was subtracted from S contributes 1/√(1 - 4ic). Two roots lie nearest each of
+  the two legs; after they are subtracted, the integral of the remainder along |Im u| = 1.6 (first
+  leg) or 1 (second leg) is below `_leg_size`.
 
-The bounds of what is left were found by sampling it over the whole range (a test repeats that);
-given them, the error bounds follow by the theorem on the trapezoidal rule in a strip. Below
-v = 0.08 no root is near, and on the real axis the bound is proved (`plain_points`).
+The bounds on the remainders were found by sampling them over the whole range, which a test repeats;
+given these bounds, the error bounds follow from the theorem on the trapezoidal rule in a strip.
+Below v = 0.08 no root is near a path. For the plain rule on the real axis the bound is proved
+(`plain_points`).
 
-Everything here, and in the modules ``axis``, ``poles`` and ``legs`` beside it, is plain Python on
-numbers and compiles as it stands (``theory.piecewise.sums.compiled``); neither needs the other.
-Loops over many values are in ``axis`` and in ``blocks``; ``beside_roots`` puts the latter together.
+Everything here, and in the modules ``axis``, ``poles`` and ``legs``, is plain Python for single
+numbers, which can also be compiled unchanged (``theory.piecewise.sums.compiled``). Loops over many
+values are in ``axis`` and in ``blocks``; ``beside_roots`` combines the latter.
 
 References
 ----------
@@ -90,7 +92,7 @@ def fill(
 def _plain(
     v: float, c: float, count: int, truncation: float, slopes: bool
 ) -> tuple[complex, complex, complex, float, float, float, int]:
-    """Return Σ by points on the real axis, no root taken away; see `sum_at`."""
+    """Return Σ by the plain rule: points on the real axis, no root subtracted; see `sum_at`."""
     value, by_v, by_c, size, steep = axis_means(v, c, count, slopes)
     rounding, rough = plain_errors(v, c, truncation, size, steep)
     return complex(value - 1.0), by_v, by_c, truncation, float(rounding), rough, count // 2

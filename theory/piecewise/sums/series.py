@@ -1,18 +1,19 @@
 """Σ(v, c) as the printed series over the roots (53), its tail summed instead of cut off.
 
-On the label ν taken as a real variable, k(ν) = ±i w + 2πν with 2cosh w = q = αk + β, α = 2v/c,
+With the label ν as a real variable, k(ν) = ±i w + 2πν with 2cosh w = q = αk + β, α = 2v/c,
 β = 2 + i/c, and S = √(q² - 4) = 2 sinh w. A term of the series is then
 
     t(ν) = 1/(k L_k) = ±2/[c k (S ∓ iα)] = ±k'(ν)/(π c k S)
 
-(upper sign above the axis), whose integral is elementary in u = e^w, with u₁,₂ the roots of
+(upper sign above the axis). Its integral is elementary in u = e^w, with u₁,₂ the roots of
 u² - βu + 1: ∫ dk/(kS) = ln[(u - u₁)/(u - u₂)]/(u₁ - u₂). Above the axis Im q > Im β, which keeps
-the argument of the logarithm off its cut. Euler–Maclaurin adds derivatives of t at the last root
-kept; they follow from a Taylor recurrence for k(ν). It is S that must be continued in ν, not
-e^{-ik}: the two agree at integers only.
+the argument of the logarithm off its cut. The Euler–Maclaurin formula adds derivatives of t at the
+last root summed; they follow from a Taylor recurrence for k(ν). S must be continued in ν, rather
+than e^{-ik}, since the two agree at integers only.
 
-Euler–Maclaurin at a label errs by about e^{-2πρ}, ρ the distance from there to the singularities
-of t(ν): k = 0, S = 0, S = ±iα. That decides how many roots are summed one by one.
+The error of the Euler–Maclaurin formula at a label is about e^{-2πρ}, where ρ is the distance of
+the label from the singularities of t(ν): k = 0, S = 0, S = ±iα. This determines how many roots are
+summed one by one.
 """
 
 from __future__ import annotations
@@ -74,12 +75,12 @@ def sum_by_roots(
     ----------
     v, c : float or str
         Front velocity v̂ and coupling, dimensionless. A string is read as a decimal at full
-        precision, a float is exactly that binary number.
+        precision, a float is the exact binary number.
     digits : int
-        Required digits after the point, from 1 to 2000. Up to 15 the roots kept are summed in
-        double precision.
+        Required digits after the point, from 1 to 2000. Up to 15 digits, the roots that are summed
+        one by one are computed in double precision.
     upper : bool
-        M⁺ or M⁻. The two sums add up to -2.
+        Sum over M⁺ if true, over M⁻ if false. The two sums add up to -2.
 
     Raises
     ------
@@ -97,7 +98,8 @@ def sum_by_roots(
     start = perf_counter()
     digits = count_within("digits", digits, 1, MAX_DIGITS)
     checked_velocity_and_coupling(v, c)
-    # e^{-2πρ} = 10^{-digits} and a little; nearer in, the smallest term is no measure of the error.
+    # e^{-2πρ} is somewhat below 10^{-digits}; at smaller ρ the smallest term does not measure the
+    # error.
     corners = max(digits, 10) / 2.7 + 2.0
     for _ in range(6):
         with mp.workdps(max(digits, DOUBLE) + 15):
@@ -140,7 +142,7 @@ def _kept_labels(series: RootSeries, distance: float) -> tuple[int, int]:
 
 
 def _singularities(series: RootSeries) -> Iterator[complex]:
-    """Yield where t(ν) is singular: k = 0, S = 0, S = ±iα."""
+    """Yield the points ν at which t(ν) is singular: k = 0, S = 0, S = ±iα."""
     i, sign = mp.mpc(0, 1), series.sign
     q_turn = mp.sqrt(4 - series.alpha**2)
     for q in (series.beta, mp.mpf(2), mp.mpf(-2), q_turn, -q_turn):
@@ -151,7 +153,7 @@ def _singularities(series: RootSeries) -> Iterator[complex]:
 
 
 def _kept_terms(series: RootSeries, first: int, last: int, digits: int) -> tuple[Any, Any]:
-    """Return the sum of t over the labels, the first and last counted half, and its rounding."""
+    """Return the sum of t over the labels, the first and last counted half, and its error."""
     labels, upper = np.arange(first, last + 1), series.sign > 0
     if digits <= DOUBLE:
         v, c = float(series.v), float(series.c)
@@ -159,7 +161,7 @@ def _kept_terms(series: RootSeries, first: int, last: int, digits: int) -> tuple
         slope = -1j * (v + c * np.sin(roots.k))
         terms = 1.0 / (roots.k * slope)
         terms[[0, -1]] *= 0.5
-        # A shift of the root by its radius changes 1/(k L_k) by dt/dk, and |L_kk| ≤ c cosh(Im k).
+        # Shifting a root by its radius changes 1/(k L_k) by |dt/dk| radius; |L_kk| ≤ c cosh(Im k).
         relative = 1.0 / np.abs(roots.k) + c * np.cosh(roots.k.imag) / np.abs(slope)
         error = float(np.sum(np.abs(terms) * (relative * roots.radius + 1e-15)))
         return mp.mpc(math.fsum(terms.real), math.fsum(terms.imag)), error
@@ -178,8 +180,9 @@ def tail_sum(series: RootSeries, label: int, side: int, most: int) -> tuple[Any,
     """Return the sum of t beyond ``label`` on one side, plus half of t there, and its error.
 
     Euler–Maclaurin: ∫ t dν ∓ Σ_j B_{2j}/(2j) t_{2j-1}, t_j the Taylor coefficients at the label.
-    It is cut at its smallest term, thirty times which is charged as the error; that bounds it where
-    ``label`` keeps the distance of :func:`sum_by_roots` from the singularities, and not nearer.
+    The series is truncated at its smallest term, and thirty times this term is stated as the error.
+    That is a bound if ``label`` keeps the distance from the singularities that
+    :func:`sum_by_roots` requires, and may fail at smaller distances.
     """
     (k,) = precise_roots(series.v, series.c, np.array([label]), series.sign > 0, mp.mp.dps)
     u = mp.exp(-series.sign * 1j * k)
@@ -207,9 +210,9 @@ def tail_sum(series: RootSeries, label: int, side: int, most: int) -> tuple[Any,
 def _taylor(series: RootSeries, k0: Any, S0: Any, radius: float, order: int) -> list[Any]:
     """Return the Taylor coefficients of t(ν) about a root, from k'(S ∓ iα) = 2πS, S² = q² - 4.
 
-    They are computed in integers, whose products are added ten times as fast as numbers of mpmath:
-    k and its derivative in units of ``k0``, S and q of ``S0``, d = k(S ∓ iα) and t of their first
-    coefficients, and ν in units of the ``radius`` of convergence, so that none is large or small.
+    They are computed in integer arithmetic, which is ten times as fast as mpmath. The units are
+    ``k0`` for k and its derivative, ``S0`` for S and q, their first coefficients for d = k(S ∓ iα)
+    and t, and the ``radius`` of convergence for ν, so that no coefficient is very large or small.
     """
     shift = -series.sign * 1j * series.alpha / S0
     alpha, start = series.alpha * k0 / S0, (series.alpha * k0 + series.beta) / S0
@@ -250,7 +253,7 @@ def _times(x: Fixed, y: Fixed, bits: int) -> Fixed:
 
 
 def _dot(x: list[Fixed], y: list[Fixed], bits: int) -> Fixed:
-    """Return the sum of the products of two lists, rounded once."""
+    """Return the sum of the products of the elements of two lists, rounded once."""
     if not x:
         return 0, 0
     (x_re, x_im), (y_re, y_im) = zip(*x, strict=True), zip(*y, strict=True)

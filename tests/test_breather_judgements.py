@@ -17,7 +17,7 @@ from theory.parameters import ParameterError
 from verification.breathers import breather as breathers
 from verification.breathers import envelope, floquet, follow, orbits, outcome, run
 from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
-from verification.breathers.exponents import exponents, unpack
+from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
 from verification.continuation.branch import Fold
@@ -289,14 +289,14 @@ def test_the_error_of_an_averaged_breather_holds_rounding_where_the_cycles_meet(
 def test_eigenvalues_err_by_what_their_matrix_does(size: float) -> None:
     """Of orthogonal vectors by as much, of dependent ones by the root of it, and by rounding."""
     ring = size * np.diag([1.0, 2.0, 2.0])
-    exact = floquet._eigenvalue_bound(ring, np.eye(3), 0.0)
+    exact = eigenvalue_bound(ring, np.eye(3), 0.0)
     assert exact == pytest.approx(3.0 * EPSILON * 3.0 * size)
-    off = floquet._eigenvalue_bound(ring, np.eye(3), 1e-6)
+    off = eigenvalue_bound(ring, np.eye(3), 1e-6)
     assert off == pytest.approx(3e-6, rel=1e-3)
     for error in (1e-6, size):  # of two equal entries on the diagonal
         block = np.array([[size, size], [0.0, size]])
         delta = 2.0 * error
-        bound = floquet._eigenvalue_bound(block, np.array([[1.0, 1.0], [0.0, 0.0]]), error)
+        bound = eigenvalue_bound(block, np.array([[1.0, 1.0], [0.0, 0.0]]), error)
         norm = math.sqrt(3.0) * size
         assert bound == pytest.approx(math.sqrt(delta * (2.0 * norm + delta)), rel=1e-6)
         moved = np.linalg.eigvals(block + np.array([[0.0, 0.0], [error, 0.0]]))

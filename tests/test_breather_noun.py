@@ -71,8 +71,8 @@ def test_the_error_of_every_method_bounds_its_distance_from_a_run_of_scipy() -> 
     assert columns["centre"] == pytest.approx(true[SITES // 2], abs=1e-3)
 
 
-def phases_by_scipy(chain: VdpChain, found: Breather) -> np.ndarray:
-    """Phases against the centre, in units of π, of the orbit by Newton's method with scipy."""
+def orbit_by_scipy(chain: VdpChain, found: Breather) -> tuple[np.ndarray, np.ndarray]:
+    """The orbit (X, period) by a step of Newton's method with scipy, and ∂(X(period) - X)/∂u."""
     rate, sites = full_rate(chain), chain.sites
 
     def gap(u: np.ndarray) -> np.ndarray:
@@ -80,20 +80,28 @@ def phases_by_scipy(chain: VdpChain, found: Breather) -> np.ndarray:
         return np.append(run.y[:, -1] - u[:-1], u[sites // 2])
 
     u = found.unknowns
-    slope = np.array([(gap(u + 1e-4 * e) - gap(u - 1e-4 * e)) / 2e-4 for e in np.eye(u.size)])
-    u = u - np.linalg.solve(slope.T, gap(u))
+    slope = np.array([(gap(u + 1e-4 * e) - gap(u - 1e-4 * e)) / 2e-4 for e in np.eye(u.size)]).T
+    u = u - np.linalg.solve(slope, gap(u))
     assert np.abs(gap(u)).max() < 1e-10
+    return u, slope
+
+
+def phases_by_scipy(chain: VdpChain, u: np.ndarray) -> np.ndarray:
+    """Phases against the centre, in units of π, of an orbit."""
     times = u[-1] * np.arange(64) / 64
-    run = solve_ivp(rate, (0.0, u[-1]), u[:-1], "DOP853", times, rtol=1e-12, atol=1e-14)
-    waves = np.fft.rfft(run.y[:sites], axis=1)[:, 1]
-    return np.asarray(np.angle(waves / waves[sites // 2]) / np.pi)
+    run = solve_ivp(full_rate(chain), (0.0, u[-1]), u[:-1], "DOP853", times, rtol=1e-12, atol=1e-14)
+    waves = np.fft.rfft(run.y[: chain.sites], axis=1)[:, 1]
+    return np.asarray(np.angle(waves / waves[chain.sites // 2]) / np.pi)
 
 
-def test_the_errors_of_phases_bound_their_distance_from_those_of_scipy() -> None:
+def test_errors_of_phases_frequency_and_growth_bound_the_distance_from_those_of_scipy() -> None:
     """Also of an orbit by far too few steps, whose error is far above that of scipy."""
     chain = VdpChain(a=A, b=B, c=0.1, eps=0.03, sites=3)
     exact = solve_orbit(chain, Nucleus(1))
-    true = phases_by_scipy(chain, exact)
+    orbit, slope = orbit_by_scipy(chain, exact)
+    true = phases_by_scipy(chain, orbit)
+    multipliers = np.sort(np.abs(np.linalg.eigvals(slope[:-1, :-1] + np.eye(6))))
+    growth = math.log(multipliers[-2]) / (chain.eps * orbit[-1])
     rough = {steps: solve_orbit(chain, Nucleus(1), steps=steps) for steps in (10, 14)}
     others = {name: breather(chain, method=name) for name in ("closed-form", "envelope")}
     for name, each in {
@@ -108,6 +116,17 @@ def test_the_errors_of_phases_bound_their_distance_from_those_of_scipy() -> None
         step = math.pi * (true[2] - true[1])
         assert each.phase_step_error is not None
         assert abs(each.phase_step - step) <= each.phase_step_error + 1e-10, name
+        assert each.frequency is not None
+        assert each.frequency_error is not None
+        off = abs(each.frequency - 2.0 * math.pi / orbit[-1])
+        assert off <= each.frequency_error + 1e-11, name
+        if each.growth is None:
+            assert name == "run"
+            continue
+        assert each.growth_error is not None
+        assert abs(each.growth - growth) <= each.growth_error + 1e-6, name  # differences by 1e-4
+    assert exact.growth_error is not None
+    assert exact.growth_error < 1e-9
     assert (exact.phases_error < 1e-9).all()
     assert exact.phases_error[1] == 0.0  # the centre, against which phases are measured
     assert rough[10].phases_error.max() > 1e-5

@@ -269,6 +269,11 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
         found = run_breather(chain, nucleus, seed=choice.seed)
     else:
         found = run_averaged_breather(chain, nucleus, seed=choice.seed)
+    if found.status is BreatherStatus.SETTLED:
+        # A run has no equation for its frequency.
+        exact = _compared(replace(found, error=0.0, frequency_error=0.0), chain)
+        why = found.error_unknown or exact.error_unknown
+        return replace(found, frequency_error=exact.frequency_error, error_unknown=why)
     if found.status is not BreatherStatus.ESCAPED:
         return found
     fold, error = _fold_below(chain, nucleus)
@@ -289,7 +294,7 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
 
     They become the distance from a solution of the chain itself, with its errors added.
     """
-    unknown = replace(found, error=None, frequency_error=None, wave_error=None)
+    unknown = replace(found, error=None, frequency_error=None, wave_error=None, growth_error=None)
     short = replace(chain, sites=min(chain.sites, found.nucleus.size + REST))
     try:
         exact = own_family(short, found.nucleus).solve()
@@ -313,7 +318,15 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
         error=gap + exact.error + found.error,
         frequency_error=apart + (exact.frequency_error + found.frequency_error),
         wave_error=turned + (exact.wave_error or 0.0) + wave_error_of(found.error),
+        growth_error=_growth_apart(found, exact),
     )
+
+
+def _growth_apart(found: Breather, exact: Breather) -> float | None:
+    """Return how far a growth is from the exact one, errors added; None if either is unknown."""
+    if found.growth is None or exact.growth is None or exact.growth_error is None:
+        return None
+    return abs(found.growth - exact.growth) + exact.growth_error + (found.growth_error or 0.0)
 
 
 def _turned_gap(found: Breather, exact: Breather) -> float:

@@ -167,6 +167,8 @@ class RotatingWaves(BreatherFamily):
         # Ω is without a unit: its rounding is the relative one of φ, and that of the frequency.
         relative = left + rounding / float(np.abs(phi).max())
         error = left * self.unit + rounding
+        mirrored = self.nucleus.mirrored(here.sites)
+        stability = exponents(phi, omega, here, mirrored, error=error, omega_error=relative)
         return Breather(
             chain=here,
             nucleus=self.nucleus,
@@ -175,6 +177,7 @@ class RotatingWaves(BreatherFamily):
             amplitudes=np.abs(phi),
             waves=phi,
             frequency=frequency,
+            growth_error=stability.growth_error,
             error=error,
             frequency_error=here.eps * relative + float(np.finfo(float).eps) * frequency,
             wave_error=wave_error_of(error),
@@ -182,7 +185,7 @@ class RotatingWaves(BreatherFamily):
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,
             unknowns=np.append(self.unit * point.u[:-1], omega),
-            stability=self.stability(point.u, point.parameter),
+            stability=stability,
             seconds=time.perf_counter() - started,
         )
 

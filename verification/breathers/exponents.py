@@ -40,7 +40,9 @@ class BreatherStability:
     marginal : float
         Growth up to which there is none: round-off of what is exactly zero.
     error : float
-        Bound on the distance of each value from a true one; of multipliers only.
+        Bound on the distance of each value from a true one.
+    growth_error : float
+        The same of ``growth``; infinite where a multiplier may be zero.
     """
 
     values: ComplexArray
@@ -51,7 +53,8 @@ class BreatherStability:
     symmetric: float | None
     antisymmetric: float | None
     marginal: float
-    error: float = 0.0
+    error: float
+    growth_error: float
 
     @property
     def stable(self) -> bool:
@@ -68,10 +71,21 @@ def rotating_jacobian(phi: ComplexArray, omega: float, chain: VanDerPolChain) ->
 
 
 def exponents(
-    phi: ComplexArray, omega: float, chain: VanDerPolChain, mirrored: bool = False
+    phi: ComplexArray,
+    omega: float,
+    chain: VanDerPolChain,
+    mirrored: bool = False,
+    *,
+    error: float = 0.0,
+    omega_error: float = 0.0,
 ) -> BreatherStability:
-    """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``."""
+    """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``.
+
+    Their errors are bounded as those of multipliers are, from the errors of φ and Ω.
+    """
     jacobian = rotating_jacobian(phi, omega, chain)
+    off = omega_error + _bend(np.abs(phi), chain) * error
+    bound = eigenvalue_bound(jacobian, np.linalg.eig(jacobian)[1], off)
     if not mirrored:
         values = np.asarray(np.linalg.eigvals(jacobian), dtype=complex)
         values = values[np.argsort(-values.real, kind="stable")]
@@ -97,7 +111,30 @@ def exponents(
         symmetric=symmetric,
         antisymmetric=antisymmetric,
         marginal=MARGINAL,
+        error=bound,
+        growth_error=bound,
     )
+
+
+def _bend(size: FloatArray, chain: VanDerPolChain) -> float:
+    """Return a bound on the second derivatives of -φ (1 - a|φ|²/4 + b|φ|⁴/8)/2."""
+    largest = float(size.max())
+    return largest * (0.75 * chain.a + 1.25 * chain.b * largest**2)
+
+
+def eigenvalue_bound(matrix: FloatArray, vectors: ComplexArray, error: float) -> float:
+    """Return how far eigenvalues of a matrix, of size n, are from those of the true one, at most.
+
+    With δ the error of the matrix in the spectral norm and V the vectors, cond(V) δ (Bauer and Fike
+    1960) and (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). The roundings of LAPACK are those of a
+    matrix that is n units in the last place away.
+    """
+    size = len(matrix)
+    norm = float(np.linalg.norm(matrix))
+    off = size * (error + float(np.finfo(float).eps) * norm)
+    elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
+    with np.errstate(over="ignore"):  # vectors that are dependent to the last bit
+        return float(min(float(np.linalg.cond(vectors)) * off, elsner))
 
 
 def split_eigenvalues(matrix: FloatArray, parity: int) -> ComplexArray:

@@ -16,7 +16,12 @@ from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.breather import ClosedFormBreather
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.breathers.exponents import BreatherStability, parity_basis, split_eigenvalues
+from verification.breathers.exponents import (
+    BreatherStability,
+    eigenvalue_bound,
+    parity_basis,
+    split_eigenvalues,
+)
 from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 MARGINAL = 1e-8
@@ -67,17 +72,18 @@ def floquet_multipliers(
     place = int(np.abs(own - 1.0).argmin())
     trivial = float(abs(own[place] - 1.0))
     rest = np.delete(own, place)
-    values, bound = own, _eigenvalue_bound(basis @ monodromy @ basis.T, vectors, error)
+    values, bound = own, eigenvalue_bound(basis @ monodromy @ basis.T, vectors, error)
     symmetric = antisymmetric = None
     if parity:
         odd = parity_basis(sites, -parity)
         block = odd @ monodromy @ odd.T
-        bound = max(bound, _eigenvalue_bound(block, np.linalg.eig(block)[1], error))
+        bound = max(bound, eigenvalue_bound(block, np.linalg.eig(block)[1], error))
         other = split_eigenvalues(monodromy, -parity)
         symmetric, antisymmetric = rate(rest), rate(other)
         values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
     values = values[np.argsort(-np.abs(values), kind="stable")]
     leader = complex(rest[int(np.abs(rest).argmax())])
+    share = bound / abs(leader) if leader else math.inf
     return BreatherStability(
         values=values,
         trivial=trivial,
@@ -88,22 +94,8 @@ def floquet_multipliers(
         antisymmetric=antisymmetric,
         marginal=MARGINAL,
         error=bound,
+        growth_error=-math.log1p(-share) / (eps * period) if share < 1.0 else math.inf,
     )
-
-
-def _eigenvalue_bound(matrix: FloatArray, vectors: ComplexArray, error: float) -> float:
-    """Return how far eigenvalues of a matrix, of size n, are from those of the true one, at most.
-
-    With δ the error of the matrix in the spectral norm and V the vectors, cond(V) δ (Bauer and Fike
-    1960) and (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). The roundings of LAPACK are those of a
-    matrix that is n units in the last place away.
-    """
-    size = len(matrix)
-    norm = float(np.linalg.norm(matrix))
-    off = size * (error + float(np.finfo(float).eps) * norm)
-    elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
-    with np.errstate(over="ignore"):  # vectors that are dependent to the last bit
-        return float(min(float(np.linalg.cond(vectors)) * off, elsner))
 
 
 def approximate_multipliers(

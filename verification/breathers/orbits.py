@@ -188,6 +188,7 @@ class Orbits(BreatherFamily):
             amplitudes=largest_displacements(fine.samples),
             waves=first_harmonics(fine.samples),
             frequency=frequency,
+            growth_error=stability.growth_error if stability.growth_error < math.inf else None,
             error=error,
             frequency_error=frequency * error / period,
             wave_error=wave_error_of(error * max(1.0, 1.0 / frequency)),

@@ -64,6 +64,8 @@ class Breather(Result):
         First harmonic of each site, whose angle is its phase; empty if there is none.
     frequency : float or None
         In t; None if there is no breather. Never NaN.
+    growth_error : float or None
+        Distance of the growth from that of the chain's own breather; None if unknown.
     error : float or None
         Distance of the amplitudes from those of the chain's own breather, that one's error added;
         None if unknown, and `error_unknown` says why.
@@ -73,7 +75,7 @@ class Breather(Result):
         The same for the waves, turned so that that of the centre is real: `phases_error` and
         `phase_step_error` follow from it. None if unknown.
     error_unknown : str
-        Why the error is not known; empty if it is.
+        Why an error is not known; empty if all are.
     residual : float or None
         Largest entry of the method's own equations.
     decay : float or None
@@ -105,6 +107,7 @@ class Breather(Result):
         default_factory=lambda: np.empty(0, complex), metadata={"json": None}
     )
     frequency: float | None = None
+    growth_error: float | None = None
     error: float | None = None
     frequency_error: float | None = None
     wave_error: float | None = field(default=None, metadata={"json": None})

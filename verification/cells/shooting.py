@@ -154,9 +154,10 @@ def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle
 
 def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 201)
-    h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
+    with np.errstate(over="ignore", invalid="ignore"):  # an overflow is refused as well
+        h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
     stiffness = eps * float(np.max(np.abs(h)))
-    if stiffness > _STIFFEST:
+    if not stiffness <= _STIFFEST:
         raise ParameterError(
             "eps max|damping| on a cycle", f"{stiffness:.4g}", f"at most {_STIFFEST:g} for a true "
             "cycle", "take a smaller eps",

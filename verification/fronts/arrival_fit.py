@@ -1,18 +1,20 @@
-"""Velocity of a front from its arrival times: the regression, the cut, the test that it is steady.
+"""Velocity of a front from its arrival times: regression, transient, test for a steady front.
 
-It is the same for every chain. The rule:
+The rule is the same for every chain:
 
-* a site counts as reached when it or a site beyond it is: fronts may leave sites out and fill them
-  later;
-* the first half of the arrivals is transient and is not used;
-* v is the slope of the regression line of the rest;
-* its error is the largest of three times the standard error of that slope, the difference between
-  the slopes of the third and the fourth quarter, and the difference from a run at a hundred times
-  the tolerance, which is all of v if the front stops there;
-* a difference between the quarters beyond what their standard errors explain is a drift, and counts
-  six times: the velocity of a front that drifts like n^{-2/3}, as the head of a wave does, is still
-  4.5 times that difference away from its limit;
-* the front is steady if that error is below a stated part of v; if not, the chain is made longer.
+* a site counts as reached once it or any site beyond it has been reached, since a front may skip
+  sites and fill them in later;
+* the first half of the arrivals is regarded as transient and discarded;
+* v is the slope of the regression line through the remaining arrivals;
+* its error is the largest of three quantities: three times the standard error of the slope; the
+  difference between the slopes of the third and the fourth quarter of the arrivals; and the
+  difference from a second run with a tolerance a hundred times larger, which is v itself if the
+  front stops in that run;
+* the part of the difference between the quarters that their standard errors do not explain is a
+  drift and is multiplied by six: if the velocity approaches its limit like n^{-2/3}, as for the
+  head of a wave, the limit is still 4.5 times that difference away;
+* the front is steady if the error is below a stated fraction of v; otherwise the chain is
+  lengthened.
 
 Velocities are in sites per unit of the time in which the arrivals are given.
 """
@@ -34,17 +36,18 @@ _NOISE, _DRIFT = 3.0, 6.0
 
 @dataclass(frozen=True)
 class Trial:
-    """One pair of runs on a chain of one length.
+    """A pair of runs on a chain of one length.
 
     Attributes
     ----------
     stopped : FrontStatus or None
-        What became of a front that did not reach the end in the first run; None if it did.
+        Why the front did not reach the end in the first run; None if it did.
     arrivals, coarser : ndarray, shape (m,)
-        Arrival times by site, nan where there was none; the second at a hundred times the
-        tolerance, empty if a front did not reach the end.
+        Arrival times by site, nan where a site was not reached. The second array is from the run
+        with a tolerance a hundred times larger; it is empty if the front did not reach the end in
+        both runs.
     steps : int
-        Steps of both runs.
+        Total number of steps of both runs.
     """
 
     stopped: FrontStatus | None
@@ -55,20 +58,20 @@ class Trial:
 
 @dataclass(frozen=True)
 class Settled:
-    """What the trials on longer and longer chains led to.
+    """Result of the trials on successively longer chains.
 
     Attributes
     ----------
     status : FrontStatus
         What became of the front.
     v, error : float or None
-        Velocity and its uncertainty; 0 and ``seen`` for a pinned front, None if there is none.
+        Velocity and its uncertainty: 0 and ``seen`` for a pinned front, None if there is no front.
     arrivals : ndarray, shape (m,)
-        Arrival times of the last trial, those that there were.
+        Arrival times of the last trial, without the sites that were not reached.
     sites : int
-        Length of the last trial.
+        Chain length in the last trial.
     steps : int
-        Steps of all trials.
+        Total number of steps of all trials.
     """
 
     status: FrontStatus
@@ -89,25 +92,25 @@ def settle(
     enough: Callable[[int, float], bool] = lambda sites, v: True,
     doubt: float | None = None,
 ) -> Settled:
-    """Make the chain longer until the velocity has settled, or the front has stopped.
+    """Lengthen the chain until the velocity has settled, or the front has stopped.
 
     Parameters
     ----------
     trial : callable
-        From a number of sites to a pair of runs.
+        Makes a pair of runs on a chain with the given number of sites.
     sites : int
-        Length tried first; doubled each time.
+        Length tried first; it is doubled each time.
     max_sites : int
-        Longest chain.
+        Largest chain length.
     accuracy : float
         Relative error of v at which the front counts as steady.
     seen : float
-        The velocity that would have been seen if the front were not pinned.
+        Uncertainty stated for a pinned front: the smallest velocity that would have been noticed.
     enough : callable, optional
-        From a number of sites and v to whether the chain is long enough for another reason.
+        Whether a chain with this number of sites is also long enough by another criterion, given v.
     doubt : float, optional
-        Another velocity, from which v differs by less than the error if the longest chain is not
-        long enough.
+        A second velocity: if ``enough`` does not hold on the longest chain, the stated error is at
+        least the difference between v and this velocity.
 
     Examples
     --------
@@ -140,7 +143,7 @@ def settle(
 
 
 def leading(arrivals: FloatArray) -> FloatArray:
-    """Return when each site or one beyond it was first reached; sites beyond the last are not used.
+    """Return when each site or one beyond it was first reached; trailing nan values are dropped.
 
     Examples
     --------
@@ -158,7 +161,7 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     Parameters
     ----------
     arrivals : ndarray, shape (m,)
-        Times, not descending, at neighbouring sites; m at least 16.
+        Times at neighbouring sites, not decreasing; m at least 16.
 
     Examples
     --------

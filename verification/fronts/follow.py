@@ -1,4 +1,4 @@
-"""The branch of fronts of (43) in c or in η, by pseudo-arclength."""
+"""The branch of fronts of (43) in c or in η, followed by pseudo-arclength continuation."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class FrontBranch:
     Attributes
     ----------
     fronts : tuple of FrontWave
-        At the values that were asked for, descending.
+        The fronts at the requested values, in descending order of the parameter.
     folds : tuple of (Fold, int)
-        Where the branch turns back, and how many fronts are before it. None was found for any c
-        and η that were tried.
+        The folds at which the branch turns back, each with the number of fronts before it. None was
+        found for any c and η that were tried.
     """
 
     fronts: tuple[FrontWave, ...]
@@ -31,9 +31,9 @@ class FrontBranch:
 
 
 def follow_front_wave(values: Sequence[float], other: float, along: Parameter = "c") -> FrontBranch:
-    """Return the fronts at several couplings or several η, by pseudo-arclength.
+    """Return the fronts at several values of c or of η, by pseudo-arclength continuation.
 
-    The branch begins at the largest value: that of c has the longest window, and η too.
+    The branch is started at the largest value, where the window of sites must be longest.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         Couplings above c_pin, or η from 1e-3 to 0.11 and below η_pin; at least one.
     other : float
         η where couplings are followed, c where η is.
-    along : {"c", "eta"}, optional
+    The parameter in which the branch is followed.
         Which is followed.
 
     Raises
@@ -61,7 +61,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
     system = window.system()
     try:
         start = solve_at(system, window.guess, required[-1])
-        # An end just below the last value, so that it is passed.
+        # The branch ends just beyond the smallest value, so that this value is passed.
         longest = max(2.0, PARAMETER_WEIGHT * (required[-1] - required[0]) / 8.0)
         steps = StepControl(length=0.1, longest=longest, most=2000, folds=3)
         branch = trace(system, start, required[0] * (1.0 - 1e-12), None, steps)

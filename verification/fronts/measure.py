@@ -1,21 +1,23 @@
-"""Velocity of a travelling front of any chain, measured on the running chain, with its uncertainty.
+"""Velocity of a travelling front of any chain, measured by running the chain, with an uncertainty.
 
-A front starts from the first sites of a chain with free ends and is timed at each site; the chain
-is made longer until the velocity has settled, or the front has stopped. The rule is the same for
-all models (``arrival_fit``, ``watch``). What differs is in :class:`FrontPreparation`; lattices and
-networks are not made longer (``network``):
+A front is started from the first sites of a chain with free ends, and its arrival at each site is
+timed; the chain is lengthened until the velocity has settled or the front has stopped. The rule is
+the same for all models (``arrival_fit``, ``watch``); :class:`FrontPreparation` holds what differs.
+Lattices and networks are not lengthened (``network``). By model:
 
-* A smooth chain starts from sites on the stable cycle, with the phase step to which its fronts
-  lock. Behind a front of (8) or (43) phase waves run at velocities up to c, undamped. A front with
-  v̂ > c outruns them: how it began does not matter, and only a number of sites behind it are
-  stepped. A front with v̂ < c is overtaken by what the free end sends after it, and its velocity is
-  another one; then all sites are stepped (``LeftBoundary``). On a chain so long as is allowed, but
-  not long enough for that, the error is at least the difference from the front with a wave behind.
-* The friction chain starts from sites on the stick-slip cycle, and a site is reached when it first
-  sticks. Arrivals come in steps of about one period of the cycle, so that v is a mean over many
-  sites: hence the coarser accuracy.
-* Of (43) the wave itself can be solved for instead (``wave``): v to 1e-11 and its multipliers.
-* The piecewise-linear chain (44) is infinite, and moved exactly from switching to switching
+* A smooth chain starts with sites on the stable cycle, with the phase step to which its fronts
+  lock. Behind a front of (8) or (43), undamped phase waves run at velocities up to c. A front with
+  v̂ > c outruns them: its velocity does not depend on how it was started, and only a fixed number
+  of sites behind it is integrated. A front with v̂ < c is overtaken by the waves from the free end,
+  which changes its velocity; then all sites are integrated (``LeftBoundary``). If the longest chain
+  allowed is too short for the waves to arrive, the stated error is at least the difference from the
+  velocity of the front that has a wave behind it.
+* The friction chain starts with sites on the stick-slip cycle; a site is reached when it first
+  sticks. Arrivals are spaced by about one period of the cycle, so that v is a mean over many sites;
+  hence the coarser default accuracy.
+* For (43) one can solve for the travelling wave itself (``wave``), which gives v to 1e-11 and the
+  multipliers.
+* The piecewise-linear chain (44) is infinite and is advanced exactly from one switching to the next
   (``verification.piecewise``).
 """
 
@@ -61,7 +63,7 @@ from verification.runs.simulate import MAX_TOLERANCE, MIN_TOLERANCE
 from verification.runs.smooth_integration import SmoothIntegration
 
 OUTRUNS = 1.01
-"""Ratio of the velocities of a front and of the waves behind it from which it outruns them."""
+"""Ratio of front velocity to wave velocity above which the front outruns the waves behind it."""
 
 EXCITED, MAX_EXCITED = 24, 1000
 
@@ -80,60 +82,61 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     directions: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Front:
-    """Return the velocity of a front of (8), (43), (44), (5), or a smooth chain of your own.
+    """Return the velocity of a front of (8), (43), (44), (5), or of a user-defined smooth chain.
 
     Parameters
     ----------
     chain : Chain
-        Parameters, with free ends. Its ``sites`` is the length tried first: beyond the excited
-        sites of a smooth chain, at least 32; of a friction chain in all.
+        The chain and its parameters, with free ends. Its ``sites`` is the length tried first: for a
+        smooth chain the number of sites beyond the excited ones, at least 32; for a friction chain
+        the total.
     method : {"run", "wave"}, optional
-        ``run``: arrivals on a running chain. ``wave``, of (43) only: the travelling wave itself,
-        solved for, with its multipliers; all other options are for runs.
+        ``run``: fit the arrival times on a running chain. ``wave``, for (43) only: solve for the
+        travelling wave itself, with its multipliers; no other option applies then.
     accuracy : float, optional
         Relative error of v below which the front counts as steady, from 1e-13 to 0.1; by default
-        1e-3, and 0.1 on a lattice or network. Of the friction chain from 1e-6, by default 1e-2. Of
-        (44) the relative spread of the period, from 1e-13 to 0.01, by default 1e-12.
+        1e-3, and 0.1 on a lattice or network. For the friction chain from 1e-6, by default 1e-2.
+        For (44) it is the relative spread of the period, from 1e-13 to 0.01, by default 1e-12.
     tolerance : float, optional
-        Local error of the integrator, from 1e-14 to 0.01, of the friction chain from 1e-12 to 1e-4;
-        by default 1e-8.
+        Local error of the integrator, from 1e-14 to 0.01, and for the friction chain from 1e-12 to
+        1e-4; by default 1e-8.
     excited : int, optional
-        Sites excited at the start: of a smooth chain 4 to 1000, by default 24 (so many are kept
-        behind a front that outruns the waves there); of the friction chain 1 to 100, by default 1.
-        Of a lattice rows, by default 4; with ``directions``, and of a network, the sites nearest to
-        its middle, by default 37.
+        Number of sites excited at the start. Smooth chain: 4 to 1000, by default 24; as many sites
+        are kept behind a front that outruns its waves. Friction chain: 1 to 100, by default 1.
+        Lattice: the number of rows, by default 4. Lattice with ``directions``, or network: the
+        number of sites nearest to its centre, by default 37.
     max_sites : int, optional
-        Length of the longest chain tried before a front is called unsteady: beyond the excited
-        sites 1000, of the friction chain 800 in all. Of (44) the most sites that a front may pass,
-        at least 80, by default 1000.
+        Length of the longest chain tried before a front is called unsteady: by default 1000 sites
+        beyond the excited ones, and 800 in total for the friction chain. For (44) the largest
+        number of sites that a front may pass, at least 80, by default 1000.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
-        to stand, and twice that before it is called pinned or creeping; by default 60, of the
-        friction chain 3000.
+        of having stopped; after twice this time it is called pinned or creeping. By default 60, and
+        3000 for the friction chain.
     left_boundary : LeftBoundary
         What is to the left of the first site of a smooth chain.
     point : StartPoint or float
         Where on the cycle, or at which y, the excited sites of a friction chain start.
     directions : int, optional
-        Of a lattice: excite its middle and find v in so many directions, 4 to 360; by default a
-        planar front runs across its rows. Neither a lattice nor a network is made longer.
+        For a lattice: excite its centre and measure v in this number of directions, 4 to 360; by
+        default a planar front runs across its rows. Lattices and networks are not lengthened.
     progress : callable, optional
-        Called now and then with the part of the present chain that has been passed.
+        Called at intervals with the fraction of the present chain that the front has passed.
 
     Returns
     -------
     Front
-        Its ``v`` and ``error`` are in sites a unit of the chain's slow time, dimensionless.
+        Its ``v`` and ``error`` are in sites per unit of the chain's slow time, dimensionless.
 
     Raises
     ------
     ParameterError
-        If the cell has no two cycles, sites start by themselves, a parameter is out of range, or
-        the front does not depend on it.
+        If the cell does not have two cycles, sites start to oscillate by themselves, a parameter is
+        out of range, or an option is given that has no effect on this front.
 
     References
     ----------
-    A chain of discrete cells and its fronts: W. Atkinson and N. Cabrera (1965), L. Slepyan (2002).
+    Fronts in chains of discrete cells: W. Atkinson and N. Cabrera (1965), L. Slepyan (2002).
 
     Examples
     --------
@@ -177,14 +180,14 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
 
 
 def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
-    """Return the front of (43) as a solution, or as one that has been solved for.
+    """Return the front of (43) by solving for the wave, or from a wave already solved for.
 
     Raises
     ------
     ParameterError
-        If the chain is another one, or η is out of range.
+        If the chain is not of the form (43), or η is out of range.
     NoFrontError
-        If the front travels, but more slowly than 1e-3.
+        If the front is pinned, or travels at a velocity below 1e-3.
     """
     if not isinstance(chain, AveragedChain):
         raise ParameterError(
@@ -229,30 +232,32 @@ def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
 
 @dataclass(frozen=True, kw_only=True)
 class FrontPreparation:
-    """What one model has of its own when a front is measured.
+    """The parts of a front measurement that differ between models.
 
     Attributes
     ----------
     sized : callable
-        From a length to the chain of that length.
+        Returns the chain with a given length.
     begin : callable
-        From a chain and a tolerance to its integration.
+        Starts the integration of a chain at a given tolerance.
     excited : int
         Sites excited at the start.
     sites, max_sites : int
-        Lengths tried first and last.
+        Lengths of the first and of the longest chain.
     accuracy, tolerance : float
         As in :func:`measure_front`.
     stall_time : float
         In units of t.
     settling_tolerance : float
-        Growth of an amplitude ahead of the front below which it is pinned; see ``watch.Stall``.
+        Growth of an amplitude ahead of the front below which the front counts as pinned; see
+        ``watch.Stall``.
     method : str
         Name of the stepper.
     enough : callable
-        From a length and v (in t) to whether the chain is long enough for another reason.
+        Whether a chain of a given length is also long enough by another criterion, given v (in t).
     doubt : float, optional
-        Another velocity (in t), from which the error reaches if it is not.
+        A second velocity (in t); if ``enough`` does not hold on the longest chain, the stated error
+        is at least the difference from it.
     """
 
     sized: Callable[[int], Chain]
@@ -271,14 +276,14 @@ class FrontPreparation:
 
 @singledispatch
 def _measured(chain: Chain, request: Request) -> Front:
-    """Return the front of a chain; each kind registers its method and the options that it reads."""
+    """Return the front of a chain; each kind registers its method and the options it uses."""
     raise ParameterError(
         "model", chain.model, "one whose fronts can be measured", "take another chain"
     )
 
 
 def _settled(preparation: FrontPreparation, progress: ProgressCallback | None) -> Settled:
-    """Measure on longer and longer chains until v is known well enough."""
+    """Measure on successively longer chains until v has settled or the front has stopped."""
     watch = Watch(
         stall_time=preparation.stall_time,
         settling_tolerance=preparation.settling_tolerance,
@@ -345,10 +350,11 @@ def _smooth_front(chain: SmoothChain, request: Request) -> Front:
 def _beside_longer_wave(
     found: Settled, accuracy: float, chain: SmoothChain, request: Request
 ) -> Settled:
-    """Return a front overtaken by waves, its error no less than what the left boundary changes.
+    """Return a front overtaken by waves, with an error no smaller than the effect of the boundary.
 
-    The wave that is put to its left lags by a quarter of a turn a site, as the front itself does
-    only where ε is small. With twice as many sites between them another part of it has arrived.
+    The wave imposed at its left end has a phase lag of a quarter turn per site, whereas the front
+    itself has exactly this lag only in the limit of small ε. The measurement is repeated with twice
+    as many sites between boundary and front, so that a different part of that wave has arrived.
     """
     assert found.v is not None
     assert found.error is not None
@@ -367,7 +373,7 @@ def _beside_longer_wave(
 
 @_measured.register
 def _own_front(chain: OwnChain, request: Request) -> Front:
-    """Measure a chain as any other, a lattice or a network outwards from its middle."""
+    """Measure a chain like any other model; a lattice or network, outwards from its centre."""
     if not chain.along_line:
         return spreading_front(chain, request)
     weights = chain.coupling.partition(":")[2]
@@ -402,7 +408,7 @@ def _prepare_smooth(
         return longer if longer.ends is Ends.FREE else longer.replace(ends=Ends.FREE)
 
     def begin(longer: SmoothChain, tolerance: float) -> Integration:
-        # Long enough for every site to be reached just in time.
+        # Long enough for the slowest front that is not called stalled.
         end = (longer.sites + 4) * 2.0 * stall
         return SmoothIntegration(
             longer,
@@ -416,8 +422,9 @@ def _prepare_smooth(
     def enough(sites: int, v: float) -> bool:
         """Whether waves from the free end have long overtaken the front.
 
-        The first reach it after v excited/(waves - v) sites; four times that, so that it happens
-        in the first half of those that are not used.
+        The first of them reach it after v·excited/(waves - v) sites. Four times as many are
+        required: the waves then arrive within the first quarter of the sites, well before the
+        second half, to which v is fitted.
         """
         if on or v > OUTRUNS * waves:
             return True
@@ -441,18 +448,19 @@ def _prepare_smooth(
 FRICTION_MAX_SITES = 800
 
 MAX_FRICTION_COUPLING = 1e4
-"""Of fronts of (5), which by default take 1.4 s of CPU time at c = 1e3, 11 s here, 105 s at 2e4
-and hours at 1e6: steps are as short as 1/√c, each reversal of the fast waves is an event, and sites
-so rarely stick that the whole stall time passes."""
+"""Largest coupling for a front of (5). With the default options the run takes 1.4 s of CPU time at
+c = 1e3, 11 s at this limit, 105 s at 2e4 and hours at 1e6: steps are as short as 1/√c, each
+reversal of the fast waves is an event, and sites stick so rarely that the whole stall time
+elapses."""
 
 
 def checked_friction_sites(sites: int, excited: int, max_sites: int = FRICTION_MAX_SITES) -> int:
-    """Return the length tried first if it holds the excited sites and a front, and is not too long.
+    """Return the length tried first, checked to be long enough for a front and not too long.
 
     Raises
     ------
     ParameterError
-        If it is out of range, or the number of excited sites is.
+        If the length or the number of excited sites is out of range.
     """
     count_within("excited sites", excited, 1, 100)
     least = excited + 3 * MARGIN

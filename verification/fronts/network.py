@@ -1,10 +1,11 @@
-"""Fronts on lattices and networks: arrivals against distance from where the motion began.
+"""Fronts on lattices and networks: arrival times against the distance from the excited sites.
 
-Nothing can be made longer here. Sites nearest to the middle are excited, the run goes on until
-every site is reached or none is for long, and v is the slope of distance over arrival time in the
-outer half of the distances. On a lattice the distance is that in the plane, and v is found along
-rays; a round front is cut out by its slower directions (Wulff's construction), so that along a ray
-it is at most as fast as a planar one. On any other network the distance is the number of links.
+A lattice or network cannot be lengthened. The sites nearest to its centre are excited, the run
+continues until every site has been reached or none has been for a long time, and v is the slope of
+distance over arrival time in the outer half of the distances. On a lattice, distances are measured
+in the plane and v along rays. The shape of an expanding front is governed by its slowest directions
+(Wulff's construction), so that along a ray it is at most as fast as a planar front. On any other
+network the distance is the number of links.
 """
 
 from __future__ import annotations
@@ -31,44 +32,44 @@ from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
 
 EXCITED = 37
-"""Sites excited at first: on a square lattice those within a radius of some 3.5."""
+"""Default number of sites excited: on a square lattice those within a radius of about 3.5."""
 HALF_WIDTH = 1.0
 """Distance from a ray within which a site belongs to its direction."""
 LEAST = 6
-"""Fewest arrivals to which a velocity is fitted."""
+"""Smallest number of arrivals to which a velocity is fitted."""
 EDGE = 2.0
-"""Distance from a free side within which sites are not used: the front is faster there."""
+"""Distance from a free side within which sites are not used, because the front is faster there."""
 MEETING = 4
-"""Number of the largest distances in links that are not used: fronts may meet there."""
+"""How many of the largest distances in links are not used, since fronts may meet there."""
 ROWS = 4
-"""Rows excited at first for a planar front."""
+"""Default number of rows excited for a planar front."""
 SPREAD_ACCURACY = 0.1
-"""Default relative error of v: nothing is enlarged until v is known better."""
+"""Default relative accuracy of v; it is coarse because the lattice cannot be enlarged."""
 _BUDGET, _NEVER = 200_000, 1e9
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spread(Result):
-    """Arrivals of a motion that spreads from the middle of a lattice or network.
+    """Arrivals of a motion that spreads from the centre of a lattice or network.
 
     Attributes
     ----------
     angles : ndarray, shape (K,)
-        Directions in radians, from the first axis (along a row); one that is 0 where distances are
+        Directions in radians, from the first axis (along a row); a single 0 where distances are
         numbers of links.
     velocities, errors : ndarray, shape (K,)
-        Velocity in each, in distances of neighbours (or links) per ``time_unit``, and its
+        Velocity in each direction, in neighbour distances (or links) per ``time_unit``, and its
         uncertainty; nan where too few sites were reached.
     distances : ndarray, shape (N,)
-        Of every site from the middle.
+        Distance of every site from the centre.
     arrivals : ndarray, shape (N,)
-        Times t at which the sites were first reached; nan where they were not.
+        Times t at which the sites were first reached; nan for sites that were not.
     positions : ndarray, shape (N, 2), or None
-        Where the sites are; None of a network that is no lattice.
+        Coordinates of the sites; None for a network that is not a lattice.
     """
 
     shown: ClassVar[tuple[str, ...]] = ("angles", "velocities", "errors")
-    """What a front's JSON object has of it."""
+    """Attributes that appear in the JSON object of a front."""
 
     angles: FloatArray = field(metadata={"axis": "angle"})
     velocities: FloatArray = field(metadata={"dims": ("angle",)})
@@ -80,7 +81,7 @@ class Spread(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class SpreadRun:
-    """What became of a motion that did not spread (None if it did), arrivals, and steps taken."""
+    """Why a motion failed to spread (None if it spread), the arrivals, and the number of steps."""
 
     stopped: FrontStatus | None
     spread: Spread
@@ -88,7 +89,7 @@ class SpreadRun:
 
 
 def middle_site(chain: OwnChain) -> int:
-    """Return the index of the middle site: of a lattice in the plane, of others by number."""
+    """Return the index of the middle site: in the plane for a lattice, otherwise by number."""
     positions = chain.links.positions
     if positions is None or positions.ndim == 1:
         return chain.sites // 2
@@ -97,7 +98,7 @@ def middle_site(chain: OwnChain) -> int:
 
 
 def distances_from(chain: OwnChain, site: int) -> FloatArray:
-    """Return the distance of every site from one: in the plane of a lattice, or in links."""
+    """Return the distance of every site from a given one, in the plane of a lattice or in links."""
     positions = chain.links.positions
     if positions is None or positions.ndim == 1:
         return chain.links.distances([site])
@@ -114,27 +115,27 @@ def spread(
     stall: float,
     progress: ProgressCallback | None = None,
 ) -> SpreadRun:
-    """Excite the middle of a lattice or network and time when each site is reached.
+    """Excite the centre of a lattice or network and record when each site is reached.
 
     Parameters
     ----------
     chain : OscillatorChain
-        Of any coupling.
+        A chain with any coupling.
     excited : int
-        Sites excited, those nearest to the middle.
+        Number of sites excited, those nearest to the centre.
     directions : int
-        Directions of a lattice, evenly spaced over a turn.
+        Number of directions on a lattice, evenly spaced over a full turn.
     tolerance : float
         Local error.
     stall : float
-        Time t without an arrival after which it counts as stopped.
+        Time t without an arrival after which the motion counts as stopped.
     progress : callable, optional
-        Called with the part of the sites that has been reached.
+        Called with the fraction of the sites that has been reached.
 
     Raises
     ------
     ParameterError
-        If the excited sites are as many as all.
+        If the excited sites are all the sites there are.
     """
     count_within("excited sites", excited, 1, chain.sites - 1)
     middle = middle_site(chain)
@@ -172,8 +173,8 @@ def _measured(
 ) -> SpreadRun:
     """Run until all sites at a finite distance are reached, and fit velocities to the arrivals.
 
-    They are at least as uncertain as they differ from those of a second run at a coarser tolerance;
-    all of them if only that run stopped.
+    Their error is at least the difference from a second run at a coarser tolerance, and equals the
+    velocity itself if the motion stopped in that run only.
     """
     within_reach = np.isfinite(distances)
     run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
@@ -203,7 +204,7 @@ def _follow(
     within_reach: BoolArray,
     progress: ProgressCallback | None,
 ) -> FrontStatus | None:
-    """Step until all sites in reach are reached (None), or until the motion has stopped."""
+    """Step until all sites within reach have been reached (None), or the motion has stopped."""
     watch = Stall(run, stall, 1e-3 * run.chain.stable_amplitude)
     while True:
         run.advance(_BUDGET)
@@ -251,7 +252,7 @@ def _along(offset: FloatArray, angle: float) -> FloatArray:
 
 
 def _radius(chain: OwnChain, middle: int) -> float:
-    """Return how far the middle is from the nearest side, less what a side disturbs."""
+    """Return the distance of the centre from the nearest side, less the margin a side disturbs."""
     positions = chain.links.positions
     assert positions is not None
     assert chain.shape is not None
@@ -262,7 +263,7 @@ def _radius(chain: OwnChain, middle: int) -> float:
 
 
 def _shells(away: FloatArray, arrivals: FloatArray, first: float) -> tuple[FloatArray, FloatArray]:
-    """Return each distance in links beyond the start, and the mean of its arrivals."""
+    """Return the distances in links beyond the excited sites, and the mean arrival time at each."""
     reached = ~np.isnan(arrivals) & np.isfinite(away) & (away > first)
     levels = np.unique(away[reached])[:-MEETING]
     times = [float(arrivals[reached & (away == level)].mean()) for level in levels]
@@ -291,7 +292,7 @@ def planar(
     stall: float,
     progress: ProgressCallback | None = None,
 ) -> SpreadRun:
-    """Excite the first rows of a lattice and time when each further row is reached.
+    """Excite the first rows of a lattice and record when each further row is reached.
 
     Parameters
     ----------
@@ -305,7 +306,7 @@ def planar(
     Returns
     -------
     SpreadRun
-        Its one direction, of angle π/2, is across the rows; velocities are in rows.
+        The single direction, at angle π/2, is across the rows; velocities are in rows.
     """
     assert chain.shape is not None
     rows, columns = chain.shape
@@ -326,7 +327,7 @@ def planar(
 
 
 def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float, float]:
-    """Return v in the first direction, and its error, of a motion that did spread."""
+    """Return v in the first direction and its error, for a motion that spread."""
     v, error = float(found.spread.velocities[0]), float(found.spread.errors[0])
     if not math.isfinite(v):
         raise ParameterError(

@@ -1,4 +1,4 @@
-"""What is asked of a measurement of a front."""
+"""The options of a front measurement."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from verification.runs.excite import StartPoint
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What is asked of :func:`measure_front`; None for the default of the model."""
+    """Options of :func:`measure_front`; None stands for the default of the model."""
 
     accuracy: float | None = None
     tolerance: float | None = None
@@ -25,10 +25,10 @@ class Request:
     progress: ProgressCallback | None = None
 
     def reads(self, *names: str, where: str) -> None:
-        """Refuse every option that is given and is not one of these; progress may always be."""
+        """Refuse every given option except the named ones; ``progress`` is always allowed."""
         defaults = {each.name: each.default for each in fields(self)}
         refuse_unread(vars(self), defaults, {*names, "progress"}, where)
 
 
 RUN = ("accuracy", "tolerance", "excited", "max_sites", "stall_time")
-"""Options of every run of a chain that is made longer."""
+"""Options that apply to every run on a chain that can be lengthened."""

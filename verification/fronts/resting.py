@@ -1,14 +1,16 @@
-"""Fronts of (43) at rest, and the fold c_pin in which they end and from which they travel.
+"""Fronts of (43) at rest, and the fold at c_pin, where they end and travelling fronts begin.
 
-(c/2)(r_{n-1} - r_{n+1}) = r_n g(r_n), with the stable cycle to the left and rest to the right, is
-followed from small c by pseudo-arclength to its fold. There the matrix of disturbances has a
-kernel φ on the right and ψ on the left, ψ·φ = 1, and along φ the chain drifts as
+The solution of (c/2)(r_{n-1} - r_{n+1}) = r_n g(r_n), with the stable cycle to the left and rest to
+the right, is followed from small c to its fold by pseudo-arclength continuation. At the fold the
+matrix of the linearised equations has a right null vector φ and a left null vector ψ, ψ·φ = 1, and
+along φ the chain drifts as
 
     x' = α (c - c_pin) + β x²,     α = ψ·∂F/∂c,   β = ½ ψ·F''[φ, φ],
 
-so that a site takes a time π/√(αβ(c - c_pin)) to pass: v = (√(αβ)/π) √(c - c_pin) + O(c - c_pin).
+so that the front takes a time π/√(αβ(c - c_pin)) per site: v = (√(αβ)/π) √(c - c_pin) + O(c -
+c_pin).
 
-c_pin rises with η, by dc_pin/dη = -(ψ·∂F/∂η)/α: at a given c fronts travel below an η_pin.
+c_pin rises with η, at the rate dc_pin/dη = -(ψ·∂F/∂η)/α: at a given c, fronts travel for η < η_pin.
 """
 
 from __future__ import annotations
@@ -29,8 +31,8 @@ from verification.continuation.newton import System, solve_at
 from verification.steppers.amplitudes import Amplitudes, rate, rate_by
 
 _SMALLEST_ETA, _LARGEST_ETA = 1e-3, 0.11
-"""Below, the cycle attracts at a rate of 1/2η and steps are too many; above, so weakly that windows
-are long, and the two cycles nearly meet."""
+"""Range of η. Below it, the cycle attracts at a rate of 1/2η and too many steps are needed; above
+it, so weakly that the windows become long, and the two cycles nearly coincide."""
 
 _WINDOWS = (12, 30), (16, 40)
 _STEPS = StepControl(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1e-16)
@@ -38,20 +40,20 @@ _STEPS = StepControl(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1
 
 @dataclass(frozen=True, kw_only=True)
 class StaticFold:
-    """Where the fronts of (43) at rest end.
+    """The fold in which the fronts of (43) at rest end.
 
     Attributes
     ----------
     c : float
         c_pin, dimensionless.
     error : float
-        Bound on its error, from a longer window and from rounding.
+        Bound on its error, which includes the effects of the window length and of rounding.
     square_root : float
-        The limit of v/√(c - c_pin) above it.
+        The limit of v/√(c - c_pin) as c approaches c_pin from above.
     slope : float
         dc_pin/dη.
     r : ndarray of float, shape (N,)
-        √a times the amplitudes of the sites there.
+        √a times the amplitudes of the sites at the fold.
     """
 
     shown: ClassVar[tuple[str, ...]] = ("c_pin",)
@@ -64,12 +66,12 @@ class StaticFold:
 
     @property
     def c_pin(self) -> float:
-        """The same as ``c``, by the name that it has beside a front."""
+        """Alias of ``c``: the name used when it is listed beside a front."""
         return self.c
 
 
 def need_eta(eta: float) -> None:
-    """Refuse an η out of range.
+    """Refuse an η that is out of range.
 
     Raises
     ------
@@ -86,7 +88,7 @@ def amplitudes_of(c: float, eta: float) -> Amplitudes:
 
 @lru_cache(maxsize=64)
 def static_fold(eta: float) -> StaticFold:
-    """Return c_pin(η) of (43): fronts with a quarter-turn phase step rest up to it.
+    """Return c_pin(η) of (43): up to it, fronts with a quarter-turn phase step remain at rest.
 
     Parameters
     ----------
@@ -103,7 +105,7 @@ def static_fold(eta: float) -> StaticFold:
     References
     ----------
     Carpio and Bonilla (2001), Wave front depinning transition in discrete one-dimensional
-    reaction-diffusion systems, Phys. Rev. Lett. 86, 6034, for the law of the square root.
+    reaction-diffusion systems, Phys. Rev. Lett. 86, 6034, for the square-root law.
 
     Examples
     --------
@@ -126,14 +128,14 @@ def static_fold(eta: float) -> StaticFold:
 
 @dataclass(frozen=True, kw_only=True)
 class PinningEta:
-    """Up to which η the fronts of (43) travel at a given coupling.
+    """The largest η at which the fronts of (43) travel, at a given coupling.
 
     Attributes
     ----------
     eta, error : float
         η_pin, and a bound on its error.
     square_root : float
-        The limit of v/√(η_pin - η) below it.
+        The limit of v/√(η_pin - η) as η approaches η_pin from below.
     """
 
     eta: float
@@ -143,7 +145,7 @@ class PinningEta:
 
 @lru_cache(maxsize=64)
 def pinning_eta(c: float) -> PinningEta | None:
-    """Return η_pin(c), at which c_pin(η) = c; None if it is not from 1e-3 to 0.11.
+    """Return η_pin(c), at which c_pin(η) = c; None if it lies outside 1e-3 to 0.11.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from verification.fronts.status import FrontStatus
 
 
 class LeftBoundary(Status):
-    """What is to the left of the first site; of consequence only where waves overtake the front."""
+    """What lies to the left of the first site; it matters only where waves overtake the front."""
 
     FREE = "free", "Nothing: the first site is a free end."
     WAVE = "wave", "A wave that goes on for ever, with the phase step of the front at each site."
@@ -26,32 +26,35 @@ class Front(Result):
     Attributes
     ----------
     chain : Chain
-        Parameters; its length, if it has one, is the one used in the end.
+        The chain and its parameters; its length, if finite, is that of the last run.
     status : FrontStatus
         What became of the front.
     v : float or None
-        Velocity in sites per ``time_unit`` of the chain: v̂ = v/ε of (8) and (43), per unit τ of
-        (5), per slow time of (44). 0 if pinned, None if there is no front or it is not known.
+        Velocity in sites per ``time_unit`` of the chain: v̂ = v/ε for (8) and (43), per unit τ for
+        (5), per slow time for (44). 0 if pinned, None if there is no front or its velocity is
+        unknown.
     error : float or None
-        Uncertainty of v; for a pinned front the velocity that would have been seen.
+        Uncertainty of v; for a pinned front, the smallest velocity that would have been noticed.
     excited : int or None
-        Sites excited at the start.
+        Number of sites excited at the start.
     left_boundary : LeftBoundary or None
-        What was to the left of the first site; None where the model has no such choice.
+        What lay to the left of the first site; None where the model offers no such choice.
     outruns_waves : bool
-        Whether the front outruns all waves behind it: then ``left_boundary`` changes nothing.
+        Whether the front outruns all waves behind it, in which case ``left_boundary`` has no
+        effect.
     arrivals : ndarray, shape (m,)
-        Times t at which the sites beyond the start were reached, in their order.
+        Times t at which the sites beyond the start were reached, in order of the sites.
     method : str
-        How it was computed.
+        The numerical method.
     counts : mapping
-        ``steps`` of the integrator, or ``events``; and what else was counted.
+        ``steps`` of the integrator, or ``events``, and further counts.
     seconds : float
         Run time.
     detail : object or None
-        What the method knows beyond this: of (44) a ``verification.piecewise.run.FrontRun``, of a
-        wave a ``verification.fronts.wave.FrontWave``, of a lattice or network a
-        ``verification.fronts.network.Spread``. What its ``shown`` names is in the JSON.
+        Further results of the method: for (44) a ``verification.piecewise.run.FrontRun``, for a
+        wave a ``verification.fronts.wave.FrontWave``, for a lattice or network a
+        ``verification.fronts.network.Spread``. The attributes named in its ``shown`` appear in the
+        JSON object.
     """
 
     chain: Any
@@ -68,7 +71,7 @@ class Front(Result):
     detail: Any = field(default=None, repr=False, metadata={"json": None})
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result for JSON; arrivals are counted, not listed."""
+        """Return the result for JSON, with the number of arrivals in place of their list."""
         found = {
             "model": self.chain.model,
             "v": plain(self.v),
@@ -100,5 +103,5 @@ class Front(Result):
 
     @property
     def steps(self) -> int:
-        """Steps of the integrator; 0 where there is none."""
+        """Number of integrator steps; 0 for methods without an integrator."""
         return self.counts.get("steps", 0)

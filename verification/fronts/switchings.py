@@ -1,4 +1,4 @@
-"""Fronts of the piecewise-linear chain (44), moved exactly from switching to switching."""
+"""Fronts of the piecewise-linear chain (44), advanced exactly from one switching to the next."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def front_by_switchings(
     chain: PiecewiseChain, *, accuracy: float, max_sites: int, **start: Any
 ) -> Front:
-    """Return the front of (44), moved exactly from switching to switching.
+    """Return the front of (44), advanced exactly from one switching to the next.
 
     Parameters
     ----------
@@ -24,9 +24,9 @@ def front_by_switchings(
     accuracy : float
         Relative spread of the period at which the motion counts as steady.
     max_sites : int
-        Most sites that it may pass.
+        Largest number of sites that the front may pass.
     **start
-        As of `verification.piecewise.simulation.simulate_front`.
+        Further parameters of `verification.piecewise.simulation.simulate_front`.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def front_by_switchings(
 
 
 def front_of_switchings(chain: PiecewiseChain, run: FrontRun) -> Front:
-    """Return what a run of (44) from switching to switching says of its front."""
+    """Return the front that results from a run of (44) from switching to switching."""
     return Front(
         chain=chain,
         status=run.status,

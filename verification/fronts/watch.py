@@ -1,4 +1,4 @@
-"""Watching a front travel until the far end is reached, or it has stopped; the same for all chains.
+"""Follow a front until it reaches the far end or has stopped; the rule is the same for all chains.
 
 Velocities are fitted to the arrivals in ``verification.fronts.arrival_fit``.
 """
@@ -22,42 +22,45 @@ from verification.runs.comparison import coarser_tolerance
 from verification.runs.integration import Integration
 
 MARGIN = 8
-"""Sites at the far end that need not be reached, and whose arrivals are not used for v.
+"""Number of sites at the far end that need not be reached, and whose arrivals are not used for v.
 
-What runs ahead of the front is reflected there and speeds it up. At a distance d from the end that
-is twice damped by the decay ahead of the front, so it falls off as the square of what arrives; from
-c = 0.6 to 1000, four sites less or more change v by less than its error."""
+The tail ahead of the front is reflected at the end and speeds the front up. At a distance d from
+the end it has been damped twice over that distance, so the effect falls off as the square of the
+tail; from c = 0.6 to 1000, four sites less or more change v by less than its error."""
 
 BUDGET = 5000
-"""Sites times steps between the first two checks; it doubles while that is short."""
+"""Sites times steps between the first two checks; doubled as long as the checks are too
+frequent."""
 
 CHECKS = 40
-"""Number of checks within a stall time from which their interval grows no longer."""
+"""Number of checks per stall time; once they are this infrequent, their interval stays fixed."""
 
 
-LEFT = 0.1
-"""Part of its amplitude by which a site that was reached must fall to count as left by the front;
-the waves behind a front that is at rest change amplitudes there for ever, by a percent or two."""
+FALL = 0.1
+"""Relative decrease of the amplitude of a site from which the front counts as having left it.
+
+The waves behind a front at rest change the amplitudes there permanently, by one or two per cent."""
 
 
 class Stall:
-    """Whether a run in which sites are reached has stopped; asked again and again as it goes on.
+    """Detects that a motion has stopped reaching new sites; queried repeatedly during the run.
 
-    Two stall times after the last arrival it is at rest if no site that was not reached has become
-    larger in the second of them than it was in the first, and no site that was reached has fallen.
-    What the amplitudes do otherwise does not count: beside a front of (8) or (43) that is at rest,
-    phase waves from the free end move the excited sites, irregularly and without end, and with them
-    the site that is reached next.
+    Two stall times after the last arrival the motion is at rest if no site ahead of the front
+    reached a larger amplitude during the second stall time than during the first, and no site
+    behind it has fallen. Other changes of the amplitudes are ignored: behind a front of (8) or (43)
+    at rest, phase waves from the free end keep moving the excited sites irregularly, and with them
+    the next site ahead.
 
     Parameters
     ----------
     run : Integration
         The run.
     time : float
-        Stall time; twice that without an arrival, the motion is called pinned or creeping.
+        Stall time; after twice this time without an arrival the motion is called pinned or
+        creeping.
     settling_tolerance : float
-        Growth of the largest amplitude, from the first stall time to the second, below which it is
-        pinned.
+        Growth of the largest amplitude of a site, from the first stall time to the second, below
+        which the motion counts as pinned.
     """
 
     def __init__(self, run: Integration, time: float, settling_tolerance: float) -> None:
@@ -68,18 +71,18 @@ class Stall:
         self._earlier = self._highest
 
     def note(self, reached: int) -> None:
-        """Note how far the motion has come; it begins to wait anew if that is farther."""
+        """Record how far the motion has come; if it has advanced, the waiting time starts anew."""
         if reached > self.reached:
             self.reached, self.since, self.early = reached, self.run.time, None
             self._highest = np.zeros_like(self._highest)
 
     @property
     def waited(self) -> float:
-        """Time since the motion came farther."""
+        """Time since the motion last advanced."""
         return self.run.time - self.since
 
     def status(self) -> FrontStatus | None:
-        """Return what has become of the motion if it has stopped."""
+        """Return why the motion has stopped, or None while it has not."""
         if self.run.going_to_rest():
             return FrontStatus.COLLAPSED
         self._highest = np.maximum(self._highest, self.run.amplitude)
@@ -92,16 +95,16 @@ class Stall:
         before = ~np.isnan(self.run.arrivals)
         last = self._largest()
         if np.any(~np.isnan(self.run.arrivals) & ~before):
-            return None  # it has come farther meanwhile
+            return None  # it has advanced in the meantime
         growth = np.maximum(self._highest, last) - self._earlier
         grows = bool(np.any(growth[~before] >= self.settling_tolerance))
-        falls = bool(np.any(last[before] < (1.0 - LEFT) * self.early[before]))
+        falls = bool(np.any(last[before] < (1.0 - FALL) * self.early[before]))
         return FrontStatus.CREEPING if grows or falls else FrontStatus.PINNED
 
     def _largest(self) -> FloatArray:
-        """Return the largest amplitudes over a period, step by step.
+        """Return the largest amplitude of each site over a period, after every step.
 
-        Within a cycle of (8), √(y² + ẏ²) varies by some part ε max|1 - a y² + b y⁴| of itself.
+        Within a cycle of (8), √(y² + ẏ²) varies by a fraction of order ε max|1 - a y² + b y⁴|.
         """
         found, end = self.run.amplitude, self.run.time + cycle_period(self.run.chain)
         while self.run.time < end and not self.run.finished:
@@ -111,9 +114,9 @@ class Stall:
 
 
 def cycle_period(chain: Chain) -> float:
-    """Return a time within which every cycle of a chain has turned once; 0 of an averaged one.
+    """Return a time within which every cycle of a chain is completed; 0 for an averaged one.
 
-    It is twice the period at small ε, and for (8) longer by what relaxation takes at large ε.
+    It is twice the period at small ε; for (8) the duration of the relaxation at large ε is added.
 
     Examples
     --------
@@ -125,7 +128,7 @@ def cycle_period(chain: Chain) -> float:
     """
     if isinstance(chain, VdpChain):
         return 4.0 * math.pi + 0.5 * effective_epsilon(chain)
-    # Under a force amplitudes never become constant, and states without inertia do not turn.
+    # With forcing, amplitudes never become constant; without inertia, states do not oscillate.
     if not isinstance(chain, OscillatorChain) or chain.drive or not chain.oscillates:
         return 0.0
     return 2.0 * max((each.period for each in chain.cell.cycles), default=0.0)
@@ -133,17 +136,17 @@ def cycle_period(chain: Chain) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
-    """When a front counts as stopped.
+    """The criterion by which a front counts as stopped.
 
     Attributes
     ----------
     stall_time, settling_tolerance : float
         As in :class:`Stall`.
     first : int
-        First site of which v is made, counted from 0; before it sites are excited.
+        First site, counted from 0, whose arrival is used for v; the sites before it are excited.
     progress : callable, optional
-        Called now and then with the part of the chain that has been reached or, where that is
-        more, of the time that is waited for a front that stands.
+        Called at intervals with the fraction of the chain that has been reached or, if larger, the
+        elapsed fraction of the time after which a front counts as stopped.
     """
 
     stall_time: float
@@ -173,7 +176,7 @@ class Watch:
                 return status
 
     def trial(self, begin: Callable[[float], Integration], tolerance: float) -> Trial:
-        """Follow a front at a tolerance and, if it reaches the far end, at a hundred times it."""
+        """Follow a front and, if it reaches the far end, again at a hundred times the tolerance."""
         run = begin(tolerance)
         stopped = self.follow(run)
         used, steps = slice(self.first, run.state.shape[1] - MARGIN), run.counts["steps"]

@@ -1,22 +1,24 @@
-"""Fronts of the averaged chain (43) as solutions: v by Newton's method, and the stability spectrum.
+"""Fronts of the averaged chain (43) as travelling waves: v by Newton's method, and stability.
 
-With φ_n = (-i)^n r_n e^{icT}, r_n real, a front whose phase lags by a quarter turn a site obeys
+With φ_n = (-i)^n r_n e^{icT}, r_n real, a front whose phase lags by a quarter turn per site obeys
 
     r_n' = (c/2)(r_{n-1} - r_{n+1}) - r_n g(r_n),    g = ½(1 - a r²/4 + b r⁴/8),
 
-and travels without change if after a time 1/v each site is where its left neighbour was,
-r_{n+1}(1/v) = r_n(0): Newton's method in (r, v) on a window of sites, with the matrix of the
-variational equations over that time. To the left of the window is the stable cycle, to the right
-rest. Nothing is fitted to arrival times. The scaling r → r√a makes all depend on η = b/a² and c.
+and travels without change of shape if each site, after a time 1/v, is where its left neighbour was:
+r_{n+1}(1/v) = r_n(0). This is solved for (r, v) by Newton's method on a window of sites, with the
+matrix of the variational equations over that time. To the left of the window is the stable cycle,
+to the right is rest. Arrival times are not used. After the scaling r → r√a everything depends on η
+= b/a² and c only.
 
-The same matrix, moved on by one site, is the map of small disturbances from site to site: its
-eigenvalues are the multipliers of the front, one of them 1 (a shift in time). Disturbances ahead of
-the front fade by e^{-1/2v} a site, and faster behind it: the continuous spectrum of the amplitudes.
-Disturbances of the phases are apart from them, to first order; far behind the front they are waves
-that neither grow nor fade, and one multiplier is 1 (a turn of all phases).
+The same matrix, shifted by one site, maps small disturbances from site to site; its eigenvalues are
+the multipliers of the front, and one of them is 1 (a shift in time). Ahead of the front,
+disturbances decay by a factor e^{-1/2v} per site, and behind it faster: this is the continuous
+spectrum of the amplitudes. To first order, disturbances of the phases are independent of those of
+the amplitudes; far behind the front they are waves that neither grow nor decay, and one multiplier
+is 1 (a rotation of all phases).
 
-Fronts at rest end in a fold at c_pin (``resting``); from there v grows like √(c - c_pin), and v and
-c follow one another without a fold up to the law of strong coupling (``theory.averaged.front``).
+Fronts at rest end in a fold at c_pin (``resting``). From there v grows like √(c - c_pin), and v is
+a single-valued function of c up to the law of strong coupling (``theory.averaged.front``).
 """
 
 from __future__ import annotations
@@ -45,25 +47,26 @@ from verification.steppers.amplitudes import (
 
 LARGEST_COUPLING = 1e3
 SLOWEST = 1e-3
-"""Slower fronts would take minutes: within 1e-5 of c_pin."""
+"""Slowest front that is computed; slower ones lie within 1e-5 of c_pin and would take minutes."""
 
 _STEP = 0.5
-"""Step times the largest rate; at this DOP853 errs by less than 1e-12 a period."""
+"""Step times the largest rate; with it, the error of DOP853 is below 1e-12 per period."""
 _FINER = 1.5
-"""Factor by which the steps of the check are finer."""
+"""Factor by which the steps of the check are shorter."""
 _DEPTHS = 30.0, 36.0
-"""Logarithm of the decay of the front at the ends of its window, and of that of the check."""
+"""Logarithm of the decay of the front towards the ends of its window; the second is for the
+check."""
 _PERIODS, _SETTLED = 30, 1e-4
-"""Sites that a started front passes at most, and change of its intervals at which it has passed
-enough for Newton's method."""
+"""Largest number of sites that the initial run passes, and relative change of the interval between
+sites below which its front is a good enough starting point for Newton's method."""
 _LISTED = 6
 """Number of multipliers listed."""
 _NEUTRAL = 1e-8
-"""Largest error of a modulus of one."""
+"""Largest error allowed in a modulus that is exactly one."""
 
 
 class NoFrontError(RunError):
-    """No travelling front was found at these parameters."""
+    """No travelling front was found at the given parameters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,19 +87,19 @@ class FrontWave(Result):
     crossing : int
         Index of that site.
     stable : bool
-        Whether every disturbance of the amplitudes fades, and none of the phases grows.
+        Whether every disturbance of the amplitudes decays and no disturbance of the phases grows.
     multipliers : ndarray of complex, shape (6,)
-        Largest multipliers of disturbances of the amplitudes from site to site, the trivial one
-        left out; descending in modulus. Those within ``continuum`` stand for the continuous
-        spectrum, and depend on the window.
+        Largest multipliers of disturbances of the amplitudes from site to site, without the trivial
+        one, in descending order of modulus. Those with a modulus of at most ``continuum`` represent
+        the continuous spectrum and depend on the window.
     phase_multiplier : float
-        Largest modulus of a multiplier of disturbances of the phases; 1 for a turn of all.
+        Largest modulus of the multipliers of phase disturbances; 1 for a rotation of all phases.
     continuum : float
         e^{-1/2v}, the modulus of the continuous spectrum ahead of the front.
     trivial : float
-        Distance from 1 of the multiplier that is exactly 1.
+        Distance from 1 of the computed multiplier that is exactly 1 in theory.
     iterations, steps : int
-        Evaluations of the period map, and steps a period.
+        Evaluations of the period map, and steps per period.
     seconds : float
         Run time.
     """
@@ -157,9 +160,10 @@ def front_wave(c: float, eta: float) -> FrontWave:
 
 
 def not_found(refusal: NotConvergedError, along: Parameter) -> NoFrontError:
-    """Return the sentence for a search that ended, at a value of the parameter that was followed.
+    """Return the error for a search that failed at a value of the continuation parameter.
 
-    What a search says itself is about breathers, which end at large couplings; fronts at small.
+    The message of the search itself is worded for breathers, which end at large couplings, whereas
+    fronts end at small ones.
     """
     if refusal.at is None:
         return NoFrontError(str(refusal))
@@ -173,7 +177,7 @@ def not_found(refusal: NotConvergedError, along: Parameter) -> NoFrontError:
 class Window:
     """Sites around a front: ``left`` of them behind the one that passes the unstable cycle.
 
-    Its fronts are followed in c, or in η: ``along`` names which.
+    ``along`` names the parameter, c or η, in which the fronts on it are followed.
     """
 
     chain: Amplitudes
@@ -184,7 +188,7 @@ class Window:
 
     @property
     def unstable(self) -> float:
-        """ρ on the unstable cycle."""
+        """Value of ρ on the unstable cycle."""
         return threshold_ratio(self.chain.eta)
 
     @property
@@ -195,16 +199,16 @@ class Window:
 
     @property
     def place(self) -> float:
-        """Value of the parameter in which its fronts are followed."""
+        """Value of the parameter in which the fronts are followed."""
         return self.chain.c if self.along == "c" else self.chain.eta
 
     def at(self, value: float) -> Window:
-        """Return the same sites at another value of the parameter.
+        """Return the same window at another value of the parameter.
 
         Raises
         ------
         NotConvergedError
-            If no front has it.
+            If the value is outside the range in which fronts exist.
         """
         if not 0.0 < value < (math.inf if self.along == "c" else ETA_END):
             raise NotConvergedError(f"there is no front at {self.along} = {value:.6g}.")
@@ -214,14 +218,14 @@ class Window:
 
     @classmethod
     def started(cls, c: float, eta: float, along: Parameter = "c") -> Window:
-        """Run the chain from a step until the intervals between its sites settle.
+        """Run the chain from a step until the intervals between the arrivals settle.
 
         Raises
         ------
         ParameterError
             If a parameter is out of range.
         NoFrontError
-            If no site was joined for long.
+            If no further site was reached for a long time.
         """
         need_eta(eta)
         chain = amplitudes_of(within("coupling c", c, 1e-6, LARGEST_COUPLING), eta)
@@ -233,7 +237,7 @@ class Window:
         return replace(wide, guess=np.append(rho, v))._resized(v, _DEPTHS[0])
 
     def _resized(self, v: float, depth: float) -> Window:
-        """Return the window, and the guess on it, on which a front of velocity v dies away."""
+        """Resize window and guess so that a front of velocity v decays by e^-depth at its ends."""
         left, right = (1 + math.ceil(depth / each) for each in self._decay(v))
         first = self.guess[:-1][max(0, self.left - left) :]
         rho = np.concatenate([np.ones(max(0, left - self.left)), first, np.zeros(right)])
@@ -242,10 +246,10 @@ class Window:
         )
 
     def _decay(self, v: float) -> tuple[float, float]:
-        """Return the rates a site at which the front dies away behind and ahead of it.
+        """Return the decay rates of the front per site, behind and ahead of it.
 
-        A tail e^{λξ} has vλ = c sinh λ + f'(ρ): behind, the smallest positive real part of a root;
-        ahead, the one negative root, f'(0) = ½.
+        A tail e^{λξ} has vλ = c sinh λ + f'(ρ). The rate behind is the smallest positive real part
+        of a root; the rate ahead is that of the only negative root, with f'(0) = ½.
         """
         c = self.chain.c
         ahead = math.log(2.0 * (v + 2.0 * c + 1.0) / c) + 2.0
@@ -262,11 +266,11 @@ class Window:
         return float(found.min(initial=8.0)), ahead
 
     def _steps_in(self, time: float, finer: float = 1.0) -> int:
-        # Of a number that is held up by its least value, too, the check takes more.
+        # The factor is applied last, so that the check takes more steps even at the minimum number.
         return math.ceil(finer * steps_in(time, self.chain.c + self.attraction, _STEP))
 
     def _run_to_a_front(self) -> tuple[FloatArray, float]:
-        """Return the amplitudes of a chain that has run from a step, and its velocity."""
+        """Run the chain from a step; return its amplitudes and the velocity of its front."""
         rho = np.where(np.arange(self.left + self.right) <= self.left, 1.0, 0.0)
         h = 0.8 * _STEP / (self.chain.c + self.attraction)
         time = last = before = 0.0
@@ -302,7 +306,7 @@ class Window:
     def system(self, finer: float = 1.0) -> System:
         """Return F(u, p) with u = (ρ, v): ρ_{n+1}(1/v) - ρ_n = 0 and the phase condition.
 
-        The parameter p is c or η, as ``along`` says.
+        The parameter p is c or η, according to ``along``.
         """
         sites = self.left + self.right
 
@@ -328,7 +332,7 @@ class Window:
         return system
 
     def described(self, point: BranchPoint, begin: float) -> FrontWave:
-        """Solve once more, on a longer window with finer steps, and measure that front."""
+        """Solve again on a longer window with finer steps, and return the front with its error."""
         first = float(point.u[-1])
         here = replace(self.at(point.parameter), guess=point.u)
         wider = here._resized(first, _DEPTHS[1])
@@ -365,5 +369,5 @@ class Window:
 
 
 def _moved_on(x: FloatArray) -> FloatArray:
-    """Return what stands on the sites one further on; beyond the last is rest."""
+    """Return the values shifted by one site, with rest beyond the last one."""
     return np.concatenate([x[1:], np.zeros((1, *x.shape[1:]))])

@@ -1,4 +1,4 @@
-"""How far the averaged chain is from the full one, and how the distance falls with ε."""
+"""The distance between the averaged and the full chain, and how it decreases with ε."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ SHARE = "share_of_eps"
 _SAMPLES = 401
 _TOLERANCE = 1e-10
 _NO_LEVEL = 1e100
-"""A level that is never reached: no arrivals are needed."""
+"""A level that is never reached, since arrivals are not needed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AveragingError(Result):
-    """Distance of an averaged chain from the full one at several ε; made by `averaging_error`.
+    """Distance between the averaged and the full chain at several ε; made by `averaging_error`.
 
     Attributes
     ----------
     chain : OscillatorChain
-        The full chain, of the largest ε.
+        The full chain at the largest ε.
     slow_time : float
-        εt up to which they were compared.
+        Slow time εt up to which they were compared.
     eps : float array, shape (K,)
-        ε, each half of the one before.
+        Values of ε, each half of the preceding one.
     distances : float array, shape (K,)
         Largest |ẏ/ω + iy - φe^{iωt}| over sites and sampled times.
     errors : float array, shape (K,)
-        Errors of both runs together, a bound on that of the distance.
+        Sum of the errors of both runs, a bound on the error of the distance.
     seconds : float
         Wall-clock time.
     """
@@ -59,12 +59,12 @@ class AveragingError(Result):
 
     @property
     def slope(self) -> float:
-        """Slope of log(distance) over log ε at the two smallest ε; one of first order."""
+        """Slope of log(distance) over log ε at the two smallest ε; 1 for a first-order error."""
         return float(self._slopes[-1])
 
     @property
     def slope_error(self) -> float:
-        """Change of the slope from the two ε before, and what errors of the runs add."""
+        """Change of the slope from the preceding pair of ε, plus the effect of the runs' errors."""
         change = abs(float(self._slopes[-1] - self._slopes[-2]))
         return change + float(np.sum(self.errors[-2:] / self.distances[-2:]) / np.log(2.0))
 
@@ -80,21 +80,21 @@ def averaging_error(
     slow_time: float = 3.0,
     halvings: int = 2,
 ) -> AveragingError:
-    """Compare the averaged chain with the full one, at ε and at halves of it.
+    """Compare the averaged chain with the full one at ε and at repeated halvings of it.
 
-    What is nonlinear in the stiffness is taken as of order ε, and is halved with it.
+    The nonlinear part of the stiffness is taken to be of order ε and is halved with it.
 
     Parameters
     ----------
     chain : VdpChain or OscillatorChain
-        Of the largest ε; the latter may have disorder, but not of the frequency.
+        The chain at the largest ε; an OscillatorChain may be disordered, except in its frequency.
     start : array_like, shape (2, N), optional
         (y, ẏ) of every site at t = 0; by default the middle site on its cycle.
     slow_time : float, optional
-        εt at the end, dimensionless, from 0 to 100: motion that is unstable tells the two apart
-        by more than O(ε) after long times.
+        εt at the end, dimensionless, from 0 to 100: if the motion is unstable, the two chains
+        differ by more than O(ε) after long times.
     halvings : int, optional
-        How often ε is halved, from 2 to 8.
+        Number of times that ε is halved, from 2 to 8.
 
     Returns
     -------
@@ -103,8 +103,8 @@ def averaging_error(
     Raises
     ------
     ParameterError
-        If the chain is of another model or cannot be averaged, or its frequency differs from
-        site to site.
+        If the chain is of another model or cannot be averaged, or its frequency differs from site
+        to site.
 
     References
     ----------
@@ -130,7 +130,7 @@ def averaging_error(
         start = excite(chain, [(chain.sites + 1) // 2])
     state = checked_state(chain, start)
     eps = np.array([chain.eps * 0.5**k for k in range(halvings + 1)])
-    chain.averaged()  # refuses what has no average
+    chain.averaged()  # refuses a chain that has no average
     scaled = _scalable(chain)
     found = [_distance(_at(scaled, float(each)), state, slow_time) for each in eps]
     return AveragingError(
@@ -144,7 +144,7 @@ def averaging_error(
 
 
 def _scalable(chain: VdpChain | OscillatorChain) -> VdpChain | OscillatorChain:
-    """Return the chain with a named parameter that multiplies what is nonlinear in g."""
+    """Return the chain with a named parameter that multiplies the nonlinear part of g."""
     if isinstance(chain, VdpChain):
         return chain
     terms = as_polynomial(chain.stiffness, "stiffness").terms
@@ -173,7 +173,7 @@ def _at(scaled: VdpChain | OscillatorChain, eps: float) -> VdpChain | Oscillator
 def _distance(
     chain: VdpChain | OscillatorChain, start: FloatArray, slow_time: float
 ) -> tuple[float, float]:
-    """Return the largest distance of the two runs, and their errors together."""
+    """Return the largest distance between the two runs, and the sum of their errors."""
     end = slow_time / chain.eps
     omega = 1.0 if isinstance(chain, VdpChain) else chain.cell.frequency
     times = np.linspace(0.0, end, _SAMPLES)

@@ -1,10 +1,11 @@
-"""Checkpoints: a run of a chain saved so that it goes on later to the same bits.
+"""Checkpoints: a run of a chain is saved so that it can later continue bit for bit.
 
-A checkpoint is an ``.npz`` with the arrays that make up the state, what decides the run (format,
-parameters, code, versions) and a digest of it all. Nothing is allocated by what the file says: the
-run that resumes brings its own arrays, and each array of the file must have their type and shape.
-The digest protects from damage, not from somebody who forges a file with its digest; what such a
-file can do is give wrong numbers, not run code.
+A checkpoint is an ``.npz`` file with the arrays that make up the state, everything that determines
+the run (format, parameters, code, versions) and a digest of all this. The contents of the file
+never decide how much memory is allocated: the run that resumes provides its own arrays, and each
+array in the file must have the same type and shape. The digest protects against damage, not against
+somebody who forges a file together with its digest; such a file can produce wrong numbers, but
+cannot run code.
 """
 
 from __future__ import annotations
@@ -32,16 +33,16 @@ from verification.execution.progress import ProgressCallback
 from verification.runs.integration import Integration
 
 FORMAT = 3
-"""Format of the file; files of another one are refused."""
+"""Format of the file; files in another format are refused."""
 
 SAVE_PERIOD = 5.0
 """Seconds between two checkpoints."""
 
 SAVE_SHARE = 20.0
-"""Least interval between two checkpoints, over the time that writing one takes."""
+"""Smallest interval between two checkpoints, as a multiple of the time that writing one takes."""
 
 _MAX_HEADER = 1_000_000
-"""Bytes of the entry that describes the run."""
+"""Largest size in bytes of the entry that describes the run."""
 
 _DEPENDS_ON = ("python", "numpy", "scipy", "numba")
 """Packages whose versions may change the last bit of a run."""
@@ -58,30 +59,30 @@ def run_to_end(
     checkpoint: Path | None = None,
     progress: ProgressCallback | None = None,
 ) -> float:
-    """Advance integrations, one after another, to their end; return the seconds of earlier runs.
+    """Advance integrations one after another to their end; return the seconds of earlier sessions.
 
     Parameters
     ----------
     integrations : sequence of Integration
-        Each fills its ``state_arrays`` in place when it is resumed.
+        The integrations; the ``state_arrays`` of each are filled in place on resumption.
     end : float
         Their end time.
     budget : int
         Sites times steps between two readings of the clock.
     checkpoint : Path, optional
-        File into which they are saved every few seconds and when they are interrupted, by the
-        keyboard or by SIGTERM. If it exists, they go on from it, to the same bits.
+        File into which they are saved every few seconds and when they are interrupted from the
+        keyboard or by SIGTERM. If it exists, they are resumed from it and continue bit for bit.
     progress : callable, optional
         See `verification.execution.progress.ProgressCallback`.
 
     Raises
     ------
     ParameterError
-        If the checkpoint is damaged, or of another run, code or version.
+        If the checkpoint is damaged, or belongs to another run, code or version.
     FileError
-        If the checkpoint cannot be written, or another run writes it.
+        If the checkpoint cannot be written, or another run is writing to it.
     RunError
-        If an integration does not get on.
+        If an integration does not advance.
     """
     begin = perf_counter()
     with sole_writer(checkpoint) if checkpoint else nullcontext():
@@ -107,9 +108,9 @@ def _advance(
     save: Callable[[], None] | None,
     progress: ProgressCallback | None,
 ) -> None:
-    """Advance to the end, saving now and then, and when interrupted between two pieces of work.
+    """Advance to the end; save at intervals, and when interrupted between two pieces of work.
 
-    An interrupt waits until its piece is done: within one, the arrays are no state of the run.
+    An interrupt waits for the end of a piece: within one, the arrays are not a consistent state.
     """
     due = perf_counter() + SAVE_PERIOD
     with deferred_interrupts() if save is not None else nullcontext(Deferred()) as interrupts:
@@ -139,14 +140,14 @@ def _advance(
 def _resumed(
     path: Path, integrations: Sequence[Integration], metadata: Mapping[str, Any], end: float
 ) -> float:
-    """Fill integrations from a checkpoint, and return the seconds spent before."""
+    """Fill integrations from a checkpoint, and return the seconds spent in earlier sessions."""
     seconds = load_checkpoint(path, _arrays(integrations), metadata)
     for each in integrations:
         try:
             each.check_state()
         except ValueError as error:
             raise _refusal(path, f"a state of this run ({error})") from None
-        if not 0.0 <= each.time <= end:  # a clock of NaN would never come to its end
+        if not 0.0 <= each.time <= end:  # with a time of NaN the run would never end
             raise _refusal(path, f"of a run whose time is from 0 to {end:g}, not {each.time:g}")
     return seconds
 
@@ -160,7 +161,7 @@ def _arrays(integrations: Iterable[Integration]) -> dict[str, AnyArray]:
 
 
 def _metadata(integrations: Sequence[Integration]) -> dict[str, Any]:
-    # A chain of the user's brings its equation from elsewhere.
+    # The equation of a user-defined chain may be in another module.
     owners = [*integrations, *(each.chain for each in integrations)]
     return {
         "integrations": {str(i): dict(each.metadata) for i, each in enumerate(integrations)},
@@ -171,23 +172,23 @@ def _metadata(integrations: Sequence[Integration]) -> dict[str, Any]:
 def save_checkpoint(
     path: Path, arrays: Arrays, metadata: Mapping[str, Any], seconds: float = 0.0
 ) -> None:
-    """Write arrays and what decides them, whole or not at all.
+    """Write the state arrays and the metadata that determine them, completely or not at all.
 
     Parameters
     ----------
     path : Path
         The file.
     arrays : mapping of str to ndarray
-        The state; no objects.
+        The state; arrays of objects are not allowed.
     metadata : mapping
-        What decides it, as JSON has it; `load_checkpoint` wants the same.
+        What determines the run, as JSON data; `load_checkpoint` requires the same.
     seconds : float
-        Run time so far, dimensionless state apart.
+        Run time so far.
 
     Raises
     ------
     FileError
-        If the file cannot be written; the older one is then still there.
+        If the file cannot be written; an older file is then left intact.
     """
     header = {
         "format": FORMAT,
@@ -196,7 +197,7 @@ def save_checkpoint(
         "digest": digest_of_arrays(arrays),
     }
     with writing(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as box:
-        # Entries of a fixed date, which does not depend on a clock that may be wrong.
+        # A fixed date in the entries, so that nothing depends on a clock that may be wrong.
         box.writestr(zipfile.ZipInfo("header.json"), json.dumps(header))
         for name, array in arrays.items():
             with box.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as entry:
@@ -204,24 +205,24 @@ def save_checkpoint(
 
 
 def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> float:
-    """Fill arrays in place from a checkpoint, and return the seconds spent before.
+    """Fill arrays in place from a checkpoint, and return the seconds spent in earlier sessions.
 
     Parameters
     ----------
     path : Path
         The file.
     arrays : mapping of str to ndarray
-        As for a new run; each is filled if all fit, else none.
+        Arrays as for a new run; all of them are filled if all fit, otherwise none.
     metadata : mapping
-        What decides the run that is resumed.
+        What determines the run that is to be resumed.
 
     Raises
     ------
     ParameterError
-        If the file is no checkpoint, damaged, or of another run, code or version; it names what
-        differs.
+        If the file is not a checkpoint, is damaged, or belongs to another run, code or version; the
+        message names what differs.
     FileError
-        If it cannot be read.
+        If the file cannot be read.
     """
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as box:
@@ -231,7 +232,7 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
     except ParameterError:
         raise
     except OSError as error:
-        if error.errno == errno.EINVAL:  # a place beyond the file, given in the file itself
+        if error.errno == errno.EINVAL:  # the file refers to a position beyond its own end
             raise _refusal(path, _WRITTEN) from None
         raise file_error(path, error, "read") from None
     except (ValueError, KeyError, TypeError, EOFError, RecursionError, NotImplementedError,
@@ -271,7 +272,7 @@ def _check_header(path: Path, header: Mapping[str, Any], metadata: Mapping[str, 
 
 
 def _read(box: zipfile.ZipFile, name: str, like: AnyArray) -> AnyArray:
-    """Read an array that must have the type and shape of another one."""
+    """Read an array that must have the type and shape of a given one."""
     with box.open(name) as entry:
         major = npy.read_magic(entry)
         read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0

@@ -1,13 +1,14 @@
 """The error of a run, by comparison with the same run at a tenth of its tolerance.
 
-The error of the other run is about a tenth, so that the difference is the error itself within some
-ten per cent. Three times the difference is stated: now and then, where steps are limited by
-stability or a site wakes up between two of them, the finer run is hardly better. The other run also
-starts a few units in the last place away. Where motion is unstable, rounding alone grows by e^{λt},
-and no tolerance helps; so the error says it. Where the tolerance is so small that a tenth of it
-would be rounding, the other run has ten times the tolerance instead, and the error is some tens of
-times too large. Two runs may agree by accident; so no error below a part of the local error that is
-allowed to a step is stated (``Integration.least_error``).
+The error of the second run is about a tenth as large, so that the difference is the error itself to
+within some ten per cent. Three times the difference is stated, because occasionally, where steps
+are limited by stability or a site starts to move between two of them, the finer run is hardly more
+accurate. The second run also starts a few units in the last place away: if the motion is unstable,
+rounding alone grows like e^{λt} whatever the tolerance, and the stated error then shows it. If a
+tenth of the tolerance would be at the level of rounding, the second run uses ten times the
+tolerance instead, and the stated error is some tens of times too large. Since two runs may agree by
+accident, no error is stated below a fraction of the local error allowed per step
+(``Integration.least_error``).
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 COARSER = 100.0
-"""Tolerance over that of a run for comparison, where an event is timed and not a state."""
+"""Ratio of the tolerance of the comparison run to that of the run, where an event is timed."""
 
 PERTURBATION = 8
-"""Units in the last place by which the start of the other run is perturbed."""
+"""Units in the last place by which the start of the comparison run is perturbed."""
 
 _RATIO = 10.0
 _SAFETY = 3.0
@@ -29,7 +30,7 @@ _FINEST, _COARSEST = 1e-14, 1e-2
 
 
 def other_tolerance(tolerance: float) -> float:
-    """Return the tolerance of the run for comparison.
+    """Return the tolerance of the comparison run.
 
     Examples
     --------
@@ -41,7 +42,7 @@ def other_tolerance(tolerance: float) -> float:
 
 
 def coarser_tolerance(tolerance: float) -> float:
-    """Return the tolerance of the run for comparison where an event is timed.
+    """Return the tolerance of the comparison run where an event is timed.
 
     Examples
     --------
@@ -52,12 +53,12 @@ def coarser_tolerance(tolerance: float) -> float:
 
 
 def error_by_sample(samples: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the error of each sample, a bound on √(Δy² + Δw²) of every site.
+    """Return the error of each sample: a bound on √(Δy² + Δw²) at every site.
 
     Parameters
     ----------
     samples, other : ndarray, shape (M, 2, N)
-        States of the run, and of the run for comparison.
+        States of the run and of the comparison run.
 
     Returns
     -------

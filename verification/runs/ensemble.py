@@ -1,4 +1,4 @@
-"""One number of a disordered chain over the seeds of its disorder: mean, and spread."""
+"""A quantity of a disordered chain over many seeds of its disorder: mean and spread."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from verification.execution.pool import answers_in_order
 from verification.execution.progress import ProgressCallback
 
 VALUES = ("v", "c_crit", "frequency", "value")
-"""Attributes of a result that may be its number; the first that it has is taken."""
+"""Attributes of a result that may be its value; the first one present is taken."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ensemble(Result):
-    """A number over seeds.
+    """A quantity over many seeds.
 
     Attributes
     ----------
     chain : OscillatorChain
-        With its disorder; its own seed is not used.
+        The chain with its disorder; its own seed is not used.
     quantity : str
-        Name of the number.
+        Name of the quantity.
     seeds : int array, shape (K,)
-        Of the disorder.
+        Seeds of the disorder.
     values, errors : float array, shape (K,)
-        The number and its error for each seed; nan where it does not exist. Of a result with a
-        ``frequency_error`` that is the error of the frequency.
+        The value and its error for each seed; nan where there is none. For a result with a
+        ``frequency_error`` the error is that of the frequency.
     reasons : str array, shape (K,)
-        Why it does not exist; empty where it does.
+        Why there is no value for a seed; empty where there is one.
     seconds : float
         Wall-clock time.
     """
@@ -57,18 +57,18 @@ class Ensemble(Result):
 
     @property
     def mean(self) -> float:
-        """Mean of the numbers that exist."""
+        """Mean of the values that exist."""
         return float(self._known.mean())
 
     @property
     def spread(self) -> float | None:
-        """Their standard deviation; None of a single one."""
+        """Standard deviation of the values that exist; None if there is only one."""
         known = self._known
         return float(known.std(ddof=1)) if known.size > 1 else None
 
     @property
     def mean_error(self) -> float | None:
-        """Standard error of the mean, and the largest error of a number that states one."""
+        """Standard error of the mean plus the largest error stated for a value."""
         if self.spread is None:
             return None
         largest = float(np.nanmax(self.errors, initial=0.0))
@@ -76,7 +76,7 @@ class Ensemble(Result):
 
     @property
     def missing(self) -> int:
-        """Seeds for which there is no such number: a front that is none, for example."""
+        """Number of seeds without a value: a seed for which there is no front, for example."""
         return int(self.values.size - self._known.size)
 
     @property
@@ -86,14 +86,14 @@ class Ensemble(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class SeedTask:
-    """The number at one seed, in this process or in another one."""
+    """The value for one seed, computed in this process or in another one."""
 
     function: Callable[..., Any]
     chain: OwnChain
     options: Mapping[str, Any]
 
     def __call__(self, point: Mapping[str, int]) -> dict[str, Any]:
-        """Return value, error and name of the number, or the reason why there is none."""
+        """Return value, error and name of the quantity, or the reason why there is none."""
         try:
             found = self.function(self.chain.replace(seed=point["seed"]), **self.options)
         except (ParameterError, ArithmeticError) as refusal:
@@ -136,23 +136,23 @@ def ensemble(
     progress: ProgressCallback | None = None,
     **options: Any,
 ) -> Ensemble:
-    """Compute one number of a disordered chain at every seed of its disorder.
+    """Compute a quantity of a disordered chain for every seed of its disorder.
 
     Parameters
     ----------
     function : callable
-        `measure_front`, `threshold`, or a function of a module from a chain to a number or to a
-        result with ``v``, ``c``, ``frequency`` or ``value``.
+        `measure_front`, `threshold`, or a function in a module that maps a chain to a number or to
+        a result with ``v``, ``c``, ``frequency`` or ``value``.
     chain : OscillatorChain
-        With a disorder.
+        A chain with disorder.
     seeds : sequence of int, optional
         Seeds, at least one.
     workers : int, optional
-        Processes, by default one a core.
+        Number of processes, by default one per core.
     progress : callable, optional
-        Called with the part done.
+        Called with the fraction done.
     **options
-        Of the function.
+        Options of the function.
 
     Returns
     -------
@@ -161,10 +161,10 @@ def ensemble(
     Raises
     ------
     ParameterError
-        If the chain has no disorder, a seed is no whole number or stands twice, none is given, or
-        the function gives no number.
+        If the chain has no disorder, a seed is not a whole number or occurs twice, no seed is
+        given, or the function does not return a number.
     RunError
-        If there is no such number at any seed.
+        If there is no value for any seed.
 
     Examples
     --------
@@ -203,7 +203,7 @@ def ensemble(
 
 
 def _distinct(seeds: Sequence[int]) -> list[int]:
-    """Return the seeds as whole numbers, none of them twice."""
+    """Return the seeds as whole numbers, refusing repeated ones."""
     if not isinstance(seeds, Iterable) or isinstance(seeds, str):
         raise ParameterError("seeds", seeds, "a sequence of whole numbers", "give range(16)")
     given = [random_seed(seed) for seed in seeds]

@@ -1,8 +1,8 @@
-"""Runs of the averaged chain (43) in slow time by equal steps, the coupling fixed or growing.
+"""Runs of the averaged chain (43) in slow time at equal steps, with fixed or growing coupling.
 
-The coupling may grow linearly, c = c_0 + rate·T; within a step it is held at the value of the
-middle. A mirror-symmetric start stays symmetric to the last bit. The loop is that of every smooth
-chain (``verification.steppers.smooth``), with escape as its stop condition.
+The coupling may grow linearly, c = c_0 + rate·T; within a step its value at the midpoint is used. A
+mirror-symmetric start stays symmetric to the last bit. The loop is that of every smooth chain
+(``verification.steppers.smooth``), with escape as its stop condition.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from verification.steppers.kernel import fast
 from verification.steppers.runge_kutta import Step
 
 STEP = 0.1
-"""Step in T of the method of order 8; rates are of order 1."""
+"""Step in T of the method of order 8; the rates are of order 1."""
 
 _BUDGET = 10**9
 
 
 @dataclass(frozen=True, kw_only=True)
 class EnvelopeRun:
-    """The end of a run.
+    """The final state of a run.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ def run_envelope(
     Parameters
     ----------
     chain : VdpChain or AveragedChain
-        a, b, c at T = 0 and the ends.
+        The chain: a, b, c at T = 0, and the ends.
     phi : complex array, shape (N,)
         Envelope at T = 0.
     duration : float
@@ -94,7 +94,7 @@ def run_envelope(
     rate : float, optional
         dc/dT.
     watched : bool array, optional
-        Sites whose amplitude may not pass ``limit``; all by default.
+        Sites whose amplitude may not exceed ``limit``; all by default.
     limit : float, optional
         Amplitude that ends the run.
 

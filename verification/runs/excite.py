@@ -1,10 +1,10 @@
-"""Starts of a run: which sites are excited, how far, in which phase, how perturbed.
+"""Initial states: which sites are excited, with what displacement, phase and perturbation.
 
 A start is a state (y, w) of every site, shape (2, N). Excited sites of a smooth chain are displaced
-by the amplitude of its excited state; those of the friction chain start, as in the paper, "close to
-the stick-slip limit cycle" of one cell with ẏ = 0, of which the cycle has two points. Where the
-cell has no stick-slip cycle, beyond its end, the paper does not say; here the point is taken at the
-end of the cycle.
+by the amplitude of its excited state. Those of the friction chain start, as in the paper, "close to
+the stick-slip limit cycle" of one cell with ẏ = 0; the cycle has two such points. Where the cell
+has no stick-slip cycle, beyond the end of its range, the paper does not specify the start; here the
+point of the cycle at that end is taken.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MAX_DISPLACEMENT = 1e3
 
 
 class StartPoint(Status):
-    """Where on the stick-slip cycle of one cell the excited sites start, ẏ = 0."""
+    """The point on the stick-slip cycle of one cell at which excited sites start, with ẏ = 0."""
 
     MAXIMUM = "maximum", "Excited sites start at the largest y of the cycle."
     MINIMUM = "minimum", "Excited sites start at the smallest y of the cycle."
@@ -48,17 +48,17 @@ def excite(
     Parameters
     ----------
     chain : Chain
-        Its sites, its rest state, and its excited state for the default.
+        The chain: its number of sites, its rest state, and its excited state for the default.
     sites : sequence of int
         Excited sites, from 1 to N.
     displacement : float, optional
-        Of a smooth chain √(y² + w²), of the friction chain y itself; by default the excited state
-        of one cell. Dimensionless, from -1000 to 1000.
+        For a smooth chain √(y² + w²), for the friction chain y itself; by default that of the
+        excited state of one cell. Dimensionless, from -1000 to 1000.
     quarter_turns : sequence of int, optional
-        Phase of each excited site of a smooth chain, in quarters of a turn; by default 0, all with
-        w = 0.
+        Phase of each excited site of a smooth chain, in quarter turns; by default 0 for all, that
+        is, w = 0.
     point : StartPoint, optional
-        Point of the cycle of the friction chain.
+        Point on the cycle of the friction chain.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def excite(
     Raises
     ------
     ParameterError
-        If a site is not in the chain, or the displacement is needed and the cell has no cycle.
+        If a site is not in the chain, or the cell has no cycle from which to take the displacement.
 
     Examples
     --------
@@ -133,7 +133,7 @@ def _(
 
 
 def cycle_point(cell: FrictionCell, point: StartPoint) -> float:
-    """Return y of a point of the stick-slip cycle, or of its end where there is none."""
+    """Return y at a point of the stick-slip cycle, or at the end of its range if there is none."""
     low, high = _turning_points(cell)
     return high if StartPoint(point) is StartPoint.MAXIMUM else low
 
@@ -146,9 +146,9 @@ def _turning_points(cell: FrictionCell) -> tuple[float, float]:
 
 
 def excite_edge(chain: SmoothChain, filled: int) -> FloatArray:
-    """Return a start of a front: the first sites excited, with the phase step of its fronts.
+    """Return the start of a front: the first sites excited, with the phase step of its fronts.
 
-    Fronts of (8) and (43) lock to a phase step of -π/2 a site.
+    Fronts of (8) and (43) lock to a phase step of -π/2 per site.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def excite_edge(chain: SmoothChain, filled: int) -> FloatArray:
 
 
 def add_noise(start: FloatArray, size: float, seed: int) -> FloatArray:
-    """Return the start with normal noise of this size on w and y of every site, by a seed.
+    """Return the start with normal noise of deviation ``size`` added to w and y of every site.
 
     Examples
     --------

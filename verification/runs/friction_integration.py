@@ -1,4 +1,4 @@
-"""The integration of the friction chain (5): exact from event to event."""
+"""The integration of the friction chain (5): exact from one event to the next."""
 
 from __future__ import annotations
 
@@ -40,11 +40,12 @@ from verification.steppers.stop_code import StopCode
 
 _REST = 0.01
 _PIECE = 200_000
-"""Sites times steps, at most, for which compiled code is not left: a fraction of a second."""
+"""Largest number of sites times steps spent in one call of compiled code: a fraction of a
+second."""
 
 
 class FrictionIntegration(Integration):
-    """A run of (5); the tolerance is absolute, of y and ẏ.
+    """A run of (5); the tolerance is absolute and applies to y and ẏ.
 
     Parameters
     ----------
@@ -57,12 +58,12 @@ class FrictionIntegration(Integration):
     tolerance : float
         Local error of y and ẏ, absolute.
     end : float, optional
-        τ of the end; by default the last of ``times``, or none.
+        τ at the end; by default the last of ``times``, or no end.
     active_window : bool
-        Do not step sites at the ends while they are within a hundredth of the tolerance of steady
-        sliding.
+        Do not step sites at the ends as long as they are within a hundredth of the tolerance of
+        steady sliding.
     logged_events : int
-        Events that are listed in ``log``, from 0 to 1e8.
+        Number of events that are listed in ``log``, from 0 to 1e8.
 
     Raises
     ------
@@ -109,7 +110,7 @@ class FrictionIntegration(Integration):
             self._close_window(_REST * tolerance)
 
     def _close_window(self, rest: float) -> None:
-        """Close the window around what moves: what is nearer than that to sliding is at rest."""
+        """Close the window around the moving sites; sites closer than ``rest`` to sliding rest."""
         cell, run = self.chain.cell, self._run
         y, velocity = self.state
         away = np.maximum(np.abs(y - cell.steady_sliding), np.abs(velocity))
@@ -124,7 +125,7 @@ class FrictionIntegration(Integration):
             run.site[Y, part], run.site[W, part] = cell.steady_sliding, -cell.v_d
 
     def _row(self, row: int) -> FloatArray:
-        """One quantity of all sites, a view of shape (N,)."""
+        """One quantity at all sites, a view of shape (N,)."""
         return self._run.site[row, 1:-1]
 
     @property
@@ -152,7 +153,7 @@ class FrictionIntegration(Integration):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What decides the run, to be held against a checkpoint."""
+        """Everything that determines the run, to be compared with a checkpoint."""
         return {
             **self.chain.parameters(),
             "tolerance": self.tolerance,
@@ -164,7 +165,7 @@ class FrictionIntegration(Integration):
         }
 
     def check_state(self) -> None:
-        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        """Raise ValueError if the arrays are no valid state; compiled code does not check them."""
         counters = self._run.counters
         first, last, sampled = (int(n) for n in counters[:3])
         if not np.isfinite(self._run.numbers[CLOCK]):
@@ -179,23 +180,23 @@ class FrictionIntegration(Integration):
 
     @property
     def state(self) -> FloatArray:
-        """(y, ẏ) now, shape (2, N); ẏ is exactly v_d in stick."""
+        """Present state (y, ẏ), shape (2, N); ẏ is exactly v_d during stick."""
         return np.array([self._row(Y), self._row(W) + self.chain.cell.v_d])
 
     @property
     def stuck(self) -> BoolArray:
-        """Sites that stick now, shape (N,)."""
+        """Which sites stick at present, shape (N,)."""
         stuck: BoolArray = self._run.mode[MODE, 1:-1] == 0
         return stuck
 
     @property
     def last_extremes(self) -> FloatArray:
-        """Last maximum and last minimum of y in backward slip, shape (2, N); nan before."""
+        """Last maximum and minimum of y in backward slip, shape (2, N); nan until they occur."""
         return np.array([self._row(HIGHEST), self._row(LOWEST)])
 
     @property
     def amplitude(self) -> FloatArray:
-        """Half of last maximum minus last minimum of y, shape (N,); 0 before there are both."""
+        """Half of last maximum minus last minimum of y, shape (N,); 0 until both have occurred."""
         highest, lowest = self.last_extremes
         half = 0.5 * (highest - lowest)
         amplitude: FloatArray = np.nan_to_num(np.abs(half), nan=0.0)
@@ -215,16 +216,16 @@ class FrictionIntegration(Integration):
 
     @property
     def arrivals(self) -> FloatArray:
-        """τ at which each site first stuck, shape (N,); nan where it did not."""
+        """τ at which each site first stuck, shape (N,); nan if it did not."""
         return self._row(ARRIVAL)
 
     def forget_arrivals(self) -> None:
-        """Count arrivals anew from now on."""
+        """Discard the arrivals recorded so far."""
         self._row(ARRIVAL)[:] = np.nan
 
     @property
     def counts(self) -> dict[str, int]:
-        """Frames (``steps``), sites times frames, and series begun within frames."""
+        """Number of frames (``steps``), sites times frames, and series started within frames."""
         counters = self._run.counters
         return {
             "steps": int(counters[friction.FRAMES]),
@@ -249,7 +250,7 @@ class FrictionIntegration(Integration):
 
     @classmethod
     def perturbed(cls, chain: Chain, start: FloatArray, ulps: int) -> FloatArray:
-        """Return the start with y at every site so many units in the last place larger.
+        """Return the start with y at every site larger by ``ulps`` units in the last place.
 
         Examples
         --------
@@ -266,14 +267,14 @@ class FrictionIntegration(Integration):
         self.advance_to(self.end, max_steps=1 + budget // self.chain.sites)
 
     def advance_to(self, stop: float, *, max_steps: int = 2**62) -> None:
-        """Step until ``stop``, or until ``max_steps`` frames are taken.
+        """Step until ``stop``, or until ``max_steps`` frames have been taken.
 
-        Compiled code cannot be interrupted, so it is left now and then.
+        Compiled code cannot be interrupted, so it is left at intervals.
 
         Raises
         ------
         RunError
-            If time stands still or the state overflows.
+            If time does not advance or the state overflows.
         """
         ended, left = StopCode.BUDGET_SPENT, max_steps
         while ended is StopCode.BUDGET_SPENT and left > 0:
@@ -292,8 +293,9 @@ class FrictionIntegration(Integration):
     def going_to_rest(self) -> bool:
         """Whether every site is so near to stable steady sliding that none will stick again.
 
-        Sufficient: the energy about steady sliding is below that at which a site could reach the
-        velocity 1e-3 v_d; at all velocities between all damping is positive.
+        The criterion is sufficient: the energy relative to steady sliding is below that at which a
+        site could reach the velocity 1e-3 v_d, and the damping is positive at all velocities below
+        it.
         """
         cell, c = self.chain.cell, self.chain.c
         if cell.effective_damping <= 0.0 or self.chain.ends is not Ends.FREE:
@@ -302,7 +304,7 @@ class FrictionIntegration(Integration):
         away = y - cell.steady_sliding
         energy = 0.5 * float(velocity @ velocity + away @ away)
         energy += 0.5 * c * float(np.sum(np.diff(away) ** 2))
-        # Energy falls while every |ẏ| < u, for which the damping at v_d - u must be positive.
+        # The energy decreases while every |ẏ| < u, if the damping is positive at v_d - u.
         u = min(1e-3 * cell.v_d, 0.5 * cell.stability_margin)
         return energy < 0.5 * u * u and math.isfinite(energy)
 

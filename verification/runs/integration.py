@@ -1,4 +1,4 @@
-"""What an integration is: one run of a chain in progress, and the contract of every stepper.
+"""Integrations: one run of a chain in progress, and the contract of every stepper.
 
 How to write a new integration
 ------------------------------
@@ -8,18 +8,20 @@ How to write a new integration
        def _(chain: MyChain, start, times, **options):
            return MyIntegration(chain, start, times, **options)
 
-   Options that it does not know it refuses with ``ParameterError``.
-2. Hold the whole state of the run in numpy arrays, made once, changed in place, and listed in
-   ``state_arrays``. Filled from a file, they continue the run to the same bits.
-3. ``advance(budget)`` steps until ``end``, or until about ``budget`` sites times
-   steps are spent, a fraction of a second, so that somebody can watch or interrupt. Where a run is
-   divided must change nothing, to the last bit.
-4. Do not stop early, do not print; raise ``RunError`` with one sentence where the run cannot go on.
-5. Take the samples at ``times`` exactly, with the accuracy of the steps, and arrivals as the first
-   time at which each site is reached, to the accuracy of the run.
-6. ``metadata`` is all that decides the run, as JSON has it. It is held against a checkpoint.
-7. Control the local error by ``tolerance``, so that a hundred times the tolerance gives another
-   run, with an error some hundred times as large: the error of a run is found by comparison.
+   Options that it does not know are refused with ``ParameterError``.
+2. Keep the whole state of the run in numpy arrays that are created once, changed in place and
+   listed in ``state_arrays``. When they are filled from a file, the run continues bit for bit.
+3. ``advance(budget)`` steps until ``end``, or until about ``budget`` sites times steps are spent
+   (a fraction of a second), so that the run can be watched or interrupted. The division of a run
+   into such calls must not change the result by a single bit.
+4. Do not stop early and do not print; if the run cannot continue, raise ``RunError`` with one
+   sentence.
+5. Take the samples exactly at ``times``, with the accuracy of the steps. The arrival of a site is
+   the first time at which it is reached, to the accuracy of the run.
+6. ``metadata`` contains everything that determines the run, as JSON data; it is compared with that
+   of a checkpoint.
+7. Control the local error by ``tolerance``, so that a run with a hundred times the tolerance has
+   an error about a hundred times as large: the error of a run is estimated by comparison.
 """
 
 from __future__ import annotations
@@ -43,22 +45,22 @@ class NotFiniteError(RunError):
 
 
 class StandstillError(RunError):
-    """Time stands still: no step is short enough."""
+    """Time does not advance: no step is short enough."""
 
 
 class Integration(ABC):
-    """One run of a chain at one tolerance, in progress; the contract is that of the module.
+    """One run of a chain at one tolerance, in progress; the module states the contract.
 
     Attributes
     ----------
     method : str
         Name of the stepper, for results.
     default_budget : int
-        Sites times steps between two readings of the clock.
+        Sites times steps between two readings of the clock, by default.
     chain : Chain
         Parameters.
     tolerance : float
-        Local error; what it is relative to, the class says.
+        Local error; the class states what it is relative to.
     times : ndarray, shape (M,)
         Times t of the samples, ascending.
     end : float
@@ -75,12 +77,12 @@ class Integration(ABC):
 
     @abstractmethod
     def advance(self, budget: int) -> None:
-        """Step until the end, or until some ``budget`` of sites times steps is spent.
+        """Step until the end, or until about ``budget`` sites times steps are spent.
 
         Raises
         ------
         RunError
-            If the run cannot go on.
+            If the run cannot continue.
         """
 
     @property
@@ -96,17 +98,17 @@ class Integration(ABC):
     @property
     @abstractmethod
     def state(self) -> FloatArray:
-        """(y, w) now, shape (2, N)."""
+        """Present state (y, w), shape (2, N)."""
 
     @property
     @abstractmethod
     def amplitude(self) -> FloatArray:
-        """Amplitude of every site now, shape (N,)."""
+        """Present amplitude of every site, shape (N,)."""
 
     @property
     @abstractmethod
     def arrivals(self) -> FloatArray:
-        """Time t at which each site was first reached, shape (N,); nan where it was not."""
+        """Time t at which each site was first reached, shape (N,); nan if it was not."""
 
     @property
     @abstractmethod
@@ -121,7 +123,7 @@ class Integration(ABC):
     @property
     @abstractmethod
     def counts(self) -> dict[str, int]:
-        """What was counted: at least ``steps``, and ``site_steps``, sites times steps."""
+        """Counters: at least ``steps`` and ``site_steps``, the sum of sites over all steps."""
 
     @property
     @abstractmethod
@@ -131,43 +133,43 @@ class Integration(ABC):
     @property
     @abstractmethod
     def metadata(self) -> Mapping[str, Any]:
-        """What decides the run, to be held against a checkpoint."""
+        """Everything that determines the run, to be compared with a checkpoint."""
 
     @abstractmethod
     def check_state(self) -> None:
-        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        """Raise ValueError if the arrays are no valid state; compiled code does not check them."""
 
     @abstractmethod
     def going_to_rest(self) -> bool:
-        """Whether no further site will be reached, since all go to rest."""
+        """Whether no further site will be reached, because all are decaying to rest."""
 
     @property
     def events(self) -> Mapping[str, int]:
-        """Number of events of each kind; runs that differ in it are not the same motion."""
+        """Number of events of each kind; runs in which it differs are not the same motion."""
         return {}
 
     @property
     def log(self) -> FloatArray:
-        """Rows (t, site from 1, kind) of the first events, if they were asked for."""
+        """Rows (t, site from 1, kind) of the first events, if they were requested."""
         return np.zeros((0, 3))
 
     def least_error(self) -> float:
-        """Return the local error of an ordinary step: a run is not claimed to err by less.
+        """Return the local error of an ordinary step, below which no error of a run is stated.
 
-        Runs that are compared may agree far better than either is right: where both come to a
-        sample by the same few steps, or where one step of the finer run happens to be bad.
+        Two runs may agree far better than either is accurate: if both reach a sample by the same
+        few steps, or if one step of the finer run happens to be inaccurate.
         """
         return self.tolerance
 
     def least_arrival_error(self) -> float:
-        """Return the same of times: the tolerance, in the unit of time of the right-hand side."""
+        """Return the corresponding bound for times: the tolerance, in the equations' time unit."""
         return self.tolerance
 
     @classmethod
     def perturbed(cls, chain: Chain, start: FloatArray, ulps: int) -> FloatArray:
-        """Return a start in which every number is larger by so many units in the last place.
+        """Return a start in which every number is larger by ``ulps`` units in the last place.
 
-        All sites are moved alike, so that a mirror-symmetric start stays so.
+        All sites are changed alike, so that a mirror-symmetric start stays symmetric.
         """
         return start * (1.0 + ulps * np.finfo(float).eps)
 
@@ -183,12 +185,12 @@ def integration(
     chain : Chain
         Parameters.
     start : array_like
-        State at t = 0, as :func:`checked_state` takes it.
+        State at t = 0, in a form that :func:`checked_state` accepts.
     times : array_like, shape (M,)
         Times t of the samples, ascending from 0 or later.
     **options
-        ``tolerance``, ``end`` (by default the last of ``times``), and what the class of the
-        integration takes.
+        ``tolerance``, ``end`` (by default the last of ``times``), and the parameters of the
+        integration's class.
 
     Raises
     ------
@@ -202,19 +204,19 @@ def integration(
 
 
 def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
-    """Return a start as a state (y, w) of its own, shape (2, N).
+    """Return a start as a newly allocated state (y, w), shape (2, N).
 
     Parameters
     ----------
     chain : Chain
-        With ``sites``.
+        A chain with ``sites``.
     start : array_like
         (y, w), shape (2, N); or Ψ = w + iy, complex, shape (N,).
 
     Raises
     ------
     ParameterError
-        If it has another shape, or a number is not finite.
+        If it has another shape, or a value is not finite.
 
     Examples
     --------

@@ -40,7 +40,7 @@ __all__ = ["friction_integration", "simulate", "smooth_integration"]
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-14, 1e-2
 
 MAX_NUMBERS = 10**8
-"""Samples times sites that a run may keep: some gigabytes."""
+"""Samples times sites that a run may store: a few gigabytes."""
 
 
 def simulate(  # noqa: PLR0913  (all but three by name)
@@ -63,35 +63,37 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     Parameters
     ----------
     chain : Chain
-        Of a model that is integrated in time: (8), (43), (5), or a smooth chain of your own.
+        A chain of a model that is integrated in time: (8), (43), (5), or a user-defined smooth
+        chain.
     start : array_like
         (y, w) of every site, shape (2, N), dimensionless (``verification.runs.excite``); or
         Ψ = ẏ + iy, complex, shape (N,).
     t_end : float
-        Time t, positive, at most 1e9; slow time is εt.
+        Final time t, positive, at most 1e9; slow time is εt.
     tolerance : float, optional
         Local error, from 1e-14 to 1e-2: relative to the largest value of the state, by default
-        1e-9; absolute for the friction chain, by default 1e-10.
+        1e-9; for the friction chain absolute, by default 1e-10.
     samples : int
-        States sampled, evenly spaced from 0 to ``t_end``; at least 2.
+        Number of states sampled, evenly spaced from 0 to ``t_end``; at least 2.
     times : sequence of float, optional
-        Where states are sampled instead, ascending, the last one at most ``t_end``.
+        Times at which states are sampled instead, ascending, the last one at most ``t_end``.
     level : float, optional
-        Amplitude of an arrival; by default the unstable amplitude of the chain. The friction chain
-        has none: a site is reached when it first sticks.
+        Amplitude that counts as an arrival; by default the unstable amplitude of the chain. The
+        friction chain has no level: a site is reached when it first sticks.
     estimate_error : bool
-        Run the chain at a tenth of the tolerance as well, for the error.
+        Also run the chain at a tenth of the tolerance, to estimate the error.
     checkpoint : Path or str, optional
-        File into which the run is saved every few seconds and when it is interrupted. If it
-        exists, the run goes on from it, to the same bits.
+        File into which the run is saved every few seconds and when it is interrupted. If it exists,
+        the run is resumed from it and continues bit for bit.
     progress : callable, optional
-        Called now and then with the fraction done.
+        Called at intervals with the fraction done.
     budget : int, optional
         Sites times steps between two readings of the clock.
     **options
-        Of the integration: ``active_window`` (step only the sites that move, by default true),
-        ``trailing_sites``, ``left_boundary_wave`` (``smooth_integration.SmoothIntegration``), or
-        ``logged_events`` (``friction_integration.FrictionIntegration``).
+        Options of the integration: ``active_window`` (step only the sites that move, by default
+        true), ``trailing_sites``, ``left_boundary_wave``
+        (``smooth_integration.SmoothIntegration``), or ``logged_events``
+        (``friction_integration.FrictionIntegration``).
 
     Returns
     -------
@@ -100,15 +102,15 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     Raises
     ------
     ParameterError
-        If a parameter is out of range, the start does not fit, the model is not integrated in
-        time, or the checkpoint belongs to another run.
+        If a parameter is out of range, the start does not fit, the model is not integrated in time,
+        or the checkpoint belongs to another run.
     RunError
-        If the run cannot go on.
+        If the run cannot continue.
 
     References
     ----------
     Hairer, E., Nørsett, S. P. & Wanner, G. (1993), Solving Ordinary Differential Equations I,
-    Springer: DOP853. Hénon, M. (1982), Physica D 5, 412: states at a section by shorter steps.
+    Springer: DOP853. Hénon, M. (1982), Physica D 5, 412: states on a section by shortened steps.
 
     Examples
     --------
@@ -181,7 +183,7 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
         errors = error_by_sample(first.samples, other.samples)
         error = max(float(errors.max()), first.least_error())
         arrival_error = arrival_error_from(first.arrivals, other.arrivals)
-        if np.any(first.arrivals > 0.0):  # those at 0 are of the start, and exact
+        if np.any(first.arrivals > 0.0):  # arrivals at t = 0 belong to the start and are exact
             arrival_error = max(arrival_error, first.least_arrival_error())
         status, until = _resolution(first, errors)
         if status is RunStatus.RESOLVED and dict(other.events) != dict(first.events):
@@ -206,7 +208,7 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
 
 
 def _resolution(run: Integration, errors: FloatArray) -> tuple[RunStatus, float]:
-    """Return whether errors stay below the largest distance from rest so far, and until when."""
+    """Return whether errors stay below the largest amplitude reached so far, and until when."""
     rest = np.array(run.chain.rest_state)[None, :, None]
     away = np.hypot(*np.moveaxis(run.samples - rest, 1, 0)).max(axis=-1)
     lost = np.flatnonzero(errors > np.maximum.accumulate(away))

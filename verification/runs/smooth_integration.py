@@ -28,20 +28,21 @@ from verification.steppers.active import FOLLOWING, FREE, NETWORK, RING
 from verification.steppers.stop_code import StopCode
 
 STIFF_STEP = 5e-4
-"""Steps of (8) below this are left to the implicit method: the damping rate is then some 1e4."""
+"""Steps of (8) below this are left to the implicit method; the damping rate is then about 1e4."""
 
 SHORTEST_STEP = 1e-13
-"""Kernel time below which a step is given up; a start of 1e3 in (43) needs some 1e-11."""
+"""Kernel time of the shortest step; a start of 1e3 in (43) needs about 1e-11."""
 
 REVIEW = 6.5
-"""Kernel time after which the step of an oscillation may grow: a little over a period."""
+"""Kernel time after which the step of an oscillation may grow: slightly more than a period."""
 
 MARGIN, WEAK_COUPLING = 4, 3.0
-"""Sites at rest that are stepped beyond the last moving one, and twice as many at couplings above
-the second number: what the active window changes is below a hundredth of the tolerance."""
+"""Number of sites at rest that are stepped beyond the last moving one; it is doubled at couplings
+above the second number. The effect of the active window is then below a hundredth of the
+tolerance."""
 
 _DECAYED = 0.5
-"""Part of the unstable amplitude, or of the level, below which every site goes to rest."""
+"""Fraction of the unstable amplitude, or of the level, below which every site decays to rest."""
 
 
 class SmoothIntegration(Integration):
@@ -60,20 +61,21 @@ class SmoothIntegration(Integration):
     end : float, optional
         Time t of the end; by default the last of ``times``.
     level : float, optional
-        Amplitude of an arrival; by default the unstable amplitude of the chain.
+        Amplitude that counts as an arrival; by default the unstable amplitude of the chain.
     active_window : bool
-        Step only the sites that move, and some beside them.
+        Step only the sites that move, and a few beside them.
     trailing_sites : int
-        Step only so many sites behind the foremost arrival of a front that runs to larger n, and
-        continue a wave beyond them; 0 for all.
+        For a front that runs to larger n: step only this number of sites behind the foremost
+        arrival, and continue a wave beyond them; 0 for all sites.
     left_boundary_wave : bool
-        Beyond the first site a wave goes on for ever, instead of an end.
+        Continue an unending wave beyond the first site, instead of an end.
     drift : dict of str to float, optional
         Rates of change of parameters, per unit of t.
     step : float, optional
-        Equal steps of this length, in kernel time, instead of the tolerance.
+        Take equal steps of this length, in kernel time, instead of using the tolerance.
     shortest_step, longest_step : float
-        Steps in kernel time: the run is given up below the first, and none is above the second.
+        Limits of the step in kernel time: the run fails if a shorter one is needed, and no step is
+        longer than the second.
     watch, memory : optional
         A stop condition (``steppers.smooth.Condition``) and its numbers.
     """
@@ -114,7 +116,7 @@ class SmoothIntegration(Integration):
         self._left_boundary_wave = wave
         self._run = _at_start(state, self.times.size, self.level, memory)
         self._margin, self._watch = _margin(chain), watch
-        # Where rest is unstable the smallest motion ahead grows: none of it is left out.
+        # Where rest is unstable, even the smallest motion ahead grows, so no site is left out.
         local = first != RING and self._margin < chain.sites and chain.rest_attracts
         narrowed = truth("active_window", active_window) and local
         self._rest = self._close_window() if narrowed else -1.0
@@ -139,17 +141,17 @@ class SmoothIntegration(Integration):
         )
 
     def _drift(self, rates: dict[str, float]) -> FloatArray:
-        """Return the rates of the kernel's parameters, per unit of kernel time."""
+        """Return the rates of change of the kernel's parameters, per unit of kernel time."""
         p = np.array(self.chain.kernel_parameters())
         found = np.zeros(p.size)
         for name, rate in rates.items():
-            # The kernel's parameters are affine in each parameter of a chain that may drift.
+            # The kernel's parameters are affine in each chain parameter that may drift.
             ahead = self.chain.replace(**{name: getattr(self.chain, name) + 1.0})
             found += rate * (np.array(ahead.kernel_parameters()) - p)
         return found / self._rate
 
     def _close_window(self) -> float:
-        """Close the window around what moves; return the amplitude below which a site rests."""
+        """Close the window around the moving sites; return the amplitude of sites at rest."""
         chain: SmoothChain = self.chain
         rest = self.tolerance * max(self._size, chain.forced_size)
         state, counters, sites = self._run.state, self._run.counters, self.chain.sites
@@ -172,7 +174,7 @@ class SmoothIntegration(Integration):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What decides the run, to be held against a checkpoint."""
+        """Everything that determines the run, to be compared with a checkpoint."""
         return {
             **self.chain.parameters(),
             "tolerance": self._task.tolerance,
@@ -190,7 +192,7 @@ class SmoothIntegration(Integration):
         }
 
     def check_state(self) -> None:
-        """Raise ValueError if the arrays are no state of this run; compiled code does not look."""
+        """Raise ValueError if the arrays are no valid state; compiled code does not check them."""
         counters = self._run.counters
         first, last, sampled = (int(n) for n in counters[:3])
         if not np.all(np.isfinite(self._run.clock)):
@@ -211,17 +213,17 @@ class SmoothIntegration(Integration):
 
     @property
     def outcome(self) -> int:
-        """What the stop condition has returned; 0 while it is not met."""
+        """The return value of the stop condition; 0 while it is not met."""
         return int(self._run.counters[smooth.OUTCOME])
 
     @property
     def state(self) -> FloatArray:
-        """(y, w) now, shape (2, N)."""
+        """Present state (y, w), shape (2, N)."""
         return self._run.state
 
     @property
     def amplitude(self) -> FloatArray:
-        """√(y² + w²) of every site now, shape (N,)."""
+        """Present √(y² + w²) of every site, shape (N,)."""
         amplitude: FloatArray = np.hypot(*self._run.state)
         return amplitude
 
@@ -237,12 +239,12 @@ class SmoothIntegration(Integration):
 
     @property
     def arrivals(self) -> FloatArray:
-        """Time t at which each site first passed the level, shape (N,); nan where it did not."""
+        """Time t at which each site first passed the level, shape (N,); nan if it did not."""
         return self._run.arrivals / self._rate
 
     @property
     def counts(self) -> dict[str, int]:
-        """Explicit steps, sites times these steps, and steps of the implicit method."""
+        """Number of explicit steps, sites times these steps, and steps of the implicit method."""
         counters = self._run.counters
         return {
             "steps": int(counters[smooth.STEPS]),
@@ -251,9 +253,9 @@ class SmoothIntegration(Integration):
         }
 
     def going_to_rest(self) -> bool:
-        """Whether no further site will be reached, since all are far below and go to rest.
+        """Whether no further site will be reached, because all are decaying to rest.
 
-        Below half of the unstable amplitude, and of the level where that is lower.
+        All must be below half the unstable amplitude, and below half the level where that is lower.
         """
         if self.chain.forces or not self.chain.rest_attracts:
             return False
@@ -261,7 +263,7 @@ class SmoothIntegration(Integration):
         return bool(self.amplitude.max() < _DECAYED * level)
 
     def least_error(self) -> float:
-        """Return the local error of steps that do not grow, where the sampled state is largest."""
+        """Return the local error of a step that does not grow, at the largest sampled state."""
         least = self.tolerance
         if self.counts["stiff_steps"]:
             from verification.steppers.stiff_stage import TIGHTEST
@@ -271,16 +273,16 @@ class SmoothIntegration(Integration):
         return smooth.LAZY * least * size
 
     def least_arrival_error(self) -> float:
-        """Return the same part of the tolerance, in kernel time."""
+        """Return the same fraction of the tolerance, in kernel time."""
         return smooth.LAZY * self.tolerance / self._rate
 
     def advance(self, budget: int) -> None:
-        """Step until the end, or until some ``budget`` of sites times steps is spent.
+        """Step until the end, or until about ``budget`` sites times steps are spent.
 
         Raises
         ------
         RunError
-            If the state overflows, or needs steps that are too short.
+            If the state overflows, or the steps would become too short.
         """
         run, counters = self._run, self._run.counters
         active = max(1, int(counters[smooth.HI] - counters[smooth.LO]))
@@ -306,7 +308,7 @@ class SmoothIntegration(Integration):
             )
 
     def _pass_stiff_stage(self) -> None:
-        """Pass a piece of time by the implicit method; samples and arrivals are taken from it."""
+        """Cover an interval of time, with its samples and arrivals, by the implicit method."""
         from verification.steppers.stiff_stage import solve_stiff_piece
 
         run, counters, task = self._run, self._run.counters, self._task
@@ -347,7 +349,7 @@ class SmoothIntegration(Integration):
 def _at_start(
     state: FloatArray, samples: int, level: float, memory: FloatArray | None
 ) -> smooth.LoopState:
-    """Return the arrays of a run at time 0, where sites above the level have arrived."""
+    """Return the arrays of a run at time 0, with sites above the level counted as arrived."""
     sites = state.shape[1]
     return smooth.LoopState(
         state=state,
@@ -360,7 +362,7 @@ def _at_start(
 
 
 def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> int:
-    """Return what is beyond the first site (``steppers.active``)."""
+    """Return which kind of boundary lies before the first site (``steppers.active``)."""
     if chain.network is not None:
         if trailing_sites or wave:
             raise ParameterError(
@@ -378,7 +380,7 @@ def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> i
 
 
 def _margin(chain: SmoothChain) -> int:
-    """Return how many sites at rest are stepped beyond the last moving one."""
+    """Return the number of sites at rest that are stepped beyond the last moving one."""
     margin = 2 * MARGIN if getattr(chain, "c", math.inf) > WEAK_COUPLING else MARGIN
     return margin if chain.network is None else margin * max(1, chain.network.reach)
 

@@ -1,4 +1,4 @@
-"""What a run of a chain has shown: states, amplitudes, arrivals, and how far to trust them."""
+"""The result of a run of a chain: states, amplitudes, arrivals, and their errors."""
 
 from __future__ import annotations
 
@@ -44,23 +44,24 @@ class Trajectory(Result):
     chain : Chain
         Parameters.
     times : ndarray, shape (M,)
-        Times t of the samples (τ of the friction chain), dimensionless.
+        Times t of the samples (τ for the friction chain), dimensionless.
     states : ndarray, shape (M, 2, N)
-        (y, w) at those times: (y, ẏ) of (8) and (5), with ẏ exactly v_d in stick; (Im φ, Re φ) of
-        (43).
+        (y, w) at those times: (y, ẏ) for (8) and (5), with ẏ exactly v_d during stick; (Im φ, Re φ)
+        for (43).
     amplitude : ndarray, shape (M, N)
-        √(y² + w²), the envelope of y up to a ripple of O(ε) for (8); of the friction chain half of
-        the last maximum minus the last minimum of y, 0 before both.
+        √(y² + w²), which for (8) is the envelope of y up to a ripple of O(ε). For the friction
+        chain, half the difference between the last maximum and the last minimum of y; 0 until both
+        have occurred.
     arrivals : ndarray, shape (N,)
-        Time at which each site was first reached: its amplitude passed ``level``, or in the
-        friction chain it first stuck. nan where it was not, ``None`` in JSON.
+        Time at which each site was first reached, that is, its amplitude passed ``level`` or, in
+        the friction chain, it first stuck. nan if it was not reached (``None`` in JSON).
     level : float
-        Amplitude that counts as an arrival; of the friction chain the velocity of the belt.
+        Amplitude that counts as an arrival; for the friction chain, the velocity of the belt.
     error : float or None
-        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances; None
-        without them.
+        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances; None if
+        no such run was made.
     arrival_error : float or None
-        The same of ``arrivals``; inf if one run saw an arrival that another did not.
+        The same for ``arrivals``; inf if one run saw an arrival that another did not.
     status : RunStatus
         Whether the motion is resolved.
     resolved_until : float or None
@@ -70,11 +71,11 @@ class Trajectory(Result):
     method : str
         The stepper.
     counts : mapping
-        ``steps``, ``site_steps``, and what else the stepper counts.
+        ``steps``, ``site_steps``, and further counters of the stepper.
     event_log : ndarray, shape (K, 3)
-        Time, site (from 1) and kind of the first events of a friction chain, if asked for.
+        Time, site (from 1) and kind of the first events of a friction chain, if requested.
     seconds : float
-        Run time, of all sessions if it was resumed.
+        Run time, summed over all sessions if the run was resumed.
     """
 
     chain: Any
@@ -94,7 +95,7 @@ class Trajectory(Result):
     seconds: float
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result for JSON: the last state, arrivals, errors and counts, no samples."""
+        """Return the result for JSON: last state, arrivals, errors and counts, but no samples."""
         smooth = isinstance(self.chain, SmoothChain)
         width = int(self.width[-1]) if smooth else int(np.count_nonzero(~np.isnan(self.arrivals)))
         return {
@@ -116,7 +117,7 @@ class Trajectory(Result):
         }
 
     def arrays(self) -> dict[str, AnyArray]:
-        """Return what a file of arrays holds: samples by name, as the model calls them."""
+        """Return the arrays that are saved to a file: the samples, under the model's own names."""
         if isinstance(self.chain, SmoothChain):
             states: dict[str, AnyArray] = {"psi": self.psi}
         else:
@@ -136,17 +137,17 @@ class Trajectory(Result):
 
     @property
     def velocity(self) -> FloatArray:
-        """Second component of the states, shape (M, N): ẏ of (8) and (5), Re φ of (43)."""
+        """Second component of the states, shape (M, N): ẏ for (8) and (5), Re φ for (43)."""
         return self.states[:, 1]
 
     @property
     def psi(self) -> ComplexArray:
-        """Ψ = ẏ + iy of (8), φ of (43), shape (M, N)."""
+        """Ψ = ẏ + iy for (8), φ for (43), shape (M, N)."""
         return self.states[:, 1] + 1j * self.states[:, 0]
 
     @property
     def phase(self) -> FloatArray:
-        """Phase of φ in radians, shape (M, N); for (8) of Ψe^{-it}."""
+        """Phase of φ in radians, shape (M, N); for (8), the phase of Ψe^{-it}."""
         oscillates = getattr(self.chain, "oscillates", False)
         turn: Any = np.exp(-1j * self.times)[:, None] if oscillates else 1.0
         phase: FloatArray = np.angle(self.psi * turn)
@@ -160,21 +161,21 @@ class Trajectory(Result):
 
     @property
     def stuck(self) -> BoolArray:
-        """Sites of a friction chain that stick at the last sample, shape (N,)."""
+        """Which sites of a friction chain stick at the last sample, shape (N,)."""
         stuck: BoolArray = np.equal(self.velocity[-1], self.chain.v_d)
         return stuck
 
     @property
     def event_count(self) -> int:
-        """Number of events of a friction chain; 0 of a smooth one."""
+        """Number of events of a friction chain; 0 for a smooth one."""
         return sum(self.counts.get(kind, 0) for kind in ("sticks", "releases", "reversals"))
 
     @property
     def steps(self) -> int:
-        """Steps of the stepper."""
+        """Number of integration steps."""
         return self.counts["steps"]
 
     @property
     def mean_active(self) -> float:
-        """Sites stepped, averaged over the steps."""
+        """Number of sites stepped, averaged over the steps."""
         return self.counts["site_steps"] / max(1, self.steps)

@@ -1,4 +1,4 @@
-"""``breather``: the localised oscillation of a Van der Pol chain, four ways, and side by side."""
+"""``breather``: the localised oscillation of a Van der Pol chain by four methods."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ MAX_SITES = {
     BreatherMethod.ORBIT: 101,
     BreatherMethod.SIMULATION: 2001,
 }
-"""Longest chain for each method: matrices are dense, and a breather needs a few sites."""
+"""Longest chain for each method: the matrices are dense, and a breather needs only a few sites."""
 REST = 14
-"""Most sites at rest beside the nucleus with which a solution for comparison is computed; beyond
-them all amplitudes are small."""
+"""Largest number of sites at rest beside the nucleus in a solution computed for comparison; farther
+out all amplitudes are small."""
 
 
 @overload
@@ -80,27 +80,27 @@ def breather(
     reading: Reading | str = Reading.NEIGHBOUR,
     seed: int = 0,
 ) -> Breather | BreatherComparison:
-    """Return the breather of a nucleus, and how far it is from a solution of the chain.
+    """Return the breather of a nucleus, and its distance from a solution of the chain.
 
     Parameters
     ----------
     chain : VdpChain, AveragedChain or OscillatorChain
-        Needs two cycles (8b < a²) and c > 0. The error of what is found is its distance from the
-        periodic orbit of (8) for a `VdpChain`, from the rotating solution of (43) for an
-        `AveragedChain`. An `OscillatorChain` needs a stable cycle, and is run until the nucleus
-        has settled before its orbit is solved for.
+        Needs two cycles (8b < a²) and c > 0. The stated error is the distance from the periodic
+        orbit of (8) for a `VdpChain`, and from the rotating solution of (43) for an
+        `AveragedChain`. An `OscillatorChain` needs a stable cycle; it is run until the nucleus has
+        settled, and its orbit is then solved for.
     nucleus : Nucleus, optional
-        Which sites oscillate, and with which phase steps; by default one in the middle. Three or
-        more without a pattern are taken as what an in-phase start relaxes to.
+        Which sites oscillate, and with which phase steps; by default one in the middle. A nucleus
+        of three or more sites without a pattern has the phases to which an in-phase start relaxes.
     method : {"envelope", "closed-form", "orbit", "simulation", "all"}, optional
-        By default that which solves the chain itself: for an `AveragedChain` ``envelope``, for a
-        `VdpChain` and for an `OscillatorChain`, which has no other, ``orbit``.
-        ``closed-form``: (29), (37), (30), for one site in the bulk. ``envelope``: (43), solved.
-        ``orbit``: the periodic orbit of (8), by shooting, with Floquet multipliers; not for an
-        `AveragedChain`. ``simulation``: a run from a perturbed start until it repeats itself.
-        ``all``: every method that applies, side by side, and why another one refuses.
+        By default the method that solves the chain itself: ``envelope`` for an `AveragedChain`,
+        ``orbit`` for a `VdpChain` and for an `OscillatorChain`, which allows no other.
+        ``closed-form``: (29), (37), (30), for one site in the bulk. ``envelope``: solution of (43).
+        ``orbit``: the periodic orbit of (8) by shooting, with Floquet multipliers; not for an
+        `AveragedChain`. ``simulation``: a run from a perturbed start until it is periodic. ``all``:
+        every applicable method side by side, and the reasons why the others do not apply.
     reading : Reading, optional
-        Closed form: the site at which (37) is taken.
+        Closed form: the site at which (37) is evaluated.
     seed : int, optional
         Simulation: seed of the noise.
 
@@ -114,7 +114,7 @@ def breather(
     ------
     ParameterError
         If c = 0, the cell has no cycle, the nucleus does not fit, the method does not apply, or an
-        option is one of another method.
+        option belongs to another method.
 
     References
     ----------
@@ -169,21 +169,21 @@ def breather(
 
 
 class _Choice(NamedTuple):
-    """What single methods take besides chain and nucleus."""
+    """Options of the single methods besides chain and nucleus."""
 
     reading: Reading
     seed: int
 
     def check_read(self, method: BreatherMethod) -> None:
-        """Refuse what is chosen beside a method on which nothing of it depends."""
+        """Refuse options that have no effect with the chosen method."""
         read = {BreatherMethod.CLOSED_FORM: ["reading"], BreatherMethod.SIMULATION: ["seed"]}
         usual = {name: each.default for name, each in signature(breather).parameters.items()}
         refuse_unread(self._asdict(), usual, read.get(method, []), f"beside the method {method}")
 
 
 def with_pattern(nucleus: Nucleus, sites: int) -> Nucleus:
-    """Return the nucleus with a pattern that a breather in a chain of so many sites can have."""
-    nucleus.first(sites)  # refuses one that is wider, before its pattern is blamed
+    """Return the nucleus with a pattern that a breather in a chain of this length can have."""
+    nucleus.first(sites)  # refuses a nucleus wider than the chain before its pattern is checked
     at_edge = nucleus.place is Place.EDGE and nucleus.size != sites
     if nucleus.size > 2 and nucleus.in_phase and at_edge:
         raise ParameterError(
@@ -225,7 +225,7 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
     try:
         stability: BreatherStability | None = approximate_multipliers(odd, found)
     except ParameterError:
-        stability = None  # too stiff: the stability is then not decided
+        stability = None  # too stiff: the stability remains undecided
     distance = np.abs(np.arange(chain.sites) - nucleus.outward(chain.sites))
     amplitudes = found.amplitudes(chain.sites)[distance]
     own = Breather(
@@ -290,9 +290,10 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
 
 
 def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
-    """Return a breather whose errors were those as a solution of other equations than the chain's.
+    """Return a breather of another equation with its errors relative to the chain itself.
 
-    They become the distance from a solution of the chain itself, with its errors added.
+    Its errors so far are those of a solution of that other equation. They are replaced by the
+    distance from a solution of the chain itself, plus the errors of the latter.
     """
     unknown = replace(found, error=None, frequency_error=None, wave_error=None, growth_error=None)
     short = replace(chain, sites=min(chain.sites, found.nucleus.size + REST))
@@ -306,7 +307,7 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
         )
         why = f"{what} at this coupling"
         return replace(unknown, error_unknown=why)
-    assert found.frequency is not None  # as there is a breather
+    assert found.frequency is not None  # since the breather exists
     assert found.error is not None
     assert found.frequency_error is not None
     count = min(exact.outward.size, found.outward.size)
@@ -330,9 +331,9 @@ def _growth_apart(found: Breather, exact: Breather) -> float | None:
 
 
 def _turned_gap(found: Breather, exact: Breather) -> float:
-    """Return the largest distance of waves, those of both centres turned to be real.
+    """Return the largest distance between waves, both rotated to be real at the centre.
 
-    Sites beyond the shorter chain count with their whole amplitude.
+    Sites beyond the end of the shorter chain count with their whole amplitude.
     """
     centre, other = (each.nucleus.outward(each.chain.sites) for each in (found, exact))
     left = min(centre, other)
@@ -345,9 +346,10 @@ def _turned_gap(found: Breather, exact: Breather) -> float:
 
 
 def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:
-    """Return the fold of the chain's own breathers if it is known to be below c.
+    """Return the fold of the chain's own breathers if it is known to lie below c.
 
-    A run has no fold of its own. The chain of the orbits is short: a breather needs a few sites.
+    A run does not yield a fold. The chain used for the orbits is short, since a breather needs only
+    a few sites.
     """
     try:
         fold = breather_threshold(chain, nucleus, ThresholdMethod(own_method(chain)))

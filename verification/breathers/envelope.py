@@ -1,8 +1,8 @@
 """Breathers of the averaged chain (43), solved exactly: φ_n(T) = φ_n e^{iΩT}.
 
 The unknowns are Re φ_n, Im φ_n and Ω, with Im φ = 0 at the centre of the nucleus. A branch starts
-from the anticontinuum limit c → 0 and is followed through its fold. Exponents are eigenvalues λ of
-the linearisation in the rotating frame, per unit of T; over a period of (8) they give
+from the anticontinuum limit c → 0 and is followed through its fold. Exponents are the eigenvalues λ
+of the linearisation in the rotating frame, per unit of T; over a period of (8) they correspond to
 multipliers e^{2πελ}.
 """
 
@@ -35,15 +35,16 @@ from verification.continuation.branch import ContinuationBranch, Fold, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 
 START = 0.01
-"""Coupling at which branches leave the anticontinuum limit, where their fold is not near it."""
+"""Coupling at which branches leave the anticontinuum limit, unless their fold is close to it."""
 SMALLEST_ETA = 1e-6
-"""Below it rounding of the cell's rate, 1/(2η) at the cycle, shifts folds by more than is said."""
+"""Smallest η: below it, rounding of the cell's rate, 1/(2η) at the cycle, shifts folds by more than
+the stated error."""
 
 
 def start_of(chain: VanDerPolChain, latest: float = START, part: float = 0.25) -> float:
-    """Return the coupling at which branches leave the anticontinuum limit: a part of their fold.
+    """Return the coupling at which branches leave the limit c → 0: a fraction of their fold.
 
-    The fold goes to zero like √η, and is that of the closed form to some per cent.
+    The fold goes to zero like √η and agrees with that of the closed form to a few per cent.
 
     Examples
     --------
@@ -72,16 +73,16 @@ class RotatingWaves(BreatherFamily):
 
     @property
     def unit(self) -> float:
-        """Amplitude in which φ is counted: a power of 16, which rounds nothing, near the cycle's.
+        """Unit of φ: a power of 16 near the cycle's amplitude, so that scaling rounds nothing.
 
-        One for cycles from 1 to 16: residuals, steps along a branch and what is left of them are
-        numbers of the order of one at every scale of a and b.
+        It is 1 for cycles from 1 to 16. At every scale of a and b, residuals and steps along a
+        branch are then of order one.
         """
         return float(16.0 ** round(math.log(self.chain.stable_amplitude / 4.0, 16.0)))
 
     @property
     def pace(self) -> float:
-        """Rate in which φ' is counted, a power of 16: the cycle attracts at some 1/(2η)."""
+        """Unit of φ', a power of 16: the cycle attracts at a rate of about 1/(2η)."""
         return float(16.0 ** max(round(math.log(0.02 / self.chain.eta, 16.0)), 0))
 
     def unpack(self, u: FloatArray) -> tuple[ComplexArray, float]:
@@ -92,7 +93,7 @@ class RotatingWaves(BreatherFamily):
     def system(self, refinement: int = 1) -> System:
         """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre.
 
-        φ is in units of `unit`, and φ' of `pace` as well.
+        φ is in units of `unit`, and φ' in units of `unit` times `pace`.
         """
         chain, sites, centre = self.chain, self.chain.sites, self.centre
         unit, pace = self.unit, self.pace
@@ -130,7 +131,7 @@ class RotatingWaves(BreatherFamily):
         excited = np.flatnonzero(phi)
         rates = envelope_rate(phi, here)[excited] / phi[excited]
         omega = float(np.mean(rates.imag))
-        # The neighbours at rest follow at once: 0 = -(ic/2) φ_excited - φ/2 to leading order.
+        # The neighbours at rest follow immediately: 0 = -(ic/2) φ_excited - φ/2 to leading order.
         for side, inner in ((excited[0] - 1, excited[0]), (excited[-1] + 1, excited[-1])):
             if 0 <= side < chain.sites:
                 phi[side] = -1j * c * phi[inner]
@@ -149,7 +150,7 @@ class RotatingWaves(BreatherFamily):
         return point
 
     def directly(self) -> BranchPoint | None:
-        """Return the start of the branch, if that is no further than the coupling."""
+        """Return the start of the branch, unless it lies beyond the coupling of the chain."""
         c = self.chain.c
         return self.start(0.0, c) if c <= start_of(self.chain) else None
 
@@ -159,12 +160,12 @@ class RotatingWaves(BreatherFamily):
         return exponents(*self.unpack(u), replace(self.chain, c=c), mirrored)
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
-        """Return a solution, its error the Newton step that would come next, and rounding."""
+        """Return a solution; its error is the next Newton step plus rounding."""
         here = replace(self.chain, c=point.parameter)
         phi, omega = self.unpack(point.u)
         frequency = 1.0 + here.eps * omega
         left, rounding = 2.0 * point.correction, _rounding(phi, here)
-        # Ω is without a unit: its rounding is the relative one of φ, and that of the frequency.
+        # Ω is dimensionless: its rounding is the relative one of φ, and also that of the frequency.
         relative = left + rounding / float(np.abs(phi).max())
         error = left * self.unit + rounding
         mirrored = self.nucleus.mirrored(here.sites)
@@ -209,7 +210,7 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Breather
 
 
 def _rounding(phi: ComplexArray, chain: VanDerPolChain) -> float:
-    """Return what rounding of the damping does to an amplitude: it cancels as the cycles meet."""
+    """Return the effect of rounding in the damping on an amplitude; it grows as the cycles meet."""
     gap = max(1.0 - 8.0 * chain.eta, 1e-16)
     return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
@@ -217,8 +218,8 @@ def _rounding(phi: ComplexArray, chain: VanDerPolChain) -> float:
 def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> ContinuationBranch:
     """Follow the same branch in the real reduction to quarter-turn phase steps.
 
-    For patterns of ``+`` and ``-`` only. Half the unknowns, no frequency and no phase condition:
-    an independent computation of the fold.
+    For patterns of ``+`` and ``-`` only. With half the unknowns and neither frequency nor phase
+    condition, this is an independent computation of the fold.
 
     Raises
     ------
@@ -240,7 +241,7 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
         unit = quarter_turn_rate(r, replace(free, c=1.0)) - uncoupled
         return quarter_turn_rate(r, here), quarter_turn_jacobian(r, here), unit
 
-    # Real at the centre in the frame of `envelope`; turned so that r is real too.
+    # In the frame of `envelope` φ is real at the centre; here it is rotated so that r is real too.
     turned = nucleus.envelope(chain) / quarter_turn_phase(chain.sites)
     r = (turned / quarter_turn_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
     return trace(system, solve_at(system, r, start_of(chain)), 2.0)
@@ -249,5 +250,5 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
 def _left_pattern(
     phi: ComplexArray, guess: ComplexArray, excited: NDArray[np.intp], chain: VanDerPolChain
 ) -> bool:
-    """Whether the solution is not the one that was started from."""
+    """Whether the solution is no longer the one from which the branch started."""
     return bool(np.abs(phi[excited] - guess[excited]).max() > 0.3 * chain.stable_amplitude)

@@ -1,4 +1,4 @@
-"""Stability of a breather: exponents of averaged ones, and the split of modes by reflection.
+"""Stability of a breather: exponents of the averaged chain, and the split of modes by reflection.
 
 Exponents are eigenvalues λ of (43) linearised in the frame rotating at Ω, per unit of T; over a
 period of (8) they give multipliers e^{2πελ} to leading order.
@@ -15,34 +15,34 @@ from theory.averaged.envelope import envelope_jacobian
 from theory.chains.vdp import VanDerPolChain
 
 MARGINAL = 1e-9
-"""Growth rates below this count as zero: round-off of an eigenvalue that is exactly zero."""
+"""Growth rates below this count as zero: round-off in an eigenvalue that is exactly zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BreatherStability:
-    """What becomes of small perturbations of a breather.
+    """Stability of a breather against small perturbations.
 
     Attributes
     ----------
     values : complex array, shape (2N,)
-        Floquet multipliers by falling modulus, or of (43) exponents by falling real part.
+        Floquet multipliers by descending modulus or, for (43), exponents by descending real part.
     trivial : float
-        Distance from 1, or of exponents from 0, of the one that belongs to the phase.
+        Distance of the trivial (phase) multiplier from 1, or of the trivial exponent from 0.
     leader : complex
-        The one that grows fastest among the others.
+        The nontrivial multiplier or exponent that grows fastest.
     growth : float
-        Its rate per unit of slow time T.
+        Its growth rate per unit of slow time T.
     frequency : float
-        The imaginary part of that rate, taken positive.
+        The absolute value of the imaginary part of that rate.
     symmetric, antisymmetric : float or None
-        Largest growth (trivial one apart) among modes of the breather's own parity under
-        reflection and of the other one; None if the breather is not mirror-symmetric.
+        Largest growth, without the trivial mode, among modes of the breather's own parity under
+        reflection and of the opposite parity; None if the breather is not mirror-symmetric.
     marginal : float
-        Growth up to which there is none: round-off of what is exactly zero.
+        Growth rate up to which a mode counts as not growing: round-off of an exact zero.
     error : float
-        Bound on the distance of each value from a true one.
+        Bound on the distance of each computed value from an exact one.
     growth_error : float
-        The same of ``growth``; infinite where a multiplier may be zero.
+        The same for ``growth``; infinite where a multiplier may be zero.
     """
 
     values: ComplexArray
@@ -58,7 +58,7 @@ class BreatherStability:
 
     @property
     def stable(self) -> bool:
-        """Whether nothing grows."""
+        """Whether no perturbation grows."""
         return self.growth <= self.marginal
 
 
@@ -79,9 +79,9 @@ def exponents(
     error: float = 0.0,
     omega_error: float = 0.0,
 ) -> BreatherStability:
-    """Return the eigenvalues of the linearisation, split by reflection if ``mirrored``.
+    """Return the eigenvalues of the linearisation, split by parity if ``mirrored``.
 
-    Their errors are bounded as those of multipliers are, from the errors of φ and Ω.
+    Their error bounds follow from the errors of φ and Ω, as those of multipliers do.
     """
     jacobian = rotating_jacobian(phi, omega, chain)
     off = omega_error + _bend(np.abs(phi), chain) * error
@@ -123,17 +123,17 @@ def _bend(size: FloatArray, chain: VanDerPolChain) -> float:
 
 
 def eigenvalue_bound(matrix: FloatArray, vectors: ComplexArray, error: float) -> float:
-    """Return how far eigenvalues of a matrix, of size n, are from those of the true one, at most.
+    """Return a bound on the distance of eigenvalues of an n × n matrix from those of the exact one.
 
-    With δ the error of the matrix in the spectral norm and V the vectors, cond(V) δ (Bauer and Fike
-    1960) and (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). The roundings of LAPACK are those of a
-    matrix that is n units in the last place away.
+    With δ the error of the matrix in the spectral norm and V its eigenvectors, the bounds are
+    cond(V) δ (Bauer and Fike 1960) and (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). The rounding of
+    LAPACK is equivalent to a perturbation of the matrix by n units in the last place.
     """
     size = len(matrix)
     norm = float(np.linalg.norm(matrix))
     off = size * (error + float(np.finfo(float).eps) * norm)
     elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
-    with np.errstate(over="ignore"):  # vectors that are dependent to the last bit
+    with np.errstate(over="ignore"):  # eigenvectors may be dependent to the last bit
         return float(min(float(np.linalg.cond(vectors)) * off, elsner))
 
 

@@ -1,4 +1,4 @@
-"""Which breathers are solutions of a chain itself, by the class of the chain."""
+"""Which family of breathers solves a chain itself, by the class of the chain."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def own_family(chain: Any, nucleus: Nucleus) -> BreatherFamily:
 
 
 def own_method(chain: Any) -> BreatherMethod:
-    """Return the method by which a chain itself is solved, which is the default."""
+    """Return the default method, which solves the chain itself."""
     return _class_of(chain).method
 
 

@@ -1,12 +1,12 @@
-"""One contract for breathers that are solved for: solutions u of F(u, c) = 0 along a branch in c.
+"""The contract of breathers that are solved for: solutions u of F(u, c) = 0 along a branch in c.
 
 How to add a kind of chain
 --------------------------
 1. Derive a frozen dataclass from `BreatherFamily`, and name it in ``families``.
-2. ``system`` gives F and its derivatives, ``start`` a solution at small c, and ``directly`` one at
-   the coupling of the chain, where that needs no branch.
-3. ``stability`` says what becomes of small perturbations of a solution, and ``measured`` makes a
-   `Breather` of it.
+2. ``system`` returns F and its derivatives, ``start`` a solution at small c, and ``directly`` the
+   solution at the coupling of the chain if it can be found without following the branch.
+3. ``stability`` determines whether small perturbations of a solution grow, and ``measured`` turns
+   the solution into a `Breather`.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from verification.continuation.newton import BranchPoint, System
 
 @dataclass(frozen=True)
 class BreatherFamily(ABC):
-    """The breathers of a chain that have one nucleus.
+    """The breathers of a chain with a given nucleus.
 
     Attributes
     ----------
     chain : VdpChain, AveragedChain or OscillatorChain
-        Its c is that of ``solve``; a branch does not use it.
+        The chain; its c is used by ``solve``, but not by a branch.
     nucleus : Nucleus
         Which sites oscillate, and with which phase steps.
     """
@@ -52,43 +52,43 @@ class BreatherFamily(ABC):
 
     @abstractmethod
     def system(self, refinement: int = 1) -> System:
-        """Return F(u, c), its integration, if there is one, in so many times the steps."""
+        """Return F(u, c); ``refinement`` multiplies the integration steps, if there are any."""
 
     @abstractmethod
     def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
-        """Return a solution at small c, towards ``c_end``; at ``lowest`` if it can be reached.
+        """Return a solution at small c towards ``c_end``, at ``lowest`` if possible.
 
         Raises
         ------
         ParameterError
-            If none was found.
+            If no solution was found.
         """
 
     @abstractmethod
     def directly(self) -> BranchPoint | None:
-        """Return the solution at the coupling of the chain; None if its branch must be followed."""
+        """Return the solution at the chain's coupling; None if it needs the branch."""
 
     @abstractmethod
     def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
-        """Return what becomes of small perturbations, split by reflection where there is one."""
+        """Return the stability of a solution, split by reflection symmetry where there is one."""
 
     @abstractmethod
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
-        """Return a solution as a breather; its error is that as a solution of these equations."""
+        """Return a solution as a breather, with its error as a solution of these equations."""
 
     def finer(self) -> BreatherFamily:
         """Return the same breathers, their integration, if there is one, in twice the steps."""
         return self
 
     def step_error(self, fold: Fold) -> float:
-        """Return by how much steps of integration, if there are any, shift a fold."""
+        """Return by how much the integration steps, if there are any, shift a fold."""
         return 0.0
 
     def monitor(self, u: FloatArray, c: float) -> tuple[float, float, float]:
-        """Return the growth of all modes, of those of its own parity, and of the others.
+        """Return the growth of all modes, of those with the breather's parity, and of the others.
 
-        Of each what counts as zero is subtracted. Without mirror symmetry the last two repeat the
-        first.
+        From each, the growth that counts as zero is subtracted. Without mirror symmetry the last
+        two values repeat the first.
         """
         found = self.stability(u, c)
         own = found.growth if found.symmetric is None else found.symmetric
@@ -96,18 +96,18 @@ class BreatherFamily(ABC):
         return found.growth - found.marginal, own - found.marginal, other - found.marginal
 
     def branch(self, c_end: float = 2.0, *, monitored: bool = True) -> ContinuationBranch:
-        """Follow the breather from small c through its fold, with its growth if ``monitored``.
+        """Follow the breather from small c through its fold, recording its growth if ``monitored``.
 
         Raises
         ------
         ParameterError
-            If none was found at small c.
+            If no breather was found at small c.
         """
         monitor = self.monitor if monitored else None
         return trace(self.system(), self.start(c_end), c_end, monitor, self.steps_along)
 
     def solve(self) -> Breather:
-        """Solve at the coupling of the chain.
+        """Solve for the breather at the coupling of the chain.
 
         Raises
         ------

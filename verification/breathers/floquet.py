@@ -1,8 +1,8 @@
-"""Floquet multipliers of breathers of (8): along the true orbit, and along the sinusoids of (9).
+"""Floquet multipliers of breathers of (8), along the exact orbit and along the sinusoids of (9).
 
-The monodromy matrix is the derivative of the flow over one period (Eqs. 39-42). Along the true
-orbit one multiplier is exactly 1 (a shift of time). Along an approximate orbit none need be, so
-its distance from 1 stands beside every verdict.
+The monodromy matrix is the derivative of the flow over one period (Eqs. 39-42). Along the exact
+orbit one multiplier is exactly 1 (a shift in time). Along an approximate orbit none need be, so its
+distance from 1 is stated with every verdict.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from verification.breathers.exponents import (
 from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 MARGINAL = 1e-8
-"""Growth per unit T below which a multiplier counts as on the circle (round-off over ε)."""
+"""Growth per unit T below which a multiplier counts as on the unit circle (round-off over ε)."""
 
 
 def floquet_multipliers(
@@ -36,11 +36,12 @@ def floquet_multipliers(
     parity: int = 0,
     error: float = 0.0,
 ) -> BreatherStability:
-    """Sort and split the eigenvalues of a monodromy matrix.
+    """Sort the eigenvalues of a monodromy matrix, and split them by parity.
 
-    The growth of one is ln|μ|/(ε period), comparable with that of an exponent of (43). Their errors
-    are bounded by Bauer and Fike, or by Elsner where the vectors are nearly dependent: from the
-    error of the monodromy matrix, which is estimated, and the roundings of its eigenvalues.
+    The growth rate of a multiplier is ln|μ|/(ε period), comparable with that of an exponent of
+    (43). The errors of the multipliers are bounded by the theorem of Bauer and Fike or, where the
+    eigenvectors are nearly dependent, of Elsner; the bound includes the estimated error of the
+    monodromy matrix and the rounding of its eigenvalues.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def floquet_multipliers(
     parity : int, optional
         Parity of the breather under reflection; 0 if it has none.
     error : float, optional
-        Of the entries of the matrix.
+        Error of the entries of the matrix.
 
     Examples
     --------
@@ -109,7 +110,8 @@ def approximate_multipliers(
     Parameters
     ----------
     chain : VdpChain
-        An odd number of sites; the breather is in the middle. The paper's ends are periodic.
+        A chain with an odd number of sites; the breather is in the middle. The paper's ends are
+        periodic.
     breather : ClosedFormBreather
         Amplitude, decay, frequency and phase step of (9).
     misprinted : bool, optional
@@ -118,8 +120,8 @@ def approximate_multipliers(
     Raises
     ------
     ParameterError
-        If the number of sites is even, there is no breather at this coupling, or ε is so large
-        that variations along the sinusoids overflow within a period.
+        If the number of sites is even, there is no breather at this coupling, or ε is so large that
+        variations along the sinusoids overflow within a period.
     """
     if chain.sites % 2 == 0:
         raise ParameterError("number of sites n", chain.sites, "odd here", "add a site")

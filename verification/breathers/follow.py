@@ -1,4 +1,4 @@
-"""Branches of breathers in the coupling, through their folds."""
+"""Branches of breathers in the coupling, followed through their folds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from verification.continuation.branch import Fold, solutions_at, trace
 from verification.continuation.newton import BranchPoint
 
 _FURTHEST = 2.0
-"""Coupling up to which a fold is looked for."""
+"""Coupling up to which a fold is searched for."""
 _BEYOND = 1e-12
 """Relative amount by which the range is widened, so that its ends are passed."""
 
@@ -31,9 +31,9 @@ class FollowedBreather:
     Attributes
     ----------
     points : tuple of Breather
-        Each coupling once for each passage; then those at which there is none.
+        A breather for each passage through each coupling; then the couplings without a breather.
     folds : tuple of (Fold, Breather, int)
-        Where the branch turns back, the breather there, and how many points are before it.
+        Folds where the branch turns back, the breather there, and the number of points before it.
     """
 
     points: tuple[Breather, ...]
@@ -47,18 +47,18 @@ def follow(
     nucleus: Nucleus,
     folds: int = 1,
 ) -> FollowedBreather:
-    """Follow a breather from the smallest coupling through so many folds.
+    """Follow a breather from the smallest coupling through a given number of folds.
 
     Parameters
     ----------
     chain : VanDerPolChain
         A `VdpChain` for orbits, an `AveragedChain` for solutions of (43); its c is not used.
     couplings : sequence of float
-        Where the breather is required, dimensionless, positive.
+        Couplings at which the breather is requested, dimensionless, positive.
     nucleus : Nucleus
-        Which sites, and the pattern of phases.
+        Which sites oscillate, and their pattern of phases.
     folds : int, optional
-        Folds that are passed.
+        Number of folds that are passed.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def follow(
     family = own_family(chain, nucleus)
     system = family.system()
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
-    # To turn, the branch may go beyond the couplings that are required.
+    # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
     branch = trace(system, start, furthest, None, replace(FIRST_STEPS, folds=folds))
     points, legs = [], []

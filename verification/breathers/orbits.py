@@ -1,8 +1,8 @@
-"""True periodic orbits: shooting with variational equations.
+"""Exact periodic orbits by shooting with variational equations.
 
-The unknowns are the state X(0) and the period; the equations X(period) - X(0) = 0 and y = 0 at the
-centre of the nucleus. Starts come from the breather of the averaged chain, y = Im φ, ẏ = Re φ.
-What a chain of one's own has otherwise is in ``own``.
+The unknowns are the state X(0) and the period; the equations are X(period) - X(0) = 0 and y = 0 at
+the centre of the nucleus. Starting points come from the breather of the averaged chain, y = Im φ, ẏ
+= Re φ. What differs for user-defined chains is in ``own``.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from verification.continuation.newton import BranchPoint, NotConvergedError, Sys
 from verification.steppers.variational import STEPS, Flow, integrate_variations
 
 STARTS = (0.05, 0.1, 0.15)
-"""Couplings at which a branch of orbits may start from the averaged breather, in order of trial:
-at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
+"""Couplings at which a branch of orbits may start from the averaged breather, in the order in which
+they are tried: at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
 FIRST_STEPS = StepControl(length=0.3)
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
@@ -46,9 +46,9 @@ class Orbits(BreatherFamily):
     Attributes
     ----------
     chain, nucleus
-        As of `BreatherFamily`.
+        As in `BreatherFamily`.
     steps : int or None
-        Steps a period; by default as many as the chain needs.
+        Steps per period; by default as many as the chain needs.
     """
 
     method = BreatherMethod.ORBIT
@@ -60,21 +60,21 @@ class Orbits(BreatherFamily):
 
     @property
     def count(self) -> int:
-        """Steps a period."""
+        """Steps per period."""
         return self.steps or steps_for(self.chain)
 
     def flow(self, c: float, start: FloatArray, duration: float, steps: int) -> Flow:
-        """Return the motion from a start over a time, with its variations, by so many equal steps.
+        """Return the motion from a start over a time, with its variations, in equal steps.
 
         Raises
         ------
         ParameterError
-            If the motion grows beyond all bounds.
+            If the motion grows without bound.
         """
         return integrate_variations(self.chain.replace(c=c), start, duration, steps)
 
     def rate(self, c: float, state: FloatArray) -> FloatArray:
-        """Return the right side of (40), the chain (8) as a first-order system.
+        """Return the right-hand side of (40), the chain (8) as a first-order system.
 
         Examples
         --------
@@ -108,7 +108,7 @@ class Orbits(BreatherFamily):
         return system
 
     def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
-        """Return an orbit at small c, from where the branch is followed down to ``lowest``."""
+        """Return an orbit at small c, from which the branch is followed down to ``lowest``."""
         point = self._first(c_end)
         if lowest < point.parameter:
             with contextlib.suppress(NotConvergedError):
@@ -129,7 +129,7 @@ class Orbits(BreatherFamily):
         )
 
     def _from_small_eps(self, halvings: int = 5) -> BranchPoint:
-        """Solve from the averaged breather, or the orbit at half the ε where that is too far."""
+        """Solve from the averaged breather or, if that is too far, from the orbit at half ε."""
         system = self.system()
         try:
             return solve_at(system, orbit_guess(self.chain, self.nucleus), self.chain.c)
@@ -140,7 +140,7 @@ class Orbits(BreatherFamily):
         return solve_at(system, weaker._from_small_eps(halvings - 1).u, self.chain.c)
 
     def directly(self) -> BranchPoint | None:
-        """Return what the averaged breather leads to; None if that is too near the fold."""
+        """Return the orbit near the averaged breather; None if that is too near its fold."""
         system = self.system()
         try:
             return solve_at(system, orbit_guess(self.chain, self.nucleus), self.chain.c)
@@ -157,10 +157,10 @@ class Orbits(BreatherFamily):
     def measured(
         self, point: BranchPoint, started: float, fold: Fold | None = None, *, split: bool = True
     ) -> Breather:
-        """Return an orbit as a breather; twice the steps show its error.
+        """Return an orbit as a breather, with its error from a computation with twice the steps.
 
-        The multipliers are ``split`` where the nucleus is mirror-symmetric; not where the chain may
-        not be.
+        The multipliers are ``split`` by parity where the nucleus is mirror-symmetric, but not where
+        the chain may lack this symmetry.
         """
         c, count = point.parameter, self.count
         state, period = point.u[:-1], float(point.u[-1])
@@ -169,7 +169,8 @@ class Orbits(BreatherFamily):
         value, slope, _ = self.system(2)(point.u, c)
         step = np.linalg.solve(slope, value)
         nearer = self.flow(c, state - step[:-1], period - float(step[-1]), count)
-        # Of the matrix: what a halved step changes, and what the error of the orbit does.
+        # Error of the matrix: its change when the step is halved, and that due to the orbit's
+        # error.
         changes = [np.abs(each.monodromy - coarse.monodromy).max() for each in (fine, nearer)]
         stability = floquet_multipliers(
             fine.monodromy,
@@ -205,7 +206,7 @@ class Orbits(BreatherFamily):
         return replace(self, steps=2 * self.count)
 
     def step_error(self, fold: Fold) -> float:
-        """Return the shift under a halved step: residual over |∂F/∂c|."""
+        """Return the shift of the fold when the step is halved: residual over |∂F/∂c|."""
         value, _, by_c = self.system(2)(fold.u, fold.parameter)
         return float(abs(value).max() / abs(by_c).max())
 
@@ -220,12 +221,12 @@ class Orbits(BreatherFamily):
 
 
 def steps_for(chain: VdpChain) -> int:
-    """Return Taylor steps a period for errors near 1e-12: more where ε max|damping| is larger.
+    """Return the Taylor steps per period for errors near 1e-12; more for larger ε max|damping|.
 
     Raises
     ------
     ParameterError
-        If that is above `STIFFEST`: shooting would take minutes.
+        If ε max|damping| is above `STIFFEST`: shooting would take minutes.
 
     Examples
     --------
@@ -267,9 +268,9 @@ def solve_orbit(chain: VdpChain, nucleus: Nucleus, *, steps: int | None = None) 
     chain : VdpChain
         Needs two cycles and c > 0.
     nucleus : Nucleus
-        Which sites, and the pattern of phases.
+        Which sites oscillate, and their pattern of phases.
     steps : int, optional
-        Taylor steps a period; by default `steps_for`.
+        Taylor steps per period; by default `steps_for`.
 
     Raises
     ------

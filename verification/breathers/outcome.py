@@ -1,30 +1,30 @@
-"""What becomes of a nucleus: how many sites oscillate as slow time goes on, and how that ends.
+"""The outcome of a nucleus: how many sites oscillate as slow time passes, and how the run ends.
 
-A run of (8), or of (43), from the start. A site belongs to the nucleus from when its |Ψ| first
-passes the unstable cycle of one cell. The end is named by these rules, the first that applies:
+The chain (8) or (43) is run from the start. A site joins the nucleus when its |Ψ| first passes the
+unstable cycle of one cell. The outcome is named by the first of these rules that applies:
 
 shrunk
     Fewer sites are above that level at the end than at the start.
 held
     No site joined.
 larger
-    Sites joined, and none in the last half of the run, nor did one join at an end of the chain:
-    a larger nucleus that stands.
+    Sites joined, but none in the last half of the run and none at an end of the chain: a larger
+    nucleus that no longer grows.
 undecided
-    Fewer than ``SEVERAL`` sites joined, and the run is over.
+    Fewer than ``SEVERAL`` sites joined before the run was over.
 front
-    Between one site that joins and the next there is never more than ``PAUSE`` of slow time,
-    until a site at an end of the chain joins or the run is over.
+    Never more than ``PAUSE`` of slow time passes between one site that joins and the next, until a
+    site at an end of the chain joins or the run is over.
 creep
-    There is: the nucleus goes on growing, by jumps between which it stands almost still.
+    There is such a pause: the nucleus continues to grow by jumps, between which it hardly changes.
 
-``PAUSE`` is written down, not derived: twenty times 1/c, the longest time of the linear motion. So
-where creep becomes front is a convention; ``longest_pause`` is what was measured. That a larger
-nucleus stands is shown for the time of the run only.
+``PAUSE`` is a convention, not derived: twenty times 1/c, the longest time scale of the linear
+motion. The distinction between creep and front therefore depends on it; ``longest_pause`` is what
+was measured. That a larger nucleus no longer grows is shown only for the duration of the run.
 
-A start of exact mirror symmetry stays symmetric to the last bit, and then hides every instability
-that breaks the symmetry. With noise it is free to break it. Where a nucleus creeps its phases
-wander, and a run is good to its tolerance for a limited time: ``same_until`` says how long.
+A start with exact mirror symmetry stays symmetric to the last bit, which hides every instability
+that breaks the symmetry; noise allows it to break. The phases of a creeping nucleus wander, and a
+run is accurate to its tolerance for a limited time only, which is stated in ``same_until``.
 """
 
 from __future__ import annotations
@@ -46,19 +46,19 @@ from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
 
 PAUSE = 100.0
-"""Longest slow time from one site that joins to the next in a front."""
+"""Longest slow time between one site that joins and the next in a front."""
 SEVERAL = 6
 """Sites that must join before growth is called a front or creep: three on each side."""
 SAME = 1.0
-"""Slow time by which two runs may differ in when a site joined and still count as the same."""
+"""Slow time by which the joining times of a site in two runs may differ and still agree."""
 _TOLERANCE = 1e-8
-"""Local error of a run; that of the run for comparison is a hundred times larger."""
+"""Local error of a run; that of the comparison run is a hundred times larger."""
 SAMPLES = 201
-"""Samples of a run."""
+"""Number of samples of a run."""
 
 
 class NucleusOutcome(Status):
-    """What became of a nucleus by the end of a run; the rules are in the module."""
+    """The outcome of a nucleus at the end of a run; the module states the rules."""
 
     SHRUNK = "shrunk", "fewer sites oscillate at the end than at the start."
     HELD = "held", "no site joined."
@@ -70,18 +70,18 @@ class NucleusOutcome(Status):
 
 @dataclass(frozen=True, kw_only=True)
 class Evolution:
-    """How a nucleus changed in one run; times in slow time, unless `evolution` was given others.
+    """How a nucleus changed in one run; in slow time, unless `evolution` was given another unit.
 
     Attributes
     ----------
     outcome : NucleusOutcome
-        See the module.
+        The outcome, as defined in the module.
     size : int
-        Sites above the level at the end.
+        Number of sites above the level at the end.
     sizes : tuple of (float, int)
-        Slow time from which on so many sites had joined, the start included, at time 0.
+        Slow times with the number of sites that had joined by then, beginning with the start at 0.
     longest_pause : float or None
-        Longest slow time between one site that joined and the next; None below two of them.
+        Longest slow time between two successive joining sites; None if fewer than two joined.
     slow_time : float
         Length of the run.
     """
@@ -93,25 +93,25 @@ class Evolution:
     slow_time: float
 
     def size_at(self, slow_time: float) -> int:
-        """Return how many sites had joined by then."""
+        """Return how many sites had joined by a given slow time."""
         return [size for joined, size in self.sizes if joined <= slow_time][-1]
 
 
 @dataclass(frozen=True, kw_only=True)
 class FollowedNucleus:
-    """What became of a nucleus at a coupling.
+    """The outcome of a nucleus at one coupling.
 
     Attributes
     ----------
     evolution : Evolution
-        How it changed.
+        How the nucleus changed.
     mirrored : bool
         Whether the last state is its own mirror image to the last bit.
     same_until : float
-        Slow time up to which every site joined within `SAME` of when it did in a run at a hundred
-        times the tolerance.
+        Slow time up to which every site joined within `SAME` of its joining time in a run with a
+        hundred times the tolerance.
     confirmed : bool
-        Whether that run ended in the same way.
+        Whether that run ended with the same outcome.
     run : Trajectory
         The run.
     seconds : float
@@ -127,7 +127,7 @@ class FollowedNucleus:
 
 
 def evolution_of(run: Trajectory) -> Evolution:
-    """Name what a run has shown, by the rules of the module.
+    """Classify a run by the rules of the module.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def evolution_of(run: Trajectory) -> Evolution:
 
 
 def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PAUSE) -> Evolution:
-    """Apply the rules of the module to when sites joined, in slow time or another unit throughout.
+    """Apply the rules of the module to joining times, in slow time or consistently in another unit.
 
     Parameters
     ----------
@@ -151,9 +151,9 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
     slow_time : float
         Length of the run.
     size : int
-        Sites above the level at the end.
+        Number of sites above the level at the end.
     pause : float, optional
-        Longest pause of a front.
+        Longest pause between joining sites in a front.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
     ends = joined[[0, -1]]
     filled = float(np.min(ends[ends > 0.0], initial=np.inf))
     grew = times[times <= filled]
-    # What a front does until the run is over counts as a pause too; the end of the chain stops it.
+    # The time from the last site to the end of the run is a pause too, unless the chain is full.
     marks = grew if filled <= slow_time else np.append(grew, slow_time)
     longest = float(np.diff(grew).max()) if grew.size > 1 else None
     if size < started:
@@ -202,16 +202,16 @@ def follow_nucleus(
     seed: int = 0,
     slow_time: float = 1000.0,
 ) -> FollowedNucleus:
-    """Follow a nucleus in the middle of a chain: all its sites in phase on the cycle of one cell.
+    """Follow a nucleus in the middle of a chain, all its sites in phase on the cycle of one cell.
 
     Parameters
     ----------
     chain : VdpChain or AveragedChain
-        Parameters; N decides how far it can grow.
+        The chain; N determines how far the nucleus can grow.
     size : int
-        Excited sites, odd or even as N is, for a start of mirror symmetry.
+        Number of excited sites, of the same parity as N for a mirror-symmetric start.
     perturbation : float
-        Size of the noise on every site; 0 for exact mirror symmetry.
+        Standard deviation of the noise on every site; 0 for exact mirror symmetry.
     seed : int
         Seed of the noise.
     slow_time : float
@@ -264,16 +264,17 @@ def follow_nucleus(
 
 @dataclass(frozen=True, kw_only=True)
 class BreatherDistance:
-    """How far the last state of a run is from the mirror-symmetric breather of its size.
+    """Distance of the last state of a run from the mirror-symmetric breather of its size.
 
     Attributes
     ----------
     gap : float
-        Largest difference of |Ψ| and the amplitude of the orbit, over the sites. |Ψ| has a ripple
-        of O(ε), so it is never far below ε times the amplitude. Infinite if there is no such orbit.
+        Largest difference over the sites between |Ψ| and the amplitude of the orbit. |Ψ| has a
+        ripple of O(ε), so the gap is never far below ε times the amplitude. Infinite if there is no
+        such orbit.
     growth : float or None
-        Largest growth rate of the orbit per unit of slow time, perturbations of every shape; None
-        if there is no such orbit.
+        Largest growth rate of the orbit per unit of slow time, over perturbations of every shape;
+        None if there is no such orbit.
     """
 
     gap: float
@@ -281,10 +282,10 @@ class BreatherDistance:
 
 
 def distance_from_breather(followed: FollowedNucleus) -> BreatherDistance:
-    """Return how far the last state is from the mirror-symmetric breather of its size.
+    """Return the distance of the last state from the mirror-symmetric breather of its size.
 
-    The breather is the periodic orbit of (8), followed from small coupling; nothing of the run is
-    put into it.
+    The breather is the periodic orbit of (8), followed from small coupling without any use of the
+    run.
     """
     size, sites = followed.evolution.size, followed.run.chain.sites
     margin = min(MARGIN, (sites - size) // 2)
@@ -299,7 +300,7 @@ def distance_from_breather(followed: FollowedNucleus) -> BreatherDistance:
 
 
 def _same_until(one: FloatArray, other: FloatArray, slow_time: float) -> float:
-    """Return the first time of a difference, or the end."""
+    """Return the slow time of the first difference, or the end of the run."""
     known = np.nan_to_num(one, nan=np.inf), np.nan_to_num(other, nan=np.inf)
     with np.errstate(invalid="ignore"):
         apart = ~((known[0] == known[1]) | (np.abs(known[0] - known[1]) <= SAME))

@@ -1,8 +1,8 @@
-"""Periodic orbits of any chain or network of oscillators: its motion, its steps, its starts.
+"""Periodic orbits of any chain or network of oscillators: motion, steps, starting points.
 
-The start is a run of the chain until the nucleus has settled, so that what is found is near a
-stable breather. The variational equations are stepped beside the motion by the weights of DOP853 at
-equal steps, all sites at once.
+The chain is first run until the nucleus has settled, so that the orbit found is near a stable
+breather. The variational equations are integrated along with the motion by DOP853 at equal steps,
+for all sites at once.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.variational import Flow
 
 STEPS = 64
-"""Steps a period where damping is weak."""
+"""Steps per period where damping is weak."""
 MAX_SITES = 101
 SETTLED = 40.0
-"""Time in units of ``time_unit`` after which the nucleus has settled or is lost."""
+"""Time in units of ``time_unit`` after which the nucleus has either settled or disappeared."""
 
 
 @dataclass(frozen=True)
 class OwnOrbits(Orbits):
-    """The periodic orbits of any chain or network of oscillators, found from runs that settle."""
+    """The periodic orbits of any chain or network of oscillators, started from settled runs."""
 
     chain: OscillatorChain
 
@@ -45,7 +45,7 @@ class OwnOrbits(Orbits):
 
     @property
     def count(self) -> int:
-        """Steps a period: more where ε max|h| on the cycle is larger."""
+        """Steps per period: more where ε max|h| on the cycle is larger."""
         if self.steps:
             return self.steps
         chain = self.chain
@@ -60,11 +60,11 @@ class OwnOrbits(Orbits):
         return integrate_with_tangents(self.chain.replace(c=c), start, duration, steps)
 
     def rate(self, c: float, state: FloatArray) -> FloatArray:
-        """Return the right side of the chain as a first-order system."""
+        """Return the right-hand side of the chain as a first-order system."""
         return _rate_of(self.chain.replace(c=c))(state[:, None].repeat(2, axis=1))[:, 0]
 
     def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
-        """Return the orbit to which a nucleus settles at small c."""
+        """Return the orbit on which a nucleus settles at small c."""
         system = self.system()
         for c in STARTS:
             with suppress(NotConvergedError, ParameterError):
@@ -77,7 +77,7 @@ class OwnOrbits(Orbits):
         )
 
     def directly(self) -> BranchPoint:
-        """Return the orbit to which the nucleus settles.
+        """Return the orbit on which the nucleus settles.
 
         Raises
         ------
@@ -89,7 +89,7 @@ class OwnOrbits(Orbits):
     def measured(
         self, point: BranchPoint, started: float, fold: Fold | None = None, *, split: bool = False
     ) -> Breather:
-        """Return an orbit as a breather; sites may differ, so that no reflection is assumed."""
+        """Return an orbit as a breather; no mirror symmetry is assumed, since sites may differ."""
         return super().measured(point, started, fold, split=split)
 
 
@@ -101,18 +101,18 @@ def integrate_with_tangents(
     Parameters
     ----------
     chain : OscillatorChain
-        With inertia.
+        A chain with inertia.
     start : float array, shape (2N,)
         Displacements, then velocities.
     duration : float
         Time t.
     steps : int
-        Equal steps of DOP853.
+        Number of equal steps of DOP853.
 
     Returns
     -------
     Flow
-        State, monodromy matrix, derivative by c, and displacements before each step.
+        State, monodromy matrix, derivative with respect to c, and displacements before each step.
 
     Raises
     ------
@@ -143,9 +143,9 @@ def integrate_with_tangents(
 
 
 def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
-    """Return the rate of a motion, its tangents and its derivative by c, as a function of them.
+    """Return the rate of a motion, its tangents and its c-derivative, as a function of all of them.
 
-    They are columns; what they have in common is looked up once and not at every stage.
+    They are columns of one array; shared quantities are looked up once rather than at every stage.
     """
     count, resistive = chain.sites, chain.velocity_coupling
     matrix, p, n = chain.links.matrix, chain.kernel_parameters(), np.arange(count)
@@ -163,7 +163,7 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
         out[count:] = tangents - strength * pull
         out[count:, -1] -= chain.eps * pull[:, 0]
         site = y[:, 0], v[:, 0]
-        # Without a coupling of velocities their differences are asked for by nothing.
+        # Differences of velocities are needed only where velocities are coupled.
         plain = (matrix @ site[0], matrix @ site[1]) if resistive else (pull[:, 0], site[1])
         if line:
             left = 2.0 * site[0] - plain[0], 2.0 * site[1] - plain[1]
@@ -181,7 +181,7 @@ def check_orbits(chain: OscillatorChain) -> None:
     Raises
     ------
     ParameterError
-        With the reason.
+        The message states the reason.
     """
     chain.check_unforced("a breather, which is motion of a chain that is left alone")
     if chain.overdamped:
@@ -190,16 +190,16 @@ def check_orbits(chain: OscillatorChain) -> None:
         raise ParameterError(
             "number of sites n", chain.sites, f"at most {MAX_SITES} for an orbit", "take fewer"
         )
-    chain.kernels()  # refuses a function without its derivatives, before any search
+    chain.kernels()  # refuses, before any search, a function without derivatives
 
 
 def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> FloatArray:
-    """Return (X, period) of a run until the nucleus has settled, where y = 0 rises at the centre.
+    """Run until the nucleus has settled; return (X, period) where y passes 0 upwards at the centre.
 
     Raises
     ------
     ParameterError
-        If other sites are excited by then, or some of the nucleus no longer is.
+        If other sites are excited by then, or part of the nucleus no longer is.
     """
     sites, centre = nucleus.excited(chain.sites), nucleus.centre(chain.sites)
     start = excite(chain, sites, quarter_turns=nucleus.quarter_turns())

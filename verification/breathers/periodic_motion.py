@@ -1,4 +1,4 @@
-"""What the samples of one period show: first harmonics and largest displacements of the sites."""
+"""Analysis of one period from its samples: first harmonics and largest displacements."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from theory.arrays import ComplexArray, FloatArray
 
 SAMPLES = 64
-"""Samples a period for harmonics and amplitudes."""
+"""Samples per period for harmonics and amplitudes."""
 _FINE = 2048
 _NEWTON = 3
 
@@ -29,9 +29,9 @@ def first_harmonics(samples: FloatArray) -> ComplexArray:
 
 
 def largest_displacements(samples: FloatArray) -> FloatArray:
-    """Return max |y_n(t)|, shape (N,), of the trigonometric sums through one period, shape (M, N).
+    """Return max |y_n(t)|, shape (N,), of trigonometric interpolants of a period, shape (M, N).
 
-    Newton's method on the derivative, from the largest of many values.
+    Newton's method on the derivative, started from the largest of many values.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is found of a breather, by whichever method, of whichever chain that has them."""
+"""Results for a breather, whatever the method and the chain."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _UNITS = {"phases": "in units of π", "phases_error": "in units of π", "phase_s
 def wave_error_of(error: float) -> float:
     """Return the error of the waves from that of the state (y, ẏ), or of both parts of φ.
 
-    While an error δ of y and ẏ turns, its wave is up to √2 δ, and turning all waves by that of the
-    centre adds as much where no site is larger than it; twice that, for sites that are up to 1.8
-    times as large, and for damping.
+    While an error δ of y and ẏ rotates, that of the wave is up to √2 δ, and the rotation of all
+    waves that makes the centre real adds as much if no site is larger than the centre. Twice the
+    sum is taken, to allow for sites up to 1.8 times as large and for damping.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def wave_error_of(error: float) -> float:
 
 
 class BreatherMethod(Status):
-    """How a breather is found."""
+    """Method by which a breather is found."""
 
     CLOSED_FORM = "closed-form", "amplitudes of (29) and (37), with the frequency of (30)."
     ENVELOPE = "envelope", "the averaged chain (43), solved by continuation from small coupling."
@@ -46,49 +46,49 @@ class BreatherMethod(Status):
 
 @dataclass(frozen=True, kw_only=True)
 class Breather(Result):
-    """A breather of a chain by one method; all quantities dimensionless.
+    """A breather of a chain by one method; all quantities are dimensionless.
 
     Attributes
     ----------
     chain : VdpChain, AveragedChain or OscillatorChain
-        Whose solution it is to be: `error` is the distance from a solution of this chain.
+        The chain to which the breather belongs: `error` is the distance from its exact solution.
     nucleus : Nucleus
         Which sites oscillate, and their phase steps.
     method : BreatherMethod
-        By what it was found.
+        Method by which it was found.
     status : BreatherStatus
-        Whether there is one, or how the run ended.
+        Whether the breather exists, or how the run ended.
     amplitudes : float array, shape (N,)
         max |y_n| over a period, or |φ_n|; empty if there is no breather.
     waves : complex array, shape (N,)
         First harmonic of each site, whose angle is its phase; empty if there is none.
     frequency : float or None
-        In t; None if there is no breather. Never NaN.
+        In units of inverse t; None if there is no breather. Never NaN.
     growth_error : float or None
-        Distance of the growth from that of the chain's own breather; None if unknown.
+        Distance of the growth rate from that of the chain's own breather; None if unknown.
     error : float or None
-        Distance of the amplitudes from those of the chain's own breather, that one's error added;
-        None if unknown, and `error_unknown` says why.
+        Distance of the amplitudes from those of the chain's own breather, plus the error of the
+        latter; None if unknown, for the reason in `error_unknown`.
     frequency_error : float or None
         The same for the frequency.
     wave_error : float or None
-        The same for the waves, turned so that that of the centre is real: `phases_error` and
+        The same for the waves, rotated to be real at the centre; `phases_error` and
         `phase_step_error` follow from it. None if unknown.
     error_unknown : str
-        Why an error is not known; empty if all are.
+        Why an error is unknown; empty if all are known.
     residual : float or None
-        Largest entry of the method's own equations.
+        Largest residual of the equations that the method solves.
     decay : float or None
         e^{k_1} of (9), for the method ``closed-form``.
     fold, fold_error : float or None
-        Largest coupling of the branch and its error, if that was met.
+        Largest coupling of the branch and its error, if the fold was reached.
     time, drift : float or None
-        Time t that was run, and the change of the state left per unit of slow time.
+        Time t of the run, and the remaining change of the state per unit of slow time.
     unknowns : float array
-        What was solved for: (y, ẏ) at the moment when y = 0 < ẏ at the centre, and the period; or
-        (Re φ, Im φ, Ω), with which the frequency is 1 + εΩ. Empty if there is no solution.
+        The vector solved for: (y, ẏ) at the moment when y = 0 < ẏ at the centre, and the period; or
+        (Re φ, Im φ, Ω), with frequency 1 + εΩ. Empty if there is no solution.
     stability : BreatherStability or None
-        Multipliers, or exponents of (43), with the growth of either parity; None where the method
+        Multipliers, or exponents of (43), with the growth in either parity; None where the method
         does not compute them.
     seconds : float
         Wall-clock time.
@@ -126,12 +126,12 @@ class Breather(Result):
 
     @property
     def state(self) -> FloatArray:
-        """A state (y, ẏ) on the orbit, shape (2N,); of (43), (Re φ, Im φ)."""
+        """A state (y, ẏ) on the orbit, shape (2N,); for (43), (Re φ, Im φ)."""
         return self.unknowns[:-1]
 
     @property
     def period(self) -> float:
-        """In t, dimensionless.
+        """Period in t, dimensionless.
 
         Raises
         ------
@@ -147,25 +147,25 @@ class Breather(Result):
     def stable(self) -> bool | None:
         """Whether no small perturbation grows; None where the method does not decide it."""
         if self.status is BreatherStatus.SETTLED:
-            return True  # the run has forgotten the noise of its start
+            return True  # the run no longer depends on its initial noise
         return None if self.stability is None else self.stability.stable
 
     @property
     def growth(self) -> float | None:
-        """Largest growth rate per unit of slow time, trivial one apart; None if not computed."""
+        """Largest growth rate per unit of slow time, without the trivial mode; None if unknown."""
         return None if self.stability is None else self.stability.growth
 
     @property
     def trivial(self) -> float | None:
-        """Distance of the trivial multiplier from 1, of the trivial exponent of (43) from 0.
+        """Distance of the trivial multiplier from 1, or of the trivial exponent of (43) from 0.
 
-        By it the rates beside it are to be trusted.
+        It measures how accurate the other rates are.
         """
         return None if self.stability is None else self.stability.trivial
 
     @property
     def multipliers(self) -> ComplexArray | None:
-        """Floquet multipliers by falling modulus; of the averaged chain e^{ε λ period}."""
+        """Floquet multipliers by descending modulus; for the averaged chain e^{ε λ period}."""
         if self.stability is None:
             return None
         values = self.stability.values
@@ -174,18 +174,18 @@ class Breather(Result):
 
     @property
     def outward(self) -> FloatArray:
-        """Amplitudes from the centre (the right one of two; at an edge the first site) outwards."""
+        """Amplitudes outwards from the centre (of two, the right one; at an edge, site 1)."""
         return self.amplitudes[self.nucleus.outward(self.chain.sites) :]
 
     @property
     def inward(self) -> FloatArray:
-        """Amplitudes from the centre to the left end; the centre itself only of an odd nucleus."""
+        """Amplitudes from the centre (included only if the nucleus is odd) to the left end."""
         centre = self.nucleus.outward(self.chain.sites)
         return self.amplitudes[: centre + self.nucleus.size % 2][::-1]
 
     @property
     def phases(self) -> FloatArray:
-        """Phases of the sites against the centre, in units of π; empty if there is no breather."""
+        """Phases relative to the centre, in units of π; empty if there is no breather."""
         if not self.waves.size:
             return np.empty(0)
         centre = self.waves[self.nucleus.outward(self.chain.sites)]
@@ -193,7 +193,7 @@ class Breather(Result):
 
     @property
     def phases_error(self) -> FloatArray:
-        """Errors of the phases, in units of π: 1 where nothing is known; empty if at no site is."""
+        """Errors of the phases, in units of π: 1 where unknown; empty if unknown at every site."""
         if not self.waves.size or self.wave_error is None:
             return np.empty(0)
         errors = self._turns / np.pi
@@ -210,7 +210,7 @@ class Breather(Result):
 
     @property
     def _turns(self) -> FloatArray:
-        """By how much each wave can be turned, in radians."""
+        """Largest rotation of each wave that its error allows, in radians."""
         size = np.abs(self.waves)
         error = self.wave_error or 0.0
         share = np.divide(error, size, out=np.ones_like(size), where=size > error)
@@ -219,7 +219,7 @@ class Breather(Result):
 
     @property
     def phase_step(self) -> float | None:
-        """Phase step from the last site of the nucleus to the next, in radians; None without."""
+        """Phase step beyond the last site of the nucleus, in radians; None if there is none."""
         last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
         if last + 1 >= self.waves.size:
             return None
@@ -227,11 +227,11 @@ class Breather(Result):
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Units of the phases; all else is dimensionless."""
+        """Units of the phases; all other quantities are dimensionless."""
         return _UNITS
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result for JSON; ``amplitudes`` there go from the centre outwards."""
+        """Return the result for JSON, where ``amplitudes`` are listed from the centre outwards."""
         found = super().to_dict()
         return found | {
             "pattern": self.nucleus.pattern,
@@ -245,25 +245,25 @@ class Breather(Result):
         }
 
     def row(self) -> dict[str, Any]:
-        """Return the entries of one row, with the amplitudes at the centre and beside it."""
+        """Return the entries of one table row, with the amplitudes at the centre and next to it."""
         shown = dict(zip(("centre", "neighbour"), plain(self.outward), strict=False))
         return super().row() | {"centre": None, "neighbour": None} | shown
 
 
 @dataclass(frozen=True, kw_only=True)
 class BreatherComparison(Result):
-    """One breather by several methods, each with how far it is from a solution of the chain.
+    """One breather by several methods, each with its distance from a solution of the chain.
 
     Attributes
     ----------
     chain, nucleus
         As in `Breather`.
     methods : mapping of str to Breather
-        By the value of the method.
+        The breathers, by the value of the method.
     refusals : mapping of str to str
-        Why a method refuses this chain or nucleus, by its value.
+        Why a method does not apply to this chain or nucleus, by the value of the method.
     seconds : float
-        Wall-clock time of all.
+        Total wall-clock time.
     """
 
     chain: Any
@@ -288,7 +288,7 @@ class BreatherComparison(Result):
         return self.methods[method]
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return one row a method, those that refuse last, with their reason."""
+        """Return one row per method; those that do not apply come last, with the reason."""
         refused = [
             {"method": name, "status": "refused", "reason": reason}
             for name, reason in self.refusals.items()
@@ -296,7 +296,7 @@ class BreatherComparison(Result):
         return [*(each.row() for each in self.methods.values()), *refused]
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a method: status, centre, neighbour, frequency, growth, error, seconds."""
+        """Return a row per method: status, centre, neighbour, frequency, growth, error, seconds."""
         rows = [each.row() for each in self.methods.values()]
         columns = {name: np.array([row[name] for row in rows]) for name in ("method", "status")}
         names = ("centre", "neighbour", "frequency", "phase_step", "growth", "error")

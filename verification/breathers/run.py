@@ -1,7 +1,7 @@
-"""A breather by direct integration of (8) or (43): prepare, wait until nothing changes, measure.
+"""A breather by direct integration of (8) or (43): run until nothing changes, then measure.
 
-The start is a nucleus near the cycle, with seeded noise, so that what is found is what survives a
-small perturbation of no symmetry. What does not settle within the time is reported as such.
+The run starts from a nucleus near the cycle, with seeded noise, so that the breather found survives
+a small perturbation without symmetry. A run that does not settle in time is reported as such.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from verification.runs.envelope_run import run_envelope
 from verification.steppers.variational import integrate_chain
 
 STEPS, ORDER = 20, 18
-"""Taylor steps a period where damping is weak, and their order."""
+"""Taylor steps per period where damping is weak, and their order."""
 STIFFEST = 6.0
 """Largest ε max|damping| to which the number of steps is adapted."""
 NOISE = 1e-6
 """Standard deviation of the noise on the start: every y and ẏ, or both parts of every φ_n."""
 LARGEST_EPS = 0.2
-"""Largest ε: beyond it the step is too long for transients."""
+"""Largest ε: beyond it the step is too long for the transients."""
 SLOW_TIME, TOLERANCE = 1500.0, 1e-8
-"""Longest run, in T = εt, and the drift per unit T that counts as settled."""
+"""Longest run in T = εt, and the drift per unit T below which the state counts as settled."""
 BLOCK = 5.0
 """Slow time between two checks of the state."""
 
@@ -44,7 +44,7 @@ def run_breather(
     tolerance: float = TOLERANCE,
     seed: int = 0,
 ) -> Breather:
-    """Integrate (8) from a prepared nucleus until it repeats itself.
+    """Integrate (8) from a prepared nucleus until the motion is periodic.
 
     Parameters
     ----------
@@ -53,15 +53,15 @@ def run_breather(
     nucleus : Nucleus
         Excited sites and their phases at the start.
     tolerance : float, optional
-        Drift per unit T that counts as settled.
+        Drift per unit T below which the state counts as settled.
     seed : int, optional
-        Of the noise on the start.
+        Seed of the noise on the start.
 
     Returns
     -------
     Breather
-        The end of the run: settled, unsettled, escaped or died. Its drift is the largest change of
-        the state from one period to the next, over ε period.
+        The final state: settled, unsettled, escaped or died. Its drift is the largest change of the
+        state from one period to the next, divided by ε period.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def run_breather(
     phi = nucleus.envelope(chain)
     state = np.concatenate([phi.imag, phi.real])
     state = state + NOISE * np.random.default_rng(seed).normal(size=2 * sites)
-    # A block is a few units of slow time, and a whole number of rounds.
+    # A block lasts a few units of slow time and is a whole number of revolutions.
     rounds = max(1, round(BLOCK / (2.0 * math.pi * chain.eps)))
     steps = _steps(chain)
     period, elapsed = 2.0 * math.pi, 0.0
@@ -115,24 +115,24 @@ def run_breather(
 
 
 def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int = 0) -> Breather:
-    """Integrate (43) from a prepared nucleus until it rotates as a whole.
+    """Integrate (43) from a prepared nucleus until it rotates rigidly.
 
-    The drift is max |φ_n' - iΩφ_n| with Ω of the centre, from the equation and not from
-    differences of states: it is zero on a breather, whatever the step of the run.
+    The drift is max |φ_n' - iΩφ_n|, with Ω of the centre; it is computed from the equation and not
+    from differences of states, so that it vanishes on a breather whatever the step of the run.
 
     Parameters
     ----------
     chain : VdpChain or AveragedChain
-        a, b, c, ε and the ends.
+        The chain: a, b, c, ε and the ends.
     nucleus : Nucleus
         Excited sites and their phases at the start.
     seed : int, optional
-        Of the noise on the start.
+        Seed of the noise on the start.
 
     Returns
     -------
     Breather
-        The end of the run: settled, unsettled, escaped or died. Its time is in t.
+        The final state: settled, unsettled, escaped or died. Its time is in t.
 
     Raises
     ------
@@ -186,10 +186,10 @@ def _at_end(
     elapsed: float,
     started: float,
 ) -> Breather:
-    """Return the breather at the end of a run, of which every block has left a drift.
+    """Return the breather at the end of a run, given the drift at the end of each block.
 
-    Below the unstable cycle every amplitude decreases over a period, so that a run which has
-    settled with every site below it has settled on rest.
+    Below the unstable cycle every amplitude decreases over a period, so that a run that has settled
+    with every site below it has settled at rest.
     """
     settled = status is BreatherStatus.SETTLED
     if settled and amplitudes.max() < chain.unstable_amplitude:
@@ -222,16 +222,16 @@ def _at_end(
 
 
 def _steps(chain: VdpChain) -> int:
-    """Return Taylor steps a period: more where damping is strong.
+    """Return the Taylor steps per period: more where damping is strong.
 
-    The drift is measured with half the step of the run. What the run settles on is periodic for
-    its own step only, so their truncation errors must differ by less than the tolerance.
+    The drift is measured with half the step of the run. The final motion is exactly periodic for
+    its own step only, so the truncation errors of the two must differ by less than the tolerance.
     """
     return STEPS + math.ceil(STEPS * min(effective_epsilon(chain), STIFFEST))
 
 
 def _period(chain: VdpChain, state: FloatArray, guess: float, steps: int) -> tuple[float, float]:
-    """Return the time after which the state comes nearest to itself, and the drift left."""
+    """Return the time after which the state comes nearest to itself, and the remaining drift."""
     period, orbits = guess, Orbits(chain, Nucleus(1))
     for _ in range(6):
         after = integrate_chain(chain, state, period, steps, ORDER).state
@@ -245,10 +245,10 @@ def _period(chain: VdpChain, state: FloatArray, guess: float, steps: int) -> tup
 
 
 def _still_to_come(drifts: list[float]) -> float:
-    """Return how far a run is from what it settles on, if the drift falls by one factor a block.
+    """Return the distance of a run from its limit, for a drift that falls geometrically by block.
 
-    The drift is the change of the state per unit of slow time, at the end of each block; infinite
-    if there was one block only.
+    The drift is the change of the state per unit of slow time at the end of each block. The result
+    is infinite if there was only one block.
     """
     if len(drifts) < 2:
         return math.inf

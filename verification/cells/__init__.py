@@ -1,6 +1,6 @@
-"""What one oscillator alone can do (Fig. 2): ``cell``, of either model.
+"""The states of one isolated oscillator (Fig. 2): ``cell``, for every model.
 
-Its answer is in ``result``. ``friction_cycles`` shoots for one cycle at one tolerance, ``friction``
-compares tolerances and finds where cycles end, ``diagram`` follows them over the belt velocity;
-``vdp`` finds both cycles of (8), and those of (43).
+``result`` defines the results. ``friction_cycles`` finds one cycle by shooting at one tolerance,
+``friction`` compares tolerances and finds where cycles end, ``diagram`` follows them over the belt
+velocity; ``vdp`` finds both cycles of (8) and of (43).
 """

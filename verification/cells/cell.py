@@ -1,4 +1,4 @@
-"""``cell``: what one oscillator of any chain can do alone."""
+"""``cell``: the possible states of one isolated oscillator of any chain."""
 
 from __future__ import annotations
 
@@ -15,36 +15,36 @@ from verification.cells.vdp import averaged_cell, vdp_cell
 
 
 def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
-    """Return rest, cycles and basin of one cell, alone or taken from a chain.
+    """Return rest, cycles and basin of one cell, given directly or taken from a chain.
 
     Parameters
     ----------
     of : FrictionCell, FrictionChain, VdpChain, AveragedChain or OscillatorChain
-        The cell of (5) at c = 0, of (8), of (43), where both cycles are known in closed form, or
-        one of your own. Coupling, sites and ends of a chain play no role.
+        The cell of (5) at c = 0; of (8); of (43), where both cycles are known in closed form; or a
+        user-defined one. Coupling, sites and ends of a chain have no effect.
     tolerance : float, optional
-        Local error of the integration, relative to the size of the cycle; from 1e-14 to 1e-4
-        (friction) or 1e-13 to 1e-6 (Van der Pol). The errors stated are differences from a
-        hundred times this.
+        Local error of the integration relative to the size of the cycle, from 1e-14 to 1e-4
+        (friction) or 1e-13 to 1e-6 (Van der Pol). The stated errors are differences from results at
+        a hundred times this tolerance.
 
     Returns
     -------
     Cell
         A `BeltCell` for friction, with the belt velocities at which its states begin and end; an
-        `OwnCell` with all its cycles for a cell of your own. Displacements, velocities and periods
+        `OwnCell` with all its cycles for a user-defined cell. Displacements, velocities and periods
         are dimensionless.
 
     Raises
     ------
     ParameterError
-        If a parameter is out of the range where the cycles stand out of round-off, the cell slips
-        both ways for ever or has more cycles that slip than one, it is too stiff, or it has no
-        inertia and so no cycles.
+        If a parameter is so extreme that the cycles cannot be distinguished from round-off, the
+        cell slips both ways for ever or has more than one cycle without stick, it is too stiff, or
+        it has no inertia and therefore no cycles.
 
     References
     ----------
     Leine, van Campen, de Kraker and van den Steen (1998), for stick-slip by shooting with a switch;
-    Hénon (1982), for the section of a numerical solution.
+    Hénon (1982), for sections of a numerical solution.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Both cycles of the friction cell over the belt velocity: the bifurcation diagram."""
+"""Both cycles of the friction cell as functions of the belt velocity: the bifurcation diagram."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from verification.cells.friction import cycle_velocities
 from verification.cells.friction_cycles import check_slip_cycles, stick_slip_once, unstable_once
 
 MAX_VELOCITIES = 2000
-"""Most velocities of one diagram at the shell."""
+"""Largest number of velocities in one diagram on the command line."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bifurcation(Result):
-    """Both cycles and steady sliding over the belt velocity.
+    """Both cycles and steady sliding as functions of the belt velocity.
 
     Attributes
     ----------
@@ -34,12 +34,12 @@ class Bifurcation(Result):
     sliding : ndarray, shape (M,)
         y of steady sliding.
     stable, unstable : ndarray, shape (M, 2)
-        Smallest and largest y of the cycles; nan where there is none, as an unstable one under
+        Smallest and largest y of the cycles; nan where there is none, as for an unstable one under
         Coulomb's law.
     stick_time : ndarray, shape (M,)
-        Of the stable cycle.
+        Duration of stick on the stable cycle.
     multiplier : ndarray, shape (M,)
-        Of the unstable cycle.
+        Multiplier of the unstable cycle.
     end : float
         Velocity at which both cycles end; infinite if they never do, 0 if there are none.
     seconds : float
@@ -59,7 +59,7 @@ class Bifurcation(Result):
     seconds: float
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a velocity; nan where a cycle does not exist."""
+        """Return one row per velocity; nan where a cycle does not exist."""
         return {
             "v_d": self.v_d,
             "sliding": self.sliding,
@@ -71,7 +71,7 @@ class Bifurcation(Result):
         }
 
     def to_dict(self) -> dict[str, Any]:
-        """Return both bounds of the belt velocity, the columns, and ``seconds``."""
+        """Return the two limits of the belt velocity, the columns, and ``seconds``."""
         return {
             "hopf_velocity": plain(self.cell.hopf_velocity),
             "cycle_end_velocity": plain(self.end),
@@ -83,7 +83,7 @@ class Bifurcation(Result):
 def cell_diagram(
     cell: FrictionCell, velocities: Sequence[float], tolerance: float = 1e-10
 ) -> Bifurcation:
-    """Return both cycles at every belt velocity, the other parameters as in ``cell``.
+    """Return both cycles at every belt velocity, with the other parameters as in ``cell``.
 
     Examples
     --------
@@ -126,18 +126,18 @@ def cell_diagram(
 def bifurcation(
     cells: Sequence[FrictionCell], along: str, values: Sequence[float], **options: Any
 ) -> Bifurcation | None:
-    """Return the diagram of cells that differ in the belt velocity; None along another parameter.
+    """Return the diagram of cells that differ in the belt velocity; None for another parameter.
 
     Parameters
     ----------
     cells : sequence of FrictionCell
-        One for each value.
+        One cell for each value.
     along : str
         The parameter in which they differ.
     values : sequence of float
-        Its values.
+        Values of this parameter.
     **options
-        Of `verification.cells.cell.cell`; the diagram takes its tolerance.
+        Options of `verification.cells.cell.cell`; the diagram uses its tolerance.
 
     Raises
     ------

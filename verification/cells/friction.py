@@ -1,8 +1,8 @@
 """Both cycles of the friction cell, by shooting, and how they end (Fig. 2 and its continuation).
 
-How one cycle is found is in ``friction_cycles``; here are its error and where it ends. Both
-cycles end at one belt velocity, where the slip phase from the point of release only touches
-ẏ = v_d, on returning to that very point: a grazing.
+A single cycle is found in ``friction_cycles``; this module computes its error and where it ends.
+Both cycles end at one belt velocity, in a grazing: the slip phase that starts from the point of
+release just touches ẏ = v_d when it returns to that same point.
 """
 
 from __future__ import annotations
@@ -30,15 +30,16 @@ from verification.cells.result import BeltCell, CellCycle, CellStatus
 from verification.runs.comparison import COARSER
 
 _SLOWEST_BELT = 1e-9
-"""Below, a cycle and the round-off of y can no longer be distinguished."""
+"""Slowest belt: below it a cycle can no longer be distinguished from the round-off of y."""
 _FASTEST_STRIBECK, _TRIED = 10.0, 60
-"""v_d over v_s up to which the first cycle is looked for, and at how many velocities."""
+"""Ratio v_d/v_s up to which a first cycle is searched for, and number of velocities tried."""
 _SLOW, _CERTAIN = 1e-5, 1e-3
-"""Below the first v_d over v_s round-off would decide what slip gains, not at the second."""
+"""Values of v_d/v_s: below the first, round-off decides the energy gained in slip; from the second
+on it does not."""
 
 
 def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
-    """Return the cycles of a cell, and where they end.
+    """Return the cycles of a cell, and the velocities at which they end.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     ------
     ParameterError
         If the tolerance or v_d is out of range, the cell slips both ways and never sticks, another
-        cycle that slips all the time is stable, or Coulomb's law comes without damping.
+        cycle without stick is stable, or Coulomb's law is used without damping.
     """
     begin = perf_counter()
     coulomb = cell.law is FrictionLaw.COULOMB
@@ -104,14 +105,14 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
 
 
 def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | None:
-    """Return the stick-slip cycle, None if the slip phase from release never sticks again."""
+    """Return the stick-slip cycle; None if the slip phase from release never sticks again."""
     fine = stick_slip_once(cell, tolerance)
     coarse = stick_slip_once(cell, COARSER * tolerance)
     return _with_error(cell, fine, coarse)
 
 
 def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | None:
-    """Return the cycle without stick that separates the two basins, None if there is none.
+    """Return the cycle without stick that separates the two basins; None if there is none.
 
     It exists between the Hopf velocity and the end of the stick-slip cycle.
     """
@@ -120,17 +121,18 @@ def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | 
 
 
 def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:
-    """Return v_d at which the stick-slip cycle ends; see :func:`cycle_velocities`."""
+    """Return the v_d at which the stick-slip cycle ends; see :func:`cycle_velocities`."""
     return cycle_velocities(cell, tolerance)[1]
 
 
 def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
-    """Return v_d between which there is a stick-slip cycle; both 0 if there is none.
+    """Return the limits of v_d between which there is a stick-slip cycle; both 0 if there is none.
 
-    At the ends the slip phase from release only touches ẏ = v_d. The last is infinite for ξ = 0:
-    slow departure from v_rel = 0 gains energy and nothing loses any. The first is 0 but under
-    Stribeck's law, which does not fall at small velocities, so that nothing is gained there. With
-    little damping it is v_H(1 + ¾(v_H/v_s)²), v_H being where sliding becomes unstable.
+    At the limits the slip phase from release just touches ẏ = v_d. The upper limit is infinite for
+    ξ = 0: a slow departure from v_rel = 0 gains energy, and nothing dissipates it. The lower limit
+    is 0 except under Stribeck's law, which does not decrease at small velocities, so that no energy
+    is gained there. With little damping it is v_H(1 + ¾(v_H/v_s)²), where v_H is the velocity at
+    which sliding becomes unstable.
 
     Examples
     --------
@@ -179,6 +181,7 @@ def _with_error(
     names = ("max", "min", "period", "stick_time", "slip_time")
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
     reach = max(abs(fine.max), abs(fine.min))
-    # The belt carries the cell from where it sticks to its release: a place is a time over v_d.
+    # Stick carries the cell by the belt, so an error in position means one in time, larger by
+    # 1/v_d.
     size = max(fine.period, reach, reach / cell.v_d if fine.stick_time else 0.0)
     return replace(fine, error=max(*gaps, fine.error, coarse.error, ROUND_OFF * size))

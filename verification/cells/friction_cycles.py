@@ -1,9 +1,9 @@
-"""One shooting of each cycle of the friction cell, at one tolerance (``friction``).
+"""Shooting for each cycle of the friction cell, once and at one tolerance (``friction``).
 
-The stick-slip cycle passes the point of release, so that what follows a release gives all of it:
-nothing has to be iterated. If the force on returning to ẏ = v_d is beyond -μ_st (it can be, for
-large v_d or small μ_d) the cell slips forwards before it sticks. The unstable cycle slips all the
-time; its largest y is a fixed point of the map from one maximum to the next.
+The stick-slip cycle passes through the point of release, so that the motion after a release gives
+all of it without iteration. If the force on returning to ẏ = v_d is beyond -μ_st (possible for
+large v_d or small μ_d), the cell slips forwards before it sticks. The unstable cycle never sticks;
+its largest y is a fixed point of the map from one maximum to the next.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ ROUND_OFF = 1e-14
 _FINEST = 1e-17
 _TRIED = 60
 _SMALL = 1e-3
-"""Relative to v₀ or v_s: below it the unstable cycle is taken from its expansion at the Hopf
-velocity."""
+"""Amplitude relative to v₀ or v_s below which the unstable cycle is taken from its expansion at the
+Hopf velocity."""
 
 
 def _phase(
@@ -43,7 +43,7 @@ def _phase(
     tolerance: float,
     direction: float = -1.0,
 ) -> tuple[float, float, float]:
-    """Return τ, y, w at the end of a phase of slip; direction 1 is slip forwards."""
+    """Return τ, y, w at the end of a slip phase; direction 1 means slip forwards."""
     flip = -direction
     local = _local(cell, tolerance)
     numbers = new_numbers(cell, 0.0, local)
@@ -64,7 +64,7 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
     """Return the smallest and the largest y of the stick-slip cycle.
 
     Beyond the end of the cycle they are those of the slip phase that follows a release. Every run
-    with excited sites asks for them, so they are found by the stepper that it needs anyhow.
+    with excited sites needs them, so they are computed by the stepper that such a run uses anyway.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     start = np.array([[cell.release], [cell.v_d]])
     run = FrictionIntegration(chain, start, tolerance=_local(cell, tolerance))
-    # A phase of slip lasts some two units at least from a minimum of y to the next maximum.
+    # A slip phase lasts at least about two units from a minimum of y to the next maximum.
     while math.isnan(run.last_extremes[1, 0]) and run.time < _LONGEST:
         run.advance_to(run.time + 0.5)
     high, low = np.where(np.isnan(run.last_extremes), run.state[:1], run.last_extremes)[:, 0]
@@ -83,25 +83,25 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
 
 
 def _local(cell: FrictionCell, tolerance: float) -> float:
-    """Return the local error allowed: small cycles are as wide as v_d, large ones as v_d, μ_st."""
+    """Return the allowed local error: small cycles scale with v_d, large ones with v_d and μ_st."""
     return max(
         _FINEST, tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
     )
 
 
 def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
-    """Return the first maximum of ẏ - v_d after release; below 0 if there is none."""
+    """Return the first maximum of ẏ - v_d after release; negative if there is none."""
     t, _, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance=tolerance)
     return w if t >= 0.0 or w > 0.0 else -cell.v_d
 
 
 def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
-    """Return the stick-slip cycle its error zero so far; None if the cell does not stick again.
+    """Return the stick-slip cycle, with its error set to zero; None if the cell never sticks again.
 
     Raises
     ------
     ParameterError
-        If the cell goes on to slip both ways and does not stick (little damping, large v_d).
+        If the cell continues to slip both ways and does not stick (little damping, large v_d).
     """
     y, slip, speed, direction, released = cell.release, 0.0, cell.v_d, -1.0, True
     lows, highs = [], []
@@ -142,7 +142,7 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
 
 
 def never_sticks(cell: FrictionCell) -> ParameterError:
-    """Return the refusal of a cell that slips both ways for ever."""
+    """Return the error for a cell that slips both ways for ever."""
     return ParameterError(
         "belt velocity v_d", f"{cell.v_d:g} at damping xi = {cell.xi:g}",
         "low enough for the cell to stick after it has been released",
@@ -153,31 +153,31 @@ def never_sticks(cell: FrictionCell) -> ParameterError:
 def _slip_from(
     cell: FrictionCell, y: float, end: int, tolerance: float
 ) -> tuple[float, float, float]:
-    """Return τ, y, w at the end of slip that begins at ẏ = 0."""
+    """Return τ, y, w at the end of a slip phase that begins at ẏ = 0."""
     return _phase(cell, y, -cell.v_d, False, end, tolerance=tolerance)
 
 
 def _growth(cell: FrictionCell, y: float, tolerance: float) -> float:
-    """Return by how much a maximum y exceeds the one before, over its distance from sliding."""
+    """Return the growth of a maximum y over one turn, relative to its distance from sliding."""
     t, top, _ = _slip_from(cell, y, phases.HIGHEST, tolerance)
-    # Continued beyond a touch the phase can leave double precision: it is outside then.
+    # Continued beyond the touch, the motion may leave double precision; it is outside then.
     inside = t >= 0.0 and math.isfinite(top)
     return float((top - y) / (y - cell.steady_sliding)) if inside else 1.0
 
 
 def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
-    """Refuse a cell that has other cycles that slip all the time than the unstable one.
+    """Refuse a cell that has cycles without stick other than the unstable one.
 
-    Under Stribeck's law there can be: its Hopf bifurcations are supercritical where v_d is below
-    √1.5 v_s (d³μ/dv³ > 0 there), so that cycles without stick are stable, and can meet others.
+    They are possible under Stribeck's law: its Hopf bifurcations are supercritical where v_d is
+    below √1.5 v_s (d³μ/dv³ > 0 there), so that cycles without stick are stable and can meet others.
 
     Raises
     ------
     ParameterError
-        If there are any.
+        If there are any such cycles.
     """
-    # Slip from the point of release that never sticks again and cannot end in steady sliding ends
-    # in a cycle, however close to that point the cycle passes.
+    # Slip from the point of release that never sticks again and cannot end in steady sliding must
+    # end in a cycle, however close to that point the cycle passes.
     if cell.effective_damping <= 0.0 and largest_after_release(cell, tolerance) <= 0.0:
         raise slips_in_a_stable_cycle(cell)
     _, outside = cycle_turning_points(cell, tolerance)
@@ -190,7 +190,7 @@ def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
 
 
 def slips_in_a_stable_cycle(cell: FrictionCell) -> ParameterError:
-    """Return the refusal of a cell with a stable cycle that slips all the time."""
+    """Return the error for a cell with a stable cycle without stick."""
     return ParameterError(
         "belt velocity v_d", f"{cell.v_d:g} under {cell.law.value} friction",
         "one at which no cycle that slips all the time is stable", "take another velocity, or "
@@ -199,11 +199,11 @@ def slips_in_a_stable_cycle(cell: FrictionCell) -> ParameterError:
 
 
 def grazing_slip(cell: FrictionCell) -> tuple[float, float] | None:
-    """Return y at rest before slip under Coulomb's law only touches ẏ = v_d; None if it cannot.
+    """Return the turning points of slip that just touches ẏ = v_d (Coulomb); None if there is none.
 
-    With 2ζ = 2ξ + κ slip is linear about steady sliding, ẅ + 2ζẇ + w = 0 for w = ẏ. Backwards from
-    w = v_d, ẇ = 0 it is zero after θ/ω and (θ + π)/ω, ω² = 1 - ζ², tan θ = ω/ζ, where y is off by
-    -ẇ = ∓v_d e^{ζ(…)}.
+    With 2ζ = 2ξ + κ slip is linear about steady sliding, ẅ + 2ζẇ + w = 0 for w = ẏ. Backwards in
+    time from w = v_d, ẇ = 0, w vanishes after θ/ω and (θ + π)/ω, ω² = 1 - ζ², tan θ = ω/ζ, where y
+    differs from steady sliding by -ẇ = ∓v_d e^{ζ(…)}.
 
     Examples
     --------
@@ -221,12 +221,12 @@ def grazing_slip(cell: FrictionCell) -> tuple[float, float] | None:
 
 
 def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
-    """Return the unstable cycle; its error is what round-off alone does.
+    """Return the unstable cycle; its error contains the effect of round-off only.
 
     Raises
     ------
     ArithmeticError
-        If it must exist and cannot be found.
+        If the cycle must exist but cannot be found.
     """
     if cell.effective_damping <= 0.0 or largest_after_release(cell, tolerance) <= 0.0:
         return None
@@ -245,7 +245,7 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     if growth(inside) >= 0.0:
         raise ArithmeticError(f"no unstable cycle found at v_d = {cell.v_d!r}")
     if growth(outside) <= 0.0:
-        # At the grazing end both cycles are one, to round-off.
+        # At grazing both cycles coincide to within round-off.
         y = outside
     else:
         y = float(brentq(growth, inside, outside, xtol=1e-15, rtol=9e-16))
@@ -254,9 +254,9 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     _, _, fastest = following(low, phases.FASTEST)
     step = 1e-5 * (y - centre)
     ahead, behind = ((following(y + each, phases.HIGHEST)[1] - y) / each for each in (step, -step))
-    # Where the cycle nearly touches, the step is too long for a difference.
+    # Where the cycle nearly touches, the step is too large for a finite difference.
     multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else None
-    # Round-off moves the fixed point by 1/(multiplier - 1) of itself.
+    # Round-off shifts the fixed point by a relative amount 1/(multiplier - 1).
     blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
     return CellCycle(
         max=y,
@@ -270,9 +270,9 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
 
 
 def _amplitude_near_hopf(cell: FrictionCell) -> float:
-    """Return √(8δ/F₃) of the unstable cycle, δ the effective damping; inf far from there.
+    """Return √(8δ/F₃) of the unstable cycle, δ being the effective damping; inf far from there.
 
-    Averaging ü + u = -δu̇ + F₂u̇²/2 + F₃u̇³/6 over a cycle u̇ = -A sin τ.
+    From averaging ü + u = -δu̇ + F₂u̇²/2 + F₃u̇³/6 over a cycle u̇ = -A sin τ.
     """
     third = -cell.curve.third_derivative(cell.v_d)
     return math.sqrt(8.0 * cell.effective_damping / third) if third > 0.0 else math.inf

@@ -14,20 +14,20 @@ from verification.cells.shooting import shot_cycles
 
 
 def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell:
-    """Return all cycles of a cell of a chain, at the mean of what differs from site to site.
+    """Return all cycles of a cell of a chain; parameters that vary between sites are averaged.
 
     Parameters
     ----------
     chain : OscillatorChain
-        With inertia and without forces; its coupling plays no role.
+        A chain with inertia and without forces; its coupling has no effect.
     tolerance : float
         Relative tolerance of DOP853, from 1e-13 to 1e-6.
 
     Raises
     ------
     ParameterError
-        If it has no inertia, a force acts, or ε is so large that the limits of ε → 0 do not lead
-        to the cycles, or that these are too stiff.
+        If the cell has no inertia, a force acts, or ε is so large that the limits ε → 0 do not lead
+        to the cycles or the latter are too stiff.
 
     Examples
     --------
@@ -51,9 +51,9 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
             "stable or not", "add a damping",
         )  # fmt: skip
     cycles = shot_cycles(chain.cell, chain.eps, tolerance)
-    # A weak nonlinear damping decides where the linear one is zero.
+    # If the linear damping is zero, weak nonlinear damping decides.
     rests = damping > 0.0 or (damping == 0.0 and not limits[0].stable)
-    # Motion stays bounded, so that the outermost cycle is stable if there is one.
+    # Motion stays bounded, so the outermost cycle, if there is one, is stable.
     unstable = _first(cycles, limits, stable=False, above=0)
     inner = 0 if unstable is None else cycles.index(unstable)
     stable = _first(cycles, limits, stable=True, above=inner)
@@ -73,13 +73,13 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
 def _first(
     cycles: tuple[CellCycle, ...], limits: tuple[OscillatorCycle, ...], *, stable: bool, above: int
 ) -> CellCycle | None:
-    """Return the innermost cycle of a kind, from a place on."""
+    """Return the innermost cycle of a kind, counted from a given one outwards."""
     pairs = zip(cycles[above:], limits[above:], strict=True)
     return next((cycle for cycle, limit in pairs if limit.stable is stable), None)
 
 
 def _status(rests: bool, stable: int) -> CellStatus:
-    """Return the status of a cell with so many stable cycles."""
+    """Return the status of a cell with this number of stable cycles."""
     if stable == 0:
         return CellStatus.REST
     if stable > 1:

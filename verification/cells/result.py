@@ -1,4 +1,4 @@
-"""What is found of one oscillator alone: its cycles, what is stable, the basin of rest."""
+"""Results for one isolated oscillator: its cycles, their stability, the basin of rest."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ class CellCycle(Result):
     max, min : float
         Largest and smallest y.
     period : float
-        In units of the model's time, τ of (5) or t of (8).
+        In the time unit of the model, τ for (5) or t for (8).
     stick_time, slip_time : float
-        Durations of stick and of slip; 0 and the period where nothing sticks.
+        Durations of stick and of slip; 0 and the period if the cell does not stick.
     speed : float or None
-        Largest ẏ; v_d where the cycle sticks and never slips forwards. None where not measured.
+        Largest ẏ; equal to v_d if the cycle sticks and never slips forwards. None if not measured.
     multiplier : float or None
-        Factor by which a deviation grows in one period, by differences; 0 where the cycle sticks,
-        None where differences do not resolve it.
+        Factor by which a deviation grows in one period, from finite differences; 0 if the cycle
+        sticks, None if the differences do not resolve it.
     averaged : float or None
-        Largest y as ε → 0: in closed form for (8), else from the energy lost in a turn.
+        Largest y as ε → 0: in closed form for (8), otherwise from the energy lost in one turn.
     error : float
         Largest difference of any of these, except speed and multiplier, from a computation at a
-        hundred times the tolerance, and no less than round-off.
+        hundred times the tolerance; at least round-off.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("amplitude",)
@@ -72,23 +72,23 @@ class CellCycle(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class Cell(Result):
-    """What one cell can do.
+    """The possible states of one cell.
 
     Attributes
     ----------
     model : str
         "friction", "vdp", "averaged" or "chain".
     parameters : dict of str to float
-        Those of the cell.
+        Parameters of the cell.
     status : CellStatus
         Which states are stable.
     steady_sliding : float or None
-        y of steady sliding; None of cells without a belt, which rest at y = 0.
+        y of steady sliding; None for cells without a belt, which rest at y = 0.
     effective_damping : float
-        Linear damping about rest, which is stable where this is positive.
+        Linear damping about rest; rest is stable where this is positive.
     stable_cycle, unstable_cycle : CellCycle or None
-        The large cycle and the one that separates the basins, where they exist. Where the two are
-        one, semistable, it is ``unstable_cycle``.
+        The large cycle and the one that separates the basins, where they exist. If the two coincide
+        in a semistable cycle, it is ``unstable_cycle``.
     seconds : float
         Run time.
     """
@@ -114,9 +114,9 @@ class Cell(Result):
 
     @property
     def basin(self) -> tuple[float, float] | None:
-        """Range of y that ends at rest when started with ẏ = 0.
+        """Range of y from which the cell, released with ẏ = 0, goes to rest.
 
-        None if none does; infinite where all do.
+        None if there is no such y; infinite if the cell goes to rest from every y.
         """
         if self.status in (CellStatus.SLIDING, CellStatus.REST):
             return -math.inf, math.inf
@@ -126,7 +126,7 @@ class Cell(Result):
 
     @property
     def error(self) -> float:
-        """Largest of the errors; infinite where one is not known."""
+        """Largest of the errors; infinite if one is unknown."""
         return max(
             (each.error for each in (self.stable_cycle, self.unstable_cycle) if each), default=0.0
         )
@@ -134,14 +134,14 @@ class Cell(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class OwnCell(Cell):
-    """What one cell of your own can do.
+    """The possible states of a user-defined cell.
 
     Attributes
     ----------
     cycles : tuple of CellCycle
-        All of them, inner to outer. ``unstable_cycle`` is the innermost unstable one,
-        ``stable_cycle`` the next stable one outside of it, as `stable_amplitude` of the chain, or
-        the only one.
+        All cycles, from the inside outwards. ``unstable_cycle`` is the innermost unstable one,
+        ``stable_cycle`` the next stable one outside it, as for the `stable_amplitude` of the chain,
+        or the only stable one.
     """
 
     cycles: tuple[CellCycle, ...]
@@ -154,25 +154,28 @@ class OwnCell(Cell):
 
 @dataclass(frozen=True, kw_only=True)
 class BeltCell(Cell):
-    """What one friction cell can do, and over which velocities of its belt.
+    """The possible states of one friction cell, and the belt velocities at which they exist.
 
     Attributes
     ----------
     cell : FrictionCell
-        The same parameters.
+        The same parameters as a `FrictionCell`.
     hopf_velocity : float
-        Belt velocity above which steady sliding is stable; infinite if it never is (ξ = 0), 0 if
-        it always is, as under Coulomb's law.
+        Belt velocity above which steady sliding is stable; infinite if it never is (ξ = 0), 0 if it
+        always is, as under Coulomb's law.
     cycle_begin_velocity : float
-        Belt velocity at which the stick-slip cycle begins by grazing; 0 but under Stribeck's law.
+        Belt velocity at which the stick-slip cycle begins by grazing; 0 except under Stribeck's
+        law.
     cycle_end_velocity : float
         Belt velocity at which both cycles end by grazing; infinite if they never do (ξ = 0), 0 if
-        there is no cycle at any.
+        there is no cycle at any velocity.
     cycle_end_error : float
-        The larger of their differences from a computation at a hundred times the tolerance.
+        The larger of the two velocities' differences from a computation at a hundred times the
+        tolerance.
     grazing : tuple of float or None
-        Turning points of the slip that only touches the velocity of the belt, under Coulomb's law:
-        no cycle, but what starts inside ends in steady sliding, and what starts outside sticks.
+        Under Coulomb's law: turning points of the slip that just touches the velocity of the belt.
+        It is not a cycle, but motion that starts inside it ends in steady sliding, and motion that
+        starts outside sticks.
     """
 
     cell: FrictionCell = field(metadata={"json": None})
@@ -184,10 +187,10 @@ class BeltCell(Cell):
 
     @property
     def basin(self) -> tuple[float, float] | None:
-        """Range of y that ends in steady sliding when started with ẏ = 0; see `Cell.basin`."""
+        """Range of y that leads to steady sliding when released with ẏ = 0; see `Cell.basin`."""
         return self.grazing or super().basin
 
     @property
     def error(self) -> float:
-        """Largest of the errors; infinite where one is not known."""
+        """Largest of the errors; infinite if one is unknown."""
         return max(self.cycle_end_error, super().error)

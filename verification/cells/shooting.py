@@ -2,8 +2,8 @@
 
     ÿ + g(y) + ε h(y, ẏ) ẏ = 0
 
-To leading order in ε they are in ``theory.cells.oscillator``. The true cycles are fixed points of
-the map from one maximum of y to the next, taken by scipy's DOP853.
+To leading order in ε they are given in ``theory.cells.oscillator``. The exact cycles are fixed
+points of the map from one maximum of y to the next, computed by scipy's DOP853.
 """
 
 from __future__ import annotations
@@ -21,17 +21,18 @@ from theory.parameters import ParameterError
 from verification.cells.result import CellCycle
 
 ROUNDING = 1e-14
-"""Relative rounding of a period, over the some hundred steps that it takes."""
+"""Relative rounding error of a period, accumulated over some hundred steps."""
 _STIFFEST = 60.0
-"""Largest ε max|h| on a cycle: DOP853 takes half a minute there."""
+"""Largest ε max|h| on a cycle; DOP853 takes half a minute there."""
 _WIDTHS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4)
-"""Relative distances from the limit of ε → 0 at which the cycle is looked for."""
+"""Relative distances from the limit ε → 0 within which the cycle is searched for."""
 _SHIFT = 1e-4
-"""Relative step of the difference that gives the multiplier."""
+"""Relative step of the finite difference for the multiplier."""
 _CURVED = 1e-2
-"""Relative difference of the two one-sided differences from which they resolve no multiplier."""
+"""Relative difference between the two one-sided differences above which no multiplier is
+resolved."""
 _CLOSED = 1e-3
-"""Relative distance of a fixed point from where its turn ends, above which it is a jump."""
+"""Relative difference between a fixed point and the end of its turn, above which it is a jump."""
 
 
 def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCycle, ...]:
@@ -49,8 +50,7 @@ def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCyc
     Raises
     ------
     ParameterError
-        If ε is so large that the limits of ε → 0 do not lead to the cycles, or that these are too
-        stiff.
+        If ε is so large that the cycles are not found near their limits ε → 0, or are too stiff.
 
     Examples
     --------
@@ -65,17 +65,17 @@ def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCyc
 
 
 def longest_step(tolerance: float) -> float:
-    """Return the longest step, over that at a tolerance of 1e-12.
+    """Return the longest step, relative to that at a tolerance of 1e-12.
 
-    It errs in proportion to the tolerance, as DOP853 is of order eight. Were it the same at every
-    tolerance, a coarser run would take the same steps where that is all that limits them, and
-    nothing would be seen of their error.
+    The error of such a step is proportional to the tolerance, since DOP853 is of order eight. If
+    the step were the same at every tolerance, a coarser run limited by it would take the same
+    steps, and a comparison of the two would not show their error.
     """
     return float((tolerance / 1e-12) ** (1.0 / 8.0))
 
 
 class _Maximum:
-    """An event for scipy: ẏ falls through 0, the start not counted."""
+    """An event for scipy: ẏ decreases through 0, except at the start."""
 
     direction, terminal = -1.0, True
 
@@ -84,7 +84,7 @@ class _Maximum:
 
 
 class _Minimum:
-    """An event for scipy: ẏ rises through 0."""
+    """An event for scipy: ẏ increases through 0."""
 
     direction, terminal = 1.0, False
 
@@ -94,7 +94,7 @@ class _Minimum:
 
 @dataclass(frozen=True, kw_only=True)
 class _Turn:
-    """A turn from one maximum of y to the next: that, the minimum between, the time."""
+    """A turn from one maximum of y to the next: the latter, the minimum between, the duration."""
 
     top: float
     bottom: float
@@ -104,7 +104,7 @@ class _Turn:
 def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: float) -> _Turn:
     """Return the turn that begins at rest at y.
 
-    A motion that creeps to rest without turning ends at 0, one that leaves all bounds at infinity;
+    A motion that decays to rest without turning back ends at 0, an unbounded one at infinity;
     neither has a period.
     """
 
@@ -127,7 +127,7 @@ def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: floa
 
 
 def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle:
-    """Return one cycle with its error, from its limit as ε → 0."""
+    """Return one cycle and its error, starting from its limit as ε → 0."""
     limit = cell.cycles[at]
     fine, coarse = (_fixed(cell, eps, at, each) for each in (tolerance, 100.0 * tolerance))
     turn, other = (
@@ -165,7 +165,7 @@ def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> No
 
 
 def _fixed(cell: Oscillator, eps: float, at: int, tolerance: float) -> float:
-    """Return the largest y of a cycle: a fixed point between the cycles beside it."""
+    """Return the largest y of a cycle: a fixed point between the neighbouring cycles."""
     amplitudes = [each.amplitude for each in cell.cycles]
     guess, period = amplitudes[at], cell.cycles[at].period
     low = math.sqrt(amplitudes[at - 1] * guess) if at else 0.0

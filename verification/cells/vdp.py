@@ -1,8 +1,8 @@
-"""Both cycles of one Van der Pol cell (Eq. 8 at c = 0), by shooting and averaged.
+"""Both cycles of one Van der Pol cell (Eq. 8 at c = 0), by shooting and by averaging.
 
     ÿ + y + ε ẏ (1 - a y² + b y⁴) = 0
 
-The averaged radii are closed forms.
+The averaged radii are known in closed form.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     Raises
     ------
     ParameterError
-        If a parameter is out of range, or ε is so large that the averaged cycles do not lead to
-        the true ones, or that these are too stiff.
+        If a parameter is out of range, or ε is so large that the averaged cycles do not lead to the
+        exact ones or the latter are too stiff.
 
     Examples
     --------
@@ -62,9 +62,9 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
 
 
 def averaged_cell(a: float, b: float, eps: float) -> Cell:
-    """Return both cycles of (43), in closed form: |φ|² = (a/b)(1 ∓ √(1 - 8η)), of period 2π.
+    """Return both cycles of (43) in closed form: |φ|² = (a/b)(1 ∓ √(1 - 8η)), of period 2π.
 
-    At η = 1/8 they are one, which is semistable.
+    At η = 1/8 they coincide in a semistable cycle.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
     status = CellStatus.REST
     if is_bistable(eta):
         root = math.sqrt(1.0 - 8.0 * eta)
-        # Rounding of η alone moves the root by this much, as the cycles meet.
+        # As the cycles approach each other, rounding of η alone shifts the root by this much.
         spread = 8.0 * ROUNDING / root**2
         unstable, stable = (
             _closed(math.sqrt(square), spread)
@@ -91,7 +91,7 @@ def averaged_cell(a: float, b: float, eps: float) -> Cell:
         )
         status = CellStatus.BISTABLE
     elif eta == ETA_END:
-        # Rounding of η alone parts the cycles by the root of it.
+        # Rounding of η alone separates the cycles by the square root of it.
         unstable = _closed(math.sqrt(a / b), math.sqrt(8.0 * ROUNDING))
         status = CellStatus.SEMISTABLE
     return Cell(

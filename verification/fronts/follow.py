@@ -41,8 +41,8 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         Couplings above c_pin, or η from 1e-3 to 0.11 and below η_pin; at least one.
     other : float
         η where couplings are followed, c where η is.
-    The parameter in which the branch is followed.
-        Which is followed.
+    along : {"c", "eta"}, optional
+        The parameter in which the branch is followed.
 
     Raises
     ------

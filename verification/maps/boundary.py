@@ -1,8 +1,8 @@
-"""Boundaries of a map of labels: bisection along the lines of its grid, between neighbours.
+"""Boundaries of a map of labels: bisection along the grid lines between neighbouring points.
 
-Where two neighbouring points of the grid have different labels, the line between them is halved
-until the change is known to a tolerance. Where a cheaper task knows nearly where it is, as the
-averaged chain does for (8), that place is tried first. The grid itself is not made finer.
+If two neighbouring points of the grid have different labels, the line between them is bisected
+until the position of the change is known to a tolerance. If a cheaper task predicts this position,
+as the averaged chain does for (8), it is tried first. The grid itself is not refined.
 """
 
 from __future__ import annotations
@@ -19,47 +19,46 @@ from verification.execution.sweep import Task
 from verification.execution.table import Table
 
 NOTHING = "nothing"
-"""What lies between the two labels where they meet."""
+"""What lies between the two labels if they are adjacent."""
 _PREDICTED = 1.0 / 8.0
-"""Width of the predictor's bracket over that of the task's."""
+"""Width of the predictor's bracket relative to that of the task's."""
 _ROUNDED = 1.0 + 1e-9
-"""Rounding of the ends of a bracket does not ask for another run."""
+"""Allowance for rounding at the ends of a bracket, so that rounding requires no further run."""
 _WITHIN = 0.999
-"""Distance of the first two values that are tried over the width: rounding must not undo it."""
+"""Distance of the first two values tried, relative to the width; below 1 to allow for rounding."""
 
 
 @dataclass(frozen=True)
 class Bisection:
-    """A task for ``verification.execution.sweep``: where on one line a label changes.
+    """A task for ``verification.execution.sweep``: the position on one line where a label changes.
 
     Attributes
     ----------
     task : Task
-        Gives the label at a point.
+        Computes the label at a point.
     tolerance : float
         Width of the bracket as a fraction of the line, from 1e-9 to 1.
     label : str
-        Name of the result that is the label.
+        Name of the result that contains the label.
     predictor : Task, optional
-        Gives nearly the same labels at less cost. Its boundary is found first, and the search
-        begins there: where the two are closer than the tolerance, two calls of the task are enough.
+        A cheaper task with nearly the same labels. Its boundary is found first, and the search
+        begins there: if the two agree within the tolerance, two calls of the task suffice.
 
     Notes
     -----
-    A point is one line: its first end under the names of the coordinates, ``along`` the name of
-    the coordinate that changes, ``until`` its value at the other end, ``label_low`` and
+    A point represents a line: its first end under the names of the coordinates, ``along`` the name
+    of the coordinate that changes, ``until`` its value at the other end, ``label_low`` and
     ``label_high`` the labels at the ends. The results are:
 
     low, high
-        Values of that coordinate where the labels are known to be ``label_low`` and
-        ``label_high``, from the task itself. They are as close as the tolerance, unless there is a
-        third label between.
+        Values of that coordinate at which the task itself gives ``label_low`` and ``label_high``.
+        They differ by at most the tolerance, unless there is a third label between.
     at
-        Their middle.
+        Their mean.
     between
         The third label next to ``low``, or ``NOTHING``.
     runs
-        Times the task was called.
+        Number of calls of the task.
     """
 
     task: Task
@@ -90,8 +89,8 @@ class Bisection:
         )
         high, between = other, NOTHING
         if known[other] != point["label_high"]:
-            # The change away from label_low need not be the one to label_high: another search,
-            # from the nearest point that is known to have label_high.
+            # The change away from label_low need not be the one to label_high, so there is a second
+            # search, which starts from the nearest point known to have label_high.
             between = known[other]
             _, high = _narrowed(
                 lambda x: label_at(x) != point["label_high"], (other, last), width, begins[1]
@@ -105,7 +104,7 @@ class Bisection:
         }
 
     def _predicted(self, point: Point) -> tuple[float | None, float | None]:
-        """Return where the predictor has the two changes, if it has the labels of the ends."""
+        """Return the predictor's positions of both changes, if it agrees on the end labels."""
         if self.predictor is None:
             return None, None
         ends = (point.number(str(point["along"])), point.number("until"))
@@ -119,7 +118,7 @@ class Bisection:
 
 
 def _at(line: Point, value: float) -> Point:
-    """Return the point of a line where the coordinate that changes has a value."""
+    """Return the point of a line at a given value of the coordinate that changes."""
     own = ("along", "until", "label_low", "label_high")
     place = {name: each for name, each in line.items() if name not in own}
     return Point({**place, str(line["along"]): value})
@@ -133,9 +132,9 @@ def _narrowed(
 ) -> tuple[float, float]:
     """Return two values no further apart than ``width``, of which only the first is low.
 
-    Where the search begins, two values just so far apart are tried; while both are on one side,
-    others are, each twice as far from the one before. Then, and without a place to begin, the
-    bracket is halved.
+    If a starting value is given, two values at this distance around it are tried first; as long as
+    both are on the same side, further ones follow at distances that double each time. After that,
+    or if no starting value is given, the bracket is bisected.
     """
     low, high = ends
     if begins is not None and low < begins < high:

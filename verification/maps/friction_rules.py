@@ -1,22 +1,22 @@
 """The state of a friction chain (5) in which a few sites are excited: front, breather, or rest.
 
-The states are those of Model II (``verification.maps.vdp_rules``), by rules for stick and slip.
+The states are those of Model II (``verification.maps.vdp_rules``), with rules for stick and slip.
 Times are τ; "active" sites are those that stick at some time within a window of length ``WINDOW``,
 which is about six periods of the cycle.
 
 front
-    Every site has stuck at some time, and in each of the ``HOLD`` windows that follow at least
-    half of the sites were active.
+    Every site has stuck at some time, and in each of the ``HOLD`` windows that follow at least half
+    of the sites were active.
 breather
-    Some sites are active, not all have stuck, and from some time to twice that time no new site
+    Some sites are active, not all have stuck, and from some time until twice that time no new site
     stuck and no site's amplitude changed by more than ``STEADY`` from one window to the next.
 fixed point
-    Steady sliding: the chain is certain never to stick again, by an energy that can only fall
-    from here on (``FrictionIntegration.going_to_rest``).
+    Steady sliding: the chain is certain never to stick again, by an energy that can only decrease
+    from then on (``FrictionIntegration.going_to_rest``).
 undecided
-    None of these by half of the end time: a state found later would be another one, namely none,
-    if the end time were halved. Also a breather where steady sliding is unstable (v_d at or below
-    the Hopf velocity): the sites around it cannot stay at rest, however long it looks still.
+    No rule applied by half of the end time; a state found later would not be found if the end time
+    were halved. Also a breather where steady sliding is unstable (v_d at or below the Hopf
+    velocity): the sites around it cannot remain at rest, however long they seem to.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ STEADY = 1e-5
 
 
 class FrictionRules(StateRules):
-    """The rules of the module, for (5)."""
+    """The rules of this module, for (5)."""
 
     default_end: ClassVar[float] = 20_000.0
     shortest_end: ClassVar[float] = 8.0 * WINDOW
@@ -49,17 +49,17 @@ class FrictionRules(StateRules):
     seed: ClassVar[int] = 5
 
     def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
-        """Return a start in steady sliding but for some sites, by default the middle one."""
+        """Return a start in steady sliding except for some sites, by default the middle one."""
         point = options.get("point") or StartPoint.MAXIMUM
         chosen = sites or Nucleus(1).excited(chain.sites)
         return excite(chain, chosen, options.get("displacement"), point=point)
 
     def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
-        """Return the start with noise of this size on y and ẏ, which are of order one."""
+        """Return the start with noise of this size on y and ẏ, both of which are of order one."""
         return start + size * np.random.default_rng(seed).standard_normal(start.shape)
 
     def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state has a name."""
+        """Run until the state is determined."""
         return find_friction_state(chain, start, end=end, tolerance=tolerance)
 
 
@@ -73,7 +73,7 @@ def find_friction_state(
     end: float = 20_000.0,
     tolerance: float = 1e-8,
 ) -> FoundState:
-    """Run a chain until its state has a name.
+    """Run a chain until its state is determined.
 
     The time of the result is τ.
 
@@ -84,7 +84,7 @@ def find_friction_state(
     start : ndarray, shape (2, N)
         y and ẏ.
     end : float, optional
-        End time τ, at least eight windows; states found in its second half do not count.
+        End time τ, at least eight windows; states found in its second half are not accepted.
     tolerance : float, optional
         Local error, absolute, from 1e-12 to 1e-4.
 
@@ -107,7 +107,7 @@ def find_friction_state(
     steady_from, held = 0.0, 0
     amplitude = run.amplitude
     state, reason, active = State.UNDECIDED, Reason.END_TIME, 0
-    # Whole windows only: in a part of one fewer sites stick, and less changes.
+    # Whole windows only: in a part of one, fewer sites stick and amplitudes change less.
     while run.time + WINDOW <= 0.5 * end:
         run.forget_arrivals()
         run.advance_to(run.time + WINDOW)

@@ -1,16 +1,16 @@
-"""The rules by which the state of a chain is named: the contract, and the register by chain.
+"""The rules by which the state of a chain is determined: their contract and their register.
 
 How to write rules for another kind of chain
 --------------------------------------------
-1. Derive from `StateRules`, in a module of its own whose docstring states the rules. Name a state
-   by what *lasts*: a site that was reached once is not a filled chain, and a chain that looks quiet
-   is not at rest for ever.
-2. ``fixed point`` must be certain: a norm or an energy that can only fall from here on, or, where
-   none is known, a long decay. Say which.
-3. Give up at half of the end time: a state found later would be another one, namely none, if the
-   end time were halved.
-4. Register an instance for the class of chains: ``RULES[MyChain] = MyRules()``. Derived classes of
-   chains take the rules of the nearest base.
+1. Derive from `StateRules`, in a module of its own whose docstring states the rules. Define a
+   state by what *lasts*: a chain is not filled because each site was reached once, and a chain
+   that looks quiet need not be at rest for ever.
+2. ``fixed point`` must be certain: a norm or an energy that can only decrease from then on or,
+   where none is known, a long decay. State which.
+3. Stop at half of the end time: a state found later would not be found, and the point would be
+   undecided, if the end time were halved.
+4. Register an instance for the class of chains: ``RULES[MyChain] = MyRules()``. Classes derived
+   from it use the rules of the nearest base class.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from verification.runs.excite import add_noise
 MAX_SITES = 1000
 """Longest chain of a map."""
 RULES: dict[type, StateRules] = {}
-"""Rules by class of chains."""
+"""Rules by class of chain."""
 
 
 class StateRules(ABC):
-    """How a start is made and a state is named, for one kind of chain.
+    """How, for one kind of chain, a start is made and the state is determined.
 
     Attributes
     ----------
     default_end : float
-        End time if none is given, in the unit of `FoundState.time`.
+        Default end time, in the unit of `FoundState.time`.
     shortest_end, longest_end : float
-        Range of end times.
+        Range allowed for the end time.
     tolerance : float
-        Local error of the runs if none is given.
+        Default local error of the runs.
     seed : int
-        Of the noise on the second start.
+        Default seed of the noise on the second start.
     """
 
     default_end: ClassVar[float]
@@ -53,18 +53,18 @@ class StateRules(ABC):
     seed: ClassVar[int] = 5
 
     def check(self, chain: Chain) -> None:
-        """Refuse a chain that these rules are not for, or that would take hours.
+        """Refuse a chain to which these rules do not apply, or that would take hours.
 
         Raises
         ------
         ParameterError
-            With the reason.
+            The message states the reason.
         """
         count_within("number of sites n", getattr(chain, "sites", 0), 2, MAX_SITES)
 
     @abstractmethod
     def start(self, chain: Chain, sites: tuple[int, ...] | None, **options: Any) -> Any:
-        """Return a state with some sites excited, by default those of the figure or the middle."""
+        """Return a start with some sites excited, by default those of the figure or the middle."""
 
     def perturbed(self, start: Any, size: float, seed: int) -> Any:
         """Return the start with noise on every site, relative to its largest displacement."""
@@ -72,7 +72,7 @@ class StateRules(ABC):
 
     @abstractmethod
     def find(self, chain: Chain, start: Any, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state has a name, or half of the end time is over."""
+        """Run until the state is determined, or half of the end time is over."""
 
 
 def rules_of(chain: Chain) -> StateRules:
@@ -81,7 +81,7 @@ def rules_of(chain: Chain) -> StateRules:
     Raises
     ------
     ParameterError
-        If there are none, as for a chain of infinite length.
+        If there are none, for example for a chain of infinite length.
     """
     for kind in type(chain).__mro__:
         if kind in RULES:

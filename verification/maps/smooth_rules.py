@@ -1,22 +1,22 @@
 """The state of any smooth chain in which a few sites are excited: front, breather, or rest.
 
-General rules, for chains of which nothing is known but their contract. They name what *lasts*: a
-site that was reached once is not a filled chain. Times are in units of the chain's `time_unit`;
-the amplitudes of a window of length ``WINDOW`` are those at ``SAMPLES`` times in it; "level" is the
-chain's unstable amplitude.
+General rules for chains of which only the contract is known. They define a state by what *lasts*: a
+chain is not filled because each site was reached once. Times are in units of the chain's
+`time_unit`; the amplitudes in a window of length ``WINDOW`` are those at ``SAMPLES`` times in it;
+"level" is the unstable amplitude of the chain.
 
 front
-    Every site was above the level all through each of ``HOLD`` windows, one after the other.
+    Every site was above the level throughout each of ``HOLD`` successive windows.
 breather
-    From some time to twice that time no site passed the level, the largest and the smallest
+    From some time until twice that time no site passed the level, the largest and the smallest
     amplitude of every site in a window changed by at most ``STEADY`` times the level from one
-    window to the next, and some sites, not all, were above it.
+    window to the next, and some sites, but not all, were above it.
 fixed point
-    The largest amplitude fell in each of ``HOLD`` windows, and is below ``SMALL`` times the level.
-    This is a long decay and no proof: an energy that can only fall is known for (5), (8) and (43)
-    (``friction_rules``, ``vdp_rules``) and not for every chain.
+    The largest amplitude decreased in each of ``HOLD`` windows and is below ``SMALL`` times the
+    level. This is a long decay, not a proof: an energy that can only decrease is known for (5), (8)
+    and (43) (``friction_rules``, ``vdp_rules``) but not for every chain.
 undecided
-    None of these by half of the end time.
+    No rule applied by half of the end time.
 """
 
 from __future__ import annotations
@@ -46,23 +46,23 @@ _STATE = "a map of states, which are of motion that is left alone"
 
 
 class SmoothRules(StateRules):
-    """The rules of the module, for a smooth chain of any model."""
+    """The rules of this module, for a smooth chain of any model."""
 
     default_end: ClassVar[float] = 2000.0
     shortest_end: ClassVar[float] = 4.0 * HOLD * WINDOW
     longest_end: ClassVar[float] = 1e6
 
     def check(self, chain: Any) -> None:
-        """Refuse a chain on which forces act, too."""
+        """Also refuse a chain with external forces."""
         super().check(chain)
         chain.check_unforced(_STATE)
 
     def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
-        """Return a start at rest but for some sites, by default the middle one."""
+        """Return a start at rest except for some sites, by default the middle one."""
         return excite(chain, sites or Nucleus(1).excited(chain.sites), options.get("displacement"))
 
     def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state has a name."""
+        """Run until the state is determined."""
         return find_smooth_state(chain, start, end=end, tolerance=tolerance)
 
 
@@ -79,7 +79,7 @@ class _Window(NamedTuple):
 def find_smooth_state(
     chain: SmoothChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
 ) -> FoundState:
-    """Run a chain until its state has a name.
+    """Run a chain until its state is determined.
 
     Parameters
     ----------
@@ -88,7 +88,8 @@ def find_smooth_state(
     start : array_like, shape (2, N)
         (y, w) at t = 0.
     end : float, optional
-        End time in units of the chain's `time_unit`; states found in its second half do not count.
+        End time in units of the chain's `time_unit`; states found in its second half are not
+        accepted.
     tolerance : float, optional
         Local error relative to the largest value, from 1e-13 to 1e-3.
 

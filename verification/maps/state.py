@@ -1,4 +1,4 @@
-"""What may become of a chain, and what a run has shown; the rules stand in ``*_rules``."""
+"""The possible states of a chain, and the result of a run; the rules are in ``*_rules``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from theory.status import Status
 
 
 class State(Status):
-    """What became of a chain."""
+    """The state of a chain at the end of a run."""
 
     FRONT = "front", "the disturbance has filled the chain, which stays filled."
     BREATHER = "breather", "some sites oscillate on, steadily, and no further one joins."
@@ -19,7 +19,7 @@ class State(Status):
 
 
 class Reason(Status):
-    """Why a state is what it is said to be, or why it is undecided."""
+    """Why a state was assigned, or why it is undecided."""
 
     DECIDED = "decided", "a rule applied, in the first half of the time."
     END_TIME = "end time", "no rule applied by half of the end time: take a later one."
@@ -32,26 +32,26 @@ class Reason(Status):
 
 @dataclass(frozen=True, kw_only=True)
 class FoundState(Result):
-    """What one run has shown.
+    """The result of one run.
 
     Attributes
     ----------
     state : State
-        What became of the chain.
+        State of the chain.
     reason : Reason
-        Whether a rule applied, and if not, why not.
+        Whether a rule applied and, if not, why not.
     time : float
-        Time at which the state was certain, or at which the run was given up: slow time of (8) and
-        (43), τ of (5), t of any other chain.
+        Time at which the state was certain, or at which the run was stopped: slow time for (8) and
+        (43), τ for (5), t for any other chain.
     above : int
-        Sites above the level (stuck in the last window, for friction) at the end.
+        Sites above the level at the end (for friction, sites that stuck in the last window).
     reached : int or None
-        Sites that were reached at some time, where that is counted.
+        Number of sites that were reached at some time, if counted.
     steps : int
-        Steps taken.
+        Number of steps.
     amplitude : float array, shape (N,)
-        Of every site at the end: √(y² + w²), |φ| of (43); of (5) half of the last maximum of y
-        minus the last minimum.
+        Amplitude of every site at the end: √(y² + w²), |φ| for (43); for (5) half of the last
+        maximum of y minus the last minimum.
     seconds : float
         Run time.
     """

@@ -1,15 +1,15 @@
-"""``state_map``: the state of a chain over a grid of its parameters, and where it changes.
+"""``state_map``: the state of a chain over a grid of its parameters, and where the state changes.
 
-The rules by which a state is named are in ``vdp_rules``, ``friction_rules`` and ``smooth_rules``.
-Each point is run twice, the second time with the start perturbed on all sites by 1e-6: if the
-states differ the point is undecided.
+The rules by which a state is determined are in ``vdp_rules``, ``friction_rules`` and
+``smooth_rules``. At each point there are two runs, the second with the start perturbed at all sites
+by 1e-6; if the states differ, the point is undecided.
 
-The paper gives η but not (a, b) in Fig. 15, and its displacement of 6 is not scaled by a, so that
-the map depends on them (y → y√a turns (a, b) into (1, η) and 6 into 6√a). So an axis η keeps one of
-the two, named by ``held``.
+For Fig. 15 the paper gives η but not (a, b), and its displacement of 6 is not scaled by a, so that
+the map depends on both (y → y√a turns (a, b) into (1, η) and 6 into 6√a). Along an axis η one of
+the two coefficients is therefore kept constant, namely ``held``.
 
-In Fig. 5, where one excited site goes to rest although fronts exist there, a wider nucleus shows
-it: that is a failure to nucleate and not an absence of fronts.
+Where, in Fig. 5, one excited site goes to rest although fronts exist, a wider nucleus shows that
+this is a failure to nucleate and not an absence of fronts.
 """
 
 from __future__ import annotations
@@ -50,37 +50,38 @@ HELD = ("a", "b")
 
 @dataclass(frozen=True, kw_only=True)
 class StateTask:
-    """The state at a point of a map: a task for ``verification.execution.sweep``.
+    """The state at one point of a map: a task for ``verification.execution.sweep``.
 
     Attributes
     ----------
     chain : Chain
-        What a point does not name; its values of the axes play no role.
+        The parameters that a point does not specify; its values for the axes are not used.
     held : str
-        Which of "a" and "b" is the same for all η, where η is an axis.
+        Which of "a" and "b" is kept constant for all η, if η is an axis.
     nucleus : Nucleus or None
         Excited sites; None for those of the paper's figure: the last site of (8) and (43), the
         middle one of any other chain.
     displacement : float or None
-        Of the excited sites at time zero; None for 6 of (8) and (43), for the point of the cycle of
-        (5), for the excited state of any other chain.
+        Displacement of the excited sites at time zero; None for 6 in (8) and (43), for the point of
+        the cycle in (5), for the excited state in any other chain.
     point : StartPoint
-        Point of the cycle of (5) from which the excited sites start.
+        Point on the cycle of (5) from which the excited sites start.
     end : float or None
-        End time, in the unit of `FoundState.time`; states found in its second half do not count.
+        End time, in the unit of `FoundState.time`; states found in its second half are not
+        accepted.
     tolerance : float or None
-        Local error of the runs; None for that of the rules.
+        Local error of the runs; None for the value given by the rules.
     perturbation : float
-        Size of the perturbation of the second start, relative to the disturbance; 0 for none.
+        Size of the perturbation of the second start, relative to the displacement; 0 for none.
     seed : int or None
-        Of the perturbation; None for that of the rules.
+        Seed of the perturbation; None for the value given by the rules.
     amplitudes : bool
-        Whether the amplitude of every site at the end is a result too, an array.
+        Whether the amplitude of every site at the end is part of the result, as an array.
 
     Raises
     ------
     ParameterError
-        If one is out of range, or the chain has no rules.
+        If a value is out of range, or there are no rules for the chain.
 
     Examples
     --------
@@ -120,25 +121,25 @@ class StateTask:
 
     @property
     def end_time(self) -> float:
-        """End time, as given or that of the rules."""
+        """End time, as given or from the rules."""
         return rules_of(self.chain).default_end if self.end is None else self.end
 
     @property
     def local_error(self) -> float:
-        """Local error of the runs, as given or that of the rules."""
+        """Local error of the runs, as given or from the rules."""
         return rules_of(self.chain).tolerance if self.tolerance is None else self.tolerance
 
     def excited(self) -> tuple[int, ...] | None:
-        """Return the excited sites, from 1; None for those of the rules."""
+        """Return the excited sites, counted from 1; None for those of the rules."""
         sites: int = self.chain.sites  # type: ignore[attr-defined]
         return None if self.nucleus is None else self.nucleus.excited(sites)
 
     def alone(self) -> StateTask:
-        """Return the same task for the state alone, of one run, as bisection uses it."""
+        """Return the same task with a single run for the state only, as used by bisection."""
         return replace(self, perturbation=0.0, amplitudes=False)
 
     def average(self) -> StateTask | None:
-        """Return the task for the averaged chain, without the perturbed run; None without one."""
+        """Return the task for the averaged chain, without the perturbed run, if there is one."""
         if not isinstance(self.chain, VdpChain):
             return None
         return replace(self.alone(), chain=self.chain.averaged())
@@ -149,7 +150,7 @@ class StateTask:
         Raises
         ------
         ParameterError
-            If an axis is no parameter of the chain, or its value is out of range.
+            If an axis is not a parameter of the chain, or its value is out of range.
         """
         changes = {name: float(value) for name, value in point.items() if name != "eta"}
         chain = self.chain.replace(**changes)
@@ -163,7 +164,7 @@ class StateTask:
         return chain.replace(a=math.sqrt(chain.b / eta))  # type: ignore[attr-defined]
 
     def __call__(self, point: Point) -> dict[str, Cell]:
-        """Return state, reason, time, active sites, sites reached, steps, perhaps amplitudes."""
+        """Return state, reason, time, active and reached sites, steps, requested amplitudes."""
         chain, rules = self.at(point), rules_of(self.chain)
         options = {"displacement": self.displacement, "point": self.point}
         until = {"end": self.end_time, "tolerance": self.local_error}
@@ -187,13 +188,14 @@ class StateTask:
             row["reached"] = found[0].reached
         row["steps"] = sum(each.steps for each in found)
         if self.amplitudes:
-            # Of the first start; the perturbed one may have been decided at another time.
+            # These belong to the first start; the perturbed one may have been decided at another
+            # time.
             row["amplitude"], row["amplitude_time"] = found[0].amplitude, found[0].time
         return row
 
 
 def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
-    """Return the points of a map, the first axis slowest, each checked before any is run.
+    """Return the points of a map, the first axis varying slowest, all checked before any run.
 
     Raises
     ------
@@ -215,18 +217,18 @@ def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
 
 @dataclass(frozen=True, kw_only=True)
 class Agreement(Result):
-    """Two maps of the same points, compared.
+    """Comparison of two maps of the same points.
 
     Attributes
     ----------
     same : int
-        Points that have the same state in both, undecided or not.
+        Number of points that have the same state in both, undecided or not.
     total : int
-        Points.
+        Number of points.
     differing : tuple of dict
-        The others: coordinates and the two states.
+        The other points: coordinates and the two states.
     contradicting : int
-        Those of them where both maps have decided.
+        Number of differing points at which both maps are decided.
     """
 
     same: int
@@ -236,7 +238,7 @@ class Agreement(Result):
 
 
 def compare(first: Table, second: Table, axes: Sequence[str] = ("eta", "c")) -> Agreement:
-    """Count the points to which two maps give the same state.
+    """Count the points at which two maps have the same state.
 
     Parameters
     ----------
@@ -274,20 +276,20 @@ class StateMap(Result):
     Attributes
     ----------
     task : StateTask
-        What was done at each point.
+        What was computed at each point.
     axes : tuple of str
-        Names of the coordinates, the first one slowest.
+        Names of the coordinates, the first one varying slowest.
     states : Table
-        A row a point: the coordinates, ``label`` (a `State`), ``why`` (a `Reason`), ``time``,
-        ``above``, where it is counted ``reached``, ``steps``, where it is asked for ``amplitude``,
-        an array over ``site``, and ``amplitude_time``, the end of that run.
+        One row per point: the coordinates, ``label`` (a `State`), ``why`` (a `Reason`), ``time``,
+        ``above``, ``reached`` where it is counted, ``steps`` and, if requested, ``amplitude``, an
+        array over ``site``, with ``amplitude_time``, the end time of that run.
     boundary : Table or None
-        A row for each line between neighbours whose states differ; see
+        One row for each line between neighbours whose states differ; see
         ``verification.maps.boundary.Bisection``.
     map_seconds, seconds : float
         Wall-clock time of the grid, and of everything.
     averaged : Agreement or None
-        Of (8), if that was asked for: the comparison with the averaged chain.
+        For (8), if requested: the comparison with the averaged chain.
     """
 
     task: StateTask
@@ -300,7 +302,7 @@ class StateMap(Result):
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many points are in each state."""
+        """Number of points in each state."""
         return self.states.counts("label")
 
     @property
@@ -314,7 +316,7 @@ class StateMap(Result):
 
     @property
     def undecided(self) -> list[dict[str, Scalar]]:
-        """The points that are undecided, why, and how many sites were active."""
+        """The undecided points, with the reason and the number of active sites."""
         return [
             {name: row[name] for name in (*self.axes, "why", "above")}
             for row in self.states.rows()
@@ -326,19 +328,19 @@ class StateMap(Result):
         return compare(self.states, other.states, self.axes)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the table of states by column."""
+        """Return the columns of the table of states."""
         return self.states.columns()
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Return the table of states with those columns whose cells are arrays."""
+        """Return the table of states, with the columns that contain arrays."""
         return dict(self.states.arrays)
 
     def to_xarray(self) -> xr.Dataset:
-        """Return the states over the axes, as a dataset of xarray."""
+        """Return the states over the axes as an xarray dataset."""
         return self.states.to_xarray()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what was held, the points by state, what is undecided, and the run times."""
+        """Return fixed parameters, points by state, undecided points and run times for JSON."""
         compared = None if self.averaged is None else self.averaged.to_dict()
         return {
             "model": self.task.chain.model,
@@ -367,7 +369,7 @@ def state_map(
     progress: ProgressCallback | None = None,
     **axes: Sequence[float],
 ) -> StateMap:
-    """Name the state of a chain (5), (8) or (43) at every point of a grid (Figs. 5, 15).
+    """Determine the state of a chain at every point of a grid (Figs. 5, 15).
 
     Where the state changes between neighbouring points, the boundary is bisected. All parameters
     are dimensionless.
@@ -375,34 +377,35 @@ def state_map(
     Parameters
     ----------
     what : Chain or StateTask
-        A chain, for the start and the times of the paper's figures; or a task that says more.
+        A chain, for the start and the times of the paper's figures; or a task with further options.
     refine : float, optional
-        Boundaries are bisected to this part of the spacing of the grid; 0 leaves them.
+        Boundaries are bisected to this fraction of the grid spacing; 0 for no bisection.
     workers : int, optional
-        Processes, by default one a core that may be used.
+        Number of processes, by default one per available core.
     executor : concurrent.futures.Executor, optional
-        Used in place of own processes, and left open: that of a cluster, for instance.
+        Used instead of processes of its own, and left open; it may be that of a cluster, for
+        instance.
     out : Path or str, optional
-        File for the map, as of `sweep`: zarr or npz where there are amplitudes; the boundaries go
-        beside it, see `boundary_path`.
+        File for the map, as in `sweep`: zarr or npz if there are amplitudes; for the boundaries,
+        which are stored next to it, see `boundary_path`.
     resume : bool, optional
-        Go on from what an interrupted map left beside ``out``.
+        Continue from what an interrupted map left beside ``out``.
     progress : callable, optional
         See ``verification.execution.progress.ProgressCallback``; for the map, then for its
         boundaries.
     **axes : sequence of float
-        Values of parameters of the chain, by name; ``eta`` of one with a and b.
+        Values of parameters of the chain, by name; ``eta`` for a chain with a and b.
 
     Returns
     -------
     StateMap
-        One row a point, and the boundaries.
+        One row per point, and the boundaries.
 
     Raises
     ------
     ParameterError
-        If the chain has no rules, an axis or a value does not fit it, or amplitudes are to go into
-        a file that has no place for arrays.
+        If there are no rules for the chain, an axis or a value does not fit it, or amplitudes are
+        to be stored in a file format that has no arrays.
 
     Examples
     --------
@@ -426,7 +429,7 @@ def state_map(
         )  # fmt: skip
     points = state_points(task, axes)
     count = min(worker_count(workers), len(points))
-    # One pool for both sweeps, so that processes start and load compiled code once.
+    # One pool for both sweeps, so that processes start and load compiled code only once.
     shared: AbstractContextManager[Executor | None] = (
         nullcontext(executor) if executor is not None or count <= 1 else worker_pool(count)
     )
@@ -453,7 +456,7 @@ def state_map(
 
 
 def boundary_path(out: Path) -> Path:
-    """Return where the boundaries of a map go.
+    """Return the path of the file for the boundaries of a map.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""A run of a smooth chain that stops as soon as it can name the state of the chain.
+"""A run of a smooth chain that stops as soon as the state of the chain can be determined.
 
-The loop is that of every smooth chain (``verification.steppers.smooth``); here is its stop
-condition. All sites are stepped, the ends are free, and times are those of the kernel.
+The loop is that of every smooth chain (``verification.steppers.smooth``); this module contains its
+stop condition. All sites are stepped, the ends are free, and times are kernel times.
 """
 
 from __future__ import annotations
@@ -24,48 +24,50 @@ from verification.steppers.runge_kutta import Step
 
 _FRONT, _BREATHER, _FIXED_POINT = 1, 2, 3
 _STATES = State.UNDECIDED, State.FRONT, State.BREATHER, State.FIXED_POINT
-"""By what the stop condition returns."""
+"""States by the return value of the stop condition."""
 
 SAMPLES = 16
-"""Samples in each window."""
+"""Number of samples in each window."""
 
 SHORTEST = 1e-9
-"""A step below this ends the run."""
+"""Kernel time below which a step ends the run."""
 
 LONGEST = 1.5
-"""Longest step of an oscillation: less than half a period, so no passage of y = 0 is missed."""
+"""Longest step of an oscillation: less than half a period, so that no crossing of y = 0 is
+missed."""
 
 _LEVEL, _QUIET, _STIFFNESS, _HOLD, _WINDOW, _SETTLED, _OSCILLATES = 0, 1, 2, 3, 4, 5, 6
 _FILLED, _LASTING, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 11, 12, 13, 14
-"""Places in the memory of the stop condition; from ``_SITES`` on the lowest, then the highest
-amplitude of each site in the present window."""
+"""Indices into the memory of the stop condition; from ``_SITES`` on it contains the lowest, then
+the highest amplitude of each site in the present window."""
 
 _BUDGET = 10**9
 _ROUNDING = 1e-14
-"""More than rounding changes a square, relative to it."""
+"""Relative change of a square that exceeds any effect of rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rules:
-    """What counts as which state; times are those of the kernel.
+    """Criteria for the states; times are kernel times.
 
     Attributes
     ----------
     level : float
         Amplitude of the unstable cycle; infinite if there is none.
     quiet : float
-        The chain is certain to go to rest below this value of Σ(y² + w²) + κΣ(y_n - y_{n-1})²
-        (:func:`at_rest_for_ever`); infinite where damping is positive everywhere.
+        The chain is certain to go to rest if Σ(y² + w²) + κΣ(y_n - y_{n-1})² is below this value
+        (:func:`at_rest_for_ever`); infinite where the damping is positive everywhere.
     stiffness : float
         κ.
     hold : float
-        FRONT once all sites have been above the level without a break from some time to twice that
-        time, and for this long. At the end of the run FRONT as well if all have been above it at
-        once by half of that time, and since then never fewer than half of them.
+        FRONT if all sites have been above the level without interruption from some time until twice
+        that time, and for at least this long. At the end of the run also FRONT if all were above it
+        at once by half of that time, and never fewer than half of them since then.
     window, settled : float
-        BREATHER once, in every window of this length from some time to twice that time, each
-        site's amplitude varied by at most ``settled``, without meeting the level, and some sites,
-        not all, were above it. Where sites oscillate, amplitudes are taken where the last site has
+        BREATHER if, in every window of this length from some time until twice that time, each
+        site's amplitude varied by at most ``settled`` without crossing the level, and some sites,
+        but not all, were above it. Where sites oscillate, amplitudes have a ripple within a period,
+        so they are taken when the last site passes y = 0 upwards.
         y = 0 and rises, since within a period they ripple.
     """
 
@@ -81,19 +83,19 @@ class Rules:
 def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     """Return whether the chain is certain to go to rest: its norm or energy is below ``quiet``.
 
-    Envelope: (Σ|φ|²)' = -Σ|φ|²(1 - a|φ|²/4 + b|φ|⁴/8). Where Σ|φ|² is below the square of the
-    unstable cycle, so is every |φ_n|², all terms are negative, and it stays so.
+    Envelope: (Σ|φ|²)' = -Σ|φ|²(1 - a|φ|²/4 + b|φ|⁴/8). If Σ|φ|² is below the square of the unstable
+    cycle, so is every |φ_n|²; then all terms are negative, and this remains so.
 
-    Full: E = ½Σ(ẏ² + y²) + ½εcΣ(y_n - y_{n+1})² has E' = -εΣẏ²(1 - ay² + by⁴). Where 2E is below
-    the smaller root y² of 1 - ay² + by⁴, so is every y_n², and E cannot grow; the only orbit on
-    which it is constant is rest.
+    Full: E = ½Σ(ẏ² + y²) + ½εcΣ(y_n - y_{n+1})² has E' = -εΣẏ²(1 - ay² + by⁴). If 2E is below the
+    smaller root y² of 1 - ay² + by⁴, so is every y_n², and E cannot grow; the only orbit on which
+    it is constant is rest.
 
-    ``quiet`` is that square or root; ``stiffness`` is 0 and εc.
+    ``quiet`` is that square or root; ``stiffness`` is 0 and εc respectively.
     """
     total = 0.0
     for value in state:
         total += value * value
-        if total >= quiet:  # no term is negative: a few sites decide for a chain in motion
+        if total >= quiet:  # no term is negative, so for a moving chain a few sites suffice
             return False
     for n in range(1, state.size // 2):
         total += stiffness * (state[n] - state[n - 1]) ** 2
@@ -106,8 +108,8 @@ def _to_section(  # noqa: PLR0917  (one kind each)
 ) -> None:
     """Put into ``out`` the state where the last site has y = 0, within h after ``state``.
 
-    Shorter steps are taken from the same point (Hénon), by the Illinois rule: the secant, with the
-    value of an end that stays a second time halved; y has opposite signs at 0 and h.
+    Shorter steps are taken from the same point (Hénon) by the Illinois rule: the secant method, in
+    which the value at an end that is kept twice is halved; y has opposite signs at 0 and h.
     """
     last = state.size // 2 - 1
     low, high, moved = 0.0, h, 0
@@ -132,7 +134,7 @@ def _to_section(  # noqa: PLR0917  (one kind each)
 
 @inner(**UNCOUNTED)
 def _take_sample(sample: FloatArray, memory: FloatArray) -> None:
-    """Note the amplitudes of a sample."""
+    """Record the amplitudes of a sample."""
     sites = sample.size // 2
     above = 0
     for n in range(sites):
@@ -162,9 +164,9 @@ def _settled(sites: int, memory: FloatArray) -> bool:
 
 @outer(cache=True, **UNCOUNTED)
 def sites_above(state: FloatArray, level: float) -> int:
-    """Return at how many sites √(y² + w²) is above a level.
+    """Return the number of sites at which √(y² + w²) is above a level.
 
-    Squares decide, for several sites at once; where rounding could make a difference, the root.
+    Squares are compared, several sites at a time, and the root only where rounding could matter.
 
     Examples
     --------
@@ -190,7 +192,7 @@ def sites_above(state: FloatArray, level: float) -> int:
 
 @inner(**UNCOUNTED)
 def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
-    """Note since when the chain has been filled; return whether it has been for long enough."""
+    """Record since when the chain has been filled; return whether it has been long enough."""
     sites, above = state.size // 2, sites_above(state, memory[_LEVEL])
     if 2 * above < sites:
         memory[_LASTING] = -1.0
@@ -206,7 +208,7 @@ def _filled(t: float, state: FloatArray, memory: FloatArray) -> bool:
 
 @inner(**UNCOUNTED)
 def _stays(t: float, sites: int, memory: FloatArray) -> bool:
-    """At the end of a window, begin another; return whether windows were settled long enough."""
+    """Start a new window at the end of one; return whether windows were settled long enough."""
     if t - memory[_BEGIN] < memory[_WINDOW] or memory[_COUNT] < SAMPLES // 2:
         return False
     if not _settled(sites, memory):
@@ -232,7 +234,7 @@ def named_state(  # noqa: PLR0917  (as a Condition)
     room: FloatArray,
     memory: FloatArray,
 ) -> int:
-    """Return the place in `_STATES`; ``memory`` is laid out in ``_LEVEL`` and what follows."""
+    """Return the index in `_STATES`; ``memory`` is laid out in ``_LEVEL`` and what follows."""
     sites = after.size // 2
     oscillates = memory[_OSCILLATES] > 0.0
     rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0
@@ -258,17 +260,18 @@ def run_to_state(
 ) -> FoundState:
     """Step until the state of the chain is certain.
 
-    The time of the result is in units of the chain's `time_unit`; its ``above`` is of the last
+    The time of the result is in units of the chain's `time_unit`; its ``above`` refers to the last
     sample.
 
     Parameters
     ----------
     chain : SmoothChain
-        With free ends.
+        A chain with free ends.
     start : array_like
-        State at time zero; amplitudes of sites that oscillate are sampled by the last one.
+        State at time zero; the amplitudes of oscillating sites are sampled by the phase of the last
+        site.
     rules : Rules
-        What counts as which state.
+        Criteria for the states.
     end : float
         Kernel time at which the run ends.
     tolerance : float

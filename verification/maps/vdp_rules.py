@@ -1,27 +1,28 @@
 """The state of a chain (8) or (43) whose last site is displaced: front, breather, or rest.
 
-Four states, by rules. Times are slow times T = εt; "level" is the amplitude of the unstable cycle
+There are four states. Times are slow times T = εt; "level" is the amplitude of the unstable cycle
 of one cell, √[(8/a)/(1 + √(1 - 8η))].
 
 front
-    The chain is filled, and that lasts: all sites have been above the level without a break from
-    some time to twice that time, and for ``HOLD`` at least. Near the boundary to rest sites may
-    fall below it again and again: there the run goes on to half of the end time, and is a front if
-    all sites were above the level at once by half of that, and never fewer than half of them since.
+    The chain is filled and remains so: all sites have been above the level without interruption
+    from some time until twice that time, and for at least ``HOLD``. Near the boundary to rest,
+    sites may fall below it again and again; the run then continues to half of the end time, and the
+    state is a front if all sites were above the level at once by half of that time, and never fewer
+    than half of them since then.
 fixed point
-    The chain is certain to go to rest, by a norm or an energy that can only fall from here on:
+    The chain is certain to go to rest, by a norm or an energy that can only decrease from then on;
     see ``verification.maps.state_run.at_rest_for_ever``.
 breather
-    From some time to twice that time no site's amplitude varied by more than ``STEADY`` times the
-    level within any window of length ``WINDOW``, none passed the level, and some sites, not all,
-    were above it.
+    From some time until twice that time no site's amplitude varied by more than ``STEADY`` times
+    the level within any window of length ``WINDOW``, none passed the level, and some sites, but not
+    all, were above it.
 undecided
-    None of these by half of the end time: a state found later would be another one, namely none,
-    if the end time were halved.
+    No rule applied by half of the end time; a state found later would not be found if the end time
+    were halved.
 
-Runs of (8) are as exact as the perturbation of the second start is small, 1e-6: what smaller errors
-would change has no name anyway. Those of (43) are more exact, since their steps are so long that an
-error of 1e-6 would show beside ``STEADY``.
+Runs of (8) are as accurate as the perturbation of the second start is small, 1e-6: points at which
+smaller errors matter are undecided anyway. Runs of (43) are more accurate, since their steps are so
+long that an error of 1e-6 would be visible against ``STEADY``.
 """
 
 from __future__ import annotations
@@ -41,18 +42,18 @@ from verification.maps.state_run import Rules, run_to_state
 from verification.runs.excite import excite
 
 FIGURE_15 = VdpChain(a=4.0, b=0.5, c=0.0, sites=16)
-"""The chain of Fig. 15 as it is read here; η takes the place of a, of which print says nothing."""
+"""The chain of Fig. 15 as it is read here; η replaces a, whose value the paper does not give."""
 DISPLACEMENT = 6.0
 """y of the last site at time zero in Fig. 15."""
 SMALLEST_EPS = 1e-4
-"""Below it (8) takes hours."""
+"""Smallest ε: below it a run of (8) takes hours."""
 HOLD = 10.0
 WINDOW = 5.0
 STEADY = 1e-5
 
 
 class VanDerPolRules(StateRules):
-    """The rules of the module, for (43), and for (8) but for the tolerance."""
+    """The rules of this module, for (43) and, except for the tolerance, for (8)."""
 
     default_end: ClassVar[float] = 2000.0
     shortest_end: ClassVar[float] = 4.0 * HOLD
@@ -60,23 +61,23 @@ class VanDerPolRules(StateRules):
     seed: ClassVar[int] = 15
 
     def check(self, chain: Any) -> None:
-        """Refuse closed chains, and so small an ε that (8) takes hours."""
+        """Refuse closed chains, and an ε so small that (8) takes hours."""
         super().check(chain)
         _check(chain)
 
     def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
-        """Return a start at rest but for some sites, by default the last one displaced by 6."""
+        """Return a start at rest except for some sites, by default the last one, displaced by 6."""
         displacement = options.get("displacement")
         size = DISPLACEMENT if displacement is None else displacement
         return excite(chain, sites or (chain.sites,), size)
 
     def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state has a name."""
+        """Run until the state is determined."""
         return find_vdp_state(chain, start, end=end, tolerance=tolerance)
 
 
 class VdpRules(VanDerPolRules):
-    """The rules of the module, for (8)."""
+    """The rules of this module, for (8)."""
 
     tolerance: ClassVar[float] = 1e-6
 
@@ -88,7 +89,7 @@ RULES[VdpChain] = VdpRules()
 def find_vdp_state(
     chain: VanDerPolChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
 ) -> FoundState:
-    """Run a chain until its state has a name.
+    """Run a chain until its state is determined.
 
     Parameters
     ----------
@@ -98,14 +99,15 @@ def find_vdp_state(
         (y, ẏ) at time zero; for the averaged chain (Im φ, Re φ). Amplitudes of (8)
         are sampled where the last site passes y = 0.
     end : float, optional
-        End time, slow; states found in its second half do not count.
+        End time in slow time; states found in its second half are not accepted.
     tolerance : float, optional
         Local error of a step relative to the largest value, from 1e-13 to 1e-3.
 
     Raises
     ------
     ParameterError
-        If the chain is not as said, or ε is so small that (8) takes hours (average it).
+        If the chain does not have free ends, or ε is so small that (8) takes hours (then average
+        it).
     RunError
         If the steps became shorter than 1e-9.
 

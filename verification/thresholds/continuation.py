@@ -1,8 +1,8 @@
 """Critical coupling of a breather by continuation, in the averaged chain and in the chain (8).
 
-Two couplings are distinguished. Up to the *fold* the breather exists, and a run that keeps its
-mirror symmetry finds it; a perturbation of any shape destroys it where the first exponent crosses
-zero, which can be earlier, or from the start.
+Two couplings are distinguished. The breather exists up to its *fold*, which a run that keeps the
+mirror symmetry reaches. A perturbation without symmetry destroys it at the coupling where the first
+exponent crosses zero, which may be smaller; it may also be unstable from the start.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from verification.continuation.newton import NotConvergedError, solve_at
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
-"""Sites added on each side to measure what the finite chain does to a threshold."""
+"""Number of sites added on each side to measure the effect of the finite chain on a threshold."""
 
 _BEFORE = 1e-6, 1e-4, 1e-2
 """Parts of a coupling by which the rate of a growth is found before it, in order of trial."""
@@ -35,15 +35,16 @@ def breather_threshold(
     method: ThresholdMethod = ThresholdMethod.ENVELOPE,
     margin: int = MARGIN,
 ) -> BranchThreshold:
-    """Follow a breather to its fold, and say how it loses stability up to there.
+    """Follow a breather to its fold, and determine how it loses stability on the way.
 
     Parameters
     ----------
     chain : VdpChain, AveragedChain or OscillatorChain
-        Its c is not used; one of your own has sites that are alike, along a line. One with more
-        sites at rest beside the nucleus than ``margin`` is solved without the rest of them.
+        The chain; its c is not used. The sites of an `OscillatorChain` must be identical and along
+        a line. If there are more than ``margin`` sites at rest beside the nucleus, the surplus ones
+        are omitted.
     nucleus : Nucleus
-        Size, pattern, place.
+        Size, pattern and place of the nucleus.
     method : ThresholdMethod, optional
         ``envelope`` (ε → 0) or ``orbit``.
     margin : int, optional
@@ -52,8 +53,8 @@ def breather_threshold(
     Raises
     ------
     ParameterError
-        If the nucleus is wider than the chain, the pattern has no breather, the method is no
-        continuation, or the branch does not fold below c = 2.
+        If the nucleus is wider than the chain, the pattern has no breather, the method is not a
+        continuation, or the branch has no fold below c = 2.
 
     Examples
     --------
@@ -111,8 +112,8 @@ def breather_threshold(
 
 
 def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -> Any:
-    """Return the chain whose breather is followed: the nucleus and at most ``margin`` beside it."""
-    # An edge needs the same rest on its one side.
+    """Return the chain that is solved: the nucleus and at most ``margin`` sites beside it."""
+    # At an edge the same margin is needed on one side only.
     sides = 2 if nucleus.place is Place.BULK else 1
     sites = min(chain.sites, nucleus.size + sides * margin)
     if isinstance(chain, OscillatorChain):

@@ -1,9 +1,9 @@
-"""Between which couplings a prepared nucleus escapes while c is held: one seed, or several.
+"""Range of constant couplings over which a prepared nucleus begins to escape, for some seeds.
 
-Escape need not be monotone in c, and it depends on the noise and on the time waited. So no single
-coupling is found but a range: below it every run that was made held, above it every run escaped.
-Without noise a nucleus escapes at the fold of the breather that it follows, to which the same
-bisection comes down as near as the time allows.
+Escape need not be monotone in c, and it depends on the noise and on the duration of the run.
+Therefore not a single coupling but a range is determined: in all runs made, the nucleus held below
+the range and escaped above it. Without noise a nucleus escapes at the fold of the breather that it
+follows; the same bisection approaches this fold as closely as the duration allows.
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from verification.thresholds.result import Definition, Mechanism, RunThreshold, 
 FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0
 """First coupling tried, and the limits of the search."""
 REACH, PROBES = 0.01, 8
-"""How far beyond the range more runs are made, relative to it, and how many on that way."""
+"""Distance beyond the range, relative to it, up to which further runs are made, and their
+number."""
 PAD = 0.5
-"""What is added on each side, relative to the width, where escape is not monotone: isolated
-couplings of escape lie between those that were tried."""
+"""Margin added on each side, relative to the width, where escape is not monotone: there may be
+isolated couplings of escape between those that were tried."""
 SEEDS = 3
-"""Seeds that are tried if there is noise, from that of the preparation on."""
+"""Number of seeds tried if there is noise, beginning with that of the preparation."""
 
 
 @dataclass
 class _EscapeRuns:
-    """The runs with one seed: c and the slow time of escape, infinite if it held."""
+    """The runs with one seed: c and the slow time of escape, infinite if the nucleus held."""
 
     chain: VanDerPolChain
     preparation: NucleusPreparation
@@ -45,7 +46,7 @@ class _EscapeRuns:
         return self.escapes[c]
 
     def bracket(self) -> None:
-        """Look for a coupling that holds and one that escapes soon."""
+        """Find a coupling at which the nucleus holds and one at which it escapes soon."""
         c = FIRST
         while self.escape(c) < math.inf and c > LOWEST:
             c *= 0.8
@@ -61,11 +62,11 @@ class _EscapeRuns:
             )
 
     def soon(self, c: float) -> bool:
-        """Whether it escapes within half the time."""
+        """Whether the nucleus escapes within half the duration."""
         return self.escape(c) <= 0.5 * self.duration
 
     def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return the gaps that hold the ends of the range, each between two runs."""
+        """Return the gaps that contain the ends of the range, each between two runs."""
         known = sorted(self.escapes)
         escaped = min(c for c in known if self.escapes[c] < math.inf)
         held = max(c for c in known if not self.soon(c))
@@ -99,28 +100,28 @@ def escape_range(
     tolerance: float = 1e-5,
     seeds: int = SEEDS,
 ) -> RunThreshold:
-    """Bisect for the range of escape, then make runs around it, until it no longer grows.
+    """Bisect for the range of escape, then extend it by runs around it until it no longer grows.
 
     Every run below ``low`` of the result held for ``duration``; every run above ``high`` escaped
-    within half of it. Where escape is not monotone, both are moved outwards by `PAD` of the width.
+    within half of it. If escape is not monotone, both are moved outwards by `PAD` of the width.
 
     Parameters
     ----------
     chain : VdpChain or AveragedChain
-        a, b and the ends; its c and N are not used.
+        The chain: a, b and the ends; its c and N are not used.
     preparation : NucleusPreparation
         The start, with its first seed.
     duration : float, optional
-        Slow time of a run.
+        Duration of a run in slow time.
     tolerance : float, optional
-        Width of the last brackets.
+        Width of the final brackets.
     seeds : int, optional
         Number of seeds, from 1 to 100; one is enough without noise.
 
     Raises
     ------
     ParameterError
-        If it holds or escapes at every coupling tried.
+        If the nucleus holds, or escapes, at every coupling tried.
 
     Examples
     --------
@@ -163,7 +164,7 @@ def escape_range(
     low, high = low - pad, high + pad
     return RunThreshold(
         c_crit=0.5 * (low + high),
-        # It bounds what was run, not longer times or other seeds.
+        # The error covers the runs that were made, not longer times or other seeds.
         error=0.5 * (high - low),
         method=ThresholdMethod.HOLD,
         definition=Definition.FIRST,
@@ -191,9 +192,9 @@ def escape_threshold(
 ) -> RunThreshold:
     """Bisect for the coupling at which the prepared nucleus escapes within a time.
 
-    Runs near a fold pass it ever more slowly, c - c_fold ~ duration⁻², so that escapes within half
-    of the time begin four times as far above it. The difference is part of the error, which then
-    reaches down to the fold.
+    Near a fold runs take ever longer to escape, c - c_fold ~ duration⁻², so that escapes within
+    half of the duration begin four times as far above the fold. The difference is part of the
+    error, which then extends down to the fold.
 
     Raises
     ------

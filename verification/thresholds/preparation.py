@@ -1,13 +1,13 @@
-"""What nuclei do when prepared as in section 2.2: in phase, near the cycle, at rest around.
+"""Nuclei prepared as in section 2.2: in phase, near the cycle, with the other sites at rest.
 
-Runs are of the averaged chain (43), in slow time, the coupling held. A nucleus *holds* while every
-site outside it stays below the unstable cycle |φ_us|, and *escapes* when one passes.
-A perturbation is seeded noise, the same relative size in both parts of every φ_n.
+Runs are of the averaged chain (43) in slow time, at constant coupling. A nucleus *holds* while
+every site outside it stays below the unstable cycle |φ_us|, and *escapes* when one passes it. A
+perturbation is seeded noise of the same relative size in the real and imaginary part of every φ_n.
 
-An escape says that the breather of this size is no longer held, and at which coupling. It does not
-say what comes after: the run ends when the first new site passes, and the nucleus may then stand at
-a larger size, grow by jumps or become a front. ``verification.breathers.outcome`` goes on from
-there, in (8).
+Escape shows that a breather of this size no longer holds, and at which coupling. It does not show
+what follows: the run ends when the first new site passes, and the nucleus may then stop at a larger
+size, grow by jumps or become a front. ``verification.breathers.outcome`` follows this further
+evolution in (8).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class NucleusPreparation:
     place : Place
         Middle or edge of the chain.
     perturbation : float
-        Standard deviation of the noise added to both parts of every φ_n; 0 for none.
+        Standard deviation of the noise added to both parts of every φ_n; 0 for no noise.
     seed : int
         Seed of the noise.
     """
@@ -45,11 +45,11 @@ class NucleusPreparation:
 
     @property
     def nucleus(self) -> Nucleus:
-        """The same sites, all in phase."""
+        """The same sites as a `Nucleus`, all in phase."""
         return Nucleus(self.size, place=self.place)
 
     def chain(self, chain: VanDerPolChain, c: float) -> VanDerPolChain:
-        """Return the chain with `MARGIN` sites around the nucleus."""
+        """Return the chain with `MARGIN` sites on each side of the nucleus."""
         return replace(chain, sites=sites_for(self.size, MARGIN), c=c)
 
     def start(self, chain: VanDerPolChain) -> ComplexArray:
@@ -64,7 +64,7 @@ class NucleusPreparation:
 def hold(
     chain: VanDerPolChain, preparation: NucleusPreparation, c: float, duration: float
 ) -> EnvelopeRun:
-    """Run the averaged chain at a coupling until it escapes or the time is over.
+    """Run the averaged chain at a coupling until the nucleus escapes or the time is over.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is found of a threshold: the coupling, by what it is defined, and what happens there."""
+"""Results for a threshold: the coupling, its definition, and what happens there."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from verification.runs.excite import StartPoint
 
 
 class ThresholdMethod(Status):
-    """How a threshold is found."""
+    """Method by which a threshold is found."""
 
     ENVELOPE = "envelope", "continuation of the breather of the averaged chain (43), ε → 0."
     ORBIT = "orbit", "continuation of the periodic orbit of the chain itself."
@@ -34,11 +34,11 @@ _EQUATIONS = {
     ThresholdMethod.HOLD: _AVERAGED,
     ThresholdMethod.CLOSED_FORM: "(29) with (37), an approximation of the averaged chain (43)",
 }
-"""Equation whose threshold a method finds, where it is not that of the chain itself."""
+"""The equation to which a method's threshold refers, where it is not that of the chain itself."""
 
 
 class Definition(Status):
-    """What a threshold is the threshold of."""
+    """Definition of a threshold."""
 
     EXISTENCE = "existence", "up to it the breather exists."
     STABILITY = "stability", "up to it the breather is stable against every small perturbation."
@@ -78,24 +78,25 @@ class Threshold(Result):
     Attributes
     ----------
     c_crit, error : float
-        The coupling, and a bound on its error or half the interval that holds it. The error is
-        that of a solution of ``equation``: how far this is from (8) at ε > 0 is not in it.
+        The coupling, and a bound on its error or half the width of the interval that contains it.
+        It is the error with respect to ``equation``; the difference from (8) at ε > 0 is not
+        included.
     method : ThresholdMethod
         How it was found.
     definition : Definition
-        What it is the threshold of.
+        Definition of the threshold.
     mechanism : Mechanism
         What happens there.
     model : str
         Name of the chain's model.
     nucleus : Nucleus
-        Size, pattern, place.
+        Size, pattern and place of the nucleus.
     sites : int or None
-        Length of the chain; None where it is infinite.
+        Length of the chain; None if it is infinite.
     readings : mapping of str to float or None, or None
-        Closed form: the fold for each site at which (37) may be read.
+        Closed form: the fold for each site at which (37) may be evaluated.
     delay : Delay or None
-        Sweeps: couplings of escape at each rate, and the law of delay.
+        Sweeps: couplings of escape at each rate, and the law of the delay.
     seconds : float
         Wall-clock time.
     """
@@ -116,7 +117,7 @@ class Threshold(Result):
 
     @property
     def equation(self) -> str:
-        """Whose threshold this is: the error holds nothing of the way from there to (8)."""
+        """Equation to which the threshold refers; its difference from (8) is not in the error."""
         averaged = _EQUATIONS.get(self.method)
         if averaged is None:
             return "that of the chain itself"
@@ -139,16 +140,17 @@ class BranchThreshold(Threshold):
     Attributes
     ----------
     stable_to : float or None
-        Up to where the breather is stable against every small perturbation; None if it never is.
+        Coupling up to which the breather is stable against every small perturbation; None if it
+        never is.
     stable_to_error : float or None
-        Bound on the error of ``stable_to``: what more sites at rest change in it, and what errors
-        of the growth do. None as it is.
+        Bound on the error of ``stable_to`` from the finite number of sites at rest and from the
+        errors of the growth rate; None if ``stable_to`` is None.
     lost_by : Mechanism
-        At the fold itself, before it, or never held.
+        Mechanism of instability: at the fold itself, before it, or never stable.
     growth_half_way : float
-        Largest rate per unit of slow time, trivial one apart, half way to the fold.
+        Largest growth rate per unit of slow time, without the trivial mode, half way to the fold.
     growth_half_way_mirrored : float or None
-        The same for perturbations that keep the mirror symmetry; None without it.
+        The same for perturbations that keep the mirror symmetry; None if there is none.
     """
 
     stable_to: float | None
@@ -165,28 +167,29 @@ class RunThreshold(Threshold):
     Attributes
     ----------
     low, high : float
-        At ``low`` the nucleus stays, at ``high`` it does not.
+        Couplings at which the nucleus stays localised and at which it does not.
     final_time : float
-        How long a run may take, in units of the chain's `time_unit`: τ of (5), slow time of (8)
+        Maximum duration of a run in units of the chain's `time_unit`: τ for (5), slow time for (8)
         and (43).
     monotone : bool or None
-        Whether escape or spreading was monotone in c among the couplings tested; None if that was
+        Whether escape or spreading was monotone in c among the couplings tested; None if this was
         not tested.
     c_crit_at_twice_the_time : float or None
-        The threshold for twice the final time, where that was tested.
+        The threshold for twice the final time, if that was tested.
     fuzzy : tuple of float or None
-        Interval around ``c_crit`` in which runs contradict one sharp threshold: spreading that
-        takes more than the final time, or that is not monotone in c. None if there is none.
+        Interval around ``c_crit`` in which runs contradict a single sharp threshold, because
+        spreading takes longer than the final time or is not monotone in c. None if there is no such
+        interval.
     perturbation : float
-        Size of the noise on the start.
+        Standard deviation of the noise on the start.
     range_by_seed : mapping of int to (float, float)
         The interval for each seed of the noise.
     runs : int
-        Runs made.
+        Number of runs.
     ends : Ends or None
-        Ends of the chain that was run; None for runs of (43) from an in-phase start.
+        Ends of the chain; None for runs of (43) from an in-phase start.
     start_point : StartPoint or None
-        Point of the cycle of a friction chain from which the excited sites started.
+        Point on the cycle of a friction chain from which the excited sites started.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("equation", "bracket", "fuzzy_width")
@@ -217,28 +220,28 @@ class RunThreshold(Threshold):
 
     @property
     def fuzzy_width(self) -> float:
-        """Width of the fuzzy interval; 0 without one."""
+        """Width of the fuzzy interval; 0 if there is none."""
         return 0.0 if self.fuzzy is None else self.fuzzy[1] - self.fuzzy[0]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Delay(Result):
-    """Couplings of escape in slow sweeps, and the law of delay fitted to them.
+    """Couplings of escape in slow sweeps, and the law of the delay fitted to them.
 
     Attributes
     ----------
     rates : tuple of float
-        dc/dT, falling.
+        dc/dT, in descending order.
     escapes : tuple of float
         c at which the nucleus escaped, for each rate.
     c_0 : float or None
-        Extrapolation to rate zero by c_0 + K rate^{2/3} + K' rate through the three slowest; None
-        where the escapes do not follow this law.
+        Extrapolation to zero rate by c_0 + K rate^{2/3} + K' rate through the three slowest sweeps;
+        None if the escapes do not follow this law.
     error : float or None
-        How far it is from the extrapolation without K' through the two slowest.
+        Difference from the extrapolation without K' through the two slowest sweeps.
     delay_exponent : float or None
-        ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest: 2/3 at a fold; None where
-        the escapes do not fall with the rate.
+        ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest sweeps: 2/3 at a fold; None
+        if the escapes do not decrease with the rate.
     seconds : float
         Wall-clock time.
     """

@@ -1,8 +1,8 @@
-"""Slow growth of the coupling until a prepared nucleus escapes, and the law of its delay.
+"""Slow growth of the coupling until a prepared nucleus escapes, and the law of the delay.
 
-A nucleus that follows a stable breather to its fold escapes late by K rate^{2/3}; the coupling of
-the fold is then the limit of rate zero. A nucleus that leaves the breather earlier, for instance
-because it was perturbed, obeys no such law, and nothing is extrapolated.
+A nucleus that follows a stable breather to its fold escapes late, by K rate^{2/3}; the coupling at
+the fold is then the limit of zero rate. A nucleus that leaves the breather earlier, for instance
+because it was perturbed, does not obey this law, and nothing is extrapolated.
 """
 
 from __future__ import annotations
@@ -29,14 +29,15 @@ from verification.thresholds.result import (
 )
 
 START, END = 0.15, 0.6
-"""Couplings at which a sweep begins if the nucleus holds there, and at which it is given up."""
+"""Coupling at which a sweep begins if the nucleus holds there, and coupling at which it is
+stopped."""
 LOWER = 0.8
-"""Factor by which the first coupling is lowered until the nucleus holds."""
+"""Factor by which the starting coupling is lowered until the nucleus holds."""
 RATES = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
 SETTLING = 300.0
-"""Slow time at the starting coupling before a sweep begins."""
+"""Slow time spent at the starting coupling before a sweep begins."""
 LAW = 0.06
-"""Largest departure of the exponent from 2/3: twice the cube root of the slowest default rate."""
+"""Largest deviation of the exponent from 2/3: twice the cube root of the slowest default rate."""
 
 
 def sweep_envelope(
@@ -65,7 +66,7 @@ def sweep_envelope(
 def _settled(
     chain: VanDerPolChain, preparation: NucleusPreparation
 ) -> tuple[VanDerPolChain, ComplexArray]:
-    """Return the chain at the first coupling, from `START` down, at which it holds, and φ_n."""
+    """Return φ_n and the chain at the first coupling, from `START` downwards, at which it holds."""
     c = START
     while (run := hold(chain, preparation, c, SETTLING)).escaped:
         c *= LOWER
@@ -78,17 +79,17 @@ def _settled(
 
 
 def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float = 0.0) -> Delay:
-    """Fit c = c_0 + K rate^{2/3} + K' rate, the delay at a fold, to rates in one ratio.
+    """Fit c = c_0 + K rate^{2/3} + K' rate, the delay at a fold, to rates in geometric sequence.
 
-    There is no extrapolation where the escapes do not fall with the rate, or the exponent is
-    farther than `LAW` from 2/3: the nucleus then does not escape at a fold it follows.
+    Nothing is extrapolated if the couplings of escape do not decrease with the rate, or if the
+    exponent differs from 2/3 by more than `LAW`: the nucleus then does not escape at a fold.
 
     Parameters
     ----------
     rates, escapes : sequence of float
-        At least three, rates falling by a constant factor.
+        At least three values; the rates decrease by a constant factor.
     seconds : float, optional
-        Time the sweeps took, passed on.
+        Run time of the sweeps, stored in the result.
 
     Examples
     --------
@@ -118,8 +119,8 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
 
 
 def _extrapolated(speed: FloatArray, c: FloatArray) -> tuple[float, float]:
-    """Return c at rate zero, and what the next term of the law changes."""
-    # At a fold the delay is K rate^{2/3}; the next term is of first order in the rate.
+    """Return c at zero rate, and its change due to the next term of the law."""
+    # At a fold the delay is K rate^{2/3}; the next term is linear in the rate.
     terms = np.column_stack([np.ones_like(speed), speed ** (2.0 / 3.0), speed])
     c_0 = float(np.linalg.solve(terms[-3:], c[-3:])[0])
     return c_0, abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
@@ -146,18 +147,18 @@ def measure_delay(chain: VanDerPolChain, preparation: NucleusPreparation) -> Del
 
 
 def sweep_threshold(chain: VanDerPolChain, preparation: NucleusPreparation) -> Threshold:
-    """Find the limit of rate zero of slow sweeps, or where that has none, hold the coupling.
+    """Find the zero-rate limit of slow sweeps or, if there is none, hold the coupling constant.
 
-    What does not escape at a fold has no limit of rate zero that these sweeps could show; the
-    threshold is then that of `escape_range`, with the sweeps beside it.
+    A nucleus that does not escape at a fold has no zero-rate limit that these sweeps could show;
+    the threshold is then that of `escape_range`, with the sweeps included in the result.
 
     Raises
     ------
     ParameterError
-        If the nucleus does not escape, or not hold.
+        If the nucleus does not escape, or does not hold.
     """
     if preparation.perturbation > 0.0:
-        # Noise leaves the breather before its fold; a sweep would not show where.
+        # With noise the nucleus leaves the breather before its fold; a sweep would not show where.
         return escape_range(chain, preparation)
     delay = measure_delay(chain, preparation)
     if delay.c_0 is None or delay.error is None:

@@ -1,15 +1,15 @@
-"""Thresholds by direct runs, of any chain: the coupling from which on a nucleus spreads (Fig. 4).
+"""Thresholds by direct runs of any chain: the coupling above which a nucleus spreads (Fig. 4).
 
-The number depends on what counts as spreading, on the ends, on the start and on the final time;
-each is an option with a name. The search:
+The value depends on the definition of spreading, on the ends, on the start and on the final time;
+each is a named option. The search consists of
 
-* runs at couplings that grow by a constant factor, until one spreads: the lowest is sought, and at
-  high coupling a small nucleus may go to rest instead;
-* bisection between that coupling and the one before it;
-* the same with twice the final time, from there downwards: spreading can be late;
-* runs at couplings on both sides, to see whether spreading is monotone.
+* runs at couplings that grow by a constant factor until one spreads: the lowest threshold is
+  sought, since at high coupling a small nucleus may go to rest instead;
+* bisection between that coupling and the preceding one;
+* the same with twice the final time, from there downwards, because spreading may be late;
+* runs at couplings on both sides, to test whether spreading is monotone.
 
-Wherever the last two contradict a single threshold, the interval of couplings in which they do is
+If the last two contradict a single threshold, the interval of couplings in which they do is
 reported as fuzzy.
 """
 
@@ -35,42 +35,43 @@ from verification.runs.integration import integration
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
 GROWTH = 1.25
-"""Factor between couplings of the first search."""
+"""Factor between successive couplings of the first search."""
 REACH = 0.2
-"""Part of the threshold on either side of it where monotony is tested."""
+"""Fraction of the threshold, on either side of it, over which monotonicity is tested."""
 SEVERAL = 3
-"""New sites on each side of the nucleus for ``Definition.SEVERAL``."""
+"""Number of new sites on each side of the nucleus for ``Definition.SEVERAL``."""
 _BUDGET = 20_000
-"""Sites times steps between two checks of what has been reached."""
+"""Sites times steps between two checks of the sites reached."""
 
 
 @dataclass(frozen=True)
 class Spreading:
-    """What is excited, and what counts as spreading.
+    """Which sites are excited, and what counts as spreading.
 
     Attributes
     ----------
     size : int
-        Excited sites.
+        Number of excited sites.
     place : Place
         At the edge or in the middle.
     definition : Definition
-        What counts: ``first``, ``several`` or ``whole``.
+        What counts as spreading: ``first``, ``several`` or ``whole``.
     final_time : float
-        In units of the chain's `time_unit` (τ of (5), slow time of (8) and (43)), from 1 to 1e6.
+        Maximum duration in units of the chain's `time_unit` (τ for (5), slow time for (8) and
+        (43)), from 1 to 1e6.
     point : StartPoint
-        Point of the cycle of (5) from which the excited sites start.
+        Point on the cycle of (5) from which the excited sites start.
     tolerance : float
-        Of the integrator, from 1e-12 to 1e-4.
+        Tolerance of the integrator, from 1e-12 to 1e-4.
     pattern : str
         Phase steps between the excited sites of a smooth chain, as in `Nucleus`.
     displacement : float or None
-        Of the excited sites; by default the excited state of one cell.
+        Displacement of the excited sites; by default the excited state of one cell.
 
     Raises
     ------
     ParameterError
-        If one is out of range.
+        If a value is out of range.
     """
 
     size: int = 1
@@ -102,7 +103,7 @@ class Spreading:
         return Nucleus(self.size, self.pattern, self.place)
 
     def watched(self, sites: int) -> tuple[int, ...]:
-        """Return the sites to be reached, of which ``first`` asks for one and others for all.
+        """Return the sites to be reached: one of them for ``first``, all of them otherwise.
 
         Examples
         --------
@@ -145,18 +146,18 @@ def spreads(
     final_time: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> bool:
-    """Run the chain until the nucleus has spread, has gone to rest, or the final time is over.
+    """Run the chain until the nucleus has spread or gone to rest, or the final time is over.
 
     Parameters
     ----------
     chain : Chain
-        Parameters, with its coupling; of any model that is integrated in time.
+        The chain with its coupling, of any model that is integrated in time.
     spreading : Spreading
-        What is excited and what counts.
+        Which sites are excited, and what counts as spreading.
     final_time : float, optional
-        In place of the one in ``spreading``.
+        Replaces the final time of ``spreading``.
     progress : callable, optional
-        Called now and then with the part of the final time that is over.
+        Called at intervals with the fraction of the final time that has elapsed.
 
     Examples
     --------
@@ -183,7 +184,7 @@ def spreads(
 
 
 class _Search:
-    """Runs at couplings, counted, and the bracket of the lowest coupling at which one spreads."""
+    """Runs at various couplings, counted, and a bracket of the lowest coupling that spreads."""
 
     def __init__(
         self, chain: Chain, spreading: Spreading, accuracy: float, lowest: float, highest: float
@@ -195,12 +196,12 @@ class _Search:
         self.runs = 0
 
     def expect(self, runs: int, progress: Callable[[float], None] | None) -> None:
-        """Report progress, with so many runs besides the first search."""
+        """Report progress, expecting this number of runs in addition to the first search."""
         self._expected += runs
         self._progress = progress
 
     def spreads(self, c: float, *, longer: float = 1.0, coarser: float = 1.0) -> bool:
-        """Run the chain at a coupling, with the final time and the tolerance times a factor."""
+        """Run the chain at a coupling, with factors on the final time and the tolerance."""
         self.runs += 1
         self._report(0.0)
         tolerance = min(1e-4, coarser * self._spreading.tolerance)
@@ -209,13 +210,13 @@ class _Search:
         return spreads(self._chain.replace(c=c), spreading, final, self._report)
 
     def _report(self, part: float) -> None:
-        """Report progress after a part of the present run, which may take minutes."""
+        """Report progress after a fraction of the present run, which may take minutes."""
         if self._progress is not None:
             done = self.runs + part
             self._progress(done / (done + self._expected))
 
     def bracket(self, *, longer: float = 1.0, coarser: float = 1.0) -> tuple[float, float]:
-        """Search upwards by a factor from the lowest coupling, then bisect."""
+        """Search upwards from the lowest coupling by a constant factor, then bisect."""
         low, high = self._lowest, self._lowest
         while not self.spreads(high, longer=longer, coarser=coarser):
             if high >= self._highest:
@@ -255,23 +256,24 @@ def spreading_threshold(
     Parameters
     ----------
     chain : Chain
-        Of any model with a coupling c that is integrated in time; its c is not used.
+        A chain of any model with a coupling c that is integrated in time; the value of c is not
+        used.
     spreading : Spreading
-        What is excited and what counts.
+        Which sites are excited, and what counts as spreading.
     lowest, highest : float
-        Couplings between which the first search goes.
+        Range of couplings of the first search.
     accuracy : float
-        Width of the bracket, from 1e-12 to 0.1.
+        Final width of the bracket, from 1e-12 to 0.1.
     tests : int
-        Couplings on each side of the threshold where monotony is tested; 0 for no test of it, nor
-        of what a later final time changes.
+        Number of couplings tested for monotonicity on each side of the threshold; with 0, neither
+        monotonicity nor the effect of a later final time is tested.
     progress : callable, optional
-        Called after each run with the fraction done, as far as it can be foreseen.
+        Called after each run with the fraction done, as far as it can be estimated.
 
     Raises
     ------
     ParameterError
-        If the nucleus spreads at ``lowest`` already, or nowhere up to ``highest``.
+        If the nucleus spreads already at ``lowest``, or nowhere up to ``highest``.
 
     Examples
     --------

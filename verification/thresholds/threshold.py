@@ -37,7 +37,7 @@ from verification.thresholds.slow_sweep import sweep_threshold
 from verification.thresholds.spreading import Spreading, spreading_threshold
 
 MAX_NUCLEUS = 41
-"""Widest nucleus whose breather is followed: matrices are dense."""
+"""Largest nucleus whose breather is followed; the matrices are dense."""
 _OF_BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
 _DEFINITIONS = {
     ThresholdMethod.ENVELOPE: _OF_BREATHERS,
@@ -47,7 +47,7 @@ _DEFINITIONS = {
     ThresholdMethod.HOLD: (Definition.FIRST,),
     ThresholdMethod.BISECTION: (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE),
 }
-"""What each method can find, the default first."""
+"""Definitions of the threshold that each method can evaluate, the default first."""
 _OF_NOISE = ("perturbation", "seed")
 _OPTIONS = {
     ThresholdMethod.SWEEP: _OF_NOISE,
@@ -56,7 +56,7 @@ _OPTIONS = {
         "final_time", "lowest", "highest", "accuracy", "tests", "displacement", "start_point",
     ),
 }  # fmt: skip
-"""Options that each method reads; continuation and the closed form read none."""
+"""Options that apply to each method; continuation and the closed form have none."""
 
 
 def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)
@@ -78,38 +78,38 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
 ) -> Threshold:
     """Find the coupling at which a nucleus stops being localised (Figs. 4, 11).
 
-    Couplings are dimensionless; (34) and (42) decide existence and stability of breathers, runs of
-    (5), (8) or (43) whether a nucleus spreads.
+    Couplings are dimensionless. Equations (34) and (42) decide existence and stability of
+    breathers; runs of (5), (8) or (43) decide whether a nucleus spreads.
 
     Parameters
     ----------
     chain : Chain
-        Of any model with a coupling c; its c is not used.
+        A chain of any model with a coupling c; the value of c is not used.
     nucleus : Nucleus, optional
-        Excited sites, their phase steps, and their place.
+        Excited sites, their phase steps, and their place in the chain.
     method : ThresholdMethod or str, optional
         ``envelope`` (default for an `AveragedChain`) and ``orbit`` (default for a `VdpChain`;
         possible for an `OscillatorChain`): continuation of the breather to its fold.
         ``closed-form``: fold of (29) with (37). ``sweep`` and ``hold``: runs of (43) from an
-        in-phase start; a sweep without an escape at a fold is followed by ``hold``.
-        ``bisection`` (default for any other chain): runs of the chain itself that spread, or do
-        not.
+        in-phase start; if a sweep shows no escape at a fold, ``hold`` is used instead.
+        ``bisection`` (default for any other chain): bisection between runs of the chain itself that
+        spread and runs that do not.
     definition : Definition or str, optional
-        By continuation ``existence`` (default) or ``stability`` of the breather; by bisection
+        For continuation, ``existence`` (default) or ``stability`` of the breather; for bisection,
         ``first`` (default), ``several`` or ``whole``. The closed form and sweeps find only
         ``existence``, ``hold`` only ``first``.
     final_time : float, optional
         Bisection: time by which the nucleus must have spread, in units of the chain's `time_unit`.
     lowest, highest : float, optional
-        Bisection: couplings between which it searches.
+        Bisection: range of couplings that is searched.
     accuracy : float, optional
-        Bisection: width of the bracket.
+        Bisection: final width of the bracket.
     tests : int, optional
-        Bisection: couplings on each side at which monotony is tested.
+        Bisection: number of couplings tested for monotonicity on each side of the threshold.
     displacement : float, optional
-        Bisection: of the excited sites; by default the excited state of one cell.
+        Bisection: displacement of the excited sites; by default the excited state of one cell.
     start_point : StartPoint, optional
-        Bisection of a friction chain: point of the cycle from which excited sites start; by default
+        Bisection of a friction chain: point on the cycle from which excited sites start; by default
         the maximum.
     perturbation, seed : float and int, optional
         Sweep, hold: standard deviation of the noise on the start, up to 0.1, and its first seed.
@@ -119,18 +119,18 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     Returns
     -------
     Threshold
-        `BranchThreshold` by continuation, `RunThreshold` by runs.
+        `BranchThreshold` for continuation, `RunThreshold` for runs.
 
     Raises
     ------
     ParameterError
-        If the method or the definition is not one for this chain, an option is one of another
-        method, or nothing is found in range.
+        If the method or the definition does not apply to this chain, an option belongs to another
+        method, or no threshold is found in the range.
 
     References
     ----------
-    Keller (1977), for continuation through a fold; Berglund and Gentz (2006), for the delay at a
-    fold that is passed slowly.
+    Keller (1977), for continuation through a fold; Berglund and Gentz (2006), for the delay when a
+    fold is passed slowly.
 
     Examples
     --------

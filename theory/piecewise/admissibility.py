@@ -1,17 +1,17 @@
 """Whether a front obeys its own assumption (47): |φ| > φ_us behind and |φ| < φ_us ahead, for all ζ.
 
-Far out a bound on the tails proves it. Between, |φ|² - r² is taken at points a fraction of a site
-apart, and a cell is divided until φ cannot bring it below zero by more than the tolerance, or a
-violation is seen.
+Far from ζ = 0 a bound on the tails proves it. In between, |φ|² - r² is evaluated at points a
+fraction of a site apart. Each cell between two points is bisected until the margin of (47) cannot
+fall below zero within it by more than the tolerance, or until a violation is found.
 
-* Where the quadrature of ``theory.piecewise.profile`` is short, values and slopes come from it,
-  over the whole way to where its ``tail_bound`` suffices; that the slopes at the ends of a cell,
-  twice, bound those within is taken for granted.
-* Where it is long, at strong coupling or high velocity, values come from
-  ``theory.piecewise.steepest_descent``, with a bound on how far φ leaves its chord within a cell,
-  within two sites of ζ = 0 and where margins are thin. Beyond, φ is the sum (49) over the roots: a
-  few terms vary slowly, over about √c sites, and the sum of the moduli of all others falls with
-  |ζ| (``far_field``).
+* Where the quadrature of ``theory.piecewise.profile`` needs few points, it provides values and
+  slopes at all ζ up to where ``tail_bound`` suffices. It is assumed that the slopes within a cell
+  are at most twice those at its ends.
+* Where it needs many points, at strong coupling or high velocity, values within two sites of ζ = 0
+  and wherever margins are thin come from ``theory.piecewise.steepest_descent``, with a bound on how
+  far φ departs from its chord within a cell. Elsewhere φ is the sum (49) over the roots: a few
+  terms vary slowly, over about √c sites, and the sum of the moduli of all others falls with |ζ|
+  (``far_field``).
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ TOLERANCE = 1e-11
 _PER_SITE = 8
 _SHORTEST = 1e-7
 _LONGEST_GRID = 1200
-"""Points of the quadrature from which steepest descent is shorter."""
+"""Number of quadrature points above which steepest descent is faster."""
 _MAX_LABEL = 10**10
-"""Largest label of a root, c/v, up to which phases c/v keep digits enough."""
+"""Largest label of a root, about c/v; at larger c/v the phases c/v lose too many digits."""
 _VALUES_AT_ONCE = 1 << 16
-"""Values of φ held at once, near the processor."""
+"""Number of values of φ held at once, so that they fit the processor's cache."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +53,17 @@ class Admissibility:
     Attributes
     ----------
     admissible : bool or None
-        None where too many margins are too thin to be told, or |v| is beyond 1e12; ``reason`` says
-        so.
+        Whether (47) holds; None where too many margins are too thin to decide, or |v| or c/|v| is
+        out of range, as ``reason`` says.
     fails_at : float or None
-        The violation nearest ζ = 0 that was seen, in sites, to within an eighth of a site; 0 where
-        the slope at ζ = 0 is already wrong; None if there is none.
+        Position ζ of the violation found nearest ζ = 0, in sites, to within an eighth of a site; 0
+        where the slope at ζ = 0 already has the wrong sign; None if there is no violation.
     proven_beyond : tuple of float
         (Z₋, Z₊): for ζ < -Z₋ and ζ > Z₊ the tail bound proves (47).
     points : int
-        Values of φ computed.
+        Number of values of φ computed.
     reason : str or None
-        Why it is not decided.
+        Why ``admissible`` is not decided.
     """
 
     admissible: bool | None
@@ -80,7 +80,7 @@ def check_admissible(v: float, c: float, r: float) -> Admissibility:
     ----------
     v, c : float
         Front velocity v̂, a solution of (54), and coupling. The shape of a retreating front,
-        v < 0, is 1 - φ(-ζ) with φ that of -v.
+        v < 0, is 1 - φ(-ζ), where φ is the shape at velocity -v.
     r : float
         Threshold |φ_us|/|φ_s|, 0 < r < 1.
 
@@ -96,7 +96,7 @@ def check_admissible(v: float, c: float, r: float) -> Admissibility:
 def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibility]:
     """Return :func:`check_admissible` for many fronts.
 
-    Fronts whose quadrature has the same number of points are looked at together.
+    Fronts whose quadratures have the same number of points are checked together.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
 def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the distances (Z₋, Z₊) beyond which tails prove (47), shape (n, 2), and the points.
 
-    No points where steepest descent is shorter, or where |v| is out of range.
+    The number of points is 0 where steepest descent is faster, or where |v| is out of range.
     """
     speed = np.clip(np.abs(v), SMALLEST, LARGEST)
     tails = [tail_bound(_number(speed), _number(c), side) for side in (False, True)]
@@ -143,12 +143,12 @@ def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArra
 
 
 def _number(column: FloatArray) -> Any:
-    """Return an array of one number as that: functions of numbers are faster."""
+    """Return an array of one element as a number, for which functions are faster."""
     return column.item() if column.size == 1 else column
 
 
 def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admissibility]:
-    """Decide by quadrature; ``reach`` are the distances (Z₋, Z₊) of each front, shape (n, 2)."""
+    """Decide by quadrature; ``reach`` holds (Z₋, Z₊) of each front, shape (n, 2)."""
     behind, ahead = (int(sites) + 1 for sites in reach.max(axis=0))
     zeta, phi = shape.on_lattice((behind, ahead))
     taken = zeta.size
@@ -170,7 +170,7 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
 
 
 def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
-    """Decide by steepest descent, and by the sums over roots beyond."""
+    """Decide by steepest descent near ζ = 0, and by the sums over roots beyond."""
     reason = None
     if not SMALLEST <= abs(v) <= LARGEST:
         reason = f"velocities beyond {LARGEST:g} are not looked at"
@@ -181,7 +181,7 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     shape = _Descent(NearShape(v, c))
     smallest = 0.02 * min(1.0, abs(v) / c)
     near = np.geomspace(smallest, NEAR, 2 + math.ceil(3.0 * math.log(NEAR / smallest)))
-    near = np.union1d(near, 1.0)  # no cell has a site within
+    near = np.union1d(near, 1.0)  # so that no cell has a site in its interior
     zeta = np.concatenate([-near[::-1], [0.0], near])
     fails_at, points, decided = _first_violation(shape, zeta, r)
     speed, advancing = abs(v), v > 0
@@ -210,7 +210,7 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
 
 
 def _along_stretches(shape: _Descent, ends: FloatArray, r: float) -> tuple[float | None, int, bool]:
-    """Decide within stretches of less than a site, from and to, shape (2, n)."""
+    """Decide within intervals shorter than a site, given by their ends, shape (2, n)."""
     low, high = np.sort(ends, axis=0)
     site = np.ceil(low)
     across = (low < site) & (site < high)
@@ -232,7 +232,7 @@ class _Descent:
 
     near: NearShape
     max_values: ClassVar[float] = 3 * MAX_CELLS
-    """Values of φ after which no cell is divided any more."""
+    """Number of values of φ after which no cell is divided any more."""
     values_each: ClassVar[int] = 1
 
     @property
@@ -246,7 +246,7 @@ class _Descent:
         return _SHORTEST * min(1.0, abs(self.near.v) / self.near.c)
 
     def shorter_than_waves(self, owner: IntArray) -> FloatArray:
-        """Return 0: no cell is short enough for slopes at its ends to say what is within."""
+        """Return 0: for no cell do the slopes at its ends suffice to bound φ within."""
         return np.zeros(owner.shape)
 
     def tolerance(self, zeta: FloatArray, r: FloatArray) -> FloatArray:
@@ -255,11 +255,12 @@ class _Descent:
         return np.maximum(3.0 * error, TOLERANCE) * r
 
     def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> BoolArray:
-        """Return whether φ, which leaves its chord by so much at most, stays on its side of r."""
+        """Return whether |φ| stays on its side of r, given how far it departs from the chord."""
         zeta = cells[::3]
         gone, bent = self.near.spread(zeta)
         side = np.where(zeta.mean(axis=0) < 0.0, 1.0, -1.0)
-        # |φ|² on the chord is convex: at most that at an end, at least that less a quarter of gone²
+        # |φ|² on the chord is convex: at most its larger end value, at least the smaller one less
+        # a quarter of gone²
         square = r * r + side * g.min(axis=0) - np.where(side > 0.0, 0.25 * gone**2, 0.0)
         safe: BoolArray = side * (np.sqrt(np.maximum(square, 0.0)) - r) > bent
         return safe
@@ -267,20 +268,20 @@ class _Descent:
     def with_slope(
         self, zeta: FloatArray, front: IntArray | None = None
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Return φ and dφ/dζ at ζ; at ζ = 0 just ahead."""
+        """Return φ and dφ/dζ at ζ; at ζ = 0 the derivative just ahead."""
         del front
         return self.near.with_slope(zeta)
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """Fronts φ(ζ)/φ_s of either direction, on the quadrature of the advancing ones, a row each."""
+    """Fronts φ(ζ)/φ_s of either direction, one row each, by the quadrature for advancing fronts."""
 
     grid: ProfileGrid
     retreating: bool
     max_values: ClassVar[float] = math.inf
     values_each: ClassVar[int] = 3
-    """Values of φ computed for one with its slope."""
+    """Number of values of φ that are computed for one value with its slope."""
 
     @property
     def velocity(self) -> FloatArray:
@@ -293,7 +294,7 @@ class _Shape:
         return _SHORTEST
 
     def shorter_than_waves(self, owner: IntArray) -> FloatArray:
-        """Return a sixth of the shortest wave of φ, e^{-ia f}: a turns by at most 2c/v a site."""
+        """Return a sixth of the shortest wavelength of φ, whose phase turns by 2c/v per site."""
         length: FloatArray = np.abs(self.velocity[owner, 0]) / (2.0 * self.grid.c[owner, 0])
         return length
 
@@ -303,7 +304,7 @@ class _Shape:
         return TOLERANCE
 
     def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> BoolArray:
-        """Return whether twice the slopes at the ends of cells leave their margins g positive."""
+        """Return in which cells g stays positive, with slopes at most twice those at the ends."""
         del r
         safe: BoolArray = np.minimum(*g) > (cells[3] - cells[0]) * np.maximum(*np.abs(cells[2::3]))
         return safe
@@ -318,11 +319,11 @@ class _Shape:
         return zeta, phi
 
     def slope(self, zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray) -> ComplexArray:
-        """Return dφ/dζ of all fronts, shape (n, m); at ζ = 0 just ahead."""
+        """Return dφ/dζ of all fronts, shape (n, m); at ζ = 0 the derivative just ahead."""
         return profile_slope(zeta, phi, neighbours, self.velocity, self.grid.c)
 
     def with_slope(self, zeta: FloatArray, front: IntArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return φ and dφ/dζ at ζ, shape (m,), of one front each; at ζ = 0 just ahead."""
+        """Return φ and dφ/dζ at ζ, shape (m,), of one front each; at ζ = 0 the slope just ahead."""
         phi, neighbours = self.grid.with_neighbours(-zeta if self.retreating else zeta, front)
         if self.retreating:
             phi, neighbours = 1.0 - phi, 2.0 - neighbours
@@ -333,13 +334,13 @@ class _Shape:
 def _margin(
     zeta: FloatArray, phi: ComplexArray, slope: ComplexArray, r: float | FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what (47) asks to be positive, |φ|² - r² behind and its negative ahead, and slope."""
+    """Return the margin g of (47) and its slope: |φ|² - r² behind, and its negative ahead."""
     side = np.where(zeta < 0, 1.0, -1.0)
     return side * (np.abs(phi) ** 2 - r * r), side * 2.0 * (phi.conj() * slope).real
 
 
 def _first_violation(shape: _Descent, zeta: FloatArray, r: float) -> tuple[float | None, int, bool]:
-    """Return the violation nearest 0 of one front, if any, the values computed, if decided."""
+    """Return, of one front, the violation nearest 0, the number of values, and whether decided."""
     phi, slope = shape.with_slope(zeta)
     inside = np.ones((1, zeta.size), dtype=bool)
     values = phi[None], slope[None]
@@ -352,16 +353,16 @@ def _first_violations(
     shape: _Shape | _Descent, zeta: FloatArray, values: tuple[ComplexArray, ComplexArray],
     r: FloatArray, inside: BoolArray,
 ) -> tuple[FloatArray, IntArray, BoolArray]:  # fmt: skip
-    """Return what `_divide` does, of the way along ζ.
+    """Return the results of `_divide` for the cells between successive ζ.
 
-    ``values`` are φ and its slope at ζ, which ascends through 0, shape (n, m); what is not
-    ``inside`` is not looked at.
+    ``values`` holds φ and its slope, shape (n, m), at ζ, which ascends through 0; cells that are
+    not ``inside`` are not checked.
     """
     phi, slope = values
     g, d = _margin(zeta, phi, slope, r[:, None])
     origin = int(np.searchsorted(zeta, 0.0))
-    # At ζ = 0 the threshold is crossed: g = 0, and the slope behind differs from the one ahead by
-    # the jump of θ in (48). Where either has the wrong sign (47) fails at once.
+    # At ζ = 0 the threshold is crossed: g = 0, and the slope behind differs from the one ahead
+    # because of the jump of θ in (48). Where either slope has the wrong sign, (47) fails at once.
     jump = (phi[:, origin].conj() * (-0.5 / np.ravel(shape.velocity))).real
     d_behind = -d[:, origin] + 2.0 * jump
     wrong = (d[:, origin] < 0) | (d_behind > 0)
@@ -369,7 +370,7 @@ def _first_violations(
     end = d.copy()  # slopes at the right end of a cell
     end[:, origin] = d_behind
     owner, cell = (inside[:, :-1] & inside[:, 1:] & ~wrong[:, None]).nonzero()
-    here = owner * zeta.size + cell  # of rows one after the other
+    here = owner * zeta.size + cell  # index into the flattened rows
     cells = np.array(
         [
             zeta.take(cell), g.take(here), d.take(here),
@@ -384,11 +385,12 @@ def _first_violations(
 def _divide(
     shape: _Shape | _Descent, cells: FloatArray, owner: IntArray, r: FloatArray
 ) -> tuple[FloatArray, IntArray, BoolArray]:
-    """Divide cells (rows ζ, g, dg/dζ at both ends) until each is safe or a violation is seen.
+    """Bisect cells (rows ζ, g, dg/dζ at both ends) until each is safe or a violation is found.
 
-    Less than the tolerance below zero is no violation: φ may rest at the threshold, v → 0.
-    ``owner`` is the front of each cell; returned are the violation nearest 0 of each, or ∞, the
-    values of φ computed, and whether no cell was left when they exceeded ``max_values``.
+    A margin below zero by less than the tolerance is not a violation, since φ may rest at the
+    threshold as v → 0. ``owner`` is the index of the front of each cell. The results, one for each
+    front, are the violation nearest 0, or ∞; the number of values of φ computed; and whether the
+    front was decided, that is, no cell was left when that number exceeded ``max_values``.
     """
     computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
     while True:
@@ -418,9 +420,10 @@ def _divide(
 
 
 def _between_its_ends(cells: FloatArray, short: BoolArray) -> BoolArray:
-    """Return whether slopes that agree with each other and with the rise of g leave it between.
+    """Return in which cells g lies between its end values.
 
-    They do in the cell that touches ζ = 0, where g rises from the threshold, and in ``short`` ones.
+    That is concluded where the slopes agree with each other and with the change of g, in the cells
+    that touch ζ = 0, where g rises from the threshold, and in ``short`` ones.
     """
     za, ga, da, zb, gb, db = cells
     width = zb - za
@@ -433,14 +436,14 @@ def _between_its_ends(cells: FloatArray, short: BoolArray) -> BoolArray:
 
 
 def _note(zeta: FloatArray, wrong: BoolArray, owner: IntArray, worst: FloatArray) -> None:
-    """Put the least |ζ| that is wrong, with its sign, where it is less than what is known.
+    """Record in ``worst`` the violation nearest 0 of each front where it is nearer than before.
 
-    ``zeta`` and ``wrong`` have any number of rows, ``owner`` is that of each column.
+    ``zeta`` and ``wrong`` have any number of rows; ``owner`` gives the front of each column.
     """
     found = wrong.nonzero()
     if found[0].size == 0:
         return
     places, owners = zeta[found], owner[found[-1]]
-    order = np.lexsort((-places, -np.abs(places)))  # the nearest last, so that it stays
+    order = np.lexsort((-places, -np.abs(places)))  # the nearest comes last and wins
     nearer = order[np.abs(places[order]) < np.abs(worst[owners[order]])]
     worst[owners[nearer]] = places[nearer]

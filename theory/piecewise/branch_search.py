@@ -1,11 +1,12 @@
-"""Every solution v of |Σ(v, c)| = 2r, for many couplings at once, losing no pair at a fold.
+"""Every solution v of |Σ(v, c)| = 2r, for many couplings at once, without missing a pair at a fold.
 
 A front that retreats with velocity -v obeys |Σ₋(v, c)| = |2 + Σ(v, c)| = 2r, since v → -v turns
-the roots k into -k and exchanges the half-planes. Both are |Σ + shift| = 2r with shift 0 or 2.
-The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative. It starts from the points
-of ``theory.piecewise.first_points`` and divides each cell until one of three things holds: twice
-its slopes cannot bring g to zero inside (dropped); g changes sign and is monotone (one solution);
-or the cell is as short as rounding allows (a fold to within rounding).
+the roots k into -k and exchanges the half-planes. Both equations have the form |Σ + shift| = 2r
+with shift 0 or 2. The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative. It
+starts from the points of ``theory.piecewise.first_points`` and bisects each cell until one of three
+conditions holds: g cannot vanish inside even if its slope is twice that at the ends (the cell is
+dropped); g changes sign and is monotone (one solution); or the cell is as short as rounding allows
+(a fold to within rounding).
 """
 
 from __future__ import annotations
@@ -26,17 +27,17 @@ _SHORTEST = 1e-10
 _LONG_AXIS = 4.0
 """Coupling above which the rule on the axis needs more points than `axis.MAX_PLAIN`."""
 _ARCH = 4
-"""Additional cost of a value by the rule for c > 3v, in values by the rule on the axis."""
+"""Additional cost of a value by the rule for c > 3v, over the cost by the rule on the axis."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solutions:
-    """Solutions of the kinetic relation, of all cases in one list, ascending in (case, v).
+    """Solutions of the kinetic relation for all cases in one list, ascending in (case, v).
 
     Attributes
     ----------
     case : ndarray of int, shape (n,)
-        Index of the coupling that each belongs to.
+        Index of the coupling to which each solution belongs.
     v, error : ndarray of float, shape (n,)
         Velocity v̂ and its error bound.
     slope : ndarray of float, shape (n,)
@@ -45,9 +46,9 @@ class Solutions:
         ∂|Σ + shift|/∂c.
     error_along_coupling, error_along_target : ndarray of float, shape (n,)
         Bounds on the errors of ∂v/∂c = -by_coupling/slope and ∂v/∂target = 1/slope; infinite where
-        the slope may vanish within the error of v, as beside a fold.
+        the slope may vanish within the error of v, as near a fold.
     evaluations : int
-        Values of Σ computed, over all cases.
+        Number of values of Σ computed, over all cases.
     """
 
     case: IntArray
@@ -62,7 +63,7 @@ class Solutions:
 
 @dataclass
 class _Relation:
-    """g and its derivatives by t = ln v and c, for pieces of cases; counts its work."""
+    """g and its derivatives by t = ln v and c, for pieces of cases; counts the evaluations."""
 
     case: IntArray
     c: FloatArray
@@ -72,7 +73,7 @@ class _Relation:
     evaluations: int = 0
 
     def __call__(self, piece: IntArray, t: FloatArray) -> FloatArray:
-        """Return g, ∂g/∂t, the error of g, ∂g/∂c and the errors of both slopes, shape (6, n)."""
+        """Return g, ∂g/∂t, the error of g, ∂g/∂c, and the errors of both slopes, shape (6, n)."""
         self.evaluations += t.size
         v = np.exp(t)
         values, errors, _ = sums_of_pairs(v, self.c[piece], _TOLERANCE, True, self.many)
@@ -100,7 +101,7 @@ def all_velocities(
     retreating : bool
         Solve |2 + Σ(v, c)| = target instead; the front's velocity is then -v.
     refine : float
-        Divides the spacing of the first points; 1 is enough, tests try 4.
+        Divisor of the spacing of the first points; 1 suffices, and tests compare with 4.
 
     Raises
     ------
@@ -109,14 +110,14 @@ def all_velocities(
     """
     shift = 2.0 if retreating else 0.0
     case, piece, t = first_points(c, target, shift, refine)
-    # About as many values again are needed to find the solutions.
+    # Finding the solutions then takes about as many values again.
     strength = c[case[piece]]
     costly = (strength > _LONG_AXIS) & (strength > STEEPEST * np.exp(t))
     many = 2 * (t.size + _ARCH * int(np.count_nonzero(costly))) >= MANY
     relation = _Relation(case, c[case], target[case], shift, many=many)
     if t.size <= MAX_POINTS:
         return _solve(relation, piece, t)
-    # so many pieces at a time that their points are one array of moderate size
+    # solve groups of pieces whose points make up an array of moderate size
     last = np.cumsum(np.bincount(piece, minlength=case.size))
     cuts = np.searchsorted(piece, np.flatnonzero(np.diff(last // MAX_POINTS)) + 1).tolist()
     parts = pairwise([0, *cuts, t.size])
@@ -129,7 +130,7 @@ def all_velocities(
 
 
 def _solve(relation: _Relation, piece: IntArray, t: FloatArray) -> Solutions:
-    """Return the solutions on some pieces, searched from points t that ascend in each."""
+    """Return the solutions on some pieces, starting from points t that ascend in each piece."""
     (left,) = (piece[1:] == piece[:-1]).nonzero()
     ends = np.array([t, *relation(piece, t)[:3]])
     cells = np.concatenate([ends.take(left, axis=1), ends.take(left + 1, axis=1)])
@@ -140,13 +141,13 @@ def _solve(relation: _Relation, piece: IntArray, t: FloatArray) -> Solutions:
 def _brackets(
     relation: _Relation, owner: IntArray, cells: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Divide cells (rows t, g, dg/dt, error at both ends) until each holds one solution or none."""
+    """Bisect cells (rows t, g, dg/dt, error at both ends) until each holds one solution or none."""
     done_owner, done_cells = [], []
     while owner.size:
         ta, ga, da, ea, tb, gb, db, eb = cells
         _, size_a, steep_a, _, _, size_b, steep_b, _ = np.abs(cells)
         width = tb - ta
-        # Where |Σ| is lost in rounding a sign means nothing.
+        # Where g is below its rounding error its sign means nothing; see `_told_apart`.
         differ = (ga > 0) != (gb > 0)
         flattest = np.minimum(steep_a, steep_b)
         monotone = np.abs(da - db) < 0.5 * flattest
@@ -156,15 +157,15 @@ def _brackets(
         (found,) = (differ & (monotone | short)).nonzero()
         done_owner.append(owner.take(found))
         done_cells.append(cells.take(found, axis=1))
-        # A short cell of one sign whose end is zero to within rounding is a fold touched exactly.
+        # A short cell without change of sign, zero at an end to within rounding, is an exact fold.
         if short.nonzero()[0].size:
             zero = np.minimum(size_a - ea, size_b - eb) <= 0
             (touches,) = (short & ~differ & zero).nonzero()
-            # One a case and round is enough: its neighbours are the same fold.
+            # One per case and round is enough, since its neighbours belong to the same fold.
             touches = touches[np.unique(owner[touches], return_index=True)[1]]
             done_owner.append(owner[touches])
             done_cells.append(cells[:, touches])
-        # Left is what is neither short, nor has one solution, nor surely none.
+        # The remaining cells are not short and have neither surely one solution nor surely none.
         (rest,) = (~(short | monotone | (flat & ~differ))).nonzero()
         owner, cells = owner.take(rest), cells.take(rest, axis=1)
         if owner.size:
@@ -181,10 +182,11 @@ def _brackets(
 def _told_apart(
     relation: _Relation, owner: IntArray, cells: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Sort the brackets; of neighbours between which g is zero to within rounding keep the outer.
+    """Sort the brackets and merge neighbours between which g is zero to within rounding.
 
-    Beside a fold the computed g changes sign many times over by rounding alone. A run of such
-    brackets is a pair if g has the same sign on both sides of it, and one solution if not.
+    Near a fold the computed g changes sign many times by rounding alone. A run of such brackets
+    stands for a pair of solutions, the outermost two brackets, if g has the same sign on both sides
+    of the run, and for one solution if not.
     """
     order = np.lexsort((cells[0], owner))
     owner, cells = owner[order], cells[:, order]
@@ -223,12 +225,13 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
 def _refined(
     relation: _Relation, owner: IntArray, cells: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return where g = 0 by Newton kept inside each bracket; see `_confirmed_spread` for the rest.
+    """Return the zero of g in each bracket by safeguarded Newton steps, its spread, and the values.
 
-    The last step, after which g is zero to rounding, is taken together with both sides.
+    For the spread and the values see `_confirmed_spread`. The last step, after which g is zero to
+    within rounding, is evaluated together with the points on both sides.
     """
     ta, ga, tb = cells[0], cells[1], cells[4]
-    # about twice what the error of a step of Newton's is, times the slope and over the step²
+    # about twice the error of a Newton step, times the slope and divided by the step²
     curvature = np.abs(cells[6] - cells[2]) / (tb - ta)
     t = _crossing(cells)
     here = relation(owner, t)
@@ -262,7 +265,7 @@ def _refined(
 def _crossing(cells: FloatArray) -> FloatArray:
     """Return where the cubic t(g) through the ends of each cell, with their slopes, has g = 0.
 
-    Where that leaves the cell, as at an end without slope, the straight line is taken.
+    Where the result lies outside the cell, as for an end without slope, the chord is used instead.
     """
     ta, ga, da, _, tb, gb, db, _ = cells
     rise = np.where(ga == gb, 1.0, gb - ga)
@@ -275,7 +278,7 @@ def _crossing(cells: FloatArray) -> FloatArray:
 
 
 def _least_spread(t: FloatArray, by_t: FloatArray, off: FloatArray) -> FloatArray:
-    """Return how far from t, where |g| ≤ off, g may at least differ in sign beyond its error."""
+    """Return the least distance from t, where |g| ≤ off, at which g may exceed its error."""
     floor = 4.0 * _EPS * np.maximum(1.0, np.abs(t))
     steep = np.where(by_t == 0, 1e-300, np.abs(by_t))
     return np.minimum(floor + 2.5 * off / steep, 1e-3)
@@ -284,9 +287,9 @@ def _least_spread(t: FloatArray, by_t: FloatArray, off: FloatArray) -> FloatArra
 def _confirmed_spread(
     relation: _Relation, owner: IntArray, t: FloatArray, here: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return δ such that g at t - δ and t + δ differs in sign beyond its error, and the values.
+    """Return δ such that g has different signs, beyond its error, at t - δ and t + δ; and values.
 
-    Those are at t, t - δ and t + δ, shape (6, 3, n).
+    The values are those of the relation at t, t - δ and t + δ, shape (6, 3, n).
     """
     spread = _least_spread(t, here[1], np.abs(here[0]) + here[2])
     beside = _values_at(relation, owner, t - spread, t + spread)
@@ -300,7 +303,7 @@ def _confirmed_spread(
 
 
 def _differ_surely(values: FloatArray) -> BoolArray:
-    """Return whether g differs in sign beyond its error between the last two places."""
+    """Return whether g has different signs, beyond its error, at the last two places."""
     g, error = values[0, -2:], values[2, -2:]
     differ: BoolArray = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
     return differ
@@ -315,17 +318,17 @@ def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> Flo
 def _errors_along(
     v: FloatArray, spread: FloatArray, around: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Bound the errors of ∂v/∂c and ∂v/∂target, computed at v, at the true velocity.
+    """Bound the errors that ∂v/∂c and ∂v/∂target, computed at v, have at the true velocity.
 
-    That lies within the spread, where the derivatives of g are taken to be between those at its
-    middle and its ends, which are in ``around``.
+    The true velocity lies within the spread. There the derivatives of g are assumed to lie between
+    those at the middle and at the ends, which are in ``around``.
     """
     by, error = around[1:4:2], around[4:]
     steep, by_c = np.array([(by - error).min(axis=1), (by + error).max(axis=1)]).swapaxes(0, 1)
     decided = (steep[0] > 0) | (steep[1] < 0)
     inverse = v / np.where(decided, steep, 1.0)
     middle = v / np.where(decided, by[0, 0], 1.0)
-    rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # and v itself changes by its error
+    rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # includes the error of the factor v
     along_target = np.abs(inverse - middle).max(axis=0) + rounding
     corners = inverse[:, None] * by_c
     along_c = np.abs(corners - middle * by[1, 0]).max(axis=(0, 1))

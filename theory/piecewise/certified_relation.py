@@ -1,8 +1,8 @@
 """The kinetic relation (54) with proofs: each velocity enclosed, their number, the thresholds.
 
-What is proven, for the binary numbers c and η, is: each velocity lies in its interval and is the
-only one there; there is no other; c_pin, c_fold and c_retreat lie in theirs. Admissibility and
-stability are not part of it.
+For c and η as binary numbers, it is proven that each velocity lies in its interval and is the only
+one there, that there are no other velocities, and that c_pin, c_fold and c_retreat lie in their
+intervals. Admissibility and stability are not proven.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from theory.piecewise.limits import ETA_PIN_END
 
 @dataclass(frozen=True, kw_only=True)
 class CertifiedRelation(KineticRelation):
-    """The answer at one (c, η), with what of it is proven in ball arithmetic.
+    """The answer at one (c, η), with those parts of it that are proven in ball arithmetic.
 
     Attributes
     ----------
     certified : bool
         Whether the velocities, their number and the thresholds are all proven.
     v_enclosures : tuple of Enclosure
-        Intervals that hold exactly one velocity each, ascending; if ``unproven`` does not say
-        otherwise there is no further velocity.
+        Intervals that contain exactly one velocity each, ascending; unless ``unproven`` says
+        otherwise, there is no further velocity.
     c_pin_enclosure, c_fold_enclosure, c_retreat_enclosure : Enclosure or None
-        Intervals that hold the thresholds; None where there is no such threshold, or no proof.
+        Intervals that contain the thresholds; None where there is no such threshold, or no proof.
     unproven : tuple of str
-        A sentence for each part that could not be proven.
+        One sentence for each part that could not be proven.
     """
 
     certified: bool
@@ -59,9 +59,9 @@ def certify_relation(
     Parameters
     ----------
     answer : KineticRelation
-        As computed in double precision.
+        The answer computed in double precision.
     progress : callable, optional
-        Called with the fraction done, now and then.
+        Called from time to time with the fraction done.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def _velocities(
     unproven: list[str],
     progress: Callable[[float], None] | None,
 ) -> list[Enclosure]:
-    """Return the enclosures of all velocities, ascending; add to ``unproven`` what fails."""
+    """Return the enclosures of all velocities, ascending; add failures to ``unproven``."""
     retreating = answer.eta > ETA_PIN_END
     c, target = flint.arb(answer.c), 2 * ball_ratio(flint, answer.eta)
     relation = Relation(flint, c, target, 2 if retreating else 0)
@@ -133,7 +133,7 @@ def _velocities(
 def _one_by_one(
     relation: Relation, answer: KineticRelation, unproven: list[str]
 ) -> list[Enclosure]:
-    """Return enclosures of the velocities that the search found, without their number."""
+    """Return enclosures of the velocities that the search found, without proof of their number."""
     relation.most_work *= 2
     found = []
     for branch in answer.branches:
@@ -151,7 +151,7 @@ def _one_by_one(
 def _compare(
     answer: KineticRelation, found: list[Enclosure], open_: bool, unproven: list[str]
 ) -> None:
-    """Say where the computed velocities are not those proven."""
+    """Add to ``unproven`` where the computed velocities differ from the proven ones."""
     speeds = sorted((abs(branch.v), branch.error) for branch in answer.branches)
     proven = sorted(found, key=lambda each: each.lower)
     if len(speeds) != len(proven):
@@ -172,7 +172,7 @@ def _compare(
 def _thresholds(
     flint: Any, answer: KineticRelation, unproven: list[str]
 ) -> dict[str, Enclosure | None]:
-    """Return the enclosures of the thresholds that exist; add to ``unproven`` what fails."""
+    """Return the enclosures of the thresholds that exist; add failures to ``unproven``."""
     found: dict[str, Enclosure | None] = {}
     end = enclose_static_end(flint, answer.eta)
     if answer.c_retreat is not None:

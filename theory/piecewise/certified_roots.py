@@ -1,4 +1,4 @@
-"""Balls that provably hold one root of (50) each, and a provable count (optional: python-flint)."""
+"""Balls that provably contain one root of (50) each, and a proven count; needs python-flint."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ _DEEPEST = 12
 
 
 class CertificationError(ArithmeticError):
-    """A root or a count that ball arithmetic could not confirm at the working precision."""
+    """Raised where ball arithmetic could not confirm a root or a count at the working precision."""
 
 
 @dataclass(frozen=True)
 class CertifiedRoots:
-    """Roots of one half-plane, each alone in its ball, none left out.
+    """Roots of one half-plane, each the only one in its ball, none missing.
 
     Attributes
     ----------
     roots : RootSet
-        The centres; ``radius`` is the certified one.
+        The centres of the balls; ``radius`` is certified.
     counted : int
-        Roots in the box of these strips, certified by the winding of L in ball arithmetic.
+        Number of roots in the box of these strips, certified by the winding number of L in ball
+        arithmetic.
     bits : int
         Working precision.
     """
@@ -45,9 +46,9 @@ class CertifiedRoots:
 def certify_roots(v: float | str, c: float | str, labels: IntArray, upper: bool) -> CertifiedRoots:
     """Enclose the root of each of the consecutive strips ``labels`` and certify their number.
 
-    Interval Newton: if m - L(m)/L_k(B) lies inside the ball B about m, then B holds exactly one
-    root, and it lies in that smaller set. The count is the winding of L along the edge of a box,
-    every piece of which is shown not to pass through zero.
+    The method is interval Newton: if m - L(m)/L_k(B) lies inside the ball B about m, then B
+    contains exactly one root, and the root lies in that smaller set. The count is the winding
+    number of L along the edge of a box; on every piece of the edge L is shown not to vanish.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def certify_roots(v: float | str, c: float | str, labels: IntArray, upper: bool)
     labels : ndarray of int, shape (n,)
         Consecutive strip numbers.
     upper : bool
-        Half-plane.
+        Whether the roots are those above the real axis, or below.
 
     Raises
     ------
@@ -91,7 +92,7 @@ def ball_arithmetic(purpose: str) -> Any:
     Raises
     ------
     MissingPackageError
-        If it is not installed; ``purpose`` is what needs it.
+        If it is not installed; the message names the ``purpose`` for which it is needed.
     """
     try:
         import flint
@@ -103,9 +104,9 @@ def ball_arithmetic(purpose: str) -> Any:
 def _enclose(
     flint: Any, v: float | str, c: float | str, k: complex, radius: float
 ) -> tuple[float, Any]:
-    """Return a radius about ``k`` that provably holds exactly one root, and where that lies.
+    """Return a radius about ``k`` that provably contains exactly one root, and the root's ball.
 
-    The second is a far smaller ball, with a centre that need not be a double.
+    The latter is far smaller, and its centre need not be a double.
     """
     v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
     middle = flint.acb(k.real, k.imag)
@@ -127,7 +128,7 @@ def _enclose(
 def _certified_count(
     flint: Any, v: float | str, c: float | str, labels: IntArray, upper: bool
 ) -> int:
-    """Return the winding of L about the box of these strips, each piece of edge proved."""
+    """Return the winding number of L around the box of these strips, each piece of edge proved."""
     v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
     v, c = float(v), float(c)
     corners = box_corners(*box_of_strips(v, c, labels, upper))
@@ -153,7 +154,7 @@ def _certified_count(
                 pieces += [(low, middle, depth + 1), (middle, high, depth + 1)]
             else:
                 raise CertificationError(f"the edge piece {low} to {high} could not be certified")
-    # The turning of a closed curve is a whole number; the pieces' rounding is far below one half.
+    # The winding number of a closed curve is an integer; the rounding error is far below one half.
     return round(turn / (2.0 * math.pi))
 
 

@@ -1,4 +1,4 @@
-"""Σ(v, c) and its derivatives in ball arithmetic: proven radii (optional: python-flint).
+"""Σ(v, c) and its derivatives in ball arithmetic, with proven radii; needs python-flint.
 
 The integrand is that of ``theory.piecewise.sums.integral``. With X = sin²(k/2), A = ½ - 2icX,
 a = A/v and q± = 1/(1 - e^{-a ± ik}), so that ∂q/∂a = q(1 - q),
@@ -6,33 +6,34 @@ a = A/v and q± = 1/(1 - e^{-a ± ik}), so that ∂q/∂a = q(1 - q),
     Σ + 1 = mean over a period of G,       G = S/(2A),       S = q₊ + q₋ - 1,
     G_v = -S_a/(2v²),   G_vv = S_a/v³ + S_aa A/(2v⁴),   G_c = iX S/A² - iX S_a/(A v).
 
-As a occurs but once in q±, these stay narrow where v and c are balls.
+Since a occurs only once in q±, these stay narrow where v and c are balls.
 
-Path. On the real axis e^{-a} oscillates with the phase c(1 - cos k)/v. Where c/v is large its mean
-is small beside its modulus, and balls of velocities or couplings lead to balls that are far too
-wide. On the path
+Path. On the real axis e^{-a} oscillates with the phase c(1 - cos k)/v. Where c/v is large, its mean
+is much smaller than its modulus, and balls of velocities or couplings lead to balls that are far
+too wide. On the path
 
     z(k) = k + iτ sin k,   Re A = ½ + c sin k sinh(τ sin k),
 
-e^{-a} falls away from k = 0 and π instead. G is even, and the mean of G(z(k)) z'(k) over real k is
-that of G, if it has no pole between the axis and the path: none where Re A > v |Im z|, and for
-|sin k| = s and all τ' ≤ τ, ½ + cs sinh(τ's) - vτ's ≥ ½ - v²τ/(4c).
+e^{-a} decays away from k = 0 and π instead. G is even, and the mean of G(z(k)) z'(k) over real k
+equals that of G if G has no pole between the axis and the path. There is none where
+Re A > v |Im z|, and for |sin k| = s and all τ' ≤ τ, ½ + cs sinh(τ's) - vτ's ≥ ½ - v²τ/(4c).
 
 Truncation. Let |Im k| ≤ σ, and z = κ + iψ. There |ψ| ≤ Ψ = σ + τ cosh σ, |z'| ≤ 1 + τ cosh σ, and
 
     Re A = ½ + c sin κ sinh ψ ≥ g,   Re(a ± iz) ≥ 2p,   |A| ≤ ½ + c(1 + cosh Ψ),
 
 on the axis (τ = 0) with g = ½ - c sinh σ and 2p = (g - vσ)/v, on the path with g = ½ - cm = 2pv,
-where -m is the least of sin κ sinh ψ - |ψ| ρ, ρ ≥ v/c. As Re A is harmonic and |ψ| subharmonic, it
-lies on Im k = ±σ. About k = 0 it is -(1 + τ²)²σ²/(4τ), so that the strip is as wide as c^{-1/2},
-and only as 1/c on the axis. If g and p are positive, S = ½[coth((a + iz)/2) + coth((a - iz)/2)],
-|coth w| ≤ coth Re w and |csch w| ≤ 1/sinh Re w bound |S| by coth p, |S_a| by ½ csch² p and |S_aa|
-by ½ csch² p coth p. If |G z'| ≤ M in this strip, N equispaced points give its mean to within
-2M/(e^{Nσ} - 1) (Trefethen & Weideman 2014). All of it, the bound too, is evaluated in balls, so v
-and c may be balls themselves: the result then holds for every v and c in them.
+where -m is the minimum of sin κ sinh ψ - |ψ| ρ, ρ ≥ v/c. As Re A is harmonic and |ψ| subharmonic,
+it lies on Im k = ±σ. Near k = 0 it is -(1 + τ²)²σ²/(4τ), so that the width of the strip scales like
+c^{-1/2}, while on the axis it scales only like 1/c. If g and p are positive,
+S = ½[coth((a + iz)/2) + coth((a - iz)/2)], |coth w| ≤ coth Re w and |csch w| ≤ 1/sinh Re w bound
+|S| by coth p, |S_a| by ½ csch² p and |S_aa| by ½ csch² p coth p. If |G z'| ≤ M in this strip, N
+equispaced points give its mean to within 2M/(e^{Nσ} - 1) (Trefethen & Weideman 2014). Everything,
+the bound included, is evaluated in balls, so that v and c may be balls themselves: the result then
+holds for every v and c in them.
 
 Where the strip is so narrow that N would be many thousands, the integral over half a period is
-taken by the adaptive Gauss-Legendre rule of Arb, whose bound is proven as well (Johansson 2018).
+computed by the adaptive Gauss-Legendre rule of Arb, whose bound is also proven (Johansson 2018).
 
 References
 ----------
@@ -60,30 +61,30 @@ from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError, stated
 
 MAX_POINTS = 2000
-"""Equispaced points up to which they are taken; beyond, the adaptive rule."""
+"""Largest number of equispaced points; where more would be needed, the adaptive rule is used."""
 MAX_EVALUATIONS = 150_000
-"""Values of the integrand in the adaptive rule, at most: a few seconds."""
+"""Largest number of values of the integrand in the adaptive rule: a few seconds."""
 _PARTS = (0.6, 0.75, 0.88, 0.95)  # of the strip, on which G is bounded
 _GUARD_BITS = 32
 _BEND = 0.5625
-"""τ of the path: near 1/√3, where the strip is widest, and a binary number."""
+"""τ of the path: close to 1/√3, at which the strip is widest, and exact as a binary number."""
 _PIECES = 1024
 _PARTIALS = (1, 3, 4)
-"""How many of Σ, ∂Σ/∂v, ∂Σ/∂c and ∂²Σ/∂v² are computed, by order."""
+"""Number of the quantities Σ, ∂Σ/∂v, ∂Σ/∂c and ∂²Σ/∂v² that are computed at order 0, 1 and 2."""
 
 
 @dataclass(frozen=True)
 class BallSum:
-    """Σ and those of its derivatives that were asked for, each a ball of flint.
+    """Σ and those of its derivatives that were requested, each a ball of python-flint.
 
     Attributes
     ----------
     value : acb
         Σ(v, c).
     by_v, by_c, by_vv : acb or None
-        Derivatives.
+        Its derivatives, or None if they were not requested.
     points : int
-        Points at which the integrand was evaluated.
+        Number of points at which the integrand was evaluated.
     """
 
     value: Any
@@ -95,14 +96,14 @@ class BallSum:
 
 @dataclass(frozen=True, kw_only=True)
 class Strip:
-    """Where the integrand is bounded.
+    """The strip |Im k| ≤ σ in which the integrand is bounded.
 
     Attributes
     ----------
     half_width : float
-        σ.
+        Its half-width σ.
     ratio : float or None
-        ρ of the path, not below v/c; None for the real axis.
+        The parameter ρ ≥ v/c of the curved path; None for the real axis.
     """
 
     half_width: float
@@ -123,7 +124,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
     Returns
     -------
     KineticSum
-        ``error`` is the radius of a ball that provably holds Σ, the rounding of ``value`` included.
+        ``error`` is the radius of a ball that provably contains Σ, rounding of ``value`` included.
 
     Raises
     ------
@@ -132,7 +133,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
     MissingPackageError
         If python-flint is not installed.
     PrecisionError
-        If the radius could not be reached with some 10⁵ values of the integrand.
+        If the radius could not be reached with 150 000 values of the integrand.
 
     Examples
     --------
@@ -144,7 +145,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
     digits = count_within("digits", digits, 1, MAX_DIGITS)
     v_float, c_float = checked_velocity_and_coupling(float(v), float(c))
     flint = ball_arithmetic("a certified sum")
-    # Arguments of the exponential as large as c/v, and differences as small as 1/v.
+    # Digits are lost by arguments of the exponential as large as c/v, and differences down to 1/v.
     lost = math.log2(1.0 + c_float / v_float) + 2.0 * math.log2(1.0 + v_float + 1.0 / c_float)
     bits = math.ceil(3.33 * max(digits, DOUBLE)) + math.ceil(lost) + _GUARD_BITS
     with flint.ctx.workprec(bits):
@@ -174,7 +175,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
 
 
 def _upper(ball: Any) -> Any:
-    """Return an upper bound of a ball as a number of mpmath."""
+    """Return an upper bound of a ball as an mpmath number."""
     return mp.make_mpf(ball.upper()._mpf_)
 
 
@@ -185,7 +186,8 @@ def _any_strip(flint: Any, v: Any, c: Any, tolerance: float, digits: int) -> Bal
     if distance < flint.arb(10) ** (-digits - 1):
         ball = flint.arb(0, distance)
         return BallSum(ball_static_sum(flint, c) + flint.acb(ball, ball), None, None, None, 0)
-    # Beyond 300 digits the tolerance is no float; digits and points are then in proportion.
+    # Beyond 300 digits the tolerance underflows as a float; points then grow in proportion to
+    # digits.
     scale = max(1.0, digits / 300.0)
     points, strip = needed_points(float(v), float(c), tolerance)
     if points * scale <= MAX_POINTS * max(1.0, digits / DOUBLE):
@@ -201,7 +203,7 @@ def ball_static_sum(flint: Any, c: Any) -> Any:
 
 
 def _adaptive(flint: Any, v: Any, c: Any, goal: Any) -> BallSum:
-    """Return Σ by the adaptive Gauss-Legendre rule on half a period, with G of the two coth."""
+    """Return Σ by the adaptive Gauss-Legendre rule on half a period, G as a sum of two coth."""
     evaluated = 0
 
     def integrand(k: Any, _analytic: bool) -> Any:
@@ -223,18 +225,19 @@ def needed_points(
 ) -> tuple[int, Strip]:
     """Return an even number of points for a truncation error near ``tolerance``, and the strip.
 
-    A guess in floating point, rounded up to a few sizes: what the points give is proven after.
+    The number is an estimate in floating point, rounded up so that few different numbers occur; the
+    truncation error that it leads to is proven afterwards.
 
     Parameters
     ----------
     v, c : float
-        The largest velocity and coupling meant.
+        The largest velocity and coupling in question.
     tolerance : float
         Required absolute error.
     order : int
-        0 for Σ alone, 1 with first derivatives, 2 with ∂²Σ/∂v².
+        0 for Σ alone, 1 to include first derivatives, 2 to include ∂²Σ/∂v² too.
     least : float, optional
-        The least coupling meant, by default c.
+        The smallest coupling in question, by default c.
 
     Returns
     -------
@@ -247,7 +250,7 @@ def needed_points(
 
 
 def _up(x: float, steps: int) -> float:
-    """Return a number not below x, one of so many an octave."""
+    """Return x rounded up to the next of a geometric sequence with ``steps`` numbers per octave."""
     return math.pow(2.0, math.ceil(steps * math.log2(x) + 1e-9) / steps)
 
 
@@ -288,10 +291,11 @@ def _geometry(strip: Strip) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=4096)
 def _sag(sigma: float, ratio: float) -> float:
-    """Return m, or more: minus the least of sin κ sinh ψ - |ψ| ρ for |Im k| ≤ σ.
+    """Return an upper bound of m, which is minus the minimum of sin κ sinh ψ - |ψ| ρ in |Im k| ≤ σ.
 
-    By the symmetries k → -k and k → π - k, on Im k = σ for Re k from -π/2 to π/2. The values in the
-    middle of pieces are lowered by what first and second derivatives allow within them.
+    By the symmetries k → -k and k → π - k it suffices to consider Im k = σ and Re k from -π/2 to
+    π/2. The values at the midpoints of pieces are lowered by the largest change within the pieces
+    that the first and second derivatives allow.
     """
     half = 0.5 * math.pi / _PIECES
     k = (np.arange(_PIECES) + 0.5) * 2.0 * half - 0.5 * math.pi + 1j * sigma
@@ -304,7 +308,7 @@ def _sag(sigma: float, ratio: float) -> float:
 
 
 def ball_sum(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int = 0) -> BallSum:
-    """Return Σ and its derivatives by the trapezoidal rule, the truncation in each radius.
+    """Return Σ and its derivatives by the trapezoidal rule; the radii include the truncation error.
 
     Parameters
     ----------
@@ -315,10 +319,10 @@ def ball_sum(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: in
     points : int
         Even number of points over the period.
     strip : Strip
-        Without roots for every v and c in the balls. If it is not, the result is a ball without
-        bounds.
+        A strip without roots for every v and c in the balls. If it contains roots, the result is
+        an unbounded ball.
     order : int
-        0 for Σ alone, 1 with ∂Σ/∂v and ∂Σ/∂c, 2 with ∂²Σ/∂v² also.
+        0 for Σ alone, 1 to include ∂Σ/∂v and ∂Σ/∂c, 2 to include ∂²Σ/∂v² too.
     """
     totals = [flint.acb(0)] * _PARTIALS[order]
     for node in _nodes(flint, points, strip.ratio is not None, flint.ctx.prec):
@@ -336,7 +340,7 @@ def ball_sum(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: in
 
 @dataclass(frozen=True, kw_only=True)
 class _Node:
-    """A point z of the path: X, e^{iz} and e^{-iz} with their distances from 1, and z'."""
+    """A point z of the path: X, the pairs (e^{±iz}, 1 - e^{±iz}), and the weight z'."""
 
     X: Any
     turned: tuple[tuple[Any, Any], ...]
@@ -345,7 +349,7 @@ class _Node:
 
 @lru_cache(maxsize=64)
 def _nodes(flint: Any, points: int, bent: bool, _precision: int) -> list[_Node]:
-    """Return the points of half a period, those at its ends with half of z'."""
+    """Return the points of half a period; the two end points have half the weight."""
     found = []
     for j in range(points // 2 + 1):
         turn, bend = flint.fmpq(2 * j, points), flint.arb(_BEND if bent else 0.0)
@@ -378,7 +382,7 @@ def _integrand(flint: Any, v: Any, c: Any, node: _Node, order: int) -> list[Any]
 
 
 def _truncation(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int) -> list[Any]:
-    """Return the proven truncation errors, as balls whose upper ends count."""
+    """Return proven bounds of the truncation errors, namely the upper ends of balls."""
     s = flint.arb(strip.half_width)
     grown = (points * s).expm1()
     if strip.ratio is None:
@@ -396,7 +400,7 @@ def _truncation(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order:
 
 
 def _peaks(v: Any, c: Any, gap: Any, *, coth: Any, square: Any, side: Any) -> list[Any]:
-    """Return the bounds of |G|, |G_v|, |G_c| and |G_vv| in a strip, of floats or of balls.
+    """Return the bounds of |G|, |G_v|, |G_c| and |G_vv| in a strip, from floats or from balls.
 
     ``gap`` is g, ``coth`` and ``square`` are coth p and csch² p, ``side`` bounds 2|X|.
     """

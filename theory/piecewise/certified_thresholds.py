@@ -1,18 +1,20 @@
 """c_pin, c_retreat and c_fold of one η, each proven to lie in an interval.
 
-c_pin and c_retreat are closed forms (``theory.piecewise.limits``), evaluated in balls.
+c_pin and c_retreat have closed forms (``theory.piecewise.limits``), which are evaluated in balls.
 
-c_fold is the infimum of the couplings at which a front moves. That it is below some c₊ takes one
-value: |Σ(v, c₊)| > 2r at some v, since |Σ| → 0 as v → ∞. That it is above some c₋ takes a proof
-that |Σ(v, c)| < 2r for all v > 0 and 0 < c ≤ c₋:
+c_fold is the infimum of the couplings at which a front moves. A single value proves that it is
+below some c₊, namely |Σ(v, c₊)| > 2r at some v, since |Σ| → 0 as v → ∞. That it is above some c₋
+requires a proof that |Σ(v, c)| < 2r for all v > 0 and 0 < c ≤ c₋:
 
-* c ≤ c₀ with 8c₀(1 + 2c₀) < 2r: in the form of ``theory.piecewise.certified_velocities``, the first
-  factor of the denominator is at least ¼, and |u² + iu| ≤ 2c(1 + 2c).
-* v below or above the bounds of that module at c₋. They hold for c < c₋ too: |Σ(0⁺, c)| grows with
-  c, since 2r² = p(p - 1)/(2p² - 1) grows with p, and p with c (``limits.pinning_coupling``).
-* c = c₋: the mean-value form of |Σ|² - 4r² is negative on every cell of v.
-* The rest is divided into boxes. On each either |Σ| < 2r, by the derivatives over the box, or
-  ∂|Σ|²/∂c > 0: then |Σ| < 2r follows from the box above it, and in the end from c = c₋.
+* For c ≤ c₀ with 8c₀(1 + 2c₀) < 2r: in the real-line form of Σ given in
+  ``theory.piecewise.certified_velocities``, the first factor of the denominator is at least ¼, and
+  |u² + iu| ≤ 2c(1 + 2c).
+* For v below or above the bounds of that module at c₋. They hold for c < c₋ too: |Σ(0⁺, c)| grows
+  with c, since 2r² = p(p - 1)/(2p² - 1) grows with p, and p with c (``limits.pinning_coupling``).
+* At c = c₋: the mean-value form of |Σ|² - 4r² is negative on every cell of v.
+* The remaining region is divided into boxes. On each box either |Σ| < 2r, by the derivatives over
+  the box, or ∂|Σ|²/∂c > 0; in the latter case |Σ| < 2r follows from the adjacent boxes at larger c
+  and ultimately from c = c₋.
 """
 
 from __future__ import annotations
@@ -41,20 +43,20 @@ _LEAST_ERROR = 1e-15
 
 
 def ball_ratio(flint: Any, eta: float) -> Any:
-    """Return r(η) = √(8η)/(1 + √(1 - 8η)) as a ball, of η as the exact binary number."""
+    """Return r(η) = √(8η)/(1 + √(1 - 8η)) as a ball, with η as the exact binary number."""
     eta_ = flint.arb(eta)
     return (8 * eta_).sqrt() / (1 + (1 - 8 * eta_).sqrt())
 
 
 def enclose_static_end(flint: Any, eta: float) -> Enclosure | None:
-    """Return an interval that holds c_pin(η), or beyond η = 2/25 c_retreat(η).
+    """Return an interval that contains c_pin(η) or, for η > 2/25, c_retreat(η).
 
     Both are ½ p √(p² - 1) with |1 - 4r²| p² ∓ p ± 2r² = 0, p > 1.
 
     Returns
     -------
     Enclosure or None
-        None where the ball is too wide to be a number: η within rounding of 2/25.
+        None where the ball is unbounded, because η is within rounding of 2/25.
     """
     with flint.ctx.workprec(_CLOSED_BITS):
         r2 = ball_ratio(flint, eta) ** 2
@@ -66,7 +68,7 @@ def enclose_static_end(flint: Any, eta: float) -> Enclosure | None:
 
 
 def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
-    """Return an interval that holds c_fold(η), η < 2/25, or None if it could not be proven.
+    """Return an interval that contains c_fold(η), η < 2/25, or None if it could not be proven.
 
     Parameters
     ----------
@@ -75,12 +77,13 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
     eta : float
         η = b/a².
     pin : Enclosure
-        Of c_pin at this η.
+        Enclosure of c_pin at this η.
 
     Raises
     ------
     WorkLimitError
-        If the proof takes too long: strong coupling. Says for which couplings and velocities.
+        If the proof takes too long, as at strong coupling; the message names the couplings and
+        velocities concerned.
     """
     fold = fold_coupling(eta) if eta < ETA_PIN_END else None
     if fold is None:
@@ -104,7 +107,7 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
 def _never_moves(flint: Any, c: float, target: Any, peak: float) -> bool:
     """Return whether |Σ(v, c')| < 2r is proven for all v > 0 and 0 < c' ≤ c.
 
-    ``peak`` is about where |Σ(v, c)| is greatest, 0 if that is at v = 0.
+    ``peak`` is the approximate velocity at which |Σ(v, c)| is largest, 0 if that is at v = 0.
     """
     relation = Relation(flint, flint.arb(c), target)
     low, high = lowest_velocity(relation), highest_velocity(relation)
@@ -139,7 +142,7 @@ def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> 
         if b < 1.5 * a:
             centre = relation.resolved(relation.flint.arb(middle))
             distance = relation.distance(centre)
-            # at small v the distance is small, and the derivatives are exponentially so
+            # at small v the distance is small, and the derivatives are exponentially small
             slope, rate = relation.steepness(a, b, 0.1 * float(abs(distance).upper()) / half)
             if distance + half * rate < 0 or relation.height(centre) + half * abs(slope) < 0:
                 continue
@@ -150,9 +153,10 @@ def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> 
 
 
 def _below_about_peak(relation: Relation, peak: float) -> tuple[float, float]:
-    """Return an interval about the highest |Σ| on which |Σ| < 2r is proven, maybe an empty one.
+    """Return an interval around the maximum of |Σ| on which |Σ| < 2r is proven, perhaps empty.
 
-    Where ∂²|Σ|²/∂v² < 0, the tangent at any point lies above. That at the peak is nearly level.
+    Where ∂²|Σ|²/∂v² < 0, |Σ|² lies below each of its tangents. The tangent at the peak is nearly
+    horizontal.
     """
     flint = relation.flint
     v = flint.arb(peak)
@@ -184,7 +188,7 @@ def _bend(relation: Relation, v: Any) -> tuple[Any, Any]:
 def _below_on_boxes(
     relation: Relation, velocities: tuple[float, float], couplings: tuple[float, float]
 ) -> bool:
-    """Return whether on each box |Σ| < 2r or ∂|Σ|²/∂c > 0 is proven."""
+    """Return whether |Σ| < 2r or ∂|Σ|²/∂c > 0 is proven on each box."""
     flint = relation.flint
     coarse = 1e-3 * float(relation.target)
     boxes = [(*velocities, *couplings)]

@@ -1,11 +1,11 @@
-"""Every velocity of (54) proven: where each lies, and that there is no other.
+"""Every velocity of (54), proven: an interval for each, and a proof that there is no other.
 
 A front of velocity v > 0 obeys h(v) = 0 with h = |Σ(v, c) + s|² - 4r², s = 0; a front that retreats
-with velocity -v obeys it with s = 2. Where no solution can lie, without computing Σ:
+with velocity -v obeys the same equation with s = 2. Two ranges are excluded without computing Σ:
 
 * Small v. |Σ(v, c) - Σ(0⁺, c)| ≤ 2e/(1 - e), e = e^{-1/2v}
-  (``theory.piecewise.limits.static_sum_distance``), so none where this is below the distance of
-  |Σ(0⁺, c) + s| from 2r.
+  (``theory.piecewise.limits.static_sum_distance``), so that there is no solution where this is less
+  than the distance of |Σ(0⁺, c) + s| from 2r.
 * Large v. As 1 = (v/π)∫₀^∞ dk/(¼ + v²k²), the real-line form is
 
       Σ = (v/π) ∫₀^∞ (u² + iu) dk/[(A² + v²k²)(¼ + v²k²)],   A = ½ - iu,   u = c(1 - cos k).
@@ -15,13 +15,15 @@ with velocity -v obeys it with s = 2. Where no solution can lie, without computi
 
       |Σ(v, c)| ≤ [c/(4v²) + 2c²/(3πv³)]/(1 - γc/v),
 
-  which falls with v and grows with c. None where it is below 2r (s = 0) or 2 - 2r (s = 2).
+  which falls with v and grows with c. There is no solution where it is below 2r (s = 0) or 2 - 2r
+  (s = 2).
 
-Between these bounds the velocities are divided into cells, and Σ_v and h' are enclosed over all of
-each cell V in ball arithmetic. V of centre m holds no velocity if ||Σ(m) + s| - 2r| exceeds half
-its width times |Σ_v|, or |h(m)| half its width times |h'|. Otherwise h' ≠ 0 leaves at most one, and
-the signs at the ends say whether. Else the cell is halved. Interval Newton steps then shrink each
-cell that holds one.
+Between these bounds the velocities are divided into cells, and Σ_v and h' are enclosed over each
+whole cell V in ball arithmetic. A cell V with centre m contains no solution if ||Σ(m) + s| - 2r|
+exceeds half its width times |Σ_v|, or |h(m)| exceeds half its width times |h'|. Otherwise, if
+h' ≠ 0 on V, it contains at most one solution, and the signs of h at the ends decide whether it
+does. In all other cases the cell is bisected. Each cell that contains a solution is then reduced by
+interval Newton steps.
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ from theory.piecewise.sums.result import PrecisionError
 BITS = 110
 """Working precision of the search."""
 MAX_WORK = 600_000
-"""Values of the integrand that one proof may take: some eight seconds."""
+"""Largest number of values of the integrand in one proof: about eight seconds."""
 _GAMMA = 0.7247
 _NARROWEST = 1e-14
 _RELATIVE_TOLERANCES = (1e-4, 1e-9, 1e-21)
@@ -46,12 +48,12 @@ _MAX_POINTS = 20_000
 
 
 class WorkLimitError(PrecisionError):
-    """A proof that would take more values of the integrand than it may."""
+    """Raised where a proof would take more values of the integrand than allowed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Enclosure:
-    """An interval that provably holds a number.
+    """An interval that provably contains a number.
 
     Attributes
     ----------
@@ -64,7 +66,7 @@ class Enclosure:
 
     @classmethod
     def of(cls, ball: Any) -> Enclosure:
-        """Return the interval of doubles about a ball."""
+        """Return the smallest interval with double-precision ends that contains a ball."""
         return cls(
             lower=math.nextafter(float(ball.lower()), -math.inf),
             upper=math.nextafter(float(ball.upper()), math.inf),
@@ -80,7 +82,7 @@ class Enclosure:
 
 @dataclass
 class Relation:
-    """h at one coupling, or over a ball of couplings, in ball arithmetic; counts its work.
+    """h at one coupling, or over a ball of couplings, in ball arithmetic; counts evaluations.
 
     Attributes
     ----------
@@ -89,11 +91,11 @@ class Relation:
     c, target : arb
         Coupling and 2r.
     shift : int
-        0, or 2 for fronts that retreat.
+        s: 0, or 2 for fronts that retreat.
     work : int
-        Values of the integrand so far.
+        Number of values of the integrand so far.
     most_work : int
-        After so many, `WorkLimitError` is raised.
+        Number of values beyond which `WorkLimitError` is raised.
     """
 
     flint: Any
@@ -105,7 +107,7 @@ class Relation:
     _signs: dict[float, int] = field(default_factory=dict)
 
     def sum(self, v: Any, tolerance: float, order: int = 0, c: Any = None) -> BallSum:
-        """Return Σ, and by order its derivatives, over the ball v and a ball of couplings."""
+        """Return Σ and its derivatives up to ``order``, over the ball v and a ball of couplings."""
         c = self.c if c is None else c
         points, strip = needed_points(
             math.nextafter(float(v.upper()), math.inf),
@@ -122,19 +124,19 @@ class Relation:
         return ball_sum(self.flint, v, c, points, strip, order=order)
 
     def height(self, total: Any) -> Any:
-        """Return h = |Σ + s|² - 4r² of a value of Σ."""
+        """Return h = |Σ + s|² - 4r² for a value of Σ."""
         value = total + self.shift
         return value.real**2 + value.imag**2 - self.target**2
 
     def slope(self, total: Any, by: Any) -> Any:
-        """Return the derivative of h from Σ and its derivative."""
+        """Return a derivative of h, given Σ and the same derivative of Σ."""
         value = total + self.shift
         return 2 * (value.real * by.real + value.imag * by.imag)
 
     def steepness(self, low: float, high: float, least: float = math.inf) -> tuple[Any, Any]:
         """Return ∂h/∂v and |∂Σ/∂v| over all velocities from low to high.
 
-        They are truncated to within a part of 2r, or ``least`` where that is smaller.
+        The truncation error is a small fraction of 2r, or ``least`` where that is smaller.
         """
         cell = self.flint.arb(low).union(self.flint.arb(high))
         tolerance = max(min(0.1 * self.tolerances[0], least), self.tolerances[-1])
@@ -142,7 +144,7 @@ class Relation:
         return self.slope(wide.value, wide.by_v), abs(wide.by_v)
 
     def resolved(self, v: Any, c: Any = None) -> Any:
-        """Return Σ so well that its distance from a solution is not lost in the truncation."""
+        """Return Σ with a truncation error far below ||Σ + s| - 2r|, if possible."""
         for tolerance in self.tolerances:
             value = self.sum(v, tolerance, c=c).value
             if abs(self.distance(value)) > 100.0 * tolerance:
@@ -151,16 +153,16 @@ class Relation:
 
     @property
     def tolerances(self) -> list[float]:
-        """Truncation errors of Σ tried one after the other."""
+        """Truncation errors of Σ that are tried in turn."""
         target = float(self.target)
         return [target * relative for relative in _RELATIVE_TOLERANCES]
 
     def distance(self, total: Any) -> Any:
-        """Return |Σ + s| - 2r of a value of Σ."""
+        """Return |Σ + s| - 2r for a value of Σ."""
         return abs(total + self.shift) - self.target
 
     def sign(self, v: float) -> int:
-        """Return the sign of h(v), 0 if it could not be told from zero."""
+        """Return the sign of h(v), or 0 if h(v) could not be distinguished from zero."""
         if v not in self._signs:
             h = self.distance(self.resolved(self.flint.arb(v)))
             self._signs[v] = 0 if h.contains(0) else 1 if h > 0 else -1
@@ -174,12 +176,12 @@ def static_distance(flint: Any, v: float) -> Any:
 
 
 def fast_bound(flint: Any, v: float, c: Any) -> Any:
-    """Return the bound on |Σ(v, c)| at large v; it falls with v, grows with c, and may not exist.
+    """Return the bound on |Σ(v, c)| at large v, which falls with v and grows with c.
 
     Returns
     -------
     arb
-        Infinite where v ≤ γc.
+        Infinite where v ≤ γc, for which there is no such bound.
     """
     rest = 1 - flint.arb(_GAMMA) * c / v
     if not rest > 0:
@@ -189,7 +191,7 @@ def fast_bound(flint: Any, v: float, c: Any) -> Any:
 
 
 def lowest_velocity(relation: Relation) -> float:
-    """Return v below which no solution lies, by the bound at small v; 0 if it fails."""
+    """Return v below which no solution lies, by the bound at small v; 0 if the bound fails."""
     value = ball_static_sum(relation.flint, relation.c)
     gap = abs(relation.distance(value))
     distance = float(gap.lower())
@@ -220,19 +222,19 @@ def prove_velocities(
 ) -> tuple[list[Enclosure], list[tuple[float, float]]]:
     """Return an enclosure of every v > 0 with h(v) = 0, and the intervals left undecided.
 
-    If no interval is left, the velocities are exactly so many, one in each enclosure.
+    If no interval is left, each enclosure contains exactly one velocity, and there are no others.
 
     Parameters
     ----------
     relation : Relation
-        At one coupling.
+        The relation at one coupling.
     progress : callable, optional
-        Called with the fraction of the cells done.
+        Called with the fraction of the range that is done.
 
     Raises
     ------
     WorkLimitError
-        If the proof takes too long: strong coupling, where resonances are many.
+        If the proof takes too long, as at strong coupling, where there are many resonances.
     """
     low, high = lowest_velocity(relation), highest_velocity(relation)
     if low == 0.0:
@@ -261,7 +263,7 @@ def prove_velocities(
 
 
 def _roots_in_cell(relation: Relation, a: float, b: float) -> list[Enclosure] | None:
-    """Return the solutions between a and b, none or one, or None if it is not decided."""
+    """Return the solution between a and b, if there is one, or None if that is not decided."""
     if b > 1.5 * a:
         return None
     slope, rate = relation.steepness(a, b)
@@ -282,17 +284,16 @@ def _roots_in_cell(relation: Relation, a: float, b: float) -> list[Enclosure] | 
 
 
 def enclose_root(relation: Relation, low: float, high: float, slope: Any) -> Enclosure:
-    """Return where the one zero of h in a cell lies, by interval Newton steps.
+    """Return an enclosure of the only zero of h in a cell, by interval Newton steps.
 
     Parameters
     ----------
     relation : Relation
-        At one coupling.
+        The relation at one coupling.
     low, high : float
-        Ends of a cell over which ``slope``, a ball of ∂h/∂v, does not contain 0, and at whose ends
-        h differs in sign.
+        Ends of the cell, at which h has different signs.
     slope : arb
-        That ball.
+        A ball that contains ∂h/∂v over the cell but not 0.
     """
     flint = relation.flint
     cell = flint.arb(low).union(flint.arb(high))
@@ -309,18 +310,18 @@ def enclose_root(relation: Relation, low: float, high: float, slope: Any) -> Enc
 
 
 def _narrower(relation: Relation, cell: Any, slope: Any) -> Any:
-    """Return ∂h/∂v over a cell inside of one where it is known already."""
+    """Return ∂h/∂v over a cell inside another one, for which it is known already."""
     wide = relation.sum(cell, relation.tolerances[1], 1)
     return relation.slope(wide.value, wide.by_v).intersection(slope)
 
 
 def enclose_near(relation: Relation, v: float, error: float) -> Enclosure | None:
-    """Return where the one zero of h near v lies, or None if it could not be proven there.
+    """Return an enclosure of the only zero of h near v, or None if it could not be proven.
 
     Parameters
     ----------
     relation : Relation
-        At one coupling.
+        The relation at one coupling.
     v, error : float
         A computed velocity and its stated error.
     """
@@ -334,7 +335,7 @@ def enclose_near(relation: Relation, v: float, error: float) -> Enclosure | None
 
 
 def _joined(cells: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return touching cells as one."""
+    """Return the cells with adjacent ones joined."""
     joined: list[tuple[float, float]] = []
     for low, high in cells:
         if joined and joined[-1][1] == low:

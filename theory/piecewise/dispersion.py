@@ -1,15 +1,15 @@
-"""The dispersion relation of the piecewise-linear front (Eqs. 50, 51) and where its roots can be.
+"""The dispersion relation of the piecewise-linear front (Eqs. 50, 51) and where its roots can lie.
 
-Here ``v`` is the paper's v̂ = v/ε and ``c`` the coupling. Five facts carry everything else. Write
-k = x + iy; then L(k) = 0 is the pair
+Here ``v`` is the paper's v̂ = v/ε and ``c`` the coupling. Everything else is based on five facts.
+With k = x + iy, L(k) = 0 is the pair
 
     Re L = ½ + c sin x sinh y + v y = 0,        Im L = -c (1 - cos x cosh y) - v x = 0.
 
 1. No root is real: on the real axis Re L = ½.
 2. No root is double for v, c > 0: L_k = -i (v + c sin k) = 0 makes sin k = -v/c real, so k is real
    (excluded by 1) or k = -π/2 + 2πn + iy with cosh y = v/c. There cos k = -i sin x sinh y is
-   imaginary and Im L = -c - v x = 0 fixes x = -c/v = -sech y, which lies in [-1, 0) and is no
-   -π/2 + 2πn.
+   imaginary and Im L = -c - v x = 0 fixes x = -c/v = -sech y, which lies in [-1, 0) and is not of
+   the form -π/2 + 2πn.
 3. Above the real axis no root ever lies on a line x = nπ, since there Re L = ½ + v y > 0. As v and
    c vary continuously no root can therefore enter or leave a strip, nor escape to i∞ (|cos k|
    grows exponentially). As v → 0 each strip 2πn - π < x < 2πn holds one root and each strip
@@ -35,7 +35,7 @@ from theory.arrays import AnyArray, ComplexArray, FloatArray
 
 
 def onsite(k: ComplexArray, c: float | FloatArray) -> ComplexArray:
-    """Return A(k) = ½ - i c (1 - cos k), the part of (50) that does not move.
+    """Return A(k) = ½ - i c (1 - cos k), the part of (50) that does not depend on the velocity.
 
     Parameters
     ----------
@@ -68,25 +68,25 @@ def dispersion(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) ->
 def dispersion_slope(k: ComplexArray, v: float | FloatArray, c: float | FloatArray) -> ComplexArray:
     """Return L_k(k) = dL/dk = -i (v + c sin k).
 
-    Equation (51) as printed, -1/(2k) + (2ic/k) sin²(k/2) - i c sin k, has used L(k) = 0 to
-    replace v; it equals dL/dk on the roots and nowhere else.
+    In Equation (51) as printed, -1/(2k) + (2ic/k) sin²(k/2) - i c sin k, v has been eliminated by
+    means of L(k) = 0; it equals dL/dk on the roots and nowhere else.
     """
     slope: AnyArray = v + c * np.sin(k)
     return -1j * slope
 
 
 def root_free_strip(v: float, c: float) -> float:
-    """Return s > 0 with c sinh s + v s = ½: no root of (50) has |Im k| < s.
+    """Return s > 0 with c sinh s + v s = ½; no root of (50) has |Im k| < s.
 
     Parameters
     ----------
     v, c : float
-        Positive, dimensionless.
+        Front velocity v̂ and coupling, positive, dimensionless.
 
     Returns
     -------
     float
-        Half-width of the strip, per site; never more than the true one.
+        Half-width of the strip, per site; rounding never makes it larger than the true one.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""The front far from ζ = 0, as the sum (49): a few terms that vary slowly, a bound on the others.
+"""The front far from ζ = 0, as the sum (49): a few slowly varying terms, and a bound on the others.
 
 At strong coupling the slow terms vary over about √c sites, and the sum of the moduli of all others
-falls with |ζ|. Where it is smaller than the distance of the slow terms from the threshold, (47) is
-proven.
+falls with |ζ|. Where this sum is smaller than the distance of the slow terms from the threshold,
+(47) is proven.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ from theory.piecewise.roots import labelled_roots
 NEAR = 2.0
 """Distance in sites from ζ = 0 from which the sum is used."""
 MAX_CELLS = 20_000
-"""Stretches of one side that are looked at, at most."""
+"""Largest number of intervals that are examined on one side."""
 _SLOW = 24
 """Number of terms that are followed; the others are bounded."""
 _BENT = 0.02
 """Relative amount by which a term or a rate may exceed those at both ends of a block of labels."""
 _SHORT = 0.125
-"""Length in sites of a stretch that is divided no further."""
+"""Length in sites below which an interval is not divided further."""
 
 
 @dataclass(frozen=True)
 class ProvenRange:
-    """What the bound on all but a few terms says of one side, at distances from ``NEAR`` on.
+    """Result of the bound on all but a few terms, on one side at distances beyond ``NEAR``.
 
     Attributes
     ----------
     fails_at : float or None
-        Least distance at which (47) was seen to fail.
+        Smallest distance at which (47) was found to fail.
     thin : ndarray of float, shape (2, n)
-        Stretches before it where the margin is within the bound, from and to.
+        Ends of the intervals at smaller distances in which the margin is within the bound.
     """
 
     fails_at: float | None
@@ -52,11 +52,11 @@ class FarField:
     limit : float
         0 ahead, 1 behind.
     terms, rates : ndarray of complex, shape (``_SLOW``,)
-        The largest at a = ``NEAR``; Re rates < 0.
+        The terms that are largest at a = ``NEAR``; Re rates < 0.
     size, decay : ndarray of float, shape (n,)
-        The others are at most Σ_j size_j e^{decay_j a}; decay < 0.
+        The sum of the other terms is at most Σ_j size_j e^{decay_j a}; decay < 0.
     tail : float
-        Bound on the sum of the moduli of all that is left out, at a = 0.
+        Bound on the sum of the moduli of all omitted terms, at a = 0.
     """
 
     limit: float
@@ -68,11 +68,11 @@ class FarField:
 
     @classmethod
     def make(cls, speed: float, c: float, upper: bool, limit: float) -> FarField:
-        """Take the roots of one half-plane with labels up to c/v.
+        """Return the far field, from the roots of one half-plane with labels up to c/v.
 
         Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
-        with a faster than 9^{-a}. Between the labels whose roots are found, terms and rates are
-        taken to lie between those at both, to within ``_BENT`` of them.
+        with a faster than 9^{-a}. Roots are computed for a sample of labels. Between two of these,
+        terms and rates are assumed to lie between those at both, to within a fraction ``_BENT``.
         """
         last = max(_SLOW, math.ceil(c / speed))
         labels = _sampled_labels(last, c / (math.pi * speed))
@@ -94,19 +94,19 @@ class FarField:
         )
 
     def reach(self, r: float) -> tuple[float, float]:
-        """Return how far to look, and from where on (47) is proven by the sum of all moduli."""
+        """Return how far to check, and the distance beyond which the sum of moduli proves (47)."""
         room = r if self.limit == 0.0 else 1.0 - r
         size = np.append(np.abs(self.terms), self.size)
         decay = np.append(self.rates.real, self.decay)
         far = NEAR
         tail = self.tail * 9.0**-NEAR
-        least = max(room - tail, tail)  # where the tail is no proof, a look at the rest
+        least = max(room - tail, tail)  # if the tail proves nothing, the rest is checked
         while float(size @ np.exp(decay * far)) >= least:
             far *= 1.5
         return far, far if tail < 0.5 * room else math.inf
 
     def proven(self, r: float) -> ProvenRange:
-        """Follow the few slow terms outwards: their slope and the other moduli bound |φ|."""
+        """Follow the slow terms outwards; their slopes and the moduli of the others bound |φ|."""
         far, none = self.reach(r)[0], np.empty((2, 0))
         if far == NEAR:
             return ProvenRange(None, none)
@@ -121,7 +121,7 @@ class FarField:
             middle, width = 0.5 * (a + b), b - a
             size_ = np.abs(self.limit + np.exp(np.outer(middle, rates)) @ terms)
             margin = size_ - r if self.limit else r - size_
-            others = rest[np.searchsorted(knots, a, side="right") - 1]  # falls with a
+            others = rest[np.searchsorted(knots, a, side="right") - 1]  # decreases with a
             slope = np.exp(np.outer(a, rates.real)) @ steepness
             failed = margin + others < 0.0
             if failed.any():
@@ -141,10 +141,11 @@ class FarField:
 
 
 def _sampled_labels(last: int, resonance: float) -> IntArray:
-    """Return labels from -last to last: one by one near 0 and ± resonance, and fewer farther off.
+    """Return labels from -last to last: all of them near 0 and ± resonance, and fewer farther away.
 
-    Beyond the nearest, roots, terms and rates vary with the label over a distance like that from
-    these three: at -c/πv, where the linear wave at k = π runs with the front, the largest term is.
+    Away from these three labels, roots, terms and rates vary with the label on a scale comparable
+    to the distance from the nearest of them. The largest term is at -c/πv, where the linear wave
+    with k = π travels with the front.
     """
     away = np.arange(2.0 * _SLOW)
     if last > away[-1]:

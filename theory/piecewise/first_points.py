@@ -1,9 +1,9 @@
-"""Where the search for solutions of |Σ(v, c)| = 2r begins, so that none lies unseen between points.
+"""Starting points of the search for solutions of |Σ(v, c)| = 2r, so dense that none is missed.
 
-The points are spaced by the scales of g(ln v) = |Σ + shift| - 2r: the exponential wiggles in 1/v at
-small v, and the resonances at large c. They lie between bounds outside of which there is no
-solution and, where the wiggles are many, only where these can reach zero
-(``theory.piecewise.smooth_part``).
+The spacing of the points follows the scales of g(ln v) = |Σ + shift| - 2r: the exponentially small
+oscillations in 1/v at small v, called wiggles, and the resonances at large c. The points lie
+between bounds outside of which there is no solution and, where there are many wiggles, only where g
+can reach zero (``theory.piecewise.smooth_part``).
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ _COARSEST = 0.25
 _MANY_WIGGLES = 64
 """Number of points, a few for each wiggle, above which it pays to find where wiggles matter."""
 _WIDEST, _PARTS = 2.0, 8
-"""Length of the intervals of ln v that are looked at first, and number of parts of each."""
+"""Length of the intervals of ln v that are examined first, and number of parts of each."""
 _FEW_POINTS = 4.0
-"""Number of points of an interval that is not divided further."""
+"""Number of points of an interval at or below which it is not divided further."""
 _RESONANCES = 12
-"""Of one coupling that are looked at, at most."""
+"""Largest number of resonances that are considered at one coupling."""
 MAX_POINTS = 200_000
-"""Points of one coupling from which the search begins, at most: some ten seconds."""
+"""Largest number of starting points for one coupling: about ten seconds."""
 NEAREST_TO_PINNING = 1e-12
-"""Solutions that need |Σ| nearer than this to its limit at v = 0 are not looked for (v < 0.018)."""
+"""Solutions with |Σ| nearer than this to its limit at v = 0 are not searched for (v < 0.018)."""
 
 
 def first_points(
     c: FloatArray, target: FloatArray, shift: float, refine: float
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return pieces of the way between the bounds, and points t = ln v spaced by the scales of g.
+    """Return pieces of the range between the bounds, and points t = ln v spaced by the scales of g.
 
-    Of each piece the case; of each point the piece, and t, which ascends in each. Between pieces
-    there is no solution.
+    The results are the case of each piece, the piece of each point, and t, which ascends within
+    each piece. Between pieces there is no solution.
     """
     low = _lowest_velocities(c, target, shift)
     high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
@@ -72,7 +72,7 @@ def first_points(
 
 
 def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return intervals and points of them, both ends included, at most ``spacing`` apart."""
+    """Return interval numbers and points in them, ends included, at most ``spacing`` apart."""
     steps = 1 + np.ceil((end - begin) / spacing).astype(np.int64)
     count = steps + 1
     interval = np.arange(begin.size).repeat(count)
@@ -84,11 +84,11 @@ def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[In
 def _resonances(
     c: FloatArray, bounds: tuple[FloatArray, FloatArray], wiggle: FloatArray, refine: float
 ) -> tuple[IntArray, FloatArray]:
-    """Return intervals and ln v of resonances narrower than the spacing, and of both their sides.
+    """Return interval numbers and ln v of the resonances narrower than the spacing and their sides.
 
-    ``c``, ``bounds`` (of ln v) and ``wiggle`` are those of each interval.
+    ``c``, ``bounds`` (in ln v) and ``wiggle`` are given for each interval.
     """
-    if c.max(initial=0.0) <= 1.0:  # none is narrow
+    if c.max(initial=0.0) <= 1.0:  # no resonance is narrow
         return np.empty(0, dtype=np.int64), np.empty(0)
     places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
     centre, width = c[:, None] * places, widths / refine
@@ -102,13 +102,13 @@ def _resonances(
 def _where_wiggles_matter(
     c: FloatArray, target: FloatArray, shift: float, scales: tuple[FloatArray, ...]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return cases and ends of the intervals of ln v, within bounds, to be searched finely.
+    """Return cases and ends of the intervals of ln v, within bounds, that must be searched finely.
 
-    ``scales`` are the bounds, of ln v, and the spacing in 1/v. Where the wiggles are many, the
-    smooth part of g and their height are looked at on parts of intervals. Within one, the former is
-    taken to go beyond its ends by no more than it changes over it or those beside it. Where g may
-    then be zero, the part is divided in turn, unless it has few points, or the wiggles are higher
-    than the smooth part all the way.
+    ``scales`` holds the bounds in ln v and the spacing in 1/v. Where there are many wiggles, their
+    height and the smooth part of g are evaluated on parts of intervals. Within a part, the smooth
+    part of g is assumed to exceed its values at the ends by no more than it changes over this part
+    or an adjacent one. Where g may then vanish, the part is divided in turn, unless it has few
+    points, or the wiggles are higher than the smooth part throughout.
     """
     low, turn, wiggle = scales
     points = (np.exp(-low) - np.exp(-turn)) / wiggle
@@ -157,7 +157,7 @@ def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
     """Return v above which |Σ| is below ``least``.
 
     On the real line, with X = sin²(k/2) ≤ k²/4, |¼ - A²| ≤ 2c(1 + 2c)X, and |A² + v²k²| is at
-    least ¼ and at least ¼ + (v² - c²)k². The first gives |Σ| ≤ 2c(1 + 2c)/v, the second
+    least ¼ and at least ¼ + (v² - c²)k². The first bound gives |Σ| ≤ 2c(1 + 2c)/v, the second
     |Σ| ≤ c(1 + 2c)/(2w(v + w)) with w² = v² - c².
     """
     size = c * (1.0 + 2.0 * c) / least
@@ -168,10 +168,11 @@ def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> Float
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
     still = np.array([static_sum(value) for value in c.tolist()])
     gap = np.maximum(np.abs(np.abs(still + shift) - target), NEAREST_TO_PINNING)
-    # theory.piecewise.limits.static_sum_distance, 2e/(1 - e), takes |1/2A| ≤ 1. Its mean is at most
-    # the root of that of |1/2A|² = Re 1/2A, whose mean is 1 + Σ(0⁺). The bound is equal to the gap.
+    # theory.piecewise.limits.static_sum_distance, 2e/(1 - e), uses |1/2A| ≤ 1. The mean of |1/2A|
+    # is at most the square root of that of |1/2A|² = Re 1/2A, which is Re(1 + Σ(0⁺)). At the v
+    # returned the bound equals the gap.
     low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + still.real) / gap)
-    # a sharper bound for large c, where the plain one costs many points
+    # a sharper bound for large c, where the simple one would lead to many points
     (wide,) = (c > 3.0).nonzero()
     for some in np.array_split(wide, 1 + c.size // 256) if wide.size else ():
         below, above, half = low[some], np.sqrt(c[some]), 0.5 * gap[some]
@@ -190,7 +191,7 @@ _LENGTH = 0.25 / np.abs(np.cosh(_SIGMA + 0.25j * np.pi)) / np.pi
 
 
 def _distance_on_contour(v: FloatArray, c: FloatArray) -> FloatArray:
-    """Return the bound of ``static_sum_distance`` pointwise on the path of ``sums.precise``."""
+    """Return a bound like ``static_sum_distance``, integrated on the path of ``sums.precise``."""
     A = 0.5 - 2j * c[:, None] * _X
     e = np.exp(-A.real / v[:, None])
     terms = e * (np.abs(1.0 - 2.0 * _X) + e) / (np.abs(A) * (1.0 - e) ** 2)

@@ -1,9 +1,9 @@
-"""Where moving fronts begin: the fold c_fold(η) ≤ c_pin(η), and the same as functions of c.
+"""The onset of moving fronts: the fold c_fold(η) ≤ c_pin(η), and η_fold(c).
 
-Static fronts end at c_pin (``theory.piecewise.limits``). Moving ones begin where max_v |Σ(v, c)|
-first reaches 2r. That maximum may lie above |Σ(0⁺, c)|; then c_fold < c_pin, two moving branches
-meet at c_fold, and between the two couplings a resting front stays and a moving one moves
-(hysteresis).
+Static fronts end at c_pin (``theory.piecewise.limits``). Moving fronts begin where max_v |Σ(v, c)|
+first reaches 2r. This maximum may exceed |Σ(0⁺, c)|; then c_fold < c_pin, two moving branches
+meet at c_fold, and between the two couplings a front at rest stays at rest and a moving one keeps
+moving (hysteresis).
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from theory.piecewise.limits import pinning_coupling, pinning_eta, static_sum
 from theory.piecewise.sums.integral import sums
 
 _SLOWEST = 0.018
-"""At smaller v, |Σ| is within 1e-12 of its limit at v = 0."""
+"""Velocity below which |Σ| is within 1e-12 of its limit at v = 0."""
 
 LAST_FOLD = 2.0
-"""From c ≈ 0.9 on no maximum of |Σ| over v exceeds the static limit; none is sought from here."""
+"""Coupling from which no fold is searched for; no maximum of |Σ| exceeds Σ(0⁺) for c above 0.9."""
 
 _EXCESS = 2e-13
 _STEP = 1e-5
-"""Of ln v and ln c, to take differences of slopes, which are good to 1e-12."""
+"""Step in ln v and ln c for differences of slopes, which are accurate to 1e-12."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class KineticFold:
     error : float
         Bound on its error.
     velocity : float
-        Velocity at the fold; 0 where the fold is at pinning itself.
+        Velocity v̂ at the fold; 0 where the fold coincides with pinning.
     """
 
     value: float
@@ -61,8 +61,8 @@ def fold_coupling(eta: float) -> KineticFold | None:
     Returns
     -------
     KineticFold or None
-        ``velocity`` is 0 and c_fold = c_pin where no moving front exists below c_pin to within
-        the error stated. None for η ≥ 2/25, where no front advances.
+        ``velocity`` is 0 and c_fold = c_pin where, to within the stated error, no moving front
+        exists below c_pin. None for η ≥ 2/25, where no front advances.
 
     Examples
     --------
@@ -76,8 +76,8 @@ def fold_coupling(eta: float) -> KineticFold | None:
 def fold_couplings(eta: npt.ArrayLike) -> list[KineticFold | None]:
     """Return :func:`fold_coupling` for many η at once.
 
-    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0: solved from each maximum at c_pin. The least c is the
-    fold; near c = 0.82 two maxima are as high as each other.
+    At the fold |Σ| = 2r and ∂|Σ|/∂v = 0. These equations are solved starting from each maximum at
+    c_pin, and the smallest c is the fold; near c = 0.82 two maxima are equally high.
     """
     etas = np.atleast_1d(np.asarray(eta, dtype=float)).tolist()
     pins = [pinning_coupling(value) for value in etas]
@@ -126,7 +126,7 @@ def fold_eta(c: float) -> KineticFold:
 
 
 def _pinned_error(pin: float) -> float:
-    """Bound the error of a fold at pinning: its rounding, and maxima too low to be looked for."""
+    """Bound the error of a fold at pinning: rounding, and maxima too low to be detected."""
     rounding = 4e-16 * pin
     if pin >= LAST_FOLD:
         return rounding
@@ -142,10 +142,10 @@ def _maxima(c: float) -> FloatArray:
     v = np.sort(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
     size = np.abs(sums(v, c, 1e-14).value)
     still = abs(static_sum(c))
-    # Which is the highest shows at the tops only: the scan meets one of them and passes another by.
+    # Heights are compared at the refined maxima, since the scan may miss the top of some.
     rises = np.diff(size) > 0
     crest = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
-    crest = crest[np.abs(size[crest] - still) > _EXCESS]  # the rest is rounding
+    crest = crest[np.abs(size[crest] - still) > _EXCESS]  # smaller differences are rounding
     couplings = np.full(crest.shape, c)
     t, _ = _summits(np.log(v[crest]), couplings)
     height = _height(t, couplings)[0]
@@ -156,9 +156,10 @@ def _maxima(c: float) -> FloatArray:
 def _summits(
     t: FloatArray, c: FloatArray, target: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Return ln v and c of the maxima of |Σ| over v near t, at fixed c or as high as ``target``.
+    """Return ln v and c of the maxima of |Σ| over v near t, at fixed c or of height ``target``.
 
-    Newton's method on ∂|Σ|/∂t = 0 and |Σ| = target; second derivatives by differences of the first.
+    Newton's method is applied to ∂|Σ|/∂t = 0 and, if there is a ``target``, |Σ| = target. Second
+    derivatives are differences of first ones.
     """
     for _ in range(20):
         beside = np.concatenate([t, t + _STEP, t]), np.concatenate([c, c, c * (1.0 + _STEP)])
@@ -172,7 +173,7 @@ def _summits(
         step = np.clip(slope / bend, -0.05, 0.05)
         t, c = t - step, c + rise
         if np.all(np.abs(step) < 1e-7) and np.all(np.abs(rise) < 1e-8 * c):
-            break  # what is left is below their squares, and some 1e-5 of the step
+            break  # the remaining error is of the order of their squares, or 1e-5 of the step
     return t, c
 
 

@@ -1,4 +1,4 @@
-"""The kinetic relation (54) at given coupling and η: every velocity at which a front can travel."""
+"""The kinetic relation (54): every velocity at which a front can travel at given coupling and η."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from theory.result import Result
 LARGEST_COUPLING = 1e8
 SMALLEST_COUPLING = 1e-8
 _BLOCK = 2000
-"""Cases whose velocities are sought at once; more are no faster and take memory."""
+"""Number of cases that are solved at once; more would need memory and not be faster."""
 
 
 class Regime(StrEnum):
-    """What fronts of (44) do; `KineticRelation.reason` says why, with the nearest threshold."""
+    """Behaviour of the fronts of (44); `KineticRelation.reason` explains it."""
 
     PROPAGATING = "propagating"
     """A travelling wave is admissible, or no front can stand still."""
@@ -52,22 +52,23 @@ class KineticBranch(Result):
     error : float
         Bound on the error of v.
     slope : int
-        Sign of d|Σ|/d|v|: -1 on the branch that a direct run follows.
+        Sign of d|Σ|/d|v|; -1 on the branch that a direct simulation follows.
     by_c, by_eta : float
         ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
     by_c_error, by_eta_error : float
         Their errors, which grow like that of v towards a fold; infinite (null in JSON) where the
-        fold is nearer than the error of v. They are estimates and no proven bounds: within the
-        error of v the derivatives of g are taken to be between those at its middle and its ends.
+        fold is nearer than the error of v. They are estimates rather than proven bounds: within the
+        error interval of v, the derivatives of |Σ| are assumed to lie between those at its middle
+        and its ends.
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
-        ζ of the violation nearest 0.
+        Position ζ of the violation of (47) nearest 0, in sites; None if there is none.
     stable : bool or None
-        Whether the front is linearly stable (``theory.piecewise.stability``); None if it is not
-        admissible, or if it was not decided or not asked for.
+        Whether the front is linearly stable (``theory.piecewise.stability``); None if the front is
+        not admissible, or if stability was not decided or not requested.
     multiplier : float or None
-        Largest modulus of a nontrivial multiplier, where one is near or beyond one.
+        Largest modulus of a nontrivial multiplier; None if all are below e^{-1/4v}, or unknown.
     """
 
     derived = ("derivative_errors",)
@@ -86,13 +87,13 @@ class KineticBranch(Result):
 
     @property
     def derivative_errors(self) -> str:
-        """What the errors of ∂v/∂c and ∂v/∂η are: estimates, no bounds."""
+        """Kind of the errors of ∂v/∂c and ∂v/∂η: they are estimates, not bounds."""
         return "estimates"
 
 
 @lru_cache(maxsize=16)
 def _folds(etas: tuple[float, ...]) -> dict[float, KineticFold | None]:
-    """Return the folds at several η, which cost less together."""
+    """Return the folds at several η, which are found faster together."""
     return dict(zip(etas, fold_couplings(etas), strict=True))
 
 
@@ -103,7 +104,7 @@ def _end_of_rest(eta: float) -> float:
 
 
 def _status(c: float, end_of_rest: float | None, branches: tuple[KineticBranch, ...]) -> Regime:
-    """Return what happens at coupling c, where these branches exist; None for η ≥ 1/8."""
+    """Return the behaviour at coupling c with these branches; no ``end_of_rest`` means η ≥ 1/8."""
     if end_of_rest is None:
         return Regime.NOT_BISTABLE
     if c > end_of_rest or (end_of_rest < math.inf and _any_moving(branches)):
@@ -124,19 +125,19 @@ class KineticRelation(Result):
     c, eta : float
         Coupling and η = b/a², dimensionless.
     status : Regime
-        What happens.
+        Behaviour of the fronts.
     branches : tuple of KineticBranch
-        Ascending in v.
+        Solutions of (54), ascending in v.
     method : str
-        How Σ was evaluated.
+        Method by which Σ was evaluated.
     terms : int
-        Values of Σ computed.
+        Number of values of Σ computed.
     seconds : float
         Wall time.
     limit_shown : bool
-        Whether ``c_stable`` and its error are in the JSON object.
+        Whether ``c_stable`` and its error are included in the JSON object.
     etas : tuple of float
-        The η below 1/8 of the same question, whose folds are found together.
+        All η below 1/8 of the same call, whose folds are found together.
     """
 
     c: float
@@ -155,7 +156,7 @@ class KineticRelation(Result):
 
     @property
     def reason(self) -> str:
-        """Why it happens, in one sentence, with the nearest threshold."""
+        """Reason of the status in one sentence, with the nearest threshold."""
         moving = _any_moving(self.branches)
         if self.eta >= ETA_END:
             return (
@@ -182,7 +183,7 @@ class KineticRelation(Result):
         )
 
     def _reason_of_retreat(self, moving: bool) -> str:
-        """Return the reason where no front advances, η ≥ 2/25."""
+        """Return the reason for η ≥ 2/25, where no front advances."""
         end = self.c_retreat
         if end is None:
             return "the front is pinned: at eta = 2/25 static fronts always exist."
@@ -210,26 +211,26 @@ class KineticRelation(Result):
 
     @property
     def c_retreat(self) -> float | None:
-        """For η > 2/25, the coupling above which the excited state retreats."""
+        """Coupling above which the excited state retreats; None for η ≤ 2/25."""
         return retreat_coupling(self.eta) if self.eta < ETA_END else None
 
     @property
     def c_fold(self) -> float | None:
         """Coupling from which moving fronts exist; None for η ≥ 2/25.
 
-        Computed when it is first asked for, since it costs more than a velocity.
+        Computed on first access, since it takes longer than the velocities.
         """
         fold = self._fold
         return None if fold is None else fold.value
 
     @property
     def c_pin_error(self) -> float | None:
-        """Bound on the error of ``c_pin``, the rounding of η included; large near η = 2/25."""
+        """Bound on the error of ``c_pin``, including the rounding of η; large near η = 2/25."""
         return None if self.c_pin is None else pinning_error(self.eta)
 
     @property
     def c_retreat_error(self) -> float | None:
-        """Bound on the error of ``c_retreat``, the rounding of η included."""
+        """Bound on the error of ``c_retreat``, including the rounding of η."""
         return None if self.c_retreat is None else pinning_error(self.eta)
 
     @property
@@ -246,10 +247,9 @@ class KineticRelation(Result):
 
     @property
     def c_stable(self) -> float | None:
-        """Coupling up to which the fastest admissible front is stable, as c grows; or None.
+        """Coupling up to which, as c grows, the fastest admissible front is stable; or None.
 
-        Computed when it is first asked for, in some seconds at most
-        (`theory.piecewise.stability_limit`).
+        Computed on first access, within a few seconds (`theory.piecewise.stability_limit`).
         """
         return self._stability_limit.c
 
@@ -270,7 +270,7 @@ class KineticRelation(Result):
         return StabilityLimit(reason=f"no front advances at eta = {self.eta:.12g}")
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result for JSON; ``c_stable`` is in it where it was asked for."""
+        """Return the result for JSON, with ``c_stable`` where it was requested."""
         found = super().to_dict()
         if self.limit_shown:
             names = ("c_stable", "c_stable_error", "c_stable_reason")
@@ -278,7 +278,10 @@ class KineticRelation(Result):
         return found
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a branch, or a single one without a velocity; see `Result.columns`."""
+        """Return one row per branch, or one row without velocity if there is none.
+
+        See `Result.columns`.
+        """
         rows: tuple[KineticBranch | None, ...] = self.branches or (None,)
 
         def listed(name: str, kind: type) -> np.ndarray:
@@ -307,14 +310,15 @@ class KineticRelation(Result):
 def kinetic_relation(c: float, eta: float) -> KineticRelation:
     """Return every front velocity at coupling c and η = b/a², and the thresholds (Eq. 54).
 
-    With each velocity comes whether the front is admissible (47), and whether it is stable.
+    For each velocity, the result says whether the front is admissible (47) and whether it is
+    stable.
 
     Parameters
     ----------
     c : float
         Coupling, dimensionless, from 1e-8 to 1e8.
     eta : float
-        η = b/a², dimensionless, positive. η ≥ 1/8 is an answer, not an error.
+        η = b/a², dimensionless, positive. For η ≥ 1/8 the result says that there is no front.
 
     Raises
     ------
@@ -357,13 +361,13 @@ def trace_kinetic_relation(
     admissibility : bool
         Check assumption (47) on every branch.
     progress : callable, optional
-        Told the fraction done, now and then.
+        Called from time to time with the fraction done.
 
     Returns
     -------
     list of KineticRelation
-        In the order of the broadcast arrays, flattened. ``terms`` and ``seconds`` are shares of
-        the whole.
+        In the order of the broadcast arrays, flattened. ``terms`` and ``seconds`` are totals
+        divided by the number of cases.
 
     Raises
     ------
@@ -422,12 +426,12 @@ def trace_kinetic_relation(
 
 
 def checked_coupling(c: float) -> float:
-    """Return the coupling if it is from 1e-8 to 1e8.
+    """Return the coupling after checking that it lies between 1e-8 and 1e8.
 
     Raises
     ------
     ParameterError
-        If it is not.
+        If it does not.
     """
     remedy = "give a coupling between these"
     return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
@@ -443,7 +447,7 @@ def _branches(
     found: Solutions, c: FloatArray, eta: FloatArray, r: FloatArray, retreating: bool, *,
     admissibility: bool,
 ) -> list[KineticBranch]:  # fmt: skip
-    """Return the branch of each solution, at these couplings, η and thresholds."""
+    """Return the branch of each solution, given its coupling, η and threshold."""
     direction = -1.0 if retreating else 1.0
     v = direction * found.v
     by_eta = 2.0 * np.array([threshold_ratio_slope(value) for value in eta.tolist()])

@@ -1,4 +1,4 @@
-"""Closed limits of the kinetic relation (54): pinning as v → 0, √c growth as c → ∞, and η → 0."""
+"""Limits of the kinetic relation (54) in closed form: pinning as v → 0, c → ∞, and η → 0."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ra
 from theory.parameters import positive, within
 
 ETA_PIN_END = 2.0 / 25.0
-"""r = ½. From here on static fronts exist at every coupling, and no c_pin."""
+"""η at which r = ½; from here on static fronts exist at every coupling, and there is no c_pin."""
 
 
 def static_sum(c: float) -> complex:
     """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v.
 
     As v → 0, sinh a/(cosh a - cos k) → 1 in the periodised integral, which leaves the mean of
-    1/(1 - 4ic sin²(k/2)). With q = √(1 - 4ic) it is written 4ic/(q (1 + q)), which does not cancel
-    at small c.
+    1/(1 - 4ic sin²(k/2)). With q = √(1 - 4ic) the result is computed as 4ic/(q (1 + q)), without
+    cancellation at small c.
 
     Examples
     --------
@@ -34,19 +34,19 @@ def static_sum(c: float) -> complex:
 
 
 def static_sum_distance(v: float, c: float) -> float:
-    """Return a bound on |Σ(v, c) - Σ(0⁺, c)|, from e^{-1/2v}; exponentially flat in 1/v.
+    """Return a bound on |Σ(v, c) - Σ(0⁺, c)|, which is exponentially small in 1/v.
 
-    |1/(2A)| ≤ 1, and sinh a/(cosh a - cos k) - 1 = 2 Σ_{n ≥ 1} e^{-na} cos nk is at most
-    2e/(1 - e), e = e^{-1/2v} ≥ |e^{-a}|.
+    |1/(2A)| ≤ 1, and the modulus of sinh a/(cosh a - cos k) - 1 = 2 Σ_{n ≥ 1} e^{-na} cos nk is at
+    most 2e/(1 - e), where e = e^{-1/2v} ≥ |e^{-a}|.
     """
     return -2.0 * math.exp(-0.5 / v) / math.expm1(-0.5 / v)
 
 
 def pinning_coupling(eta: float) -> float | None:
-    """Return c_pin(η): static fronts exist up to there; None if they exist at every coupling.
+    """Return c_pin(η), up to which static fronts exist; None if they exist at every coupling.
 
-    |Σ(0⁺, c)| = 2r. With √(1 - 4ic) = cosh θ - i sinh θ and p = cosh θ, 4c = sinh 2θ, this is
-    (1 - 4r²)p² - p + 2r² = 0, whose root above 1 gives c = ½ p √(p² - 1).
+    At c_pin |Σ(0⁺, c)| = 2r. With √(1 - 4ic) = cosh θ - i sinh θ and p = cosh θ, 4c = sinh 2θ, this
+    is (1 - 4r²)p² - p + 2r² = 0, whose root above 1 gives c = ½ p √(p² - 1).
 
     Parameters
     ----------
@@ -70,26 +70,27 @@ def pinning_coupling(eta: float) -> float | None:
     r2, gap = threshold_ratio(eta) ** 2, _ratio_gap(eta)
     if eta >= ETA_PIN_END:
         return None
-    # p - 1 written so that neither small r nor r near ½ cancels.
+    # p - 1, in a form without cancellation at small r and at r near ½
     root = math.sqrt(1.0 - 8.0 * r2 * gap)
     excess = (8.0 * r2 - 8.0 * r2 * gap / (1.0 + root)) / (2.0 * gap)
     return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
 
 
 def _ratio_gap(eta: float) -> float:
-    """Return 1 - 4r² to rounding: 8(2 - 25η)/((1 + s)(3 + 5s)), s = √(1 - 8η).
+    """Return 1 - 4r² to within rounding, as 8(2 - 25η)/((1 + s)(3 + 5s)), s = √(1 - 8η).
 
-    Near η = 2/25 the difference 1 - 4r² loses what c_pin ≈ 1/(1 - 4r²)² is made of.
+    Near η = 2/25 the difference 1 - 4r² cancels, on which c_pin ≈ 1/(1 - 4r²)² depends.
     """
     s = math.sqrt(max(1.0 - 8.0 * eta, 0.0))
-    over, under = eta.as_integer_ratio()  # whole numbers, so that their difference is exact
+    over, under = eta.as_integer_ratio()  # integers, so that their difference is exact
     return 8.0 * ((2 * under - 25 * over) / under) / ((1.0 + s) * (3.0 + 5.0 * s))
 
 
 def pinning_error(eta: float) -> float | None:
-    """Return how far c_pin(η), or beyond η = 2/25 c_retreat(η), may be off.
+    """Return a bound on the error of c_pin(η) or, for η > 2/25, of c_retreat(η).
 
-    Rounding, and what half a unit in the last place of η changes: a decimal η was rounded to it.
+    It includes rounding and the effect of half a unit in the last place of η, by which a decimal η
+    may have been rounded.
 
     Examples
     --------
@@ -109,9 +110,9 @@ def pinning_error(eta: float) -> float | None:
 def retreat_coupling(eta: float) -> float | None:
     """Return the coupling above which the excited state retreats; None for η ≤ 2/25.
 
-    Static fronts also end on the other side, where the site behind falls below threshold:
+    Static fronts also cease to exist where the site behind the front falls below the threshold:
     |2 + Σ(0⁺, c)| = |1 + 1/√(1 - 4ic)| = 2r, which gives (4r² - 1)p² - p - 2r² = 0 and again
-    c = ½ p √(p² - 1). The paper does not mention it.
+    c = ½ p √(p² - 1). The paper does not mention this limit.
 
     Examples
     --------
@@ -121,9 +122,9 @@ def retreat_coupling(eta: float) -> float | None:
     """
     eta = bistable_eta(eta)
     r2, gap = threshold_ratio(eta) ** 2, -_ratio_gap(eta)
-    if eta <= ETA_PIN_END:  # 0.08 stands for 2/25, though as a binary number it lies above
+    if eta <= ETA_PIN_END:  # 0.08 means 2/25, though the binary number lies above it
         return None
-    # p - 1 with 1 - r² = 2s/(1 + s), s = √(1 - 8η), so that r near 1 does not cancel.
+    # p - 1, with 1 - r² = 2s/(1 + s), s = √(1 - 8η), to avoid cancellation at r near 1
     s, root = math.sqrt(1.0 - 8.0 * eta), math.sqrt(1.0 + 8.0 * r2 * gap)
     excess = 4.0 * s / ((1.0 + s) * gap * (1.0 + 4.0 * r2 / (1.0 + root)))
     return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
@@ -148,7 +149,7 @@ def pinning_eta(c: float) -> float:
 def strong_coupling_sum(x: npt.ArrayLike) -> ComplexArray:
     """Return lim Σ(x√c, c) as c → ∞: 1/(q(iq - x)) with q = √(i - x²), Re q > 0.
 
-    With k = κ/√c, (50) becomes -iκ²/2 - ixκ + ½ = 0; above the axis κ = -x + iq.
+    With k = κ/√c, (50) becomes -iκ²/2 - ixκ + ½ = 0, whose root above the axis is κ = -x + iq.
     """
     x_ = np.asarray(x, dtype=complex)
     q = np.sqrt(1j - x_ * x_)
@@ -159,8 +160,9 @@ def strong_coupling_sum(x: npt.ArrayLike) -> ComplexArray:
 def strong_coupling_velocity(eta: float) -> float | None:
     """Return V(η) with v ≈ V √c as c → ∞: |q (x - iq)| = 1/(2r), q = √(i - x²), at x = V.
 
-    With Q = |q|² = √(1 + x⁴) its square is 1 + x⁴ + Q(x² + 2x Im q) = 1/(4r²), whose terms beyond
-    one are positive and grow with x: V is right to rounding up to η = 2/25, where it is zero.
+    With Q = |q|² = √(1 + x⁴), the square of this equation is 1 + x⁴ + Q(x² + 2x Im q) = 1/(4r²).
+    The terms other than 1 are positive and grow with x, so that V is accurate to rounding up to η =
+    2/25, where it vanishes.
 
     Parameters
     ----------
@@ -187,7 +189,7 @@ def strong_coupling_velocity(eta: float) -> float | None:
         square = x * x
         modulus = math.hypot(1.0, square)
         linear = square + 2.0 * x * math.sqrt(0.5 * (modulus + square))
-        # 4r² times the terms beyond one, each product of moderate size where r is tiny.
+        # 4r² times the terms other than 1; each product is of moderate size where r is tiny
         return (twice_r * square) ** 2 + (twice_r * modulus) * (twice_r * linear) > gap
 
     low, high = 0.0, 1.0
@@ -202,8 +204,8 @@ def strong_coupling_velocity(eta: float) -> float | None:
 def weak_threshold_velocity(c: float, eta: float) -> float:
     """Return v ≈ √(c/(8r)), the limit η → 0 at fixed c.
 
-    As v → ∞, A² ≈ ¼ - ick²/2 under the real-line integral gives Σ ≈ ic/(4v²). The limits do not
-    commute: for c → ∞ first, V(η) ≈ 1/(2√r), which is √2 times larger.
+    As v → ∞, A² ≈ ¼ - ick²/2 in the real-line integral, which gives Σ ≈ ic/(4v²). The limits do not
+    commute: if c → ∞ first, V(η) ≈ 1/(2√r), and the velocity is √2 times larger.
 
     Examples
     --------
@@ -214,15 +216,15 @@ def weak_threshold_velocity(c: float, eta: float) -> float:
 
 
 def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
-    """Return the velocities at which the front runs with a linear wave, and their widths.
+    """Return the velocities at which the front is in resonance with a linear wave, and the widths.
 
-    v = c max_k (1 - cos k)/(k + 2πj), j = 0, 1, …: there two roots of opposite half-planes nearly
-    meet and |Σ| has a peak of half-width about 1/(2(k + 2πj)), narrow when c is large.
+    At v = c max_k (1 - cos k)/(k + 2πj), j = 0, 1, …, two roots of opposite half-planes nearly
+    meet, and |Σ| has a peak of half-width about 1/(2(k + 2πj)), which is narrow at large c.
 
     Returns
     -------
     velocities, widths : list of float
-        Descending in velocity; at most ``most`` of them.
+        In descending order of velocity, ``most`` of them.
     """
     velocities, widths = [], []
     for j in range(most):
@@ -234,7 +236,7 @@ def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
 
 @lru_cache(maxsize=64)
 def _resonant_wave(j: int) -> float:
-    """Return k between 2 and π with (k + 2πj) sin k = 1 - cos k."""
+    """Return the solution k of (k + 2πj) sin k = 1 - cos k between 2 and π."""
     low, high = 2.0, math.pi
     for _ in range(60):
         k = 0.5 * (low + high)

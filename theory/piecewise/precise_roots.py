@@ -1,4 +1,4 @@
-"""Roots of (50) to any number of digits: Newton in mpmath from the labelled roots."""
+"""Roots of (50) to any number of digits, by Newton's method in mpmath from the labelled roots."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from theory.piecewise.roots import checked_velocity_and_coupling, labelled_roots
 from theory.piecewise.sums.result import MAX_DIGITS
 
 GUARD_DIGITS = 100
-"""Digits more that a sum may work in."""
+"""Number of digits beyond ``MAX_DIGITS`` with which a sum may compute its roots."""
 
 
 def exact(value: float | str | mp.mpf) -> mp.mpf:
-    """Return the number at the current precision; a string is a decimal, a float is binary.
+    """Return the number at the current precision; a string is read as a decimal, a float as binary.
 
     Examples
     --------
@@ -42,7 +42,7 @@ def precise_roots(
     upper : bool
         Half-plane.
     digits : int
-        From 1 to 2000, and 100 more for sums that work beyond what they return.
+        From 1 to 2000, or up to 2100 for sums, which compute more digits than they return.
 
     Raises
     ------

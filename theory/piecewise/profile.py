@@ -1,13 +1,13 @@
 """The shape φ(ζ) of the piecewise-linear front (Eq. 49), scaled by φ_s.
 
-The contour integral behind (49), periodised as in ``theory.piecewise.sums.integral``: with ζ = m +
-f, m whole and 0 ≤ f ≤ 1,
+The contour integral from which (49) follows is periodised as in ``theory.piecewise.sums.integral``.
+With ζ = m + f, m an integer and 0 ≤ f ≤ 1,
 
     φ/φ_s = -(1/4π) ∫ (e^{ikm}/A) [1/(1 - e^{-ik}) + e^{-a(1-f)} e^{ik}/(1 - e^{ik-a})] dk
 
-over a period just above the real axis. Points midway between multiples of 2π/N make the pole at
-k = 0 contribute exactly ½, so the trapezoidal rule converges like e^{-s(N - |m|)}, s the root-free
-strip. For one f, all m together are a Fourier transform.
+over a period just above the real axis. With points midway between multiples of 2π/N, the pole at
+k = 0 contributes exactly ½, and the trapezoidal rule converges like e^{-s(N - |m|)}, s being the
+half-width of the root-free strip. At given f the values at all m form one Fourier transform.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from theory.result import Result
 
 MAX_POINTS = 1 << 21
 _AT_ONCE = 1 << 18
-"""Numbers in an array of a sum that is done in parts."""
+"""Largest number of elements of an array in a sum that is computed in parts."""
 _EPS = float(np.finfo(float).eps)
 _SMOOTH = np.unique([max(8, odd << power) for odd in (1, 3, 5, 9, 15) for power in range(1, 23)])
-"""Even numbers with small prime factors, quick to transform."""
+"""Even numbers with small prime factors, for which the Fourier transform is fast."""
 _STEPS = 5
-"""Newton's steps to the strip without roots: to 1e-7 of it, from where they begin."""
+"""Number of Newton steps for the width of the root-free strip; the relative error is then 1e-7."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ class FrontShape(Result):
     error : float
         Bound on the error of every value.
     points : int
-        Points of the quadrature, or roots.
+        Number of quadrature points, or of roots.
     """
 
     zeta: FloatArray = field(metadata={"axis": "zeta"})
@@ -59,7 +59,7 @@ class FrontShape(Result):
 
 
 def front_profile(zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e-12) -> FrontShape:
-    """Return φ(ζ)/φ_s of Eq. (49) by the closed integral.
+    """Return φ(ζ)/φ_s of Eq. (49) by the periodised integral.
 
     Parameters
     ----------
@@ -102,11 +102,11 @@ def front_profile(zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e
 
 
 def _on_equal_fractions(grid: ProfileGrid, zeta: FloatArray) -> ComplexArray | None:
-    """Return φ/φ_s where many positions lie equally far before a site; None where few do.
+    """Return φ/φ_s if many positions have the same distance to the next site, else None.
 
-    Of sites and distances that make up the positions e^{ikm} and e^{-a(1 - f)} are computed once,
-    and their products are summed as matrices. Distances that differ by rounding count as one, and
-    that difference is made up for to first order: its square is below 1e-18.
+    For the distinct sites and distances e^{ikm} and e^{-a(1 - f)} are computed once, and their
+    products are summed as matrix products. Distances that differ by rounding are treated as equal,
+    and the difference is corrected for to first order; its square is below 1e-18.
     """
     m = np.floor(zeta)
     rest = (m + 1.0) - zeta
@@ -130,20 +130,20 @@ def _on_equal_fractions(grid: ProfileGrid, zeta: FloatArray) -> ComplexArray | N
 
 @dataclass(frozen=True)
 class ProfileGrid:
-    """The quadrature points for one front or several, and what does not depend on ζ.
+    """The quadrature points for one or several fronts, and all quantities independent of ζ.
 
     Attributes
     ----------
     v, c : float, or ndarray of float, shape (n, 1)
         Front velocity v̂ and coupling.
     k : ndarray of float, shape (N,)
-        2π(j + ½)/N, between -π and π.
+        Wave numbers 2π(j + ½)/N, between -π and π.
     a : ndarray of complex, shape (N,) or (n, N)
         A/v.
     still, late : ndarray of complex, shape (N,) or (n, N)
         The factor of e^{ikm} is still + late e^{-a(1 - f)}.
     error : float
-        Bound on the error of values with |m| up to the extent asked for.
+        Bound on the error of values with |m| up to the required extent.
     """
 
     v: Any
@@ -161,13 +161,13 @@ class ProfileGrid:
 
     @classmethod
     def make(cls, v: float, c: float, extent: float, tolerance: float) -> ProfileGrid:
-        """Choose N so that values with |m| ≤ ``extent`` err by at most the tolerance."""
+        """Choose N such that the error of values with |m| ≤ ``extent`` is within the tolerance."""
         points, error = points_of_profile(v, c, extent, tolerance)
         return cls.of_points(v, c, points, error)
 
     @classmethod
     def of_points(cls, v: Any, c: Any, points: int, error: float) -> ProfileGrid:
-        """Return the grid of so many points, for numbers or for columns of v and c."""
+        """Return the grid with this number of points, for numbers or for columns of v and c."""
         k, square, wave, still = _points_in_k(points)
         A = 0.5 - 1j * c * square
         a = A / v
@@ -179,7 +179,7 @@ class ProfileGrid:
     def bracket(self, rest: FloatArray, part: slice = slice(None)) -> ComplexArray:
         """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
 
-        It is the distance and not f that counts: over a small v its rounding would be multiplied.
+        The argument is the distance rather than f, whose rounding error would grow as 1/v.
         """
         factor: ComplexArray = np.exp(-self.a[part] * rest[:, None])
         factor *= self.late[part]
@@ -192,14 +192,14 @@ class ProfileGrid:
         return self.between(m, (m + 1.0) - zeta)
 
     def between(self, m: FloatArray, rest: FloatArray) -> ComplexArray:
-        """Return φ/φ_s at ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
+        """Return φ/φ_s at a distance ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
         total: ComplexArray = np.sum(self.waves(m) * self.bracket(rest), axis=1)
         return 0.5 - total / (2.0 * self.points)
 
     def with_neighbours(
         self, zeta: FloatArray, front: IntArray
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Return φ/φ_s at ζ, and its sum at ζ + 1 and ζ - 1; of several fronts, of those named."""
+        """Return φ/φ_s at ζ, and the sum of its values at ζ ± 1, for the given front at each ζ."""
         m = np.floor(zeta)
         factor: ComplexArray = np.exp(-self.a[front] * ((m + 1.0) - zeta)[:, None])
         factor *= self.late[front]
@@ -210,23 +210,23 @@ class ProfileGrid:
 
     def waves(self, m: FloatArray, part: slice = slice(None)) -> ComplexArray:
         """Return e^{ikm}, shape (n, N)."""
-        # k m modulo 2π in whole numbers: at m = 10⁴ the rounding of k m would be 10⁻¹².
+        # k m modulo 2π is computed in integers: at m = 10⁴ the rounding of k m would be 10⁻¹².
         turns = np.outer(m.astype(np.int64), 2 * np.arange(self.points)[part] + 1)
         return _roots_of_unity(self.points)[turns % (2 * self.points)]
 
     def on_lattice(
         self, per_site: int, sites: tuple[int, int] | None = None
     ) -> tuple[FloatArray, ComplexArray]:
-        """Return ζ and φ/φ_s at ``per_site`` points a site, by Fourier transform.
+        """Return ζ and φ/φ_s at ``per_site`` points per site, by Fourier transform.
 
-        ``sites`` are the whole numbers of sites behind and ahead of ζ = 0, fewer than N/2; by
-        default all |m| < N/2 are taken. Of several fronts φ/φ_s has a row each.
+        ``sites`` gives the numbers of sites behind and ahead of ζ = 0, fewer than N/2; by default
+        all |m| < N/2 are included. For several fronts, φ/φ_s has one row each.
         """
         points = self.points
         behind, ahead = sites or (points // 2, (points - 1) // 2)
         m = np.arange(-behind, ahead + 1)
         f = np.arange(per_site) / per_site
-        # e^{-a(1 - f)} by products, from the point before the next site back to this one
+        # e^{-a(1 - f)} by repeated products, from the last point before the next site backwards
         shorter = np.exp(-self.a / per_site)
         factor = np.empty((*self.a.shape[:-1], per_site + 1, points), dtype=complex)
         factor[..., per_site, :] = self.still
@@ -241,10 +241,10 @@ class ProfileGrid:
 
 
 def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tuple[int, float]:
-    """Return N so that values with |m| ≤ ``extent`` err by at most the tolerance, and the bound.
+    """Return N for which values with |m| ≤ ``extent`` err by at most the tolerance, and the bound.
 
-    The N-point rule adds to the value at m those at m ± N, m ± 2N, … with alternating sign
-    (less their limits 1 and 0), and |φ - limit| ≤ K e^{-σ|ζ|} (:func:`tail_bound`).
+    The N-point rule adds to the value at m those at m ± N, m ± 2N, … with alternating sign, their
+    limits 1 and 0 subtracted, and |φ - limit| ≤ K e^{-σ|ζ|} (:func:`tail_bound`).
 
     Raises
     ------
@@ -266,22 +266,22 @@ def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tu
 
 
 def required_points(extent: Any, tolerance: float, rate: Any, size: Any) -> Any:
-    """Return how many points `points_of_profile` requires, for numbers or arrays of one shape.
+    """Return the number of points for `points_of_profile`, for numbers or arrays of one shape.
 
-    ``rate`` and ``size`` are σ and K of the slower and the larger tail.
+    ``rate`` is the smaller σ of the two tails, and ``size`` the larger K.
     """
     return extent + 1.0 + np.log(1.0 + 4.0 * size / tolerance) / rate
 
 
 def smooth_number(least: Any) -> Any:
-    """Return the least even number from 8 on, ≥ ``least``, that is quick to transform."""
+    """Return the smallest even number, at least 8 and ``least``, that is fast to transform."""
     return _SMOOTH[np.searchsorted(_SMOOTH, least)]
 
 
 @lru_cache(maxsize=32)
 def _points_in_k(points: int) -> tuple[FloatArray, FloatArray, ComplexArray, ComplexArray]:
     """Return k, 1 - cos k, e^{ik} and 1/(1 - e^{-ik}), the last without cancellation."""
-    # From -π to π, not to 2π: beside the pole at k = 0 the rounding of k is then relative.
+    # k runs from -π to π, so that its rounding error near the pole at k = 0 is relative.
     k = np.pi * _wrapped(2 * np.arange(points) + 1, points) / points
     return k, 2.0 * np.sin(0.5 * k) ** 2, np.exp(1j * k), 0.5 - 0.5j / np.tan(0.5 * k)
 
@@ -294,22 +294,22 @@ def _roots_of_unity(points: int) -> ComplexArray:
 
 
 def _wrapped(odd: IntArray, points: int) -> IntArray:
-    """Return whole numbers modulo twice the points, from -points to points."""
+    """Return integers modulo twice the points, from -points to points."""
     return (odd + points) % (2 * points) - points
 
 
 def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:
     """Return (σ, K) such that |φ/φ_s - limit| ≤ K e^{-σ|ζ|}: limit 0 ahead, 1 behind.
 
-    On Im k = ±σ, (1/4π)∫ dk/(|k||L|) with |L| ≥ Re L ≥ d = ½ ± vσ - c sinh σ everywhere, and
-    |L| ≥ v|x|/2 for |x| ≥ X = (2c (1 + cosh σ))/v.
+    K bounds (1/4π)∫ dk/(|k||L|) on the line Im k = ±σ, where |L| ≥ Re L ≥ d = ½ ± vσ - c sinh σ,
+    and |L| ≥ v|x|/2 for x = Re k with |x| ≥ X = (2c (1 + cosh σ))/v.
 
     Parameters
     ----------
     v, c : float, or ndarray of float, shape (n,)
         Front velocity v̂ and coupling, both numbers or both arrays.
     ahead : bool
-        Whether the tail is that at ζ > 0.
+        Whether the bound is for the tail ahead, at ζ > 0, or for that behind.
     """
     by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
     rate = 0.85 * _strip(v, c, ahead)
@@ -320,11 +320,12 @@ def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:
 
 
 def _strip(v: Any, c: Any, ahead: bool) -> Any:
-    """Return s with c sinh s - v s = ½ (ahead) or c sinh s + v s = ½: no root has |Im k| < s there.
+    """Return s such that no root on that side has |Im k| < s.
 
-    Newton's method falls to s from above, as both are convex. Ahead it begins below one bound from
-    sinh s ≥ s + s³/6 and one from the exponential, brought nearer by the fixed point
-    sinh s = (½ + vs)/c.
+    s solves c sinh s - v s = ½ (ahead) or c sinh s + v s = ½ (behind). As both functions are
+    convex, Newton's method converges to s from above. Ahead, it starts from the smaller of two
+    upper bounds, one from sinh s ≥ s + s³/6 and one from the exponential, improved by the
+    fixed-point iteration of sinh s = (½ + vs)/c.
     """
     by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
     if ahead:
@@ -346,7 +347,7 @@ def _strip(v: Any, c: Any, ahead: bool) -> Any:
 def profile_slope(
     zeta: FloatArray, phi: ComplexArray, neighbours: ComplexArray, v: Any, c: Any
 ) -> ComplexArray:
-    """Return dφ/dζ (over φ_s) from the advance–delay equation (48) itself.
+    """Return dφ/dζ, divided by φ_s, from the advance–delay equation (48) itself.
 
     v φ' = ½φ - ½θ(-ζ) - (ic/2)[2φ - φ(ζ+1) - φ(ζ-1)].
 
@@ -398,7 +399,7 @@ def front_profile_by_roots(
         waves = np.exp(1j * np.outer(position[mine], k))
         total = waves @ residue
         phi[mine] = -0.5 * total if upper else 1.0 + 0.5 * total
-        # Beyond the last root terms fall at least like 1/k² there, two a period.
+        # Beyond the last root terms decay at least like 1/k², and there are two roots per period.
         last = float(np.max(np.abs(residue[-2:]) * np.abs(waves[:, -2:]).max(axis=0)))
         error = max(error, 2.0 * last * count / 2.0 + 1e-14)
     return FrontShape(zeta=position, phi=phi, error=error, points=count)

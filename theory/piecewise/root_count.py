@@ -1,4 +1,4 @@
-"""How many roots of (50) a box holds, by the argument principle; knows nothing of labels."""
+"""Number of roots of (50) in a box, by the argument principle and without use of labels."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _MAX_PIECES = 4_000_000
 def height_above_roots(v: float, c: float, extent: float) -> float:
     """Return Y such that every root with |Re k| ≤ ``extent`` has |Im k| < Y.
 
-    |c (1 - cos k)| ≥ c (sinh|y| - 1) outgrows |½ - i v k| ≤ ½ + v (extent + |y|) from there on.
+    From there on |c (1 - cos k)| ≥ c (sinh|y| - 1) exceeds |½ - i v k| ≤ ½ + v (extent + |y|).
     """
-    height = max(1.0, math.asinh(2.0 * v / c))  # there c cosh y > v: the difference only grows
+    height = max(1.0, math.asinh(2.0 * v / c))  # there c cosh y > v, and the difference grows
     while c * (math.sinh(height) - 1.0) <= 0.5 + v * (extent + height):
         height += 0.5
     return height
@@ -31,12 +31,13 @@ def height_above_roots(v: float, c: float, extent: float) -> float:
 def count_in_box(
     v: float, c: float, *, x_low: float, x_high: float, y_low: float, y_high: float
 ) -> int:
-    """Return the number of roots in the open box, by the winding of L along its edge.
+    """Return the number of roots in the open box, by the winding number of L along its edge.
 
-    Each edge is divided until |Re L| or |Im L| at the middle of a piece exceeds the most that L
-    can change on half of it, rounding included: at most h (|L_k| + h c cosh(Im k)), since
-    |L_kk| ≤ c cosh(Im k). L then stays in a half-plane on the piece and its change of argument
-    there is exact; no sampling density is assumed.
+    Each edge is divided until, on every piece, |Re L| or |Im L| at the middle exceeds the largest
+    possible change of L over half the piece, rounding included. This change is at most
+    h (|L_k| + h c cosh(Im k)), h being half the length, since |L_kk| ≤ c cosh(Im k). L then stays
+    in a half-plane on the piece, and the change of its argument is determined exactly; no sampling
+    density is assumed.
 
     Parameters
     ----------
@@ -48,8 +49,8 @@ def count_in_box(
     Raises
     ------
     ParameterError
-        If a root lies so near the edge that double precision cannot tell on which side, or the
-        box is empty or so tall that cosh(Im k) overflows.
+        If a root lies so near the edge that double precision cannot decide on which side it is, or
+        if the box is empty or so tall that cosh(Im k) overflows.
 
     Examples
     --------
@@ -70,7 +71,7 @@ def count_in_box(
 
 
 def box_corners(x_low: float, x_high: float, y_low: float, y_high: float) -> list[complex]:
-    """Return the corners of a box, anticlockwise, the first one again at the end."""
+    """Return the corners of a box, anticlockwise, with the first one repeated at the end."""
     return [
         complex(x_low, y_low),
         complex(x_high, y_low),
@@ -83,7 +84,7 @@ def box_corners(x_low: float, x_high: float, y_low: float, y_high: float) -> lis
 def box_of_strips(
     v: float, c: float, labels: IntArray, upper: bool
 ) -> tuple[float, float, float, float]:
-    """Return a box that holds every root of the consecutive strips ``labels``, and no other."""
+    """Return a box that contains every root of the consecutive strips ``labels``, and no other."""
     low, high = strip_bounds(labels, upper)
     x_low, x_high = float(low.min()), float(high.max())
     height = height_above_roots(v, c, max(abs(x_low), abs(x_high)))
@@ -139,10 +140,10 @@ def _turning(v: float, c: float, start: complex, end: complex) -> float:
 
 
 def _distance_from_axes(k: ComplexArray, v: float, c: float) -> FloatArray:
-    """Return max(|Re L|, |Im L|) less rounding: how far L is from leaving a half-plane.
+    """Return max(|Re L|, |Im L|) minus rounding, the distance of L from leaving a half-plane.
 
-    The parts are taken apart, since Re L can be known well where v|k| or c swamps Im L: on the
-    real axis it is ½ exactly.
+    The two parts are treated separately, since Re L can be accurate where v|k| or c dominates the
+    rounding error of Im L; on the real axis Re L is exactly ½.
     """
     L = dispersion(k, v, c)
     swing = np.abs(np.sin(0.5 * k) ** 2)

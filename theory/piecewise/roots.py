@@ -1,10 +1,10 @@
 """All roots of the dispersion relation (52), each with a label that never changes.
 
-The label n names the strip that holds exactly one root (facts 3 and 4 of
+The label n denotes a strip that contains exactly one root (facts 3 and 4 of
 ``theory.piecewise.dispersion``): above the axis 2πn - π < Re k < 2πn; below it (0, π) for n = 0,
 (2πn - π, 2πn + π) for n > 0 and (2πn, 2πn + 2π) for n < 0. A set of labels is therefore complete by
-construction, and a root found in its strip needs no further search; ``theory.piecewise.root_count``
-counts them independently.
+construction, and once a root is found in a strip, that strip need not be searched further.
+``theory.piecewise.root_count`` counts the roots independently.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from theory.result import Result
 
 MAX_ROOTS = 1_000_000
 MAX_LABEL = 10**12
-"""Beyond, k is rounded by more than a thousandth, and a root can no longer be told to be inside its
-strip."""
+"""Largest |label|; beyond it the rounding error of k exceeds 0.001, and it can no longer be decided
+whether a root lies inside its strip."""
 SMALLEST, LARGEST = 1e-12, 1e12
 _EPS = float(np.finfo(float).eps)
 
 
 class IncompleteRootsError(ArithmeticError):
-    """A strip whose root was not found. The theory says there is one, so this is a defect."""
+    """Raised where the root of a strip was not found; as one exists, this would be a defect."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RootSet(Result):
-    """Roots of L(k) = 0 in one half-plane, one a label.
+    """Roots of L(k) = 0 in one half-plane, one per label.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class RootSet(Result):
     residual : ndarray of float, shape (n,)
         |L(k)|, dimensionless.
     radius : ndarray of float, shape (n,)
-        The true root lies within this distance of ``k``, rounding included.
+        Bound on the distance of ``k`` from the true root, rounding included.
     """
 
     labels: IntArray = field(metadata={"axis": "label"})
@@ -67,7 +67,7 @@ class RootSet(Result):
 def checked_velocity_and_coupling(
     v: SupportsFloat | str, c: SupportsFloat | str
 ) -> tuple[float, float]:
-    """Return (v, c) as floats within the range that the roots are tested on.
+    """Return (v, c) as floats after checking that they are in the range tested for roots.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def labelled_roots(
     ----------
     v, c : float or ndarray of float, shape (n,)
         Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12; one pair for all labels
-        or one each.
+        or one pair each.
     labels : ndarray of int, shape (n,)
         Strip numbers, from -1e12 to 1e12.
     upper : bool
@@ -161,7 +161,7 @@ def nearest_roots(v: float, c: float, count: int, upper: bool) -> RootSet:
         roots = labelled_roots(v, c, np.arange(-reach, reach + 1), upper)
         roots = roots.take(np.argsort(np.abs(roots.k), kind="stable")[:count])
         farthest = float(np.abs(roots.k[-1]))
-        # A label beyond reach has |Re k| > 2π(reach + 1) - π, so it cannot be nearer than that.
+        # A root with a label beyond reach has |Re k| > 2π(reach + 1) - π, and so |k| is larger.
         if farthest <= 2.0 * np.pi * reach + np.pi:
             return roots
         reach = math.ceil(farthest / (2.0 * np.pi)) + 1
@@ -173,7 +173,7 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
     Raises
     ------
     ParameterError
-        If the extent would hold more than 1 000 000 roots.
+        If there would be more than 1 000 000 roots.
     """
     extent = positive("extent |Re k|", extent)
     reach = math.ceil(extent / (2.0 * np.pi)) + 1
@@ -189,8 +189,9 @@ def roots_within(v: float, c: float, extent: float, upper: bool) -> RootSet:
 def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> BoolArray:
     """Return which roots lie in their strips.
 
-    Above the axis the root of a far strip is some Im k/Re k from its edge, less than a rounding,
-    and the strips are π apart; below the axis a far root lies in the middle.
+    Above the axis, the distance of the root of a distant strip from the edge is about Im k/Re k,
+    which is below rounding, and the strips are π apart; below the axis, a distant root lies in the
+    middle of its strip.
     """
     low, high = strip_bounds(labels, upper)
     half = k.imag > 0 if upper else k.imag < 0
@@ -199,11 +200,11 @@ def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> BoolArray:
 
 
 def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:
-    """Return the distance within which Newton–Kantorovich places a root; inf where it does not."""
+    """Return the radius that the Newton–Kantorovich theorem gives for a root; inf if it fails."""
     square = np.abs(np.sin(0.5 * k)) ** 2
     rounding = 4.0 * _EPS * (0.5 + 2.0 * c * square + v * np.abs(k))
     value = np.abs(dispersion(k, v, c)) + rounding
-    # v + c sin k also cancels, near a branch point of the labels; count that against the slope.
+    # v + c sin k cancels near a branch point of the labels; subtract its rounding from the slope.
     slope = np.abs(dispersion_slope(k, v, c)) - 4.0 * _EPS * (v + c * np.abs(np.sin(k)))
     step = value / slope
     bend = 2.0 * step * (c * np.cosh(np.abs(k.imag) + 2.0 * step)) / slope
@@ -213,15 +214,15 @@ def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:
 def _argument(
     k: ComplexArray, labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
 ) -> ComplexArray:
-    """Return w with 4 sinh²(w/2) = q - 2, q = 2 cos k on a root, on the sheet of the label.
+    """Return w with 4 sinh²(w/2) = q - 2 on the sheet of the label; q = 2 cos k at a root.
 
-    q - 2 = (2vk + i)/c. With w from arcsinh nothing cancels for small k and nothing overflows.
+    q - 2 = (2vk + i)/c. Computed by arcsinh, w suffers no cancellation at small k and no overflow.
     """
     z = np.asarray((2.0 * v * k + 1j) / (4.0 * c), dtype=complex)
     w = 2.0 * np.arcsinh(np.sqrt(z))
     if upper:
         return np.asarray(w)
-    # The strips left of the origin span (0, 2π), not (-π, π).
+    # The strips to the left of the origin are (0, 2π) modulo 2π, instead of (-π, π).
     shifted: ComplexArray = np.where((labels < 0) & (w.imag < 0), w + 2j * np.pi, w)
     return shifted
 
@@ -229,7 +230,7 @@ def _argument(
 def _labelled_step(
     k: ComplexArray, labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
 ) -> ComplexArray:
-    """Return Newton's step on k = ±i w(k) + 2πn, nearly linear for all but the nearest roots."""
+    """Return Newton's step for k = ±i w(k) + 2πn, nearly linear for all but the nearest roots."""
     sign = 1j if upper else -1j
     z = (2.0 * v * k + 1j) / (4.0 * c)
     value = k - sign * _argument(k, labels, v, c, upper) - 2.0 * np.pi * labels
@@ -240,7 +241,7 @@ def _labelled_step(
 def _plain_step(
     k: ComplexArray, labels: IntArray, v: FloatArray, c: FloatArray, upper: bool
 ) -> ComplexArray:
-    """Return Newton's step on L(k) itself, for roots near the origin where labels meet."""
+    """Return Newton's step for L(k) = 0 itself, for roots near the origin, where labels meet."""
     del labels, upper
     return dispersion(k, v, c) / dispersion_slope(k, v, c)
 
@@ -254,7 +255,7 @@ def _iterate(
     *,
     upper: bool,
 ) -> ComplexArray:
-    """Apply Newton's steps, each root until its own step is down to rounding."""
+    """Apply Newton's steps to each root until its own step is of the order of rounding."""
     k = k.copy()
     moving = np.arange(k.size)
     for _ in range(25):
@@ -267,12 +268,12 @@ def _iterate(
 
 
 def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Iterator[AnyArray]:
-    """Yield starting points, the likeliest first; nearly every case stops after one."""
+    """Yield starting points, the most promising first; in nearly all cases the first suffices."""
     base: AnyArray = 2.0 * np.pi * labels
     sign = 1j if upper else -1j
     still = 2.0 * np.arcsinh(np.sqrt(0.25j / c))
     yield base + sign * still  # the roots at v = 0
-    # Where L_k vanishes on the real axis, two roots part: k = k* ± √(-2 L/L_kk).
+    # Near a zero k* of L_k on the real axis two roots lie at k = k* ± √(-2 L/L_kk).
     crest: AnyArray = base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
     apart = np.sqrt(-2.0 * dispersion(crest + 0j, v, c) / (-1j * c * np.cos(crest)))
     yield crest + np.where(apart.imag * sign.imag > 0, apart, -apart)

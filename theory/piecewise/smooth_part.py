@@ -1,11 +1,11 @@
-"""Σ(v, c) without its wiggles, and how high those are: where a search for velocities may skip them.
+"""Σ(v, c) without its wiggles, and their height, so that a search for velocities may skip them.
 
 On the path of ``theory.piecewise.sums.rules`` for c > 3v, from k = 0 to π/2 + i∞ and back to π,
 
     Σ = -1 + 1/√(1 - 4ic) + (1/π)∫g du + wiggles,
 
-and of the two legs only the second has the phase c/v of e^{-a}. The integral over the first varies
-with v as slowly as v does.
+where the integral extends over the first leg. Only the second leg, which gives the wiggles,
+contains the phase c/v of e^{-a}; the integral over the first leg varies smoothly with v.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from theory.piecewise.sums.legs import LEG_TURN
 _NODES = 72
 """Nodes of the integral over the first leg."""
 _INACCURACY = 1e-5
-"""Largest relative error of that integral: twice the largest found by sampling."""
+"""Bound on the relative error of that integral: twice the largest error found by sampling."""
 _ROUNDING = 1e-14
-"""Largest rounding error of Σ and of its smooth part."""
+"""Bound on the rounding error of Σ and of its smooth part."""
 _AT_ONCE = 256
-"""Number of values whose nodes stay in the cache of the processor."""
+"""Number of values whose nodes fit the processor's cache."""
 _HIGHEST = 2.0
-"""Largest height of wiggles, over max(√v, v) e^{-1/2v}/c^{3/2}: four times the highest sampled."""
+"""Bound on the height of wiggles over max(√v, v) e^{-1/2v}/c^{3/2}: four times that sampled."""
 WEAKEST = 2.0
-"""Weakest coupling at which this was sampled."""
+"""Weakest coupling at which these bounds were sampled."""
 
 
 def without_wiggles(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, FloatArray]:
-    """Return Σ without its wiggles, and how far from it Σ is at most, errors included.
+    """Return Σ without its wiggles, and a bound on its distance from Σ, errors included.
 
-    The latter was found by sampling over the range below (a test repeats that).
+    The bound was found by sampling over the range below, which a test repeats.
 
     Parameters
     ----------
@@ -59,13 +59,13 @@ def without_wiggles(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, FloatAr
 
 
 def _first_leg(v: FloatArray, c: FloatArray) -> ComplexArray:
-    """Return (1/π)∫g du."""
-    # g varies where u² is about 1/2v and u about √(c/8v³); at u = 5.5 it is gone.
+    """Return (1/π)∫g du over the first leg."""
+    # g varies where u² is about 1/2v and u about √(c/8v³); at u = 5.5 it is negligible.
     lowest = np.log(np.minimum(1.0, np.sqrt(np.minimum(0.5 / v, c / (8.0 * v**3))))) - 8.0
     step = (1.7 - lowest) / (_NODES - 1)
     u = np.exp(lowest[:, None] + step[:, None] * np.arange(_NODES))
     square = u * u
-    u[:, 0] /= -np.expm1(-step)  # and all nodes before it, where g is what it is here
+    u[:, 0] /= -np.expm1(-step)  # stands for all nodes before it too, where g is equal
     Y = (0.5 * v / c)[:, None] * square
     E = np.exp((-0.5 / v)[:, None] - square)
     F = 1.0 - E

@@ -1,7 +1,7 @@
-"""Linear stability of the fronts of (44): the multipliers of disturbed switching times.
+"""Linear stability of the fronts of (44): the multipliers of perturbations of the switching times.
 
-They are the zeros of the symbol (``theory.piecewise.symbol``); c_stable, where they first leave the
-unit circle, is found in ``theory.piecewise.stability_limit``.
+The multipliers are the zeros of the symbol (``theory.piecewise.symbol``). The coupling c_stable, at
+which one of them first leaves the unit circle, is found in ``theory.piecewise.stability_limit``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from theory.parameters import number, within
 from theory.piecewise.symbol import Symbol, terms_at
 
 _ROOM = 1e-9
-"""A multiplier so near the unit circle is not decided."""
+"""Distance of a multiplier from the unit circle below which stability is not decided."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,19 +24,19 @@ class FrontStability:
     Attributes
     ----------
     floor : float
-        e^{-1/4v}, below which no multiplier is looked for; the memory of earlier switchings fades
-        like its square.
+        e^{-1/4v}, below which no multiplier is searched for; the memory of earlier switchings
+        decays like its square per site.
     terms : int
-        Terms p_k of the symbol.
+        Number of terms p_k of the symbol.
     stable : bool or None
-        Whether every disturbance of the switching times decays; None where it was not decided:
-        a multiplier lies on the unit circle to within rounding, the series is too long (v above
-        some tens), or its terms are below the smallest number (v below 7e-4).
+        Whether every perturbation of the switching times decays; None where this was not decided,
+        because a multiplier lies on the unit circle to within rounding, the series is too long (v
+        above a few tens), or its terms underflow (v below 7e-4).
     multiplier : float or None
         Largest modulus of a multiplier per site other than the trivial one; None where all are
-        below ``floor``, or none could be told.
+        below ``floor``, or none could be determined.
     angle : float or None
-        Its argument, in radians per site from 0 to π; π is a disturbance that alternates.
+        Its argument, in radians per site from 0 to π; π means a perturbation of alternating sign.
     error : float or None
         Bound on the error of ``multiplier``.
     """
@@ -68,7 +68,7 @@ def front_stability(v: float, c: float) -> FrontStability:
 
     Notes
     -----
-    The answer is about small disturbances of the switching times and presupposes (47).
+    The result refers to small perturbations of the switching times and presupposes (47).
 
     Examples
     --------
@@ -83,7 +83,7 @@ def front_stability(v: float, c: float) -> FrontStability:
     if symbol is None:
         return found
     rate = float(symbol.q[0])
-    if abs(rate) <= symbol.uncertainty * math.exp(-0.5 / speed):  # |p_k| ≤ e^{-k/2v}, to rounding
+    if abs(rate) <= symbol.uncertainty * math.exp(-0.5 / speed):  # |p_k| ≤ e^{-k/2v}
         return found
     if rate < 0.0:
         return replace(found, stable=False)

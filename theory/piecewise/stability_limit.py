@@ -18,7 +18,7 @@ from theory.piecewise.symbol import Symbol
 
 _EPS = float(np.finfo(float).eps)
 _SCAN = 1.03
-"""Factor between the couplings at which stability is tried."""
+"""Factor between successive couplings at which stability is determined."""
 _NARROW = 1e-5
 """Relative width of the bracket of c_stable at which bisection ends."""
 _FOLD_ERROR = 1e-11
@@ -27,19 +27,20 @@ _FOLD_ERROR = 1e-11
 
 @dataclass(frozen=True, kw_only=True)
 class StabilityLimit:
-    """Where the fastest admissible front of one η first loses stability as c grows.
+    """The coupling at which, for one η, the fastest admissible front first loses stability.
 
     Attributes
     ----------
     c : float or None
-        c_stable, dimensionless; None where there is none, and ``reason`` says why.
+        c_stable, dimensionless; None where there is none, for the given ``reason``.
     error : float or None
         Bound on its error.
     v : float or None
-        Velocity v̂ there.
+        Velocity v̂ at c_stable.
     angle : float or None
         Argument of the multiplier that leaves the unit circle, in radians per site; 0 where the
-        branch ends, in a fold or because (47) ceases to hold, or an unstable one begins.
+        stable branch ends, in a fold or because (47) ceases to hold, or where an unstable, faster
+        branch begins.
     reason : str or None
         Why there is no c_stable.
     """
@@ -53,14 +54,14 @@ class StabilityLimit:
 
 @lru_cache(maxsize=256)
 def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
-    """Return c_stable(η): up to there the fastest admissible front is linearly stable.
+    """Return c_stable(η), the coupling up to which the fastest admissible front is linearly stable.
 
     Parameters
     ----------
     eta : float
         η = b/a², dimensionless, 0 < η < 2/25.
     farthest : float
-        Largest coupling looked at. Fronts may regain and lose stability beyond c_stable.
+        Largest coupling examined. Beyond c_stable fronts may regain and lose stability.
 
     Returns
     -------
@@ -73,9 +74,9 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
 
     Notes
     -----
-    From c_fold on, couplings 3 % apart are looked at; a loss of stability over a shorter interval
-    may be missed. Couplings at which no front is admissible are passed over: no front is lost there
-    by its own instability.
+    Starting at c_fold, couplings 3 % apart are examined; a loss of stability over a shorter
+    interval may be missed. Couplings at which no front is admissible are skipped, since no front
+    becomes unstable there.
 
     Examples
     --------
@@ -109,8 +110,8 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
 class _Leading:
     """The fastest admissible front at one coupling, its symbol, and whether it is unstable.
 
-    Where there is none, v is NaN and nothing is unstable; where it is not decided, ``unstable`` is
-    None and ``reason`` says why.
+    Where there is no such front, v is NaN and ``unstable`` is false; where stability is not
+    decided, ``unstable`` is None and ``reason`` says why.
     """
 
     c: float
@@ -123,7 +124,7 @@ class _Leading:
 
     @classmethod
     def at(cls, c: float, r: float, slack: float = 0.0) -> _Leading:
-        """Return it, where (47) is asked with r + ``slack``."""
+        """Return the fastest front at coupling c, with r + ``slack`` as the threshold in (47)."""
         found = all_velocities(np.array([c]), np.array([2.0 * r]))
         none = cls(c, solutions=found.v.size)
         for v, error in zip(found.v[::-1].tolist(), found.error[::-1].tolist(), strict=True):
@@ -147,10 +148,10 @@ class _Leading:
 
 
 def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit:
-    """Return where the fastest front ceases to be stable, between two couplings.
+    """Return the coupling between two given ones at which the fastest front ceases to be stable.
 
-    Bisection as long as stability is decided, then the secant rule on ln |w| of the zero that has
-    come inside, which moves smoothly in so narrow an interval.
+    Bisection is used as long as stability is decided, then the secant method on ln |w| of the zero
+    w that has entered the unit circle, which moves smoothly in so narrow an interval.
     """
     while unstable.c > stable.c * (1.0 + _NARROW):
         middle = _Leading.at(math.sqrt(stable.c * unstable.c), r)
@@ -187,17 +188,17 @@ def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit:
 
 
 def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit:
-    """Return where an unstable front becomes the fastest, between two couplings.
+    """Return the coupling between two given ones at which an unstable front becomes the fastest.
 
-    The branch of the stable one ends in a fold, where its multiplier is 1, or (47) ceases to hold;
-    or the unstable one begins. The number of solutions of (54) tells a fold from a change of
-    admissibility.
+    Either the branch of the stable front ends, in a fold, where its multiplier is 1, or because
+    (47) ceases to hold; or the branch of the unstable front begins. The number of solutions of (54)
+    distinguishes a fold from a change of admissibility.
     """
     low, high = _narrowed(last, beyond, r, 0.0)
-    # Beside a fold g = |Σ| - 2r is zero to within its own error in an interval of c of that width.
+    # Near a fold, g = |Σ| - 2r vanishes to within its own error in an interval of c of this width.
     error = (high.c - low.c) + _FOLD_ERROR * low.c
     if low.solutions == high.solutions:
-        slack = 5.0 * TOLERANCE / r  # in |φ|² ten times what may go undetected
+        slack = 5.0 * TOLERANCE / r  # in |φ|², ten times the violation that may go undetected
         error += sum(abs(_narrowed(last, beyond, r, s)[0].c - low.c) for s in (slack, -slack))
         if error > 0.4 * (beyond.c - last.c):
             reason = f"margins of (47) are too thin near c = {low.c:.6g} to tell where it is"
@@ -209,7 +210,7 @@ def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit
 def _narrowed(
     last: _Leading, beyond: _Leading, r: float, slack: float
 ) -> tuple[_Leading, _Leading]:
-    """Bisect to two couplings that rounding leaves apart, with r + ``slack`` in (47)."""
+    """Bisect until two couplings differ by rounding only, with r + ``slack`` in (47)."""
     low, high = last, beyond
     while high.c - low.c > 4.0 * _EPS * high.c:
         middle = _Leading.at(0.5 * (low.c + high.c), r, slack)

@@ -1,19 +1,21 @@
 """The shape of a front near ζ = 0 along a path of steepest descent: 500 points at any coupling.
 
-With ζ = m + 1 - ρ, m whole, 0 ≤ ρ ≤ 1, and a = A/v, the integral of ``theory.piecewise.profile`` is
+With ζ = m + 1 - ρ, m an integer, 0 ≤ ρ ≤ 1, and a = A/v, the integral of
+``theory.piecewise.profile`` is
 
     φ/φ_s = u_m - (1/4π) ∫ e^{ik(m+1)} e^{-aρ} / (A (1 - e^{ik-a})) dk
 
-with u_m the static front, λ^{m+1}/(1+λ) for m ≥ -1 and 1 - λ^{-m}/(1+λ) for m < 0, λ = e^{ik₀} the
-zero of A with Im k₀ > 0. On the real axis the integrand turns c/v times a site. The path
+with u_m the static front, λ^{m+1}/(1+λ) for m ≥ -1 and 1 - λ^{-m}/(1+λ) for m < 0, where
+λ = e^{ik₀} and k₀ is the zero of A with Im k₀ > 0. On the real axis the phase of the integrand
+varies by about c/v. The path
 
     Im k = s (sin Re k + g)
 
-has the saddle points of the phase on the axis and descends from both. With g = 0 they are those of
-e^{-aρ}, at 0 and π; with g = v/c those of e^{ik-a}, which count where many sites that have crossed
-act together, v > 2√c. Between axis and path |e^{ik-a}| < 1, for s below 2c/v² if g = 0, so that no
-pole is crossed but perhaps k₀, whose residue is λ^{m+1}/(1+λ). Gauss–Legendre panels become shorter
-towards the saddle points.
+crosses the axis at the saddle points of the phase and descends from both. With g = 0 they are those
+of e^{-aρ}, at 0 and π; with g = v/c they are those of e^{ik-a}, which dominate where many sites
+that have crossed the threshold act together, v > 2√c. Between axis and path |e^{ik-a}| < 1 (if g =
+0, for s below 2c/v²), so that no pole is crossed except possibly k₀, whose residue is
+λ^{m+1}/(1+λ). The Gauss–Legendre panels become shorter towards the saddle points.
 """
 
 from __future__ import annotations
@@ -28,23 +30,23 @@ from theory.arrays import ComplexArray, FloatArray
 from theory.piecewise.dispersion import onsite
 
 _POINTS = 16
-"""Points of a panel, at first."""
+"""Initial number of points of a panel."""
 _MAX_POINTS = 100
 _ACCURATE = 1e-12
 _AT_ONCE = 1 << 20
-"""Exponentials held in memory."""
+"""Largest number of exponentials held in memory."""
 
 
 @dataclass(frozen=True)
 class _Path:
-    """The points of one m: φ/φ_s = still - Σ weights e^{-aρ}.
+    """The quadrature for one m: φ/φ_s = still - Σ weights e^{-aρ}.
 
     Attributes
     ----------
     still : complex
-        u_m, without what is crossed.
+        u_m, minus the residue at k₀ if that pole is crossed.
     a, weights : ndarray of complex, shape (n,)
-        A/v, and the rest of the integrand at ρ = 0 with the weight of the quadrature.
+        A/v, and the integrand at ρ = 0 times the weights of the quadrature.
     """
 
     still: complex
@@ -53,7 +55,7 @@ class _Path:
 
     @classmethod
     def make(cls, v: float, c: float, m: int, points: int) -> _Path:
-        """Return the path with so many points a panel."""
+        """Return the path with the given number of points per panel."""
         k_0 = _static_wave(c)
         g, s = _tilt(v, c, m, k_0)
         x, widths = _panels(v, c, g, points)
@@ -81,10 +83,10 @@ class _Path:
         return self.still - value[0], -value[1]
 
     def spread(self, rho: FloatArray) -> FloatArray:
-        """Bound how far φ/φ_s goes between pairs of distances, shape (2, n), and leaves its chord.
+        """Bound the change of φ/φ_s between pairs of ρ, shape (2, n), and its distance from a chord.
 
-        Returned as two rows. Each wave by its slope and its curvature, or by twice its modulus
-        where that is less.
+        The two bounds are returned as rows. Each exponential is bounded by its slope and its
+        curvature, respectively, or by twice its modulus where that is less.
         """
         size, turn = np.abs(self.weights), np.abs(self.a)
         bounds = np.empty(rho.shape)
@@ -102,9 +104,9 @@ class _Path:
 
 @dataclass(frozen=True)
 class NearShape:
-    """The front φ(ζ)/φ_s of either direction within some sites of ζ = 0.
+    """The front φ(ζ)/φ_s of either direction within a few sites of ζ = 0.
 
-    That of a retreating front is 1 - φ(-ζ) of the advancing one.
+    The shape of a retreating front is 1 - φ(-ζ), where φ is the shape of the advancing one.
 
     Attributes
     ----------
@@ -117,7 +119,7 @@ class NearShape:
     _paths: dict[int, tuple[_Path, float]] = field(default_factory=dict, compare=False)
 
     def with_slope(self, zeta: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return φ/φ_s and its derivative at ζ, shape (n,); at ζ = 0 just ahead."""
+        """Return φ/φ_s and its derivative at ζ, shape (n,); at ζ = 0 the derivative just ahead."""
         phi: ComplexArray = np.empty(zeta.shape, dtype=complex)
         slope = np.empty_like(phi)
         m, rho = self._sites(zeta, zeta)
@@ -129,9 +131,9 @@ class NearShape:
         return phi, slope
 
     def spread(self, ends: FloatArray) -> FloatArray:
-        """Bound how far φ/φ_s goes between pairs of ζ in one site each, shape (2, n).
+        """Bound the change of φ/φ_s between pairs of ζ within one site, shape (2, n).
 
-        The second row returned bounds how far it leaves the chord.
+        The second row returned bounds its distance from the chord.
         """
         bounds = np.empty(ends.shape)
         m, rho = self._sites(ends.mean(axis=0), ends)
@@ -141,13 +143,13 @@ class NearShape:
         return bounds
 
     def error(self, zeta: FloatArray) -> FloatArray:
-        """Estimate the error of φ/φ_s at ζ, shape (n,): the change by half as many points again."""
+        """Estimate the error of φ/φ_s at ζ, shape (n,), as the change on adding half the points."""
         m = self._sites(zeta, zeta)[0]
         sites, which = np.unique(m, return_inverse=True)
         return np.array([self._path(site)[1] for site in sites.tolist()])[which]
 
     def _sites(self, zeta: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return m of positions ζ, and ρ of ``ends`` counted from it, of the advancing front."""
+        """Return m at ζ and, relative to it, ρ at ``ends``, both for the advancing front."""
         if self.v < 0:
             m = np.ceil(-zeta) - 1.0
             return m, (m + 1.0) + ends
@@ -163,7 +165,7 @@ class NearShape:
 
 
 def _accurate_path(v: float, c: float, m: int) -> tuple[_Path, float]:
-    """Take more points until half as many again change nothing; return the last change."""
+    """Increase the number of points by half until the values settle; return the last change too."""
     rho = np.append(0.0, np.geomspace(min(0.5, v / c), 1.0, 6))
     points = _POINTS
     path = _Path.make(v, c, m, points)
@@ -182,7 +184,7 @@ def _static_wave(c: float) -> complex:
 
 
 def _tilt(v: float, c: float, m: int, k_0: complex) -> tuple[float, float]:
-    """Return g and s, such that |e^{ik(m+1)}| stays moderate and k₀ is not too near."""
+    """Return g and s such that |e^{ik(m+1)}| stays moderate and the path does not come near k₀."""
     g = v / c if v * v > 4.0 * c else 0.0
     s = min(1.0, 4.0 / ((1.0 + abs(m + 1)) * (1.0 + g)), 1.0 / g if g else c / v**2)
     rise = math.sin(k_0.real) + g
@@ -192,7 +194,7 @@ def _tilt(v: float, c: float, m: int, k_0: complex) -> tuple[float, float]:
 
 
 def _panels(v: float, c: float, g: float, points: int) -> tuple[FloatArray, FloatArray]:
-    """Return the points Re k of a period, and their weights."""
+    """Return the quadrature points Re k of a period, and their weights."""
     first = -math.asin(min(g, 1.0))
     second = math.pi - first if g < 1.0 else first + math.pi
     inner = min(1.0, math.sqrt(0.5 / c), _pole_distance(v, c, first))
@@ -220,9 +222,9 @@ def _gauss(points: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _pole_distance(v: float, c: float, k: float) -> float:
-    """Return about how far from real k the nearest zero of 1 - e^{ik-a} is.
+    """Return the approximate distance of the nearest zero of 1 - e^{ik-a} from real k.
 
-    Where a saddle point is in resonance, k + (2c/v) sin²(k/2) = 2πn, that is very near.
+    It is very small where a saddle point is in resonance, k + (2c/v) sin²(k/2) = 2πn.
     """
     gap = abs(np.expm1(1j * k - onsite(np.array(k + 0j), c) / v))
     turn, bend = abs(1.0 + c / v * math.sin(k)), abs(c / v * math.cos(k))

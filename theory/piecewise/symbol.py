@@ -1,21 +1,21 @@
 """Symbol of the linearised switching times of a front of (44), and its zeros.
 
-Let site n switch at T_n = n/v + d_n with small d_n. The chain responds to a switched site at
-distance k, a time s later, by ½φ_s G_k(s),
+Let site n switch at T_n = n/v + d_n with small d_n. The response of the chain to the switching of a
+site at distance k, a time s later, is ½φ_s G_k(s),
 
     G_k(s) = (-i)^k e^{-s/2 + ics} J_k(cs) = (1/2π) ∫ e^{iκk - A(κ)s} dκ,
 
-so that φ_m, at the moment of its own switching, changes by -½φ_s Σ_k G_k(k/v)(d_{m-k} - d_m), and
-stays on the threshold |φ| = |φ_us| to first order if
+so that φ_m at the moment of its own switching changes by -½φ_s Σ_k G_k(k/v)(d_{m-k} - d_m), and
+remains at the threshold |φ| = |φ_us| to first order if
 
     Σ_{k ≥ 1} p_k (d_m - d_{m-k}) = 0,      p_k = ½ Re[e^{-i arg φ(0)} G_k(k/v)].
 
-A disturbance d_m = z^m obeys D(z) = Σ p_k (1 - z^{-k}) = 0. The zero z = 1 is a shift of the front
-in time. The front is linearly stable if every other zero, a *multiplier* per site, has |z| < 1 and
-|φ| passes the threshold at a finite rate, Σ p_k > 0.
+A perturbation d_m = z^m obeys D(z) = Σ p_k (1 - z^{-k}) = 0. The zero z = 1 corresponds to a shift
+of the front in time. The front is linearly stable if every other zero, a *multiplier* per site, has
+|z| < 1 and |φ| passes the threshold at a finite rate, Σ p_k > 0.
 
 With w = 1/z, D = (1 - w) E(w), E(w) = Σ_j q_j w^j, q_j = Σ_{k > j} p_k. Zeros of E inside a circle
-are counted by its winding number, on so many points that a Lipschitz bound excludes a miscount.
+are counted by the winding number, on so many points that a Lipschitz bound excludes a miscount.
 """
 
 from __future__ import annotations
@@ -32,27 +32,27 @@ from theory.piecewise.sums.rules import sum_at
 
 _EPS = float(np.finfo(float).eps)
 _SMALLEST_TERM = 1e-30
-"""e^{-K/2v} of the last term; on the largest circle searched its root remains."""
+"""e^{-K/2v} at the last term K; on the largest circle searched, that term is the root of this."""
 _MAX_PRODUCTS = 10_000_000
-"""Terms times points of the mean over κ, at most: some 30 ms."""
+"""Largest product of the numbers of terms and of points of the mean over κ: about 30 ms."""
 _MAX_POINTS = 1 << 20
 _AT_ONCE = 1 << 16
-"""Powers of u that are held in memory."""
+"""Largest number of powers of u held in memory."""
 _CIRCLES = 14
 _LARGEST_LOGARITHM = 700.0
-"""Of a number that, times coefficients of E and their count, does not overflow."""
+"""Logarithm of a number that does not overflow when multiplied by coefficients of E and summed."""
 
 
 @dataclass(frozen=True)
 class Symbol:
-    """The polynomial E(w) of one front, without the zero w = 1 of a shift in time.
+    """The polynomial E(w) of one front, from which the trivial zero w = 1 has been divided out.
 
     Attributes
     ----------
     q : ndarray of float, shape (K,)
         Its coefficients, dimensionless.
     uncertainty : float
-        What rounding, and the terms left out, change E by where |w| < e^{1/4v}.
+        Bound on the error of E for |w| < e^{1/4v}, from rounding and omitted terms.
     """
 
     q: FloatArray
@@ -60,22 +60,23 @@ class Symbol:
 
     @classmethod
     def of(cls, v: float, c: float) -> Symbol | None:
-        """Return it for the front of velocity v at coupling c; None if it has too many terms."""
+        """Return E for the front of velocity v at coupling c; None if it has too many terms."""
         speed = abs(v)
         terms = terms_at(speed)
         points = _mean_points(terms, speed, c)
         if terms * points > _MAX_PRODUCTS:
             return None
         p = symbol_coefficients(v, c, terms, points)
-        # Of u^k half a unit of rounding each, Σ_k k² e^{-k/4v}; the terms left out add
-        # e^{-K/4v} = 1e-15.
+        # Half a unit of rounding in each factor of u^k gives Σ_k k² e^{-k/4v}; the omitted terms
+        # add e^{-K/4v} = 1e-15.
         return cls(np.cumsum(p[::-1])[::-1].copy(), _EPS * (1.0 + 4.0 * speed) ** 3)
 
     def zeros_within(self, radius: float) -> int | None:
         """Return the number of zeros of E(w) in |w| < radius; None if one is too near the circle.
 
-        The winding number over M points is right if |E| at each of them exceeds what E can change
-        by to the middle between neighbours, half a step times the bound Σ j |q_j| ρ^{j-1} of |E'|.
+        The winding number over M points is correct if |E| at each of them exceeds the largest
+        change of E up to the midpoint between neighbours, which is half a step times the bound Σ j
+        |q_j| ρ^{j-1} on |E'|, ρ being the radius.
         """
         order = np.arange(self.q.size)
         with np.errstate(over="ignore"):
@@ -83,7 +84,7 @@ class Symbol:
             slope = float(np.sum(np.abs(scaled) * order)) / radius
         points = 1 << math.ceil(math.log2(8 * self.q.size))
         while points <= _MAX_POINTS:
-            values = np.fft.rfft(scaled, points)  # the other half are the complex conjugates
+            values = np.fft.rfft(scaled, points)  # the other half is complex conjugate
             least = float(np.abs(values).min()) - self.uncertainty
             if least <= 0.0:
                 return None
@@ -96,8 +97,9 @@ class Symbol:
     def nearest_zero(self, reach: float) -> tuple[complex, float] | None:
         """Return the zero of E nearest w = 0 within ``reach``, and its error; or None.
 
-        Newton starts from where |E| is least on circles of growing radius. A zero counts as the
-        nearest once the winding number excludes any in a circle a thousandth smaller.
+        Newton's method starts from the minima of |E| on circles of increasing radius. A zero is
+        accepted as the nearest if, by the winding number, there is none inside a circle that is
+        smaller by a thousandth.
         """
         q, slope = self.q, _slope(self.q)
         count = 1 << math.ceil(math.log2(4 * q.size))
@@ -116,7 +118,7 @@ class Symbol:
         return None
 
     def zero_near(self, w: complex) -> complex:
-        """Return the zero of E to which Newton's method goes from w; NaN if it goes to none."""
+        """Return the zero of E to which Newton's method converges from w; NaN if it does not."""
         zeros = _newton(self.q, _slope(self.q), np.array([w]), 4.0)
         return complex(zeros[0]) if zeros.size else complex(math.nan)
 
@@ -135,7 +137,7 @@ def symbol_coefficients(v: float, c: float, terms: int, points: int | None = Non
     terms : int
         K.
     points : int, optional
-        Points of the mean over κ; so many by default that aliasing is below rounding.
+        Number of points of the mean over κ; by default so large that aliasing is below rounding.
 
     Returns
     -------
@@ -145,9 +147,10 @@ def symbol_coefficients(v: float, c: float, terms: int, points: int | None = Non
     Notes
     -----
     G_k(k/v) is the mean over a period of u^k, u = e^{iκ - A(κ)/v}, along any path. On the path
-    κ = x + is(sin x + v/c), s = min(1, c/v), |u| ≤ e^{-1/2v}, which it reaches at its two saddle
-    points on the axis. On the lines Im x = ±τ it is about e^{cτ²/v} times larger, so that N points
-    in x err by e^{kcτ²/v - Nτ}, least for τ = Nv/2kc (a test samples u on the lines).
+    κ = x + is(sin x + v/c), s = min(1, c/v), |u| ≤ e^{-1/2v}, with equality at the two saddle
+    points on the axis. On the lines Im x = ±τ, |u| is larger by about e^{cτ²/v}, so that the error
+    with N points in x is e^{kcτ²/v - Nτ}, which is least for τ = Nv/2kc (a test samples u on the
+    lines).
 
     Examples
     --------
@@ -171,7 +174,7 @@ def symbol_coefficients(v: float, c: float, terms: int, points: int | None = Non
         some = powers[: terms - first]
         for power in some:
             before = np.multiply(before, u, out=power)
-        means[first : first + rows] = np.add.reduce(some, axis=1)  # each alone takes twice as long
+        means[first : first + rows] = np.add.reduce(some, axis=1)  # one by one takes twice as long
     return 0.5 * np.real(turn * means)
 
 
@@ -181,15 +184,16 @@ def terms_at(speed: float) -> int:
 
 
 def _mean_points(terms: int, speed: float, c: float) -> int:
-    """Return N with N²v/4Kc above 46.1: e^{-46.1} is 1e-20. See `symbol_coefficients`."""
+    """Return N such that N²v/4Kc > 46.1, since e^{-46.1} is 1e-20; see `symbol_coefficients`."""
     return math.ceil(46.1 + 13.6 * math.sqrt(c * terms / speed))
 
 
 def _newton(q: FloatArray, slope: FloatArray, starts: ComplexArray, reach: float) -> ComplexArray:
-    """Return the zeros within ``reach`` to which Newton's method goes from these points.
+    """Return the zeros within ``reach`` to which Newton's method converges from given points.
 
-    A point is given up beyond twice the reach, or where its highest power would overflow. From a
-    place where E' is next to nothing, as where v is small and E is constant, it is gone at once.
+    An iteration is abandoned beyond twice the reach, or where the highest power of w would
+    overflow. It is abandoned at once where E' is almost zero, as at small v, where E is nearly
+    constant.
     """
     farthest = min(2.0 * reach, math.exp(_LARGEST_LOGARITHM / q.size))
     w = np.array(starts, dtype=complex)

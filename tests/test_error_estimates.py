@@ -85,6 +85,18 @@ def test_a_velocity_of_a_network_is_uncertain_by_how_much_its_halves_differ() ->
     assert max(abs(v - 1.0), abs(v - 2.0)) <= error
 
 
+def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_reach() -> None:
+    """Both are at two sites a unit of time as far as they are timed together, then one is slow."""
+    both = np.arange(48) / 2.0
+    slow = np.append(both, both[-1] + np.arange(1.0, 17.0))
+    for one, other in ((slow, np.append(both, np.full(16, np.nan))), (both, slow)):
+        found = settle(
+            lambda _, one=one, other=other: Trial(None, one, other, 1),  # type: ignore[misc]
+            sites=64, max_sites=64, accuracy=1e-3, seen=0.0,
+        )  # fmt: skip
+        assert (found.v, found.error) == pytest.approx((2.0, 0.0), abs=1e-9)
+
+
 @pytest.mark.parametrize(("doubt", "enough", "error"), [(3.0, False, 1.0), (1.0, False, 1.0),
                                                         (3.0, True, 0.0)])  # fmt: skip
 def test_on_the_longest_chain_a_doubt_that_is_left_is_part_of_the_error(

@@ -119,6 +119,16 @@ def test_a_measured_front_is_in_slow_time_and_counts_earlier_steps() -> None:
     assert (front.counts, front.outruns_waves) == ({"steps": 9}, True)
 
 
+def test_of_a_smooth_chain_four_to_a_thousand_sites_are_excited() -> None:
+    for excited in (4, 1000):
+        prepared = measure._prepare_smooth(AVERAGED, _request(excited=excited), LeftBoundary.FREE)
+        assert prepared.sized(40).sites - 40 == prepared.excited == excited
+    for excited in (3, 1001):
+        with pytest.raises(ParameterError, match="excited sites") as refusal:
+            measure._prepare_smooth(AVERAGED, _request(excited=excited), LeftBoundary.FREE)
+        assert refusal.value.quantity == "excited sites"
+
+
 @pytest.mark.parametrize("v", [None, 0.0, 0.5])
 def test_without_waves_behind_it_no_front_is_run_twice(
     v: float | None, monkeypatch: pytest.MonkeyPatch
@@ -191,8 +201,10 @@ def test_a_friction_front_may_begin_from_a_displacement(
     displacement: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun: list[Any] = []
+    tolerances: list[float] = []
 
     def settled(prepared: Any, _: object) -> Settled:
+        tolerances.append(prepared.settling_tolerance)
         begun.append(prepared.begin(prepared.sized(20), 1e-6))
         return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
 
@@ -203,6 +215,7 @@ def test_a_friction_front_may_begin_from_a_displacement(
     start = excite(chain.replace(sites=20), [3])  # of the others, at rest
     assert run.chain.sites == 20
     assert run.state[0, :2].tolist() == [displacement] * 2
+    assert tolerances == [1e-4]  # change of y below which a front at rest is pinned
     assert run.state[:, 3:].tolist() == start[:, 3:].tolist()
 
 
@@ -267,6 +280,7 @@ def test_a_motion_over_a_lattice_has_what_was_excited_and_when_others_were_reach
         front = network.spreading_front(lattice, _request(directions=directions))
         assert (front.v, front.error, front.excited) == (0.5, 0.01, 3)
         assert front.arrivals.tolist() == [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+        assert (front.left_boundary, front.outruns_waves) == (None, False)  # there is no left end
     assert [each["tolerance"] for each in asked] == [each["tolerance"].default for each in usual]
 
 
@@ -298,7 +312,9 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
     pinned = Trial(FrontStatus.PINNED, np.full(40, NAN), np.empty(0), 1)
     prepared = measure._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
     found = measure._settled(prepared, None)
-    assert measure._front(prepared, found, None, False).error == pytest.approx(1.0 / 10.0)
+    front = measure._front(prepared, found, None, False)
+    assert front.error == pytest.approx(1.0 / 10.0)
+    assert front.counts == {"steps": 1}
 
 
 @pytest.mark.parametrize(("accuracy", "limit"), [(None, 0.1), (1e-3, 1e-3)])
@@ -349,8 +365,12 @@ def test_a_front_of_a_network_along_a_line_outruns_its_waves_or_not(
     assert chain.network is not None
     assert waves > 0.0
     found = Settled(FrontStatus.STEADY, share * waves, 1e-6, np.arange(3.0), 40, 7)
-    monkeypatch.setattr(measure, "_settled", lambda *_: found)
-    assert measure._own_front(chain, _request()).outruns_waves is outruns
+    asked: list[Any] = []
+    monkeypatch.setattr(measure, "_settled", lambda *given: asked.append(given) or found)
+    request = _request(progress=print)
+    assert measure._own_front(chain, request).outruns_waves is outruns
+    ((prepared, progress),) = asked
+    assert (prepared.excited, progress) == (24, print)
 
 
 class _BegunError(Exception):
@@ -462,6 +482,7 @@ def test_the_infinite_chain_has_no_left_end_whose_waves_could_be_outrun() -> Non
     front = measure.measure_front(PiecewiseChain(c=0.5, eta=0.03125))
     assert (front.outruns_waves, front.left_boundary, front.excited) == (False, None, None)
     assert front.counts["events"] > 0
+    assert front.steps == front.to_dict()["steps"] == 0
 
 
 @pytest.mark.parametrize("above", [False, True])
@@ -496,6 +517,7 @@ def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch
     front = measure._smooth_front(AVERAGED, _request())
     assert asked == [None, 1e-4]
     assert (front.v, front.counts["steps"]) == (pytest.approx(2e-2), 18)
+    assert front.steps == front.to_dict()["steps"] == 18
 
 
 @pytest.mark.parametrize(
@@ -720,6 +742,8 @@ def test_distances_on_a_lattice_are_in_the_plane_from_its_middle_site() -> None:
     assert network._radius(chain, middle) == 2.0 - network.EDGE
     assert network._radius(_lattice(9, 5), 4 * 5 + 2) == 2.0 - network.EDGE
     assert network._radius(_lattice(11, 11), 4 * 11 + 6) == 4.0 - network.EDGE
+    assert network._radius(_lattice(11, 11), 7 * 11 + 5) == 3.0 - network.EDGE
+    assert network._radius(_lattice(11, 11), 5 * 11 + 8) == 2.0 - network.EDGE
 
 
 def test_the_velocity_in_a_direction_is_that_along_its_ray() -> None:
@@ -733,6 +757,7 @@ def test_the_velocity_in_a_direction_is_that_along_its_ray() -> None:
     arrivals[middle] = 0.0
     arrivals[away > 18.5] = 77.0  # beside a side: not used
     arrivals[away < 3.5] = 55.0  # among the first
+    arrivals[np.abs(offset[:, 1]) == 2.0] = 66.0  # beside the rays to the right and the left
     arrivals[(offset[:, 1] == 1.0) & (offset[:, 0] == 10.0)] = NAN
     excited = int(np.count_nonzero(away < 3.5))
     angles, v, error = network._fitted(
@@ -767,6 +792,27 @@ def test_the_middle_of_a_network_is_that_of_its_numbers(sites: int) -> None:
     assert abs(middle - (sites - 1 - middle)) <= 1
 
 
+def test_a_motion_on_a_lattice_stands_if_no_amplitude_changes_by_a_part_in_a_thousand(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the stable cycle, whatever its size."""
+    asked: list[tuple[float, float]] = []
+
+    def stall(_: Any, time: float, tolerance: float) -> Any:
+        asked.append((time, tolerance))
+        return SimpleNamespace(note=lambda _: None, status=lambda: FrontStatus.PINNED)
+
+    monkeypatch.setattr(network, "Stall", stall)
+    for size in (0.1, 30.0):
+        run: Any = SimpleNamespace(
+            chain=SimpleNamespace(stable_amplitude=size), advance=lambda _: None,
+            arrivals=np.array([0.0, NAN]),
+        )  # fmt: skip
+        stopped = network._follow(run, 7.0, np.ones(2, dtype=bool), None)
+        assert stopped is FrontStatus.PINNED
+        assert asked[-1] == (7.0, pytest.approx(1e-3 * size))
+
+
 def test_distances_in_a_network_are_in_links() -> None:
     links = SimpleNamespace(positions=None, distances=lambda sites: np.arange(5.0) + sites[0])
     chain: Any = SimpleNamespace(links=links, sites=5)
@@ -779,7 +825,7 @@ def test_some_sites_of_a_lattice_are_excited_and_not_all(excited: int) -> None:
         damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(3, 3)
     )
     with pytest.raises(ParameterError, match="excited sites"):
-        network.spread(lattice, excited=excited, stall=1.0)
+        network.spread(lattice, excited=excited, directions=4, stall=1.0)
 
 
 def test_of_a_network_each_distance_in_links_counts_once() -> None:
@@ -795,6 +841,52 @@ def test_of_a_network_each_distance_in_links_counts_once() -> None:
     )
     assert (angles.tolist(), v.tolist()) == ([0.0], pytest.approx([2.0]))
     assert error == pytest.approx([0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("excited", [9, 11])
+def test_distances_in_links_are_used_from_the_first_beyond_the_excited_sites(excited: int) -> None:
+    """On a ring, by numpy's line through the outer half of them; times are at random."""
+    away = np.abs(np.arange(60.0) - 30.0)
+    times = np.sort(np.random.default_rng(2).random(31))
+    chain: Any = SimpleNamespace(links=SimpleNamespace(positions=None))
+    _, v, _ = network._fitted(
+        chain, away, middle=30, arrivals=times[away.astype(int)], directions=1, excited=excited
+    )
+    distances = np.arange((excited + 1) // 2, 31 - network.MEETING)
+    outer = distances[distances.size // 2 :]
+    assert v == pytest.approx([1.0 / np.polyfit(outer, times[outer], 1)[0]])
+
+
+def test_a_planar_front_is_timed_from_the_row_beyond_the_excited_ones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To two rows before the far side, by numpy's line through the outer half; at random times."""
+    monkeypatch.setattr(network, "_measured", lambda _, __, ___, fit, **____: fit)
+    times = np.sort(np.random.default_rng(3).random(24))
+    for excited in (3, 4):
+        lattice = OscillatorChain(
+            damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(24, 2)
+        )
+        fit: Any = network.planar(lattice, excited=excited, stall=1.0)
+        _, v, _ = fit(times.repeat(2))
+        rows = np.arange(excited, 22)
+        # Both sites of a row are counted, so that the outer half may begin within one.
+        outer = rows.repeat(2)[rows.size :]
+        assert v == pytest.approx([1.0 / np.polyfit(outer, times[outer], 1)[0]])
+
+
+def test_sites_within_a_radius_of_some_three_and_a_half_are_excited_on_a_lattice(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By default; as many as points of a square lattice are within it."""
+    lattice = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(11, 11)
+    )
+    monkeypatch.setattr(network, "_measured", lambda _, start, *__, **___: start)
+    start: Any = network.spread(lattice, directions=4, stall=1.0)
+    excited = np.hypot(*start).reshape(11, 11) > lattice.unstable_amplitude
+    row, column = np.indices((11, 11)) - 5
+    assert np.array_equal(excited, np.hypot(row, column) < 3.5)
 
 
 def test_a_velocity_and_its_error_scale_with_the_unit_of_time() -> None:

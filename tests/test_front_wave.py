@@ -216,6 +216,20 @@ def test_stability_is_read_off_the_multipliers(
     assert front.iterations == 8
 
 
+def test_a_front_has_the_amplitudes_of_every_site_of_its_longer_window(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From the cycle on the left to less than rounding on the right, √a r in units of the cycle."""
+    window = replace(wave.Window.started(1.0, ETA), left=12, right=12)
+    window = replace(window, guess=np.append(np.linspace(1.0, 0.0, 24), 0.8))
+    longer = window._resized(0.8, wave._DEPTHS[1])
+    front = _described(monkeypatch, (1.0,), (1.0,))
+    cycle = math.sqrt((1.0 + math.sqrt(1.0 - 8.0 * ETA)) / ETA)
+    assert front.r.size == longer.left + longer.right
+    assert front.crossing == longer.left
+    assert front.r == pytest.approx(cycle * longer.guess[:-1], rel=1e-14)
+
+
 def test_the_continuous_spectrum_is_that_of_the_slower_fading_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -339,10 +353,19 @@ def test_the_state_at_the_fold_is_at_rest_and_about_to_leave() -> None:
     assert abs(growth.max()) < 1e-5  # the square root of rounding, at a double zero
 
 
-@pytest.mark.parametrize(("c", "eta"), [(-1.0, ETA), (float("nan"), ETA), (1.0, 0.12), (1e4, ETA)])
+@pytest.mark.parametrize(
+    ("c", "eta"), [(-1.0, ETA), (float("nan"), ETA), (1.0, 0.12), (1001.0, ETA)]
+)
 def test_what_cannot_be_answered_is_refused(c: float, eta: float) -> None:
     with pytest.raises(ParameterError):
         front_wave(c, eta)
+
+
+@pytest.mark.parametrize("eta", [0.0, 9e-4, 0.111, 0.12, 0.2, float("nan")])
+def test_the_fold_of_fronts_at_rest_is_refused_where_that_of_waves_is(eta: float) -> None:
+    """Also where a branch asks for it alone."""
+    with pytest.raises(ParameterError, match=r"eta = b/a\^2"):
+        static_fold(eta)
 
 
 def test_the_branch_of_fronts_is_made_of_fronts() -> None:

@@ -35,6 +35,7 @@ from theory.cells.friction import FrictionCell
 from theory.cells.oscillator import OscillatorCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError, RunError, positive
 from theory.piecewise.kinetic_relation import kinetic_relation
@@ -58,7 +59,7 @@ from verification.fronts import measure
 from verification.fronts.arrival_fit import Settled
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import MARGIN, Stall, Watch
+from verification.fronts.watch import MARGIN, Stall, Watch, cycle_period
 from verification.maps import friction_rules, smooth_rules, state_run
 from verification.maps.state import Reason, State
 from verification.piecewise import verdict as front_verdict
@@ -911,6 +912,17 @@ def test_a_site_that_goes_up_and_down_in_either_stall_time_does_not_grow() -> No
     assert status is FrontStatus.CREEPING
 
 
+@pytest.mark.parametrize("eps", [1e-4, 0.01])
+def test_amplitudes_of_what_stands_are_taken_over_two_periods_of_a_cell(eps: float) -> None:
+    """As its cycles are found by running it; and somewhat longer, for what relaxes."""
+    own = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1, eps=eps, sites=3)
+    periods = [each.period for each in own.cell.cycles]
+    assert len(periods) == 2
+    assert cycle_period(own) == pytest.approx(2.0 * max(periods))
+    time = cycle_period(VdpChain(a=4, b=0.5, c=0.1, eps=eps))
+    assert 2.0 * max(periods) <= time < (1.0 + 3.0 * eps) * 2.0 * max(periods)
+
+
 def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_is() -> None:
     run: Any = _Motion()
     stall = Stall(run, 10.0, 0.25)
@@ -1274,6 +1286,10 @@ def test_a_front_that_waves_overtake_is_no_surer_than_with_twice_as_many_sites_b
     assert asked == [(48, LeftBoundary.WAVE)]
     assert found.error == pytest.approx(error, rel=1e-6)
     assert (found.v, found.status, found.steps) == (0.5, status, 21)
+    slower = measure._beside_longer_wave(
+        _settled(0.25, 1e-4, FrontStatus.STEADY), 1e-3, VdpChain(a=4, b=0.5, c=0.6), _request()
+    )
+    assert slower.error == pytest.approx(abs(0.25 - (other or 0.0)), rel=1e-6)
 
 
 def _request(boundary: LeftBoundary = LeftBoundary.FREE) -> Any:

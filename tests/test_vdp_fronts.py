@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.stats import linregress
 
 from fronts.cli import main
 from theory.averaged.front import strong_coupling_front
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.fronts import measure, watch
-from verification.fronts.arrival_fit import velocity_of_arrivals
+from verification.fronts.arrival_fit import line, velocity_of_arrivals
 from verification.fronts.measure import measure_front
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
@@ -136,6 +137,14 @@ def test_what_does_not_run_is_named(eta: float, c: float, status: str) -> None:
     front = measure_front(VdpChain(a=1.0, b=eta, c=c).averaged(), max_sites=250)
     assert front.status.value == status
     assert front.v == (0.0 if status == "pinned" else None)
+
+
+@pytest.mark.parametrize("count", [3, 4, 9, 200])
+def test_the_error_of_a_slope_is_that_of_scipys_regression(count: int) -> None:
+    x, y = np.random.default_rng(7).normal(size=(2, count))
+    slope, error = line(x, y)
+    theirs = linregress(x, y)
+    assert (slope, error) == pytest.approx((theirs.slope, theirs.stderr), rel=1e-10)
 
 
 def test_the_regression_knows_its_noise() -> None:

@@ -91,7 +91,7 @@ class SpreadRun:
 def middle_site(chain: OwnChain) -> int:
     """Return the index of the middle site: in the plane for a lattice, otherwise by number."""
     positions = chain.links.positions
-    if positions is None or positions.ndim == 1:
+    if positions is None:
         return chain.sites // 2
     away = np.linalg.norm(positions - positions.mean(axis=0), axis=1)
     return int(np.argmin(away))
@@ -100,7 +100,7 @@ def middle_site(chain: OwnChain) -> int:
 def distances_from(chain: OwnChain, site: int) -> FloatArray:
     """Return the distance of every site from a given one, in the plane of a lattice or in links."""
     positions = chain.links.positions
-    if positions is None or positions.ndim == 1:
+    if positions is None:
         return chain.links.distances([site])
     away: FloatArray = np.linalg.norm(positions - positions[site], axis=1)
     return away
@@ -110,7 +110,7 @@ def spread(
     chain: OwnChain,
     *,
     excited: int = EXCITED,
-    directions: int = 8,
+    directions: int,
     tolerance: float = 1e-8,
     stall: float,
     progress: ProgressCallback | None = None,
@@ -230,7 +230,7 @@ def _fitted(
 ) -> _Fit:
     positions = chain.links.positions
     first = np.sort(away)[excited - 1]
-    if positions is None or positions.ndim == 1:
+    if positions is None:
         shells = _shells(away, arrivals, first)
         v, error = _slope(*shells)
         return np.zeros(1), np.array([v]), np.array([error])

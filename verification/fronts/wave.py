@@ -273,7 +273,7 @@ class Window:
         """Run the chain from a step; return its amplitudes and the velocity of its front."""
         rho = np.where(np.arange(self.left + self.right) <= self.left, 1.0, 0.0)
         h = 0.8 * _STEP / (self.chain.c + self.attraction)
-        time = last = before = 0.0
+        time = last = 0.0
         interval, unstable = math.inf, self.unstable
         for _ in range(_PERIODS):
             after = rho

@@ -83,7 +83,7 @@ class _Path:
         return self.still - value[0], -value[1]
 
     def spread(self, rho: FloatArray) -> FloatArray:
-        """Bound the change of φ/φ_s between pairs of ρ, shape (2, n), and its distance from a line.
+        """Bound the change of φ/φ_s over pairs of ρ, shape (2, n), and its distance from a chord.
 
         The two bounds are returned as rows. Each exponential is bounded by its slope and its
         curvature, respectively, or by twice its modulus where that is less.

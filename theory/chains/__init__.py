@@ -1,1 +1,1 @@
-"""One file a model: its parameters, checked on construction, and its equation."""
+"""One module per model: its parameters, checked on construction, and its equation of motion."""

@@ -1,7 +1,7 @@
-"""What a chain is: the contract that every model fulfils, and the register of the models.
+"""The base class of chains, whose contract every model fulfils, and the register of models.
 
-A chain is the parameters of one model, checked on construction, and its equation of motion. It
-does not integrate, measure or print; what does so takes any chain.
+A chain consists of the parameters of one model, checked on construction, and its equation of
+motion. It does not integrate, measure or print; the functions that do so accept any chain.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 
 CHAINS: dict[str, type[Chain]] = {}
-"""Every model by its name; a subclass of :class:`Chain` enters itself."""
+"""Every model by name; subclasses of :class:`Chain` register themselves."""
 
 MAX_SITES = 1_000_000
 MAX_COUPLING = 1e6
 
 
 class Site(NamedTuple):
-    """The two numbers of a site: (y, ẏ) of a model in t, (Im φ, Re φ) of an envelope."""
+    """The state of one site, two numbers: (y, ẏ), or (Im φ, Re φ) for an envelope."""
 
     y: float
     w: float
@@ -40,18 +40,19 @@ Kernel = Callable[..., tuple[Any, Any]]
 
 
 def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING, kind: str = "") -> Any:
-    """Return a dataclass field with the help text and the symbol from which options are made.
+    """Return a dataclass field with the help text and the symbol for its command-line option.
 
     Parameters
     ----------
     text : str
-        What it is and its range, for ``--help``.
+        Meaning and range of the parameter, for ``--help``.
     symbol : str
-        As it stands in the equations.
+        Its symbol in the equations.
     default : optional
-        Value if it is not given.
+        Value used if none is given.
     kind : str, optional
-        How the command line reads it (``fronts.signatures``), where its type does not say it.
+        How the command line reads the value (``fronts.signatures``), if that does not follow from
+        its type.
     """
     metadata = {"help": text, "symbol": symbol} | ({"kind": kind} if kind else {})
     if isinstance(default, dict):
@@ -60,39 +61,39 @@ def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING, kind: 
 
 
 class Chain(ABC):
-    """Parameters and equation of one model of a chain of bistable sites.
+    """Parameters and equation of motion of one model of a chain of bistable sites.
 
     How to write a new chain:
 
     1. Write a dataclass, ``@dataclass(frozen=True, kw_only=True)``, derived from
        :class:`SmoothChain` if its right-hand side is smooth, and name the model in the class line:
-       ``class Nagumo(SmoothChain, model="nagumo")``. This enters it into :data:`CHAINS`.
-    2. Declare each parameter by :func:`parameter`; the command line makes its options of them.
-       Parameters are dimensionless.
+       ``class Nagumo(SmoothChain, model="nagumo")``. This registers it in :data:`CHAINS`.
+    2. Declare each parameter by :func:`parameter`; the options of the command line are derived from
+       these. Parameters are dimensionless.
     3. Check the parameters in ``__post_init__``: :meth:`_check_number` and :meth:`_check_count`
        refuse text, NaN, truth values and arrays, and store a plain float or int;
        :meth:`_check_ends` compares the ends with ``allowed_ends``.
-    4. Give :attr:`stable_amplitude`, the amplitude of the excited state, and
-       :attr:`unstable_amplitude`, the one above which a site counts as reached. Raise
-       ``ParameterError`` where there is none.
-    5. Give :attr:`time_unit`, the time t in which amplitudes change by a factor of order one:
-       waiting times of fronts and thresholds are counted in it.
-    6. If the motion is smooth, :class:`SmoothChain` says the rest. If it is not, register an
-       integration of your own with ``verification.runs.integration.integration``.
+    4. Define :attr:`stable_amplitude`, the amplitude of the excited state, and
+       :attr:`unstable_amplitude`, the amplitude above which a site counts as reached. Raise
+       ``ParameterError`` if they do not exist.
+    5. Define :attr:`time_unit`, the time t in which amplitudes change by a factor of order one; it
+       is the unit of waiting times for fronts and thresholds.
+    6. If the motion is smooth, follow the remaining steps in :class:`SmoothChain`. If it is not,
+       register an integration of your own with ``verification.runs.integration.integration``.
 
     Attributes
     ----------
     model : str
         Name of the model.
     allowed_ends : tuple of Ends
-        Ends that the model takes; empty if the chain has none.
+        Ends that the model accepts; empty if the chain has none.
     """
 
     model: ClassVar[str]
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE,)
 
     def __init_subclass__(cls, model: str | None = None, **options: Any) -> None:
-        """Enter the subclass into :data:`CHAINS` if it names a model."""
+        """Register the subclass in :data:`CHAINS` if it names a model."""
         super().__init_subclass__(**options)
         if model is not None:
             cls.model = model
@@ -101,12 +102,12 @@ class Chain(ABC):
     @property
     @abstractmethod
     def rest_state(self) -> Site:
-        """(y, w) of a site at rest."""
+        """State (y, w) of a site at rest."""
 
     @property
     @abstractmethod
     def stable_amplitude(self) -> float:
-        """Amplitude of the excited state of a site alone."""
+        """Amplitude of the excited state of an isolated site."""
 
     @property
     @abstractmethod
@@ -119,7 +120,7 @@ class Chain(ABC):
         return 1.0
 
     def replace(self, **changes: Any) -> Self:
-        """Return this chain with some parameters changed, checked again.
+        """Return a copy of this chain with some parameters changed and checked again.
 
         Raises
         ------
@@ -139,7 +140,7 @@ class Chain(ABC):
         return dataclasses.replace(self, **changes)  # type: ignore[type-var]
 
     def parameters(self) -> dict[str, Any]:
-        """Return the model and its parameters, as JSON can hold them.
+        """Return the model and its parameters in a form suitable for JSON.
 
         Examples
         --------
@@ -161,11 +162,11 @@ class Chain(ABC):
         object.__setattr__(self, name, checked)
 
     def _check_count(self, name: str, quantity: str, low: int, high: int) -> None:
-        """Check a whole parameter and store it as an int."""
+        """Check an integer parameter and store it as an int."""
         object.__setattr__(self, name, whole_number(quantity, getattr(self, name), low, high))
 
     def _check_ends(self) -> None:
-        """Check the ends, given as a member or by its word, and store the member."""
+        """Check the ends, given as a member of `Ends` or its value, and store the member."""
         given: Any = self.ends  # type: ignore[attr-defined]
         words = [end.value for end in self.allowed_ends]
         if not isinstance(given, str) or given not in words:
@@ -176,47 +177,48 @@ class Chain(ABC):
 
 
 class SmoothChain(Chain):
-    """A chain whose right-hand side is smooth: two numbers a site, coupled to its neighbours.
+    """A chain whose right-hand side is smooth; two numbers per site, coupled to its neighbours.
 
-    How to write one, after the guidelines of :class:`Chain`:
+    How to write one, in addition to the guidelines of :class:`Chain`:
 
-    1. Give :attr:`sites` as a parameter, and :attr:`ends` if they can be other than free.
-    2. Write the right-hand side of one site as a plain function at the top of a file, and name it
-       in the class line, ``class Nagumo(SmoothChain, model="nagumo", kernel=nagumo)``::
+    1. Declare :attr:`sites` as a parameter, and :attr:`ends` if they can be other than free.
+    2. Write the right-hand side of one site as a plain function at the top level of a module, and
+       name it in the class line, ``class Nagumo(SmoothChain, model="nagumo", kernel=nagumo)``::
 
            def nagumo(site, left, right, p):
                y, _ = site
                return y * (1 - y) * (y - p[0]) + p[1] * (left[0] + right[0] - 2 * y), 0.0
 
-       ``site``, ``left`` and ``right`` are pairs (y, w), ``p`` is :meth:`kernel_parameters` as a
-       tuple: the numbers among the parameters in their order, but the sites, unless you give
-       others. It is compiled by numba when it is first integrated, so it may use arithmetic,
-       ``math``, and functions of the same kind compiled by ``numba.njit``. Add the two neighbours
-       first, so that a mirror-symmetric state stays so to the last bit. At a free end the missing
-       neighbour equals the site itself.
-    3. Measure y and w from rest: the rest state is (0, 0), and the amplitude of a site is
-       √(y² + w²). If rest is not stable, say so by :attr:`rest_attracts`.
-    4. Where the kernel's time is not t, say so by :attr:`kernel_rate`; where the motion of a site
-       is an oscillation of period about 2π in that time, by :attr:`oscillates`.
-    5. Where waves run behind a front, give :attr:`trailing_wave_velocity`; where excited sites
-       follow each other with a phase step, :attr:`front_phase_step`.
-    6. Where a site is coupled to others than its two neighbours, return the weights from
-       :attr:`network`. The kernel then takes (site, pull, p, n, N): ``pull`` is the pair of
-       Σ_j W_nj (y_n - y_j), a wall included, and the same of w; ``p`` is the whole array of
-       parameters, n the site and N their number. :attr:`kernel_layout` says how many numbers stand
-       at the beginning of ``p``, the fourth of which is the number of weights, and how many
-       parameters of N values follow, and whether ``pull`` of w is needed (1 or 0); then come
-       total, weights, starts and sites (:meth:`theory.chains.coupling.Network.packed`).
-    7. Where harmonic forces act, return them from :attr:`forces`, and let the numbers that the
-       kernel takes end with t and, for each, ω, its phase and cos(ωt + phase): integrations put in
-       t and the cosines at every stage of a step. Give :attr:`forced_size`.
+       ``site``, ``left`` and ``right`` are pairs (y, w), and ``p`` is :meth:`kernel_parameters` as
+       a tuple: by default all numerical parameters in the order of their declaration, except the
+       number of sites. The function is compiled by numba when it is first integrated, so it may use
+       arithmetic, ``math``, and functions of the same kind compiled by ``numba.njit``. Add the two
+       neighbours first, so that a mirror-symmetric state remains symmetric to the last bit. At a
+       free end the missing neighbour equals the site itself.
+    3. Measure y and w from the rest state, which is then (0, 0); the amplitude of a site is
+       √(y² + w²). If the rest state is not stable, override :attr:`rest_attracts`.
+    4. If the time of the kernel is not t, override :attr:`kernel_rate`; if a site oscillates with a
+       period of about 2π in that time, set :attr:`oscillates`.
+    5. If waves travel behind a front, define :attr:`trailing_wave_velocity`; if the phases of
+       successive excited sites differ by a fixed step, set :attr:`front_phase_step`.
+    6. If sites are coupled to sites other than their two neighbours, return the weights from
+       :attr:`network`. The kernel then takes (site, pull, p, n, N), where ``pull`` is the pair of
+       Σ_j W_nj (y_n - y_j), including walls, and the same sum for w; ``p`` is the whole array of
+       parameters, n the index of the site, and N the number of sites. :attr:`kernel_layout`
+       contains the number of scalars at the beginning of ``p``, the fourth of which is the number
+       of weights; the number of parameters with N values that follow; and whether the ``pull`` of w
+       is needed (1 or 0). At the end of ``p`` come total, weights, starts and sites
+       (:meth:`theory.chains.coupling.Network.packed`).
+    7. If harmonic forces act, return them from :attr:`forces`. The scalars of the kernel must then
+       end with t and, for each force, ω, its phase and cos(ωt + phase); integrations insert t and
+       the cosines at every stage of a step. Define :attr:`forced_size`.
 
     Attributes
     ----------
     oscillates : bool
-        Whether (y, w) turns clockwise with a period of about 2π of the kernel's time.
+        Whether (y, w) turns clockwise with a period of about 2π in the kernel's time.
     front_phase_step : int
-        Quarter turns from a site to the next one behind a front.
+        Phase step from a site to the next one behind a front, in quarter turns.
     """
 
     _right_hand_side: ClassVar[Kernel]
@@ -227,7 +229,7 @@ class SmoothChain(Chain):
     ends: Ends = Ends.FREE
 
     def __init_subclass__(cls, kernel: Kernel | None = None, **options: Any) -> None:
-        """Keep the right-hand side of one site, if it is the same for all parameters."""
+        """Store the right-hand side of one site, if it is the same for all parameters."""
         super().__init_subclass__(**options)
         if kernel is not None:
             cls._right_hand_side = staticmethod(kernel)
@@ -237,29 +239,29 @@ class SmoothChain(Chain):
         return self._right_hand_side
 
     def kernel_parameters(self) -> tuple[float, ...] | FloatArray:
-        """Return the numbers that the kernel takes as ``p``: by default those but the sites."""
+        """Return the kernel's ``p``: by default all numerical parameters except ``sites``."""
         names = (each.name for each in dataclasses.fields(self))  # type: ignore[arg-type]
         values = (getattr(self, name) for name in names if name != "sites")
         return tuple(float(each) for each in values if isinstance(each, (int, float)))
 
     @property
     def kernel_layout(self) -> tuple[int, ...]:
-        """How many numbers the kernel takes; of a network see the guidelines of the class."""
+        """Number of scalars in ``p``; for a network, see the guidelines of the class."""
         return (len(self.kernel_parameters()),)
 
     @property
     def network(self) -> Network | None:
-        """The coupling where it is not to the two neighbours; None if it is."""
+        """The coupling; None if each site is coupled to its two neighbours only."""
         return None
 
     @property
     def forces(self) -> tuple[Drive, ...]:
-        """Harmonic forces on sites."""
+        """The harmonic forces on sites."""
         return ()
 
     @property
     def forced_size(self) -> float:
-        """Size of the motion that forces excite; errors are never relative to less."""
+        """Size of the motion excited by forces; relative errors refer to at least this size."""
         return 0.0
 
     def check_unforced(self, what: str) -> None:
@@ -268,7 +270,7 @@ class SmoothChain(Chain):
         Raises
         ------
         ParameterError
-            If there are any.
+            If there is a force.
         """
         if self.forces:
             said = " and ".join(map(str, self.forces))
@@ -276,17 +278,17 @@ class SmoothChain(Chain):
 
     @property
     def kernel_rate(self) -> float:
-        """Units of the kernel's time that pass in one unit of t."""
+        """Amount of the kernel's time that elapses per unit of t."""
         return 1.0
 
     @property
     def rest_state(self) -> Site:
-        """(0, 0): y and w are measured from rest."""
+        """(0, 0), since y and w are measured from the rest state."""
         return Site(0.0, 0.0)
 
     @property
     def rest_attracts(self) -> bool:
-        """Whether a site alone returns to rest from below `unstable_amplitude`."""
+        """Whether an isolated site returns to rest from amplitudes below `unstable_amplitude`."""
         return True
 
     @property
@@ -295,14 +297,14 @@ class SmoothChain(Chain):
         return 0.0
 
     def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:
-        """Return (y, w) of a site at a distance from rest, turned by so many quarters.
+        """Return (y, w) of a site at a given distance from rest and with a given phase.
 
         Parameters
         ----------
         displacement : float
-            √(y² + w²), dimensionless; its sign is that of y at no turn.
+            √(y² + w²), dimensionless; its sign is that of y at phase zero.
         quarter_turns : int
-            Phase in quarters of a turn; the phase grows with time, from y towards -w.
+            Phase in quarter turns; the phase grows with time, from y towards -w.
 
         Examples
         --------

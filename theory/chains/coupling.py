@@ -1,8 +1,8 @@
-"""Who is coupled to whom: sparse weights, made by name, from a matrix, a graph or a file.
+"""Coupling between sites: sparse weights, given by name, by a matrix, a graph or a file.
 
-With weights W_nj the force on site n is c Σ_j W_nj (y_j - y_n), so that rows are about what acts
-on a site, and a chain in step feels nothing. A weight W_nn on the diagonal is a spring to a wall,
--c W_nn y_n. Fixed ends are such springs.
+With weights W_nj the force on site n is c Σ_j W_nj (y_j - y_n): row n contains the weights with
+which other sites act on site n, and equal displacements cause no force. A weight W_nn on the
+diagonal is a spring to a wall, -c W_nn y_n. Fixed ends are such springs.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from theory.parameters import MissingPackageError, ParameterError, random_seed
 IntArray = npt.NDArray[np.int32]
 
 Steps = dict[tuple[int, ...], float]
-"""Weights by the step from a site to another, in rows and columns."""
+"""Weights by the step from a site to a coupled one, in rows and columns."""
 
 FILES = (".npz", ".mtx", ".mtx.gz")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Network:
-    """Weights of a coupling by compressed rows, the diagonal apart; made by `network_of`.
+    """Weights of a coupling in compressed rows, without the diagonal; made by `network_of`.
 
     Attributes
     ----------
     starts : int array, shape (N + 1,)
-        Where each row begins.
+        Index at which each row begins.
     sites : int array, shape (M,)
-        Columns, ascending within a row.
+        Column indices, ascending within a row.
     weights : float array, shape (M,)
         W_nj, n ≠ j.
     total : float array, shape (N,)
         Σ_j W_nj of each row, the wall included: the force is c (Σ_j W_nj y_j - total_n y_n).
     positions : float array, shape (N, D), or None
-        Where the sites are, in units of the distance of neighbours; None of a network that is not
-        made of a lattice.
+        Positions of the sites, in units of the distance between neighbours; None for a network
+        that is not a lattice.
     """
 
     starts: IntArray
@@ -64,30 +64,33 @@ class Network:
 
     @cached_property
     def matrix(self) -> Any:
-        """L of the force -cLy, as a sparse matrix."""
+        """The matrix L of the force -cLy, as a sparse matrix."""
         links = sparse.csr_array(
             (self.weights, self.sites, self.starts), shape=(self.total.size,) * 2
         )
         return (sparse.diags_array(self.total) - links).tocsr()
 
     def packed(self) -> FloatArray:
-        """Return total, weights, starts and sites in one row; the last two are int32 in its bytes.
+        """Return total, weights, starts and sites in one array of floats.
 
-        One row of numbers is what compiled steps take beside the state.
+        The last two are int32 values stored in the bytes of floats, since compiled steps take one
+        array of floats in addition to the state.
         """
         whole = [_as_floats(each) for each in (self.starts, self.sites)]
         return np.concatenate([self.total, self.weights, *whole])
 
     @cached_property
     def digest(self) -> str:
-        """A name for the weights."""
+        """A digest that identifies the weights."""
         content = hashlib.sha256()
         for part in (self.starts, self.sites, self.weights, self.total):
             content.update(np.ascontiguousarray(part).tobytes())
         return content.hexdigest()[:16]
 
     def distances(self, sources: Sequence[int]) -> FloatArray:
-        """Return the number of links from the nearest of some sites, counted from 0; inf if none.
+        """Return, for each site, the number of links from the nearest of the ``sources``.
+
+        Sources are counted from 0; the number is infinite for sites without a path.
 
         Examples
         --------
@@ -97,7 +100,7 @@ class Network:
         links = sparse.csr_array(
             (np.ones(self.weights.size), self.sites, self.starts), shape=(self.total.size,) * 2
         )
-        # A motion goes from j to n where W_nj is not zero.
+        # A motion spreads from j to n where W_nj is not zero.
         found = sparse.csgraph.dijkstra(
             links.T, unweighted=True, indices=list(sources), min_only=True
         )
@@ -105,31 +108,31 @@ class Network:
 
 
 def _as_floats(integers: IntArray) -> FloatArray:
-    """Return the bytes of integers as floats, filled up to whole ones."""
+    """Return the bytes of int32 integers as floats, padded to an even number of integers."""
     even = np.concatenate([integers, np.zeros(integers.size % 2, dtype=np.int32)])
     return even.view(np.float64)
 
 
 def network_of(coupling: Any, shape: tuple[int, ...], ends: Ends) -> Network:
-    """Return the network that a coupling means.
+    """Return the network that a coupling describes.
 
     Parameters
     ----------
     coupling : str, Path, sparse matrix, array or networkx graph
-        ``chain``; ``next-nearest:1,0.2``, weights by distance, on rows and columns those of the
-        four neighbours and of the four diagonal ones; ``ring``; ``small-world:4,0.1,7``
-        (neighbours, part of the links moved, seed); ``square``, ``hexagonal`` (six neighbours); a
-        file in .npz (of scipy) or .mtx; or the weights themselves. An edge of a directed graph acts
-        on its head.
+        ``chain``; ``next-nearest:1,0.2``, weights by distance or, on a lattice of rows and columns,
+        those of the four nearest neighbours and of the four diagonal ones; ``ring``;
+        ``small-world:4,0.1,7`` (number of neighbours, fraction of the links that is rewired, seed);
+        ``square``; ``hexagonal`` (six neighbours); a file in .npz (of scipy) or .mtx; or the
+        weights themselves. An edge of a directed graph acts on its head.
     shape : tuple of int
-        Number of sites, or rows and columns.
+        Number of sites, or of rows and columns.
     ends : Ends
-        Of what is made by name.
+        Ends of a coupling that is given by name.
 
     Raises
     ------
     ParameterError
-        If it is none of these, or has another size.
+        If the coupling is none of these, or has another size.
 
     Examples
     --------
@@ -146,14 +149,14 @@ def network_of(coupling: Any, shape: tuple[int, ...], ends: Ends) -> Network:
 
 
 def is_file(coupling: Any) -> bool:
-    """Return whether a coupling is the path of a file: a `Path`, or a text that ends like one."""
+    """Return whether a coupling is a file: a `Path`, or a text with the ending of such a file."""
     return isinstance(coupling, Path) or (
         isinstance(coupling, str) and coupling.lower().endswith(FILES)
     )
 
 
 def size_of(coupling: Any) -> int | None:
-    """Return the number of sites that a matrix or a graph has; None if it is made by name."""
+    """Return the number of sites of a matrix or a graph; None for a coupling given by name."""
     if is_file(coupling):
         coupling = _read(Path(coupling))
     if isinstance(coupling, str):
@@ -167,8 +170,9 @@ def size_of(coupling: Any) -> int | None:
 def largest_group_slope(coupling: str) -> float:
     """Return max |Σ_d d w_d sin(kd)| over k, for weights w_d by distance along a line.
 
-    A phase wave e^{ikn} of (8) with such weights shifts the frequency by εc Σ_d w_d (1 - cos kd),
-    so that its group velocity is at most εc times this; one for the two neighbours alone.
+    The frequency of a phase wave e^{ikn} of (8) with such weights is shifted by
+    εc Σ_d w_d (1 - cos kd), so that its group velocity is at most εc times this maximum, which is
+    one for nearest neighbours.
 
     Parameters
     ----------
@@ -182,7 +186,7 @@ def largest_group_slope(coupling: str) -> float:
     """
     weights = np.array(_numbers(coupling) or [1.0])
     d = np.arange(1, weights.size + 1)
-    # Where the derivative, Σ d² w_d T_d(cos k), is zero.
+    # zeros of the derivative, Σ d² w_d T_d(cos k)
     turns = np.polynomial.chebyshev.chebroots([0.0, *(d**2 * weights)])
     k = np.arccos(np.clip(turns[np.abs(turns.imag) < 1e-6].real, -1.0, 1.0))
     return float(np.abs(np.sin(np.outer(k, d)) @ (d * weights)).max(initial=0.0))
@@ -203,7 +207,7 @@ def _by_name(text: str, shape: tuple[int, ...], ends: Ends) -> Network:
 
 
 def _numbers(text: str) -> list[float]:
-    """Return the numbers that follow a name."""
+    """Return the numbers that follow a name and a colon."""
     given = text.partition(":")[2]
     try:
         numbers = [float(part) for part in given.split(",")] if given else []
@@ -215,7 +219,7 @@ def _numbers(text: str) -> list[float]:
 
 
 def _chain(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
-    """Weights by distance along the chain, 1 for ``chain``."""
+    """Return the network of weights by distance along the chain; by default 1 for neighbours."""
     by_distance = numbers or [1.0]
     if len(shape) != 1:
         raise _refused(
@@ -244,7 +248,7 @@ def _ring(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -
 
 
 def _square(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
-    """Weights of the four neighbours, and of the four diagonal ones if a second is given."""
+    """Return a square lattice with one weight for nearest and a second for diagonal neighbours."""
     straight, diagonal = [*numbers, *[1.0, 0.0][len(numbers) :]][:2]
     steps: Steps = dict.fromkeys(((0, 1), (0, -1), (1, 0), (-1, 0)), straight)
     steps |= dict.fromkeys(((1, 1), (1, -1), (-1, 1), (-1, -1)), diagonal)
@@ -252,7 +256,7 @@ def _square(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends)
 
 
 def _hexagonal(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
-    """Six neighbours at distance 1; rows are shifted by half a distance each."""
+    """Return a lattice with six neighbours at distance 1, each row shifted by half a distance."""
     weight = numbers[0] if numbers else 1.0
     steps: Steps = dict.fromkeys(((0, 1), (0, -1), (1, 0), (-1, 0), (1, -1), (-1, 1)), weight)
 
@@ -271,7 +275,7 @@ def _two(text: str, shape: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _small_world(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
-    """Ring of k neighbours of which a part of the links is moved (Watts and Strogatz, 1998)."""
+    """Return a ring with k neighbours, a fraction of its links rewired (Watts & Strogatz, 1998)."""
     k, part, seed = [*numbers, *[4.0, 0.1, 0.0][len(numbers) :]][:3]
     (count,) = shape if len(shape) == 1 else (0,)
     fits = k == int(k) and k % 2 == 0 and 2 <= k < count and 0.0 <= part <= 1.0
@@ -319,7 +323,7 @@ def _lattice(
     steps: Steps,
     places: Callable[[npt.NDArray[np.int64]], FloatArray],
 ) -> Network:
-    """Couple every site to those at some steps from it."""
+    """Return the network in which every site is coupled to those at the given steps from it."""
     count = math.prod(shape)
     index = np.stack(np.unravel_index(np.arange(count), shape), axis=1)
     rows, columns, weights = [], [], []
@@ -396,7 +400,7 @@ def _of_graph(graph: Any) -> Any:
 
 
 def _read(path: Path) -> Any:
-    """Return the matrix in a file."""
+    """Return the matrix stored in a file."""
     from scipy.io import mmread
 
     try:

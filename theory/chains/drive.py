@@ -27,7 +27,7 @@ class Drive:
     amplitude, frequency, phase : float
         F, ω and the phase at t = 0, in radians.
     sites : tuple of int
-        Sites from 1 on which it acts; empty for all.
+        Sites on which it acts, counted from 1; empty for all.
     """
 
     amplitude: float
@@ -36,7 +36,7 @@ class Drive:
     sites: tuple[int, ...]
 
     def __str__(self) -> str:
-        """Return it as text, from which it is read back to the same bits."""
+        """Return the force as text, from which it can be read back exactly."""
         sites = ",".join(map(str, self.sites)) or "all"
         return f"{self.amplitude!r},{self.frequency!r},{self.phase!r}@{sites}"
 
@@ -53,15 +53,15 @@ def read_drives(given: Any, sites: int) -> tuple[Drive, ...]:
     Parameters
     ----------
     given : str, mapping, Drive, or sequence of them
-        A text is ``amplitude,frequency[,phase]@sites``; sites are ``1,4:6`` or ``all``. A mapping
-        has these keys; its sites are numbers or such a text.
+        A text has the form ``amplitude,frequency[,phase]@sites`` with sites as ``1,4:6`` or
+        ``all``. A mapping has these keys; its sites are numbers or such a text.
     sites : int
         Number of sites N.
 
     Raises
     ------
     ParameterError
-        If one is none of these, or a number is out of range.
+        If a force is given in none of these forms, or a number is out of range.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def _number(given: Any) -> Any:
 
 
 def _places(given: Any, sites: int) -> tuple[int, ...]:
-    """Return sites from 1, ascending; none for all."""
+    """Return the sites, counted from 1, in ascending order; an empty tuple means all."""
     if isinstance(given, str):
         if given.strip() == "all":
             return ()
@@ -127,7 +127,7 @@ def _places(given: Any, sites: int) -> tuple[int, ...]:
 
 
 def _run(text: str) -> range:
-    """Return the sites of ``4`` or ``4:6``."""
+    """Return the sites that ``4`` or ``4:6`` denotes."""
     first, colon, last = text.partition(":")
     try:
         found = range(int(first), int(last if colon else first) + 1)

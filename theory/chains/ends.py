@@ -1,4 +1,4 @@
-"""What the two ends of a chain are coupled to."""
+"""Boundary conditions: what the two ends of a chain are coupled to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Model I, the chain (Eq. 5): parameters, end conditions, linear waves about steady sliding.
+"""Model I, the chain (Eq. 5): parameters, boundary conditions, linear waves about steady sliding.
 
 ÿ_n + 2ξẏ_n + y_n + c(2y_n - y_{n+1} - y_{n-1}) = F(ẏ_n - v_d)                        (5)
 """
@@ -19,10 +19,10 @@ from theory.parameters import ParameterError
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionChain(Chain, model="friction"):
-    """Model I, Eq. (5): friction-excited oscillators; dimensionless, checked once.
+    """Model I, Eq. (5): friction-excited oscillators; dimensionless.
 
-    Its motion is smooth only between stick and slip, so it is integrated from event to event. A
-    site counts as reached when it first sticks.
+    The motion is smooth only between transitions from stick to slip and back, and is therefore
+    integrated from event to event. A site counts as reached when it first sticks.
 
     Attributes
     ----------
@@ -31,16 +31,17 @@ class FrictionChain(Chain, model="friction"):
     v_d, mu_st, mu_d, v0, xi, v_s, viscous : float
         As in :class:`theory.cells.friction.FrictionCell`.
     law : FrictionLaw or str
-        How friction falls with velocity: ``exponential`` as in (2), ``stribeck`` or ``coulomb``.
+        How friction decreases with velocity: ``exponential`` as in (2), ``stribeck`` or
+        ``coulomb``.
     sites : int
         Number of oscillators, from 1 to 1 000 000.
     ends : Ends
-        Free, or literal: (5) as it stands, with the missing neighbours zero.
+        Free, or literal: (5) as printed, with zero in place of the missing neighbours.
 
     Raises
     ------
     ParameterError
-        If one is out of range.
+        If a parameter is out of range.
 
     Examples
     --------
@@ -77,7 +78,7 @@ class FrictionChain(Chain, model="friction"):
     def of(
         cls, cell: FrictionCell, *, c: float, sites: int = 31, ends: Ends = Ends.FREE
     ) -> FrictionChain:
-        """Return the chain of this cell.
+        """Return a chain of such cells.
 
         Examples
         --------
@@ -89,23 +90,23 @@ class FrictionChain(Chain, model="friction"):
 
     @cached_property
     def cell(self) -> FrictionCell:
-        """One oscillator alone."""
+        """A single oscillator with these parameters."""
         own = {each.name: getattr(self, each.name) for each in fields(FrictionCell)}
         return FrictionCell(**own)
 
     @property
     def rest_state(self) -> Site:
-        """Steady sliding, (μ(v_d), 0)."""
+        """The state of steady sliding, (μ(v_d), 0)."""
         return Site(self.cell.steady_sliding, 0.0)
 
     @property
     def stable_amplitude(self) -> float:
-        """Half the range of y on the stick-slip cycle is not known in closed form.
+        """Half the range of y on the stick-slip cycle, which is not known in closed form.
 
         Raises
         ------
         ParameterError
-            Always; ``verification.cells.friction_cycles`` computes it.
+            Always; ``verification.cells.friction_cycles`` computes the amplitude.
         """
         raise ParameterError(
             "amplitude of the stick-slip cycle", "asked of the chain", "computed from the cycle",
@@ -114,10 +115,10 @@ class FrictionChain(Chain, model="friction"):
 
     @property
     def unstable_amplitude(self) -> float:
-        """v_d: a velocity that reaches that of the belt makes a site stick, and so be reached."""
+        """v_d: a site whose velocity reaches that of the belt sticks and so counts as reached."""
         return self.v_d
 
     @property
     def largest_group_velocity(self) -> float:
-        """(√(1 + 4c) - 1)/2, of the waves ω² = 1 + 4c sin²(q/2) about steady sliding, undamped."""
+        """(√(1 + 4c) - 1)/2, for undamped waves ω² = 1 + 4c sin²(q/2) about steady sliding."""
         return 2.0 * self.c / (math.sqrt(1.0 + 4.0 * self.c) + 1.0)

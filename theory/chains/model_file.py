@@ -1,4 +1,4 @@
-"""Model files: the attributes of a chain in TOML."""
+"""Model files, which contain the attributes of a chain in TOML."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from theory.parameters import ParameterError
 def read_model(
     path: Path, known: Sequence[str], changes: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
-    """Return the attributes in a model file, with some changed; single values change by name.
+    """Return the attributes in a model file, some of them changed.
 
     Parameters
     ----------
     path : Path
-        In TOML; a file of weights is looked for beside it.
+        The model file, in TOML; a file of weights is searched for in the same directory.
     known : sequence of str
         Names of the attributes.
     changes : mapping, optional
-        Attributes in place of those in the file.
+        Attributes that replace those in the file; in ``values`` and ``disorder`` only the named
+        entries are replaced.
 
     Raises
     ------
     ParameterError
-        If it cannot be read, or a key is none of the attributes.
+        If the file cannot be read, or contains a key that is not an attribute.
     """
     try:
         found = tomllib.loads(path.read_text(encoding="utf-8"))

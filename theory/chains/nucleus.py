@@ -1,10 +1,11 @@
-"""Nuclei: how many sites are excited, where, and with which phase steps between them.
+"""Nuclei: the number of excited sites, their place, and the phase steps between them.
 
-A pattern is one sign a link: ``+`` the next site leads by π/2, ``-`` it lags by π/2, ``0`` in
-phase, ``x`` in antiphase. To leading order in c the phases inside a nucleus of equal amplitudes
-obey θ_n' = (c/2)(2 - cos(θ_{n-1} - θ_n) - cos(θ_{n+1} - θ_n)), so a common frequency asks for
-cos(step) = K, 0, K, 0, …, K along the links. An odd nucleus has K = 0: every step is ±π/2 and no
-nucleus of three or more sites stays in phase. An even one has K free at this order.
+A pattern has one sign per link: ``+`` if the next site leads by π/2, ``-`` if it lags by π/2, ``0``
+for sites in phase, ``x`` for sites in antiphase. To leading order in c the phases inside a nucleus
+of equal amplitudes obey θ_n' = (c/2)(2 - cos(θ_{n-1} - θ_n) - cos(θ_{n+1} - θ_n)), so that a common
+frequency requires cos(step) = K, 0, K, 0, …, K along the links. A nucleus of odd size has K = 0:
+every step is ±π/2, and no odd nucleus of three or more sites remains in phase. In a nucleus of even
+size, K is free at this order.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ from theory.status import Status
 
 STEPS = {"+": 0.5 * np.pi, "-": -0.5 * np.pi, "0": 0.0, "x": np.pi}
 MARGIN = 7
-"""Sites at rest on each side of a nucleus by default: a tail of ratio 0.25 falls to 6e-5."""
+"""Default number of sites at rest on each side; a tail of ratio 0.25 falls to 6e-5 there."""
 
 
 class Place(Status):
-    """Where the nucleus is."""
+    """The place of the nucleus in the chain."""
 
     BULK = "bulk", "The nucleus is in the middle of the chain."
     EDGE = "edge", "The nucleus is the first sites of the chain."
@@ -35,19 +36,19 @@ class Place(Status):
 
 @dataclass(frozen=True)
 class Nucleus:
-    """Excited sites, checked once.
+    """A nucleus of excited sites.
 
     Attributes
     ----------
     size : int
         Number of excited sites, at least 1.
     pattern : str
-        One of ``+-0x`` for each of the ``size - 1`` links; if empty, all are in phase: of three or
-        more such sites the breather is that to which they relax.
+        One of ``+-0x`` for each of the ``size - 1`` links; if empty, all sites are in phase. For
+        three or more sites in phase, the breather is the one to which they relax.
     place : Place
-        ``bulk``: in the middle; ``edge``: from the first site on.
+        ``bulk``: in the middle of the chain; ``edge``: at its beginning.
     relaxed_from : str
-        The pattern that was asked for where this is what it relaxes to; else empty.
+        The pattern that was requested, if this nucleus is the one to which it relaxes; else empty.
 
     Raises
     ------
@@ -85,19 +86,19 @@ class Nucleus:
         object.__setattr__(self, "place", Place(self.place))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what makes it again, and from which pattern it relaxed, if it did."""
+        """Return size, pattern and place, and the pattern from which it relaxed, if it did."""
         found = {"size": self.size, "pattern": self.pattern, "place": self.place.value}
         return found | ({"relaxed_from": self.relaxed_from} if self.relaxed_from else {})
 
     @property
     def in_phase(self) -> bool:
-        """Whether every step is zero."""
+        """Whether every phase step is zero."""
         return set(self.pattern) <= {"0"}
 
     def relaxed(self, sites: int) -> Nucleus:
-        """Return three or more sites in phase, neither at an edge nor all, as what they relax to.
+        """Return the nucleus to which three or more sites in phase in the bulk relax.
 
-        A chain of which every site is excited stays in phase.
+        Other nuclei are returned unchanged; a chain whose sites are all excited remains in phase.
 
         Examples
         --------
@@ -117,7 +118,7 @@ class Nucleus:
         return np.concatenate([[0.0], np.cumsum([STEPS[sign] for sign in self.pattern])])
 
     def quarter_turns(self) -> list[int]:
-        """Return the phases of the excited sites in quarters of a turn, rounded to whole ones.
+        """Return the phases of the excited sites, rounded to whole quarter turns.
 
         Examples
         --------
@@ -169,20 +170,20 @@ class Nucleus:
         return 0 if self.place is Place.EDGE else (sites - self.size) // 2
 
     def centre(self, sites: int) -> int:
-        """Return the index of the central (or left of the two central) excited site."""
+        """Return the index of the central excited site, or of the left one of two."""
         return self.first(sites) + (self.size - 1) // 2
 
     def outward(self, sites: int) -> int:
-        """Return the central excited site, the right one of two, or at an edge the first."""
+        """Return the index of the central excited site, or right one of two; at an edge, 0."""
         return 0 if self.place is Place.EDGE else self.first(sites) + self.size // 2
 
     def mirrored(self, sites: int) -> bool:
-        """Whether reflection about the middle of the chain leaves the nucleus as it is."""
+        """Return whether reflection about the middle of the chain leaves the nucleus unchanged."""
         flipped = self.pattern[::-1].translate(str.maketrans("+-", "-+"))
         return self.place is Place.BULK and (sites - self.size) % 2 == 0 and flipped == self.pattern
 
     def envelope(self, chain: VanDerPolChain) -> ComplexArray:
-        """Return the start at c = 0: |φ_s| with these phases on the nucleus, rest elsewhere."""
+        """Return the state at c = 0: |φ_s| with these phases on the nucleus, rest elsewhere."""
         phi = np.zeros(chain.sites, dtype=complex)
         first = self.first(chain.sites)
         phases = self.phases() - self.phases()[self.centre(chain.sites) - first]
@@ -191,15 +192,15 @@ class Nucleus:
 
 
 def outward_pattern(size: int) -> str:
-    """Return the pattern that an in-phase start relaxes to while mirror symmetry is kept.
+    """Return the pattern to which sites in phase relax while mirror symmetry is preserved.
 
-    Odd sizes: each site leads its inner neighbour by π/2. Size 2: in phase.
+    For odd sizes, each site leads its inner neighbour by π/2; two sites remain in phase.
 
     Raises
     ------
     ParameterError
-        For even sizes from 4: mirror symmetry needs K = 1 on the middle link and 0 next to it,
-        or no common frequency exists.
+        For even sizes from 4, for which no common frequency exists: mirror symmetry would require
+        K = 1 on the middle link and 0 next to it.
 
     Examples
     --------
@@ -219,12 +220,12 @@ def outward_pattern(size: int) -> str:
 
 
 def sites_for(size: int, margin: int = MARGIN) -> int:
-    """Return a chain length with ``margin`` sites on each side of a nucleus."""
+    """Return the length of a chain with ``margin`` sites on each side of a nucleus."""
     return size + 2 * margin
 
 
 def nucleus_sites(sites: int, place: Place, size: int) -> tuple[int, ...]:
-    """Return the excited sites of a nucleus without a pattern, from 1.
+    """Return the excited sites of a nucleus without a pattern, counted from 1.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A chain or network of your own, and its average: any smooth cell, any linear coupling.
+"""A user-defined chain or network, and its average: any smooth cell, any linear coupling.
 
     ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + εc Σ_j W_nj [(y_n - y_j) + d (ẏ_n - ẏ_j)] = F_n(t)
 
@@ -25,12 +25,12 @@ from theory.chains.own import OwnChain
 from theory.parameters import ParameterError
 
 MAX_PHASE = 0.1
-"""Phase that the averaged chain may lose against the full one in a unit of εt by its stiffness."""
+"""Largest phase error of the averaged chain per unit of εt that its stiffness may cause."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OscillatorChain(OwnChain, model="chain"):
-    """A chain or network of oscillators of your own; dimensionless.
+    """A chain or network of user-defined oscillators; dimensionless.
 
     ÿ_n + g(y_n) + ε h(y_n, ẏ_n) ẏ_n + ε c Σ_m w_nm [y_n - y_m + d (ẏ_n - ẏ_m)] = F_n(t), with
     weights w_nm of the coupling, 1 for neighbours; without inertia ẏ_n + g(y_n) + c Σ_m … = F_n(t).
@@ -38,46 +38,48 @@ class OscillatorChain(OwnChain, model="chain"):
     Attributes
     ----------
     damping : str, number, SymPy expression, function or sequence of functions
-        h(y, v), v = ẏ, which multiplies εv: a polynomial; or ``h`` compiled by ``numba.njit``, or
-        ``(h, h_y, h_v)`` with its derivatives, which breathers need.
+        h(y, v), v = ẏ, which multiplies εv: a polynomial; or ``h`` compiled by ``numba.njit``; or
+        ``(h, h_y, h_v)`` with its derivatives, which are needed for breathers.
     c : float
         Coupling, from 0 to 1e6.
     stiffness : str, number, SymPy expression, function or sequence of functions
         g(y), with a minimum of its potential at y = 0: a polynomial; or ``g`` compiled, or
         ``(g, g_y)``.
     values : mapping of str to float or array of shape (N,)
-        The named parameters in both, one value or one a site; also texts as ``a=4``. Of compiled
-        functions they are the arguments after y (and v).
+        Values of the named parameters in g and h, one value for all sites or one for each; also
+        texts such as ``a=4``. The named parameters of compiled functions are the arguments after y
+        (and v).
     coupling : str, Path, sparse matrix or networkx graph
-        As `theory.chains.coupling.network_of` takes it.
+        The weights, in any form that `theory.chains.coupling.network_of` accepts.
     eps : float
-        Small parameter ε, from 1e-9 to 10; without inertia 1.
+        Small parameter ε, from 1e-9 to 10; 1 without inertia.
     velocity_coupling : float
-        d, by which the coupling also acts on the difference of the velocities.
+        The coefficient d, with which the coupling also acts on differences of velocities.
     overdamped : bool
-        Without inertia: ẏ takes the place of ÿ, and there is no damping.
+        Whether there is no inertia: ẏ takes the place of ÿ, and there is no damping.
     disorder : mapping of str to float or str
-        Relative spread of parameters over the sites: 0.1 for a normal one of this standard
-        deviation, ``uniform:0.1`` for one between -0.1 and 0.1; also texts as ``a=0.1``.
+        Relative spread of parameters over the sites: 0.1 for a normal distribution with this
+        standard deviation, ``uniform:0.1`` for a uniform one between -0.1 and 0.1; also texts such
+        as ``a=0.1``.
     seed : int
-        Of the disorder. A longer chain has the same values at its first sites.
+        Seed of the disorder. A longer chain has the same values at its first sites.
     drive : str, mapping, or sequence of them
         Harmonic forces F cos(ωt + phase): texts ``amplitude,frequency[,phase]@sites`` with sites
         as ``1,4:6`` or ``all``, or mappings with these keys.
     sites : int or pair of int
-        Number of sites, or rows and columns of a lattice; by default that of the coupling's
+        Number of sites, or rows and columns of a lattice; by default the size of the coupling's
         matrix, or 31.
     ends : Ends
-        Of a coupling that is made by name: free, fixed or periodic.
+        Ends of a coupling that is given by name: free, fixed or periodic.
     shape : tuple of int, optional
-        Rows and columns; the same as a pair in ``sites``.
+        Rows and columns; equivalent to a pair in ``sites``.
 
     Raises
     ------
     ParameterError
-        If a polynomial is none, a function cannot be compiled, a parameter has no value, the
-        coupling does not fit, the cell has no rest state at y = 0, or its motion would grow without
-        bound.
+        If a force is not a valid polynomial, a function cannot be compiled, a parameter has no
+        value, the coupling does not fit, the cell has no rest state at y = 0, or its motion would
+        grow without bound.
 
     Examples
     --------
@@ -87,7 +89,7 @@ class OscillatorChain(OwnChain, model="chain"):
     >>> chain.replace(a=5).values["a"]
     5.0
 
-    Any other smooth force is a compiled function:
+    Any other smooth force is given as a compiled function:
 
     >>> import math, numba
     >>> @numba.njit
@@ -104,7 +106,7 @@ class OscillatorChain(OwnChain, model="chain"):
         return not self.overdamped
 
     def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:
-        """Return (y, ẏ) of a site on the motion of this amplitude; see `SmoothChain`."""
+        """Return (y, ẏ) of a site in a motion of this amplitude; see `SmoothChain`."""
         site = super().excited_state(displacement, quarter_turns)
         if not self.oscillates or not displacement:
             return Site(site.y, 0.0)
@@ -117,13 +119,13 @@ class OscillatorChain(OwnChain, model="chain"):
     def kernels(self) -> tuple[Kernel, Kernel]:
         """Return the right-hand side of a site, and the derivatives of its own force.
 
-        The second takes (y, ẏ, p, n, N) and gives the derivatives by y and by ẏ of the force. Both
-        are plain Python and take arrays.
+        The second function takes (y, ẏ, p, n, N) and returns the derivatives of the force by y and
+        by ẏ. Both are plain Python and accept arrays.
 
         Raises
         ------
         ParameterError
-            If a compiled force comes without its derivatives.
+            If a compiled force was given without its derivatives.
         """
         for name, force in (("stiffness", self._g), ("damping", self._h)):
             if isinstance(force, CompiledForce) and not force.has_derivatives:
@@ -136,13 +138,13 @@ class OscillatorChain(OwnChain, model="chain"):
 
     @cached_property
     def _functions(self) -> Namespace:
-        """Compiled functions by the names that the text of the kernel has for them."""
+        """Compiled functions, by their names in the source text of the kernel."""
         forces = (each for each in (self._g, self._h) if isinstance(each, CompiledForce))
         return tuple(pair for each in forces for pair in each.namespace)
 
     @cached_property
     def _array_functions(self) -> Namespace:
-        """The same, of arrays."""
+        """The same functions, vectorised for arrays."""
         return tuple((name, np.vectorize(each, otypes=[float])) for name, each in self._functions)
 
     @property
@@ -164,9 +166,9 @@ class AveragedOscillatorChain(OwnChain, model="averaged-chain"):
 
         φ_n' = -½H(|φ_n|²)φ_n + iΩ(|φ_n|²)φ_n + (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j)
 
-    per unit of εt, for y = Im(φ e^{iωt}) and ẏ = ω Re(φ e^{iωt}); ω is that of small motion of a
-    cell, H and Ω are in ``theory.cells.averaging``. A state is (Im φ, Re φ); times are t. What is
-    nonlinear in the stiffness must be of order ε.
+    per unit of εt, for y = Im(φ e^{iωt}) and ẏ = ω Re(φ e^{iωt}); ω is the frequency of small
+    motion of a cell, H and Ω are given in ``theory.cells.averaging``. A state is (Im φ, Re φ);
+    times are t. The nonlinear part of the stiffness must be of order ε.
 
     Attributes
     ----------
@@ -174,13 +176,13 @@ class AveragedOscillatorChain(OwnChain, model="averaged-chain"):
 sites, ends, shape
         As in :class:`OscillatorChain`.
     drive : empty
-        A force has a frequency of its own.
+        Forces are not allowed, since they have frequencies of their own.
 
     Raises
     ------
     ParameterError
-        If one is out of range, there is a force or no inertia, or the frequency on a cycle is not
-        what first order says it is.
+        If a parameter is out of range, there is a force or no inertia, or the frequency on a cycle
+        differs too much from that to first order.
 
     References
     ----------
@@ -214,7 +216,7 @@ sites, ends, shape
             )  # fmt: skip
 
     def _phase_lost(self) -> float:
-        """Return by how much first order misses the frequency of a stable cycle, over ε."""
+        """Return the largest error of the first-order frequency of a stable cycle, divided by ε."""
         stiffness = as_polynomial(self.stiffness, "stiffness")
         mean = mean_shift_of_stiffness(stiffness).at(self._extreme_values()[0])
         small, worst = self.cell.frequency, 0.0
@@ -227,11 +229,11 @@ sites, ends, shape
 
     @property
     def kernel_rate(self) -> float:
-        """ε: the kernel is in slow time."""
+        """ε, since the kernel is written in slow time."""
         return self.eps
 
     def kernel(self) -> Kernel:
-        """Return the right-hand side of a site's envelope, generated from the polynomials."""
+        """Return the right-hand side for the envelope of a site, generated from the polynomials."""
         return functions_of(self._source)["cell"]
 
     @cached_property
@@ -240,7 +242,7 @@ sites, ends, shape
 
     @property
     def kernel_layout(self) -> tuple[int, ...]:
-        """As of the full chain; the pull on both parts of φ is needed."""
+        """As for the full chain, except that the pull on both parts of φ is needed."""
         layout = super().kernel_layout
         return layout if self.network is None else (*layout[:2], 1)
 

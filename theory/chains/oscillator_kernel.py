@@ -1,7 +1,8 @@
-"""Right-hand sides of a site, generated as text from the forces of a cell.
+"""Right-hand sides of a site, generated as source text from the forces of a cell.
 
-Names of the cell's parameters never begin with ``_``, those of the text do. The text is made of
-numbers, names and the operations of `Polynomial.source`, and of calls of compiled forces.
+Names of the cell's parameters never begin with ``_``, whereas all other names in the text do. The
+text consists of numbers, names, the operations of `Polynomial.source`, and calls of compiled
+forces.
 """
 
 from __future__ import annotations
@@ -27,26 +28,26 @@ Force: TypeAlias = Polynomial | CompiledForce
 Namespace: TypeAlias = tuple[tuple[str, Any], ...]
 
 OWN = 5
-"""Numbers at the beginning of a kernel's parameters: c, ε, d, the number of weights, ω."""
+"""Number of scalars at the beginning of a kernel's parameters: c, ε, d, number of weights, ω."""
 
 
 def clock_size(drives: int) -> int:
-    """Return how many numbers the time and so many harmonic functions of it take."""
+    """Return the number of scalars for the time and ``drives`` harmonic functions of it."""
     return 1 + 3 * drives if drives else 0
 
 
 @dataclass(frozen=True, kw_only=True)
 class KernelText:
-    """What the text of a right-hand side depends on.
+    """Everything on which the source text of a right-hand side depends.
 
     Attributes
     ----------
     stiffness, damping : Polynomial or CompiledForce
         g and h.
     scalars, arrays : sequence of str
-        Named parameters of one value, and of one a site.
+        Names of the parameters with one value, and of those with one value per site.
     neighbours : bool
-        Whether a site is given its two neighbours, and not the pull of a network.
+        Whether the kernel takes the two neighbours of a site, instead of the pull of a network.
     velocity_coupling, overdamped : bool
         Whether velocities are coupled; whether there is no inertia.
     drives : int
@@ -85,7 +86,7 @@ class KernelText:
         return f"_pull[{at}]"
 
     def full(self) -> str:
-        """Return the functions ``cell`` and ``slopes``, its derivatives by y and v if known."""
+        """Return the text of ``cell`` and, if the derivatives are known, of ``slopes``."""
         own = f"-({self.stiffness.source()})"
         if not self.overdamped:
             own += f" - _eps*v*({self.damping.source()})"
@@ -99,7 +100,7 @@ class KernelText:
         return "\n".join(lines)
 
     def _slopes(self) -> list[str]:
-        """Return the lines of ``slopes``; none where a derivative is not known."""
+        """Return the lines of ``slopes``, or no lines where a derivative is not known."""
         known = [_derivatives(self.stiffness), _damped_derivatives(self.damping)]
         if not all(known):
             return []
@@ -111,7 +112,7 @@ class KernelText:
         return [head, *self._values, f"    return {by_y}, {by_v}"]
 
     def averaged(self) -> str:
-        """Return ``cell`` of (Im φ, Re φ) per unit of εt (``theory.cells.averaging``).
+        """Return the text of ``cell`` for (Im φ, Re φ) per unit of εt (``theory.cells.averaging``).
 
         Coupling averages to (ic/2ω - cd/2) Σ_j W_nj (φ_n - φ_j).
         """
@@ -138,7 +139,7 @@ class KernelText:
         return not any(name in self.arrays for each in linear for name, _ in each)
 
     def _beyond_frequency(self) -> Polynomial:
-        """Return the stiffness without its linear part, where that is ω²y everywhere."""
+        """Return the stiffness, without its linear part if that is ω²y at every site."""
         stiffness = as_polynomial(self.stiffness, "stiffness")
         if not self._linear_is_frequency():
             return stiffness
@@ -147,14 +148,14 @@ class KernelText:
 
 
 def _derivatives(stiffness: Force) -> tuple[str, ...]:
-    """Return the text of the derivative of g by y; none if it is not known."""
+    """Return the text of the derivative of g by y; an empty tuple if it is not known."""
     if isinstance(stiffness, Polynomial):
         return (stiffness.derivative("y").source(),)
     return (stiffness.source("y"),) if stiffness.has_derivatives else ()
 
 
 def _damped_derivatives(damping: Force) -> tuple[str, ...]:
-    """Return the texts of the derivatives of vh by y and by v; none if they are not known."""
+    """Return the texts of the derivatives of vh by y and v; an empty tuple if not known."""
     if isinstance(damping, Polynomial):
         damped = damping.times("v")
         return damped.derivative("y").source(), damped.derivative("v").source()
@@ -165,16 +166,18 @@ def _damped_derivatives(damping: Force) -> tuple[str, ...]:
 
 @lru_cache(maxsize=256)
 def functions_of(source: str, outside: Namespace = (), mark: str = "") -> dict[str, Kernel]:
-    """Return the functions of a generated text by name, named after its content.
+    """Return the functions defined by a generated text, by name.
+
+    The functions themselves are renamed by a digest of the text and ``mark``.
 
     Parameters
     ----------
     source : str
         The text.
     outside : tuple of pairs
-        Names of functions that it calls, and these.
+        Names of the functions that it calls, and the functions.
     mark : str
-        Digest of what they do.
+        Digest of the content of these functions.
     """
     digest = hashlib.sha256((source + mark).encode()).hexdigest()[:16]
     names: dict[str, Any] = {"__name__": __name__, **dict(outside)}

@@ -1,4 +1,4 @@
-"""Parameters of a chain or network of cells of your own: what its two models have in common."""
+"""Parameters of a chain or network of user-defined cells, common to its two models."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ from theory.parameters import ParameterError, random_seed, truth, whole_number
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnChain(SmoothChain):
-    """Parameters common to a chain of cells of your own and to its average, checked once.
+    """Parameters common to a chain of user-defined cells and to its average.
 
     They are described in :class:`~theory.chains.oscillator.OscillatorChain`.
 
     Raises
     ------
     ParameterError
-        If a polynomial is none, a function cannot be compiled, a parameter has no value, the
-        coupling does not fit, the cell has no rest state at y = 0, or its motion would grow without
-        bound.
+        If a force is not a valid polynomial, a function cannot be compiled, a parameter has no
+        value, the coupling does not fit, the cell has no rest state at y = 0, or its motion would
+        grow without bound.
     """
 
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.PERIODIC, Ends.FIXED)
@@ -125,7 +125,7 @@ class OwnChain(SmoothChain):
         self._check_count("sites", "number of sites n", 2, MAX_SITES)
 
     def _close_ring(self) -> None:
-        """Store a ring as what it is: a chain whose two ends are neighbours."""
+        """Store a ring as a chain with periodic ends."""
         name, *weights = self.coupling.split(":") if isinstance(self.coupling, str) else [""]
         if name != "ring" or self.shape is not None:
             return
@@ -137,7 +137,7 @@ class OwnChain(SmoothChain):
         object.__setattr__(self, "ends", Ends.PERIODIC)
 
     def _check_overdamped(self) -> None:
-        """Refuse what has no meaning without inertia, and make ε one."""
+        """Refuse parameters that have no meaning without inertia, and set ε to one."""
         zero = isinstance(self._h, Polynomial) and not self._h.terms
         if not zero or self.velocity_coupling:
             raise ParameterError(
@@ -169,12 +169,12 @@ class OwnChain(SmoothChain):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Named parameters of the cell, in alphabetical order."""
+        """Names of the parameters of the cell, in alphabetical order."""
         return tuple(sorted({*self._g.names, *self._h.names}))
 
     @cached_property
     def site_values(self) -> dict[str, float | FloatArray]:
-        """Values of the named parameters with their disorder: a number, or an array (N,)."""
+        """Values of the named parameters with disorder: a number, or an array of shape (N,)."""
         found: dict[str, float | FloatArray] = dict(self.values)
         for place, (name, spread) in enumerate(sorted(self.disorder.items())):
             found[name] = self.values[name] * (
@@ -183,7 +183,7 @@ class OwnChain(SmoothChain):
         return found
 
     def _extreme_values(self) -> list[dict[str, float]]:
-        """Return the mean values, and those of the sites where one is smallest or largest."""
+        """Return the mean values, and the values at sites where a parameter is extreme."""
         values = self.site_values
         arrays = [each for each in values.values() if isinstance(each, np.ndarray)]
         places = {int(place) for each in arrays for place in (each.argmin(), each.argmax())}
@@ -207,12 +207,12 @@ class OwnChain(SmoothChain):
 
     @cached_property
     def cell(self) -> Oscillator:
-        """One cell alone, without disorder."""
+        """A single cell, without disorder."""
         return self._cell_of(self._extreme_values()[0])
 
     @cached_property
     def network(self) -> Network | None:
-        """The coupling; None where it is to the two neighbours, and all sites are alike."""
+        """The coupling; None if it is to the two neighbours only and all sites are alike."""
         varied = any(isinstance(each, np.ndarray) for each in self.site_values.values())
         alike = not (varied or self.drive)
         plain = isinstance(self.coupling, str) and self.coupling == "chain"
@@ -222,30 +222,30 @@ class OwnChain(SmoothChain):
 
     @property
     def along_line(self) -> bool:
-        """Whether sites are coupled by their distance along a line, which can be made longer."""
+        """Whether sites are coupled by distance along a line, so that it can be made longer."""
         named = isinstance(self.coupling, str) and self.shape is None
         return named and self.coupling.partition(":")[0] in ("chain", "next-nearest")
 
     @cached_property
     def links(self) -> Network:
-        """The weights of the coupling, whichever way they are stepped."""
+        """The weights of the coupling, also where `network` is None."""
         return network_of(self.coupling, self.shape or (self.sites,), self.ends)
 
     @property
     def front_phase_step(self) -> int:  # type: ignore[override]
-        """-1 where there is inertia and displacements are coupled, as in (8); else 0."""
+        """-1 if there is inertia and only displacements are coupled, as in (8); otherwise 0."""
         return -1 if self._has_waves else 0
 
     @property
     def time_unit(self) -> float:
-        """1/ε; 1 without inertia."""
+        """1/ε, which is 1 without inertia."""
         return 1.0 / self.eps
 
     @property
     def trailing_wave_velocity(self) -> float:
-        """Of the fastest phase wave behind a front, εc/ω for neighbours of weight one.
+        """Velocity of the fastest phase wave behind a front, εc/ω for neighbours of weight one.
 
-        0 where waves are damped, and where sites are not coupled by their distance along a line.
+        It is 0 if waves are damped, or if sites are not coupled by their distance along a line.
         """
         if not (self._has_waves and self.along_line):
             return 0.0
@@ -254,12 +254,12 @@ class OwnChain(SmoothChain):
 
     @property
     def _has_waves(self) -> bool:
-        """Whether phase waves run undamped behind a front."""
+        """Whether undamped phase waves travel behind a front."""
         return not self.overdamped and not self.velocity_coupling
 
     @cached_property
     def _pair(self) -> tuple[float, float]:
-        """Amplitudes above which a site is reached, and to which it then goes."""
+        """The amplitude above which a site counts as reached, and that to which it then grows."""
         cycles = self.cell.cycles
         unstable = [each.amplitude for each in cycles if not each.stable]
         level = unstable[0] if unstable else 0.0
@@ -278,12 +278,12 @@ class OwnChain(SmoothChain):
 
     @property
     def unstable_amplitude(self) -> float:
-        """Largest y of the innermost unstable cycle; without one half of the stable amplitude."""
+        """Largest y of the innermost unstable cycle; if there is none, half `stable_amplitude`."""
         return self._pair[0]
 
     @cached_property
     def rest_attracts(self) -> bool:
-        """Whether each cell has an unstable cycle, or none; a stable one alone attracts all."""
+        """Whether no cell has stable cycles only, which would attract every motion."""
         cells = (self._cell_of(values) for values in self._extreme_values())
         return not any(cell.cycles and all(each.stable for each in cell.cycles) for cell in cells)
 
@@ -295,7 +295,7 @@ class OwnChain(SmoothChain):
 
     @property
     def forced_size(self) -> float:
-        """Displacement under the forces held at their largest, F/g'(0)."""
+        """Displacement under static forces of the same amplitudes, F/g'(0)."""
         total = sum(abs(each.amplitude) for each in self.forces)
         return total / self.cell.frequency**2
 
@@ -322,14 +322,14 @@ class OwnChain(SmoothChain):
 
     @property
     def kernel_layout(self) -> tuple[int, ...]:
-        """How many numbers the kernel takes, and of a network how many arrays follow them."""
+        """Number of scalars in ``p`` and, for a network, the further entries of `SmoothChain`."""
         count = OWN + len(self._scalars) + clock_size(len(self.drive))
         if self.network is None:
             return (count,)
         return count, len(self._arrays) + len(self.drive), int(self.velocity_coupling != 0.0)
 
     def kernel_parameters(self) -> FloatArray:
-        """Return c, ε, d, the number of weights, ω, named parameters, drive, and network."""
+        """Return c, ε, d, the number of weights, ω, named parameters, drive and network."""
         return self._packed
 
     @cached_property
@@ -352,7 +352,7 @@ class OwnChain(SmoothChain):
         return {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
 
     def replace(self, **changes: Any) -> Self:
-        """Return this chain with some parameters changed, those of the cell by their names."""
+        """Return a copy with some parameters changed; parameters of the cell are given by name."""
         own = {each.name for each in dataclasses.fields(self)}
         named = {name: value for name, value in changes.items() if name in self.names}
         rest = {name: value for name, value in changes.items() if name not in named}
@@ -374,7 +374,7 @@ class OwnChain(SmoothChain):
         raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
 
     def parameters(self) -> dict[str, Any]:
-        """Return the model and its parameters, as JSON can hold them."""
+        """Return the model and its parameters in a form suitable for JSON."""
         found = super().parameters()
         found |= {"damping": str(self.damping), "stiffness": str(self.stiffness)}
         found["values"] = {name: listed(value) for name, value in self.values.items()}
@@ -395,11 +395,11 @@ class OwnChain(SmoothChain):
         return json.dumps(self.parameters(), sort_keys=True)
 
     def __eq__(self, other: object) -> bool:
-        """Whether the other chain has the same parameters."""
+        """Return whether the other chain has the same parameters."""
         return type(other) is type(self) and self._identity == other._identity
 
     def __hash__(self) -> int:
-        """Return a number that follows from the parameters."""
+        """Return a hash of the parameters."""
         return hash(self._identity)
 
     @classmethod
@@ -409,22 +409,22 @@ class OwnChain(SmoothChain):
         Parameters
         ----------
         path : Path or str
-            Its keys are the attributes of this class; ``values`` and ``disorder`` are tables. A
-            file of weights is looked for beside it.
+            The model file. Its keys are the attributes of this class; ``values`` and ``disorder``
+            are tables. A file of weights is searched for in the same directory.
         **changes
-            Attributes in place of those in the file.
+            Attributes that replace those in the file.
 
         Raises
         ------
         ParameterError
-            If it cannot be read, or a key is none of the attributes.
+            If the file cannot be read, or contains a key that is not an attribute.
         """
         known = [each.name for each in dataclasses.fields(cls)]
         return cls(**read_model(Path(path), known, changes))
 
 
 def _stored(given: Any, quantity: str) -> Any:
-    """Return a force in the form that is stored: the text of a polynomial, or functions."""
+    """Return a force in the form in which it is stored: the text of a polynomial, or functions."""
     force = read_force(given, quantity)
     if isinstance(force, CompiledForce):
         return force

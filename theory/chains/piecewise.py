@@ -19,7 +19,7 @@ from theory.parameters import ParameterError, real_number
 
 @dataclass(frozen=True, kw_only=True)
 class PiecewiseChain(Chain, model="piecewise"):
-    """The piecewise-linear envelope chain (44); η, or a and b from which it follows.
+    """The piecewise-linear envelope chain (44), given η, or a and b.
 
     Attributes
     ----------
@@ -33,8 +33,8 @@ class PiecewiseChain(Chain, model="piecewise"):
     Raises
     ------
     ParameterError
-        If one is out of range, or neither η nor both of a and b are given, or they contradict
-        each other.
+        If a parameter is out of range, if neither η nor both a and b are given, or if they
+        contradict each other.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class PiecewiseChain(Chain, model="piecewise"):
         object.__setattr__(self, "eta", checked)
 
     def replace(self, **changes: Any) -> Self:
-        """Return this chain with some parameters changed; new a, b or η displace the old ones.
+        """Return a copy with some parameters changed; a new η replaces a and b, and vice versa.
 
         Examples
         --------
@@ -103,5 +103,5 @@ class PiecewiseChain(Chain, model="piecewise"):
 
     @property
     def unstable_amplitude(self) -> float:
-        """R = |φ_us|/|φ_s|, the threshold of (44)."""
+        """The threshold r = |φ_us|/|φ_s| of (44)."""
         return threshold_ratio(self.eta)

@@ -1,4 +1,4 @@
-"""Values of the named parameters of a cell: one number or one a site, and their disorder."""
+"""Values of the named parameters of a cell, one for all sites or one for each, and disorder."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from theory.arrays import FloatArray
 from theory.parameters import ParameterError, real_number
 
 _LISTED = 100
-"""Values per site that are listed in the parameters; longer arrays are named by a digest."""
+"""Largest number of values that are listed in the parameters; longer arrays give a digest."""
 
 _LARGEST_VALUE = 1e100
 
 
 def pairs(quantity: str, given: Any) -> dict[str, Any]:
-    """Return a mapping from one, or from texts as ``a=4``."""
+    """Return a mapping, given as such or as texts of the form ``a=4``."""
     if isinstance(given, Mapping):
         return {str(name): value for name, value in given.items()}
     if isinstance(given, str):
@@ -37,12 +37,12 @@ def pairs(quantity: str, given: Any) -> dict[str, Any]:
 
 
 def checked_values(given: Any, names: Sequence[str], sites: int) -> dict[str, float | FloatArray]:
-    """Return the value of each named parameter: one number, or one a site, shape (N,).
+    """Return the value of each named parameter: one number, or one per site, shape (N,).
 
     Raises
     ------
     ParameterError
-        If one is neither, or not finite, if one is missing, or there is none of this name.
+        If a value is neither, or not finite; if one is missing; or if a name is unknown.
     """
     values = pairs("values", given)
     for name in values:
@@ -83,12 +83,12 @@ def _checked_value(name: str, given: Any, sites: int) -> float | FloatArray:
 
 
 def checked_disorder(given: Any, names: Sequence[str]) -> dict[str, float | str]:
-    """Return relative spreads by name: 0.1 for a normal one, ``uniform:0.1`` for a uniform one.
+    """Return relative spreads by name: 0.1 for normal, ``uniform:0.1`` for uniform disorder.
 
     Raises
     ------
     ParameterError
-        If one is neither, or there is no parameter of this name.
+        If a spread is neither, or there is no parameter of this name.
     """
     found = {}
     for name, spread in pairs("disorder", given).items():
@@ -114,7 +114,7 @@ def _checked_spread(name: str, given: Any) -> float | str:
 
 
 def relative_spread(spread: float | str, sites: int, seed: Sequence[int]) -> FloatArray:
-    """Return the relative deviations of the sites; those of the first sites do not depend on N."""
+    """Return the relative deviations at the sites; those at the first sites do not depend on N."""
     random = np.random.default_rng(seed)
     if isinstance(spread, str):
         return float(spread.partition(":")[2]) * random.uniform(-1.0, 1.0, sites)
@@ -122,7 +122,7 @@ def relative_spread(spread: float | str, sites: int, seed: Sequence[int]) -> Flo
 
 
 def listed(value: float | FloatArray) -> Any:
-    """Return a value as JSON can hold it: a long array by a digest."""
+    """Return a value in a form suitable for JSON; a long array is replaced by a digest."""
     if not isinstance(value, np.ndarray):
         return value
     if value.size <= _LISTED:

@@ -2,11 +2,11 @@
 
     ÿ_n + y_n + εc(2y_n - y_{n-1} - y_{n+1}) + ε ẏ_n (1 - a y_n² + b y_n⁴) = 0            (8)
 
-With Ψ = ẏ + iy = φ e^{it}, so that y = Im Ψ, averaging over a period gives in slow time T = εt
+With Ψ = ẏ + iy = φ e^{it}, so that y = Im Ψ, averaging over a period gives, in slow time T = εt,
 
     φ_n' = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - (φ_n/2)(1 - a|φ_n|²/4 + b|φ_n|⁴/8).    (43)
 
-The scaling y → y√a turns (a, b) into (1, η), η = b/a², in both.
+In both equations the scaling y → y√a turns (a, b) into (1, η), η = b/a².
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from theory.chains.ends import Ends
 from theory.parameters import ParameterError
 
 SMALLEST_DAMPING, LARGEST_DAMPING = 1e-100, 1e100
-"""Range of a and b: beyond, the amplitudes would not fit into double precision."""
+"""Range of a and b; outside it the amplitudes would exceed the range of double precision."""
 
 SMALLEST_EPS, LARGEST_EPS = 1e-9, 10.0
 
@@ -75,7 +75,7 @@ def envelope_velocity(site, left, right, p):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True, kw_only=True)
 class VanDerPolChain(SmoothChain):
-    """Parameters common to (8) and to (43); dimensionless, checked once.
+    """Parameters common to (8) and to (43); dimensionless.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class VanDerPolChain(SmoothChain):
     c : float
         Coupling, from 0 to 1e6.
     eps : float
-        Small parameter ε, from 1e-9 to 10. In slow time, (43) does not depend on it.
+        Small parameter ε, from 1e-9 to 10. In slow time, (43) does not depend on ε.
     sites : int
         Number of oscillators N, from 2 to 1 000 000.
     ends : Ends
@@ -93,7 +93,7 @@ class VanDerPolChain(SmoothChain):
     Raises
     ------
     ParameterError
-        If one is out of range.
+        If a parameter is out of range.
     """
 
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.PERIODIC)
@@ -124,12 +124,12 @@ class VanDerPolChain(SmoothChain):
 
     @property
     def bistable(self) -> bool:
-        """Whether a cell alone has two cycles, 8b < a²."""
+        """Whether an isolated cell has two cycles, 8b < a²."""
         return self.eta < ETA_END
 
     @property
     def stable_amplitude(self) -> float:
-        """|φ_s| = √[(a/b)(1 + √(1 - 8η))], of y on the stable cycle of one cell to O(ε)."""
+        """|φ_s| = √[(a/b)(1 + √(1 - 8η))], the amplitude of y on the stable cycle, to O(ε)."""
         self._need_cycles()
         return math.sqrt(self.a / self.b * (1.0 + math.sqrt(1.0 - 8.0 * self.eta)))
 
@@ -141,12 +141,12 @@ class VanDerPolChain(SmoothChain):
 
     @property
     def time_unit(self) -> float:
-        """1/ε: amplitudes follow slow time T = εt."""
+        """1/ε, since amplitudes change on the scale of slow time T = εt."""
         return 1.0 / self.eps
 
     @property
     def trailing_wave_velocity(self) -> float:
-        """εc, of the fastest phase wave behind a front."""
+        """εc, the velocity of the fastest phase wave behind a front."""
         return self.eps * self.c
 
     def averaged(self) -> AveragedChain:
@@ -215,15 +215,15 @@ class AveragedChain(VanDerPolChain, model="averaged", kernel=envelope_velocity):
 
     @property
     def kernel_rate(self) -> float:
-        """ε: the kernel is in slow time."""
+        """ε, since the kernel is written in slow time."""
         return self.eps
 
 
 def effective_epsilon(chain: VanDerPolChain) -> float:
     """Return ε max|1 - a y² + b y⁴| over the stable cycle, which governs the error of averaging.
 
-    The maximum is at the turning points, y² = |φ_s|²: (1 + 7s)/(1 - s) with s = √(1 - 8η). Where
-    the damping is most negative, y² = a/2b, it is (1 + s²)/(1 - s²), never more.
+    The maximum is (1 + 7s)/(1 - s), s = √(1 - 8η), at the turning points y² = |φ_s|². Where the
+    damping is most negative, at y² = a/2b, the modulus is (1 + s²)/(1 - s²), which is never larger.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""One oscillator alone: rest state, unstable and stable cycle."""
+"""Single oscillators: rest state, unstable and stable cycle."""

@@ -1,6 +1,6 @@
-"""The averages of a cell over a turn y = A sin θ, ẏ = ωA cos θ, as exact polynomials in s = A².
+"""Averages of a cell over a cycle y = A sin θ, ẏ = ωA cos θ, as exact polynomials in s = A².
 
-For ψ = ẏ/ω + iy = φe^{iωt} and ÿ = -ω²y - εh(y, ẏ)ẏ - r(y) the average of φ' over a turn is
+For ψ = ẏ/ω + iy = φe^{iωt} and ÿ = -ω²y - εh(y, ẏ)ẏ - r(y) the average of φ' over a cycle is
 
     φ' = φ[-(ε/2)H(s) + iεD(s) + iR(s)/ω],   H = 2<h cos²θ>,  D = <h sin θ cos θ>,  R = <r sin θ>/A
 
@@ -15,11 +15,11 @@ from fractions import Fraction
 from theory.cells.polynomial import Monomial, Polynomial
 
 FREQUENCY = "_w"
-"""Name of ω in the averages; names of a cell's own parameters never begin with ``_``."""
+"""Name of ω in the averages; names of a cell's parameters never begin with ``_``."""
 
 
 def mean_of_powers(i: int, j: int) -> Fraction:
-    """Return the mean of sinⁱθ cosʲθ over a turn: (i-1)!!(j-1)!!/(i+j)!! for even i and j, else 0.
+    """Return the mean of sinⁱθ cosʲθ: (i-1)!!(j-1)!!/(i+j)!! if i and j are even, otherwise 0.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def mean_of_powers(i: int, j: int) -> Fraction:
 
 
 def mean_damping(damping: Polynomial) -> Polynomial:
-    """Return H of a damping h(y, v), a polynomial in s, which is written y, and in ω.
+    """Return H of a damping h(y, v) as a polynomial in s, which is denoted by ``y``, and in ω.
 
     Examples
     --------
@@ -45,12 +45,12 @@ def mean_damping(damping: Polynomial) -> Polynomial:
 
 
 def mean_shift_of_damping(damping: Polynomial) -> Polynomial:
-    """Return D of a damping h(y, v): what its part odd in both y and v adds to the frequency."""
+    """Return D of a damping h(y, v), the frequency shift by its part odd in both y and v."""
     return _averaged(damping, sine=1, cosine=1, factor=1)
 
 
 def mean_shift_of_stiffness(stiffness: Polynomial) -> Polynomial:
-    """Return R of a stiffness; its linear part gives half of its coefficient.
+    """Return R of a stiffness; a linear term contributes half its coefficient.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def mean_shift_of_stiffness(stiffness: Polynomial) -> Polynomial:
 def _averaged(
     given: Polynomial, *, sine: int, cosine: int, factor: int, less: int = 0
 ) -> Polynomial:
-    """Return the mean of given × sinᵐθ cosⁿθ × factor / Aˡ."""
+    """Return the mean of given × sinᵐθ cosⁿθ × factor / Aˡ, m = sine, n = cosine, l = less."""
     found: dict[Monomial, Fraction] = {}
     for monomial, coefficient in given.terms.items():
         powers = dict(monomial)

@@ -1,6 +1,6 @@
 """A force of a cell given as functions that numba compiles, in place of a polynomial.
 
-It has what the right-hand side of a chain needs of a `Polynomial`: names of parameters, and text.
+It provides what the right-hand side of a chain needs of a `Polynomial`: parameter names and text.
 """
 
 from __future__ import annotations
@@ -26,18 +26,19 @@ class CompiledForce:
     Attributes
     ----------
     symbol : str
-        g or h, as it stands in the equation.
+        g or h, the symbol of the function in the equation.
     functions : tuple of callable
-        Compiled by ``numba.njit``, all of the same arguments: the force, and its derivatives by y
-        and, for h, by v. Arguments after y (and v) are named parameters of the chain.
+        The force and, optionally, its derivatives by y and, for h, by v; all compiled by
+        ``numba.njit`` and with the same arguments. The arguments after y (and v) are named
+        parameters of the chain.
     digest : str
-        Of what the functions do: of their code, and of the values that it captures.
+        Digest of the code of the functions and of the values that they capture.
 
     Raises
     ------
     ParameterError
-        If one is not compiled, its arguments are others, it captures what has no readable content,
-        or there are too few or too many.
+        If a function is not compiled, has other arguments, or captures a value whose content cannot
+        be read, or if there are too few or too many functions.
     """
 
     symbol: str
@@ -67,12 +68,12 @@ class CompiledForce:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Arguments that come first."""
+        """The arguments that come first: y, or y and v."""
         return ("y",) if self.symbol == "g" else ("y", "v")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters, in the order of the arguments."""
+        """Names of the parameters, in the order of the arguments."""
         return _arguments(self.functions[0])[len(self.variables) :]
 
     @property
@@ -85,13 +86,13 @@ class CompiledForce:
         return len(self.functions) > 1
 
     def source(self, variable: str = "") -> str:
-        """Return it, or its derivative, as a call in the text of a right-hand side."""
+        """Return the call of the force, or of a derivative, in the text of a right-hand side."""
         arguments = ", ".join([*self.variables, *self.names])
         return f"{self._name(variable)}({arguments})"
 
     @property
     def namespace(self) -> tuple[tuple[str, Function], ...]:
-        """The functions under the names in :meth:`source`."""
+        """The functions, with the names that :meth:`source` uses for them."""
         variables = ("", *self.variables)
         return tuple(
             (self._name(each), function)
@@ -102,12 +103,12 @@ class CompiledForce:
         return "_".join(["", self.symbol, *([variable] if variable else [])])
 
     def function(self, values: Mapping[str, float], variable: str = "") -> Callable[..., float]:
-        """Return it, or its derivative, as a function of numbers y (and v)."""
+        """Return the force, or a derivative, as a function of numbers y (and v)."""
         function = dict(self.namespace)[self._name(variable)]
         return partial(_value, function, tuple(values[name] for name in self.names))
 
     def check(self, values: Mapping[str, float]) -> None:
-        """Compile the functions, for values of the parameters.
+        """Compile the functions by calling them once with these values of the parameters.
 
         Raises
         ------
@@ -117,7 +118,7 @@ class CompiledForce:
         for each in self.functions:
             try:
                 float(each(*(0.0 for _ in self.variables), *(values[name] for name in self.names)))
-            except Exception as error:  # of numba's kinds, or of the function's own
+            except Exception as error:  # raised by numba or by the function itself
                 raise ParameterError(
                     f"function {each.__name__}", type(error).__name__,
                     "one of numbers that numba compiles and that returns a number",
@@ -125,7 +126,7 @@ class CompiledForce:
                 ) from error  # fmt: skip
 
     def __str__(self) -> str:
-        """Return how results name it."""
+        """Return the name of the force in results."""
         arguments = ", ".join([*self.variables, *self.names])
         return f"compiled {self.functions[0].__name__}({arguments}) {self.digest}"
 
@@ -142,7 +143,7 @@ def read_force(given: Any, quantity: str) -> Polynomial | CompiledForce:
     Parameters
     ----------
     given : str, number, SymPy expression, function or sequence of them
-        A polynomial, or a function compiled by numba, or one and its derivatives.
+        A polynomial, a function compiled by numba, or such a function and its derivatives.
     quantity : str
         ``damping`` or ``stiffness``.
 

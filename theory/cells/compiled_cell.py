@@ -1,4 +1,4 @@
-"""One cell whose forces are any smooth functions: what `OscillatorCell` is for polynomials."""
+"""A cell whose forces are any smooth functions, as `OscillatorCell` is for polynomials."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ from theory.cells.polynomial import Polynomial
 from theory.parameters import ParameterError
 
 _STEP = 1e-3
-"""Of the difference that gives g'(0), where no derivative is given."""
+"""Step of the finite difference for g'(0), used where no derivative is given."""
 _PANELS = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 80)])
-"""Panels of |y|, in each of which g is interpolated."""
+"""Edges of the panels of |y|, in each of which g is interpolated."""
 _NODES = 16
 _HUGE, _GROWTH = 1e150, 1e3
-"""Size of g, and factor of its growth from one panel to the next, up to which it is looked at."""
+"""Largest size of g, and largest growth factor between panels, up to which g is evaluated."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CompiledCell(Oscillator):
-    """One cell, by functions of a number; dimensionless.
+    """A cell given by functions of numbers; dimensionless.
 
-    Both are looked at for |y| up to 1000, or to where g grows a thousandfold in a fifth of |y|.
+    The functions are evaluated for |y| up to 1000, or up to where g grows a thousandfold while |y|
+    grows by a fifth.
 
     Attributes
     ----------
@@ -39,14 +40,14 @@ class CompiledCell(Oscillator):
     damping : callable
         h(y, v).
     slope : float, optional
-        g'(0); by default from differences.
+        g'(0); by default computed by finite differences.
     overdamped : bool
-        Whether it is ẏ + g(y) = 0 instead.
+        Whether the equation is ẏ + g(y) = 0 instead.
 
     Raises
     ------
     ParameterError
-        If y = 0 is not a rest state that restores, or large motion grows without bound.
+        If y = 0 is not a rest state with a restoring force, or large motion grows without bound.
 
     Examples
     --------
@@ -99,12 +100,12 @@ class CompiledCell(Oscillator):
 
     @property
     def frequency(self) -> float:  # type: ignore[override]
-        """ω of small motion."""
+        """Angular frequency ω of small motion."""
         return math.sqrt(self._slope)
 
     @cached_property
     def largest(self) -> float:
-        """Largest amplitude that is tried: motion of this energy stays where g is known."""
+        """Largest amplitude considered; motion of this energy stays where g is known."""
         right, left = (float(self._edges(side)[-1]) for side in (1, -1))
         depth = float(self.potential(-left))
         if float(self.potential(right)) <= depth:
@@ -139,7 +140,7 @@ class CompiledCell(Oscillator):
         return found
 
     def _other_end(self, amplitude: float, energy: float) -> float:
-        """Return the negative y at which the motion turns, or the last at which g is known."""
+        """Return the negative y at which the motion turns, or the last y at which g is known."""
         end = -float(self._edges(-1)[-1])
         if float(self.potential(end)) <= energy:
             return end
@@ -153,7 +154,7 @@ class CompiledCell(Oscillator):
         return self._interpolants[side][0]
 
     def _interpolated(self, side: int) -> tuple[FloatArray, FloatArray]:
-        """Return edges of panels, and Chebyshev coefficients of V in each, in columns."""
+        """Return the edges of the panels, and Chebyshev coefficients of V in each, in columns."""
         chebyshev = np.polynomial.chebyshev
         nodes = chebyshev.chebpts1(_NODES)
         columns: list[FloatArray] = []
@@ -190,12 +191,12 @@ def compiled_cell(
     values: Mapping[str, float],
     overdamped: bool,
 ) -> CompiledCell:
-    """Return the cell of two forces, one of them compiled, for values of their parameters.
+    """Return the cell with two forces, at least one of them compiled, at given parameter values.
 
     Raises
     ------
     ParameterError
-        If a function cannot be compiled, or as for :class:`CompiledCell`.
+        If a function cannot be compiled, or for the reasons given in :class:`CompiledCell`.
     """
     for force in (stiffness, damping):
         if isinstance(force, CompiledForce):

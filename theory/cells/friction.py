@@ -1,8 +1,8 @@
-"""Model I, one cell (Eqs. 2-7): steady sliding, its stability, the stick phase.
+"""Model I, a single cell (Eqs. 2-7): steady sliding, its stability, the stick phase.
 
     ÿ + 2ξẏ + y = F(ẏ - v_d),   F = -sgn(v_rel) μ(v_rel) in slip,  |F| ≤ μ_st in stick.
 
-The paper's μ is (2); others are in ``theory.cells.friction_law``.
+The friction law μ of the paper is (2); other laws are in ``theory.cells.friction_law``.
 
 All quantities are dimensionless (Eq. 4).
 """
@@ -17,12 +17,12 @@ from theory.cells.friction_law import FrictionCurve, FrictionLaw
 from theory.parameters import ParameterError, real_number
 
 LARGEST = 1e9
-"""Largest velocity or coefficient: beyond, round-off of y hides the cycles."""
+"""Largest velocity or coefficient; beyond it the rounding of y hides the cycles."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionCell:
-    """Parameters of one friction-excited oscillator; by default those of (7) at v_d = 1.25.
+    """Parameters of a friction-excited oscillator; by default those of (7) at v_d = 1.25.
 
     Attributes
     ----------
@@ -35,16 +35,16 @@ class FrictionCell:
     xi : float
         Damping ratio, zero or positive.
     law : FrictionLaw or str
-        How friction falls with velocity; by default as in (2).
+        How friction decreases with velocity; by default as in (2).
     v_s : float
-        Stribeck velocity, positive; of the law ``stribeck`` alone.
+        Stribeck velocity, positive; used by the law ``stribeck`` only.
     viscous : float
-        Coefficient κ of a part κ|v_rel| of μ, zero or positive; of every law.
+        Coefficient κ of a viscous part κ|v_rel| of μ, zero or positive; used by every law.
 
     Raises
     ------
     ParameterError
-        If one is out of range, or is none of this law.
+        If a parameter is out of range, or does not belong to the chosen law.
 
     Examples
     --------
@@ -92,7 +92,7 @@ class FrictionCell:
         self._check_law()
 
     def _check_law(self) -> None:
-        """Store the law as a member; refuse a velocity that it does not have."""
+        """Store the law as a member; refuse a velocity that does not belong to it."""
         object.__setattr__(self, "law", FrictionLaw(self.law))
         for name, law in (("v0", FrictionLaw.EXPONENTIAL), ("v_s", FrictionLaw.STRIBECK)):
             if self.law is not law and getattr(self, name) != getattr(FrictionCell, name):
@@ -103,7 +103,7 @@ class FrictionCell:
 
     @cached_property
     def curve(self) -> FrictionCurve:
-        """The friction coefficient as a function of velocity, with its derivative."""
+        """The friction coefficient as a function of velocity, with its derivatives."""
         scale = self.v_s if self.law is FrictionLaw.STRIBECK else self.v0
         return FrictionCurve(
             law=self.law, mu_st=self.mu_st, mu_d=self.mu_d, scale=scale, viscous=self.viscous
@@ -111,20 +111,20 @@ class FrictionCell:
 
     @property
     def steady_sliding(self) -> float:
-        """Y of steady sliding, μ(v_d)."""
+        """The displacement y in steady sliding, μ(v_d)."""
         return friction_coefficient(self, self.v_d)
 
     @property
     def effective_damping(self) -> float:
-        """2ξ + μ'(v_d): steady sliding is stable where this is positive."""
+        """2ξ + μ'(v_d); steady sliding is stable where this is positive."""
         return 2.0 * self.xi + friction_slope(self, self.v_d)
 
     @property
     def hopf_velocity(self) -> float:
-        """v_d above which steady sliding is stable: the larger root of 2ξ + μ'(v_d) = 0.
+        """Velocity v_d above which steady sliding is stable: the larger root of 2ξ + μ'(v_d) = 0.
 
-        v₀ ln[(μ_st - μ_d)/((2ξ + κ)v₀)] for the law of (2). 0 if sliding is stable for every v_d,
-        infinite if (2ξ + κ = 0) for none.
+        For the law of (2) it is v₀ ln[(μ_st - μ_d)/((2ξ + κ)v₀)]. It is 0 if sliding is stable at
+        every v_d, and infinite if sliding is never stable (2ξ + κ = 0).
 
         Raises
         ------
@@ -140,26 +140,26 @@ class FrictionCell:
 
     @property
     def stability_margin(self) -> float:
-        """How far v_d is from velocities at which steady sliding is unstable; at most v_d.
+        """Distance of v_d from the velocities at which steady sliding is unstable; at most v_d.
 
-        Zero or negative if v_d is one of them.
+        It is zero or negative if v_d is one of these velocities.
         """
         low, high, _ = self.curve.unstable_sliding(2.0 * self.xi)
         return min(self.v_d, max(self.v_d - high, low - self.v_d) if high > 0.0 else self.v_d)
 
     @property
     def release(self) -> float:
-        """Y at which stick ends when y moves with the belt: 2ξv_d + y = μ_st."""
+        """Displacement y at which a site that moves with the belt is released: 2ξv_d + y = μ_st."""
         return self.mu_st - 2.0 * self.xi * self.v_d
 
 
 def check_sliding_stable(cell: FrictionCell) -> None:
-    """Refuse a belt so slow that sites at rest start by themselves.
+    """Refuse a belt velocity at which steady sliding is unstable and every site starts to move.
 
     Raises
     ------
     ParameterError
-        If v_d is not above the Hopf velocity, nor below where friction begins to fall steeply.
+        If v_d is neither above the Hopf velocity nor below the range of instability.
     """
     if cell.stability_margin <= 0.0:
         raise ParameterError(
@@ -172,9 +172,9 @@ def check_sliding_stable(cell: FrictionCell) -> None:
 
 
 def friction_coefficient(cell: FrictionCell, v_rel: float) -> float:
-    """Return μ(v_rel) in slip; that of (2), corrected, is μ_d + (μ_st - μ_d) e^{-|v_rel|/v₀}.
+    """Return μ(v_rel) in slip; (2), corrected, is μ_d + (μ_st - μ_d) e^{-|v_rel|/v₀}.
 
-    Print has μ_st in front, which contradicts both of its stated limits.
+    As printed, (2) begins with μ_st, which contradicts both limits that the paper states.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def friction_coefficient(cell: FrictionCell, v_rel: float) -> float:
 
 
 def friction_slope(cell: FrictionCell, speed: float) -> float:
-    """Return dμ/d|v_rel| at a speed |v_rel|; not positive without a viscous part."""
+    """Return dμ/d|v_rel| at a speed |v_rel|; without a viscous part it is never positive."""
     return cell.curve.slope(abs(speed))
 
 
@@ -195,7 +195,7 @@ def friction_force(cell: FrictionCell, v_rel: float) -> float:
     Raises
     ------
     ParameterError
-        If v_rel is zero, where the force is whatever holds the site.
+        If v_rel is zero: in stick the force takes whatever value holds the site.
 
     Examples
     --------
@@ -216,7 +216,7 @@ class StickPhase:
     Attributes
     ----------
     begin, end : float
-        y where it begins and where the cell is released.
+        Displacement y at the beginning, and at the release of the cell.
     duration : float
         (end - begin)/v_d.
     """
@@ -227,7 +227,7 @@ class StickPhase:
 
 
 def stick_phase(cell: FrictionCell, y: float) -> StickPhase | None:
-    """Return the stick phase that begins when ẏ reaches v_d at this y; None if none does.
+    """Return the stick phase that begins when ẏ reaches v_d at this y; None if the cell slips.
 
     Examples
     --------

@@ -4,8 +4,8 @@
     stribeck      μ = μ_d + (μ_st - μ_d) e^{-(v/v_s)²} + κv
     coulomb       μ = μ_d + κv
 
-In stick friction is what holds the site, up to μ_st under every law. All quantities are
-dimensionless.
+In stick, under every law, friction takes the value that holds the site, up to μ_st. All quantities
+are dimensionless.
 
 References
 ----------
@@ -36,9 +36,9 @@ class FrictionLaw(Status):
 
 
 class UnstableSliding(NamedTuple):
-    """Velocities of the belt between which steady sliding is unstable; both 0 if there are none.
+    """Belt velocities between which steady sliding is unstable; both 0 if there are none.
 
-    ``error`` bounds that of both.
+    ``error`` bounds the error of both velocities.
     """
 
     low: float
@@ -53,11 +53,11 @@ class FrictionCurve:
     Attributes
     ----------
     law : FrictionLaw
-        Its form.
+        Functional form.
     mu_st, mu_d : float
         Static and dynamic coefficient.
     scale : float
-        v₀ or v_s; of no meaning to Coulomb's law.
+        v₀ or v_s; not used by Coulomb's law.
     viscous : float
         κ.
 
@@ -76,12 +76,12 @@ class FrictionCurve:
 
     @property
     def drop(self) -> float:
-        """μ_st - μ_d where μ falls continuously from stick to fast slip, and 0 where it jumps."""
+        """μ_st - μ_d if μ falls continuously from stick to fast slip, and 0 if it jumps."""
         return 0.0 if self.law is FrictionLaw.COULOMB else self.mu_st - self.mu_d
 
     @property
     def steepest(self) -> float:
-        """Largest rate at which μ - κv falls: (μ_st - μ_d)/v₀, or (μ_st - μ_d)√(2/e)/v_s."""
+        """Largest rate of decrease of μ - κv: (μ_st - μ_d)/v₀, or (μ_st - μ_d)√(2/e)/v_s."""
         factor = math.sqrt(2.0 / math.e) if self.law is FrictionLaw.STRIBECK else 1.0
         return self.drop / self.scale * factor
 
@@ -128,11 +128,12 @@ class FrictionCurve:
         return math.exp(-u)
 
     def unstable_sliding(self, damping: float) -> UnstableSliding:
-        """Return where damping + μ'(v_d) < 0; its ends are Hopf bifurcations of steady sliding.
+        """Return the interval of v_d with damping + μ'(v_d) < 0, whose ends are Hopf bifurcations.
 
-        For the exponential law from 0 to v₀ ln[(μ_st - μ_d)/((2ξ + κ)v₀)]. For Stribeck's law the
-        ends are the roots of x e^{-x²} = (2ξ + κ)v_s/(2(μ_st - μ_d)), x = v_d/v_s, on either side
-        of x = 1/√2; they are found between brackets, as roots of the logarithm of the equation.
+        For the exponential law it extends from 0 to v₀ ln[(μ_st - μ_d)/((2ξ + κ)v₀)]. For
+        Stribeck's law the ends are the roots of x e^{-x²} = (2ξ + κ)v_s/(2(μ_st - μ_d)),
+        x = v_d/v_s, on either side of x = 1/√2; they are found by bracketing, as roots of the
+        logarithm of this equation.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What a compiled function does, as text: its code, its options, and what it captures."""
+"""The content of a compiled function as text: its code, its options, and captured values."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _LIBRARIES = {*sys.stdlib_module_names, "numpy", "numba", "scipy"}
 
 
 def function_content(function: Any, within: tuple[Any, ...] = ()) -> str:
-    """Return a text that differs where functions compiled by numba do.
+    """Return a text that is different for functions, compiled by numba, that do different things.
 
     Parameters
     ----------
     function : callable
-        Compiled by ``numba.njit``.
+        A function compiled by ``numba.njit``.
     within : tuple of callable
-        Functions by which this one is called, so that one that calls itself is read once.
+        Functions by which this one is called, so that recursive functions are read only once.
 
     Raises
     ------
     ParameterError
-        If it captures a value whose content cannot be read.
+        If the function captures a value whose content cannot be read.
     """
     if any(function is each for each in within):
         return function.__name__  # type: ignore[no-any-return]
@@ -45,7 +45,7 @@ def function_content(function: Any, within: tuple[Any, ...] = ()) -> str:
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    """Yield a code and those of the functions inside it."""
+    """Yield a code object and those of the functions inside it."""
     yield code
     for each in code.co_consts:
         if isinstance(each, CodeType):
@@ -60,7 +60,7 @@ def _code(code: CodeType) -> str:
 
 
 def _captured(plain: FunctionType) -> dict[str, Any]:
-    """Return the values that a function takes from outside, by name; attributes of modules too."""
+    """Return the captured values of a function by name, including attributes of modules."""
     codes = list(_codes(plain.__code__))
     words = [(each.opname, each.argval) for code in codes for each in dis.get_instructions(code)]
     found = {
@@ -75,7 +75,7 @@ def _captured(plain: FunctionType) -> dict[str, Any]:
 
 
 def _without_modules(found: dict[str, Any], attributes: set[str]) -> dict[str, Any]:
-    """Return values with the attributes of each module, of these names, in its place."""
+    """Return the values with each module replaced by those of its attributes that are used."""
     places, read = list(found), []
     for place in places:
         if not isinstance(found[place], ModuleType):
@@ -91,7 +91,7 @@ def _without_modules(found: dict[str, Any], attributes: set[str]) -> dict[str, A
 
 
 def _of_library(module: str | None) -> bool:
-    """Whether the code of a module follows from the versions of Python, numpy, numba and scipy."""
+    """Return whether the versions of Python, numpy, numba and scipy determine a module's code."""
     return (module or "").partition(".")[0] in _LIBRARIES
 
 

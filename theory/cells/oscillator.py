@@ -1,11 +1,11 @@
 """Cycles of any oscillator ÿ + g(y) + εh(y, ẏ)ẏ = 0, to leading order in ε, and of ẏ + g(y) = 0.
 
-At ε = 0 the energy E = ẏ²/2 + V(y), V' = g, is conserved. Over one turn it falls by
+At ε = 0 the energy E = ẏ²/2 + V(y), V' = g, is conserved. Over one cycle it decreases by
 
     εΔ(A) = ε ∮ h(y, ẏ) ẏ dy,    V(A) = E,                                     (Melnikov)
 
-so that for small ε a cycle of amplitude A is a zero of Δ, stable where Δ grows. For g = ω²y this
-is the averaged equation r' = -(r/2)H(r²) of (34) without coupling.
+so that for small ε the amplitude A of a limit cycle is a zero of Δ; the cycle is stable where Δ
+increases. For g = ω²y this is the averaged equation r' = -(r/2)H(r²) of (34) without coupling.
 
 References
 ----------
@@ -32,14 +32,14 @@ from theory.parameters import ParameterError
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
 _SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600
-"""Amplitudes between which the sign of Δ is looked at where it is no polynomial, and how often."""
+"""Range of amplitudes in which Δ, if it is not a polynomial, is evaluated, and number of values."""
 _ZERO = 1e-12
 _CLOSE = 4.0 * float(np.finfo(float).eps)
-"""Smallest relative tolerance that scipy takes."""
+"""Smallest relative tolerance that scipy accepts."""
 
 
 class OscillatorCycle(NamedTuple):
-    """A cycle of one cell: its largest y, its largest ẏ, its period, and whether it is stable."""
+    """A limit cycle of a cell: its largest y, its largest ẏ, its period, and its stability."""
 
     amplitude: float
     velocity: float
@@ -48,16 +48,16 @@ class OscillatorCycle(NamedTuple):
 
 
 class Oscillator(ABC):
-    """One cell, by its forces; what follows from them is found here for any cell.
+    """A cell described by its forces; cycles and periods are found here for any cell.
 
     Attributes
     ----------
     overdamped : bool
-        Whether it is ẏ + g(y) = 0 instead.
+        Whether the equation is ẏ + g(y) = 0 instead.
     harmonic : bool
         Whether g = ω²y.
     frequency : float
-        ω of small motion.
+        Angular frequency ω of small motion.
     """
 
     overdamped: bool
@@ -70,7 +70,7 @@ class Oscillator(ABC):
 
     @abstractmethod
     def force(self, y: float, v: float, eps: float) -> float:
-        """Return g(y) + εh(y, v)v; of numbers, which a turn asks for ten thousand times."""
+        """Return g(y) + εh(y, v)v for numbers; one cycle takes ten thousand such calls."""
 
     @abstractmethod
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
@@ -80,17 +80,17 @@ class Oscillator(ABC):
     def rest_states(self) -> list[tuple[float, bool]]:
         """Return the rest states at y > 0, and whether they are stable.
 
-        Stable without inertia, that is: minima of the potential.
+        Stability is that without inertia: stable rest states are minima of the potential.
         """
 
     @property
     def largest(self) -> float:
-        """Largest amplitude that is tried for cycles."""
+        """Largest amplitude at which cycles are searched for."""
         return _LARGE
 
     @cached_property
     def cycles(self) -> tuple[OscillatorCycle, ...]:
-        """All cycles, inner to outer; of an overdamped cell its rest states at y > 0."""
+        """All cycles from the innermost outwards; for an overdamped cell, rest states at y > 0."""
         if self.overdamped:
             return tuple(
                 OscillatorCycle(y, 0.0, math.inf, stable) for y, stable in self.rest_states()
@@ -103,9 +103,9 @@ class Oscillator(ABC):
         )
 
     def _brackets(self) -> list[tuple[float, float]]:
-        """Return intervals of amplitude in each of which Δ changes sign once, ascending.
+        """Return intervals of amplitude, ascending, in each of which Δ changes sign once.
 
-        A pair of cycles between two amplitudes that are tried is found by the extremum of Δ there.
+        A pair of cycles between two neighbouring amplitudes is found by the extremum of Δ there.
         """
         tried = np.geomspace(_SMALL, self.largest, _TRIED)
         lost = np.array([self.loss(amplitude) for amplitude in tried])
@@ -132,11 +132,11 @@ class Oscillator(ABC):
         ]
 
     def velocity(self, amplitude: float) -> float:
-        """Return the largest ẏ of the motion of this amplitude at ε = 0, at y = 0."""
+        """Return the largest ẏ, attained at y = 0, of the motion of this amplitude at ε = 0."""
         return math.sqrt(2.0 * float(self.potential(amplitude)))
 
     def loss(self, amplitude: float) -> float:
-        """Return Δ/A², the energy lost in a turn of this amplitude, by quadrature."""
+        """Return Δ/A², the energy lost in a cycle of this amplitude, by quadrature."""
         y, v, dy = self._turn(amplitude)
         both = self.damping_at(y, v) + self.damping_at(y, -v)
         return float(np.sum(dy * both * v)) / amplitude**2
@@ -149,7 +149,7 @@ class Oscillator(ABC):
         return 2.0 * float(np.sum(dy / v))
 
     def _turn(self, amplitude: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return y, v and weights dy of a half turn, in an angle in which v is smooth."""
+        """Return y, v and weights dy of half a cycle, by an angle in which v is smooth."""
         energy = float(self.potential(amplitude))
         low = self._other_end(amplitude, energy)
         angle = 0.5 * math.pi * _NODES
@@ -171,7 +171,7 @@ class Oscillator(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class OscillatorCell(Oscillator):
-    """One cell, by the coefficients of polynomials; dimensionless.
+    """A cell given by the coefficients of polynomials; dimensionless.
 
     Attributes
     ----------
@@ -180,12 +180,12 @@ class OscillatorCell(Oscillator):
     damping : mapping of (int, int) to float
         h(y, v): coefficient of each yⁱvʲ.
     overdamped : bool
-        Whether it is ẏ + g(y) = 0 instead.
+        Whether the equation is ẏ + g(y) = 0 instead.
 
     Raises
     ------
     ParameterError
-        If y = 0 is not a rest state that restores, or large motion grows without bound.
+        If y = 0 is not a rest state with a restoring force, or large motion grows without bound.
 
     Examples
     --------
@@ -230,12 +230,12 @@ class OscillatorCell(Oscillator):
 
     @property
     def frequency(self) -> float:  # type: ignore[override]
-        """ω of small motion."""
+        """Angular frequency ω of small motion."""
         return math.sqrt(self.stiffness[1])
 
     @cached_property
     def mean_damping(self) -> FloatArray:
-        """Coefficients, by rising power of s = A², of H: A' = -(εA/2)H(A²) where g = ω²y."""
+        """Coefficients of H by ascending powers of s = A²; A' = -(εA/2)H(A²) where g = ω²y."""
         found = np.zeros(1 + max((i + j for i, j in self.damping), default=0) // 2)
         for (i, j), value in self.damping.items():
             if i % 2 == 0 and j % 2 == 0:
@@ -245,7 +245,7 @@ class OscillatorCell(Oscillator):
 
     @cached_property
     def cycles(self) -> tuple[OscillatorCycle, ...]:
-        """All cycles, as of any cell; where g = ω²y from the roots of H."""
+        """All cycles, as for any cell; where g = ω²y, from the roots of H."""
         if self.overdamped or not self.harmonic:
             return super().cycles
         found = _positive_crossings(self.mean_damping)
@@ -253,7 +253,7 @@ class OscillatorCell(Oscillator):
 
     def rest_states(self) -> list[tuple[float, bool]]:
         """Return the rest states at y > 0, and whether they are stable."""
-        return _positive_crossings(_ascending(self.stiffness)[1:])  # of g/y: where g does
+        return _positive_crossings(_ascending(self.stiffness)[1:])  # zeros of g/y, as of g
 
     def potential(self, y: FloatArray | float) -> FloatArray:
         """Return V(y), V(0) = 0."""
@@ -261,7 +261,7 @@ class OscillatorCell(Oscillator):
         return np.asarray(np.polynomial.polynomial.polyval(y, powers))
 
     def force(self, y: float, v: float, eps: float) -> float:
-        """Return g(y) + εh(y, v)v, infinite or NaN where it is too large for a number."""
+        """Return g(y) + εh(y, v)v; infinite or NaN where it overflows."""
         stiffness, damping = self._descending
         loss = 0.0
         for coefficients in damping:
@@ -270,7 +270,7 @@ class OscillatorCell(Oscillator):
 
     @cached_property
     def _descending(self) -> tuple[list[float], list[list[float]]]:
-        """Coefficients of g, and of h by falling power of v, each by falling power of y."""
+        """Coefficients of g, and of h for each descending power of v, by descending powers of y."""
         powers: dict[int, dict[int, float]] = {}
         for (i, j), value in self.damping.items():
             powers.setdefault(j, {})[i] = value
@@ -291,7 +291,7 @@ class OscillatorCell(Oscillator):
         return super()._other_end(amplitude, energy)
 
     def _loss_at_large(self) -> float:
-        """Return a number of the sign of Δ at large amplitudes; 0 where it vanishes."""
+        """Return a number with the sign of Δ at large amplitudes; 0 where Δ vanishes."""
         if self.harmonic:
             top = np.flatnonzero(np.abs(self.mean_damping) > 0.0)
             return float(self.mean_damping[top[-1]]) if top.size else 0.0
@@ -314,7 +314,7 @@ def _by_horner(descending: list[float], x: float) -> float:
 
 
 def _positive_crossings(ascending: FloatArray) -> list[tuple[float, bool]]:
-    """Return the simple positive roots of a polynomial, ascending, and whether it grows there."""
+    """Return the simple positive roots of a polynomial, and whether it increases there."""
     rate = np.polynomial.polynomial.polyder(ascending)
     return [
         (x, float(np.polynomial.polynomial.polyval(x, rate)) > 0.0)

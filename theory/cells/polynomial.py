@@ -1,8 +1,8 @@
 """Polynomials in y and v = ẏ with named parameters: read from text, evaluated, written as code.
 
-Text is parsed into a syntax tree, of which only numbers, names, sums, products, whole powers and
-division by numbers are taken; nothing is ever evaluated. (``derivations`` imports nothing from
-here and has a reader of its own; a test holds the two together.)
+Text is parsed into a syntax tree, in which only numbers, names, sums, products, integer powers and
+division by numbers are accepted; no code is ever evaluated. (``derivations`` imports nothing from
+here and has a reader of its own; a test compares the two.)
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ VARIABLES = ("y", "v")
 """Displacement and velocity."""
 
 LONGEST, HIGHEST, MAX_TERMS = 400, 20, 200
-"""Characters of a text, degree, and terms of any intermediate result."""
+"""Limits of the number of characters, of the degree, and of the number of intermediate terms."""
 
 Monomial: TypeAlias = tuple[tuple[str, int], ...]
-"""Sorted pairs of a name and its power."""
+"""Sorted pairs of names and powers."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Polynomial:
     Attributes
     ----------
     terms : dict
-        Coefficient of each monomial, none of them zero.
+        Nonzero coefficient of each monomial.
 
     Examples
     --------
@@ -44,12 +44,12 @@ class Polynomial:
     terms: Mapping[Monomial, Fraction]
 
     def __hash__(self) -> int:
-        """Return a number that follows from the terms."""
+        """Return a hash of the terms."""
         return hash(tuple(self.terms.items()))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters, in alphabetical order."""
+        """Names of the parameters, in alphabetical order."""
         found = {name for monomial in self.terms for name, _ in monomial}
         return tuple(sorted(found - set(VARIABLES)))
 
@@ -58,7 +58,7 @@ class Polynomial:
         return max((dict(each).get(variable, 0) for each in self.terms), default=0)
 
     def at(self, values: Mapping[str, float]) -> dict[tuple[int, int], float]:
-        """Return the coefficient of each yⁱvʲ, for values of the parameters."""
+        """Return the coefficient of each yⁱvʲ at given values of the parameters."""
         found: dict[tuple[int, int], float] = {}
         for (i, j), part in self._by_powers().items():
             total = 0.0
@@ -98,11 +98,11 @@ class Polynomial:
         return Polynomial(found)
 
     def function(self, values: Mapping[str, float]) -> Callable[..., float]:
-        """Return it as a function of numbers y and, if it is given, v."""
+        """Return the polynomial as a function of numbers y and, optionally, v."""
         return partial(_value, self.at(values))
 
     def source(self) -> str:
-        """Return it as an expression of Python, by Horner's rule in v and then in y.
+        """Return the polynomial as a Python expression, by Horner's rule in v and then in y.
 
         Examples
         --------
@@ -155,14 +155,14 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> Polynomial:
     Parameters
     ----------
     text : str
-        As in ``1 - a*y**2 + b*y**4``; ``^`` is a power too.
+        The polynomial, such as ``1 - a*y**2 + b*y**4``; ``^`` also denotes a power.
     quantity : str
-        What it is, for the message.
+        Name of the quantity, for error messages.
 
     Raises
     ------
     ParameterError
-        If the text is not a polynomial, or is longer or of a higher degree than is needed.
+        If the text is not a polynomial, or is too long or of too high a degree.
 
     Examples
     --------
@@ -203,12 +203,12 @@ polynomial in y and v = dy/dt such as 1 - a*y**2 + b*y**4; 'sin(y)' is none: use
 
 
 class _NotPolynomialError(ValueError):
-    """A part of a text that is no polynomial."""
+    """Raised for a part of a text that is not a polynomial."""
 
 
 @dataclass(frozen=True)
 class _TermReader:
-    """From a syntax tree to terms."""
+    """Translates a syntax tree into terms."""
 
     text: str
 
@@ -286,12 +286,12 @@ def _merged(one: Iterable[tuple[str, int]], other: Iterable[tuple[str, int]]) ->
 
 
 def as_polynomial(given: Any, quantity: str) -> Polynomial:
-    """Return a polynomial from text, a number, or an expression of SymPy (read from its text).
+    """Return a polynomial, given as text, a number, or a SymPy expression (read from its text).
 
     Raises
     ------
     ParameterError
-        If it is none of these.
+        If the polynomial is given in none of these forms.
     """
     if isinstance(given, Polynomial):
         return given

@@ -1,6 +1,6 @@
 """The bistable Van der Pol cell of Model II (Eq. 8 at c = 0): η and the ratio of its two cycles.
 
-The averaged amplitude equation (43) of one cell, with amplitude ρ = |φ|, is
+The averaged equation (43) for the amplitude ρ = |φ| of a single cell is
 ρ' = -(ρ/2)(1 - a ρ²/4 + b ρ⁴/8). Its two cycles are ρ² = (a/b)(1 ∓ √(1 - 8η)), η = b/a².
 """
 
@@ -11,10 +11,10 @@ import math
 from theory.parameters import ParameterError, at_least, number, within
 
 ETA_END = 0.125
-"""The two cycles meet at η = 1/8; beyond it the cell has no limit cycle."""
+"""η at which the two cycles meet; beyond it the cell has no limit cycle."""
 
 SMALLEST_ETA = 1e-24
-"""Below this |Σ| = 2r is too small for double precision to separate from zero."""
+"""Smallest η; below it |Σ| = 2r cannot be distinguished from zero in double precision."""
 
 
 def eta_from_damping(a: float, b: float) -> float:
@@ -23,8 +23,8 @@ def eta_from_damping(a: float, b: float) -> float:
     Parameters
     ----------
     a, b : float
-        Coefficients of (8), dimensionless, both positive, from 1e-100 to 1e100: beyond, the
-        amplitudes would not fit into double precision.
+        Coefficients of (8), dimensionless, from 1e-100 to 1e100; outside this range the amplitudes
+        would exceed that of double precision.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def eta_from_damping(a: float, b: float) -> float:
 
 
 def checked_eta(eta: float) -> float:
-    """Return η if it is a positive number that double precision can treat.
+    """Return η after checking that it is large enough for double precision.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def is_bistable(eta: float) -> bool:
 
 
 def bistable_eta(eta: float) -> float:
-    """Return η as a float if the cell has two limit cycles, or they just meet.
+    """Return η as a float after checking that the cell has two limit cycles, or that they meet.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def bistable_eta(eta: float) -> float:
 
 
 def threshold_ratio(eta: float) -> float:
-    """Return r(η) = |φ_us|/|φ_s|, the unstable over the stable cycle (right side of Eq. 54, /2).
+    """Return r(η) = |φ_us|/|φ_s|, half of the right side of Eq. (54).
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def threshold_ratio(eta: float) -> float:
 
     Notes
     -----
-    r² = (1 - s)/(1 + s) with s = √(1 - 8η); written 8η/(1 + s)² it does not cancel.
+    r² = (1 - s)/(1 + s) with s = √(1 - 8η); it is computed as 8η/(1 + s)², without cancellation.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def threshold_ratio(eta: float) -> float:
 
 
 def eta_from_ratio(r: float) -> float:
-    """Return η at which |φ_us|/|φ_s| = r, the inverse of :func:`threshold_ratio`.
+    """Return the η at which |φ_us|/|φ_s| = r, the inverse of :func:`threshold_ratio`.
 
     Parameters
     ----------

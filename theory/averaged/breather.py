@@ -1,19 +1,19 @@
 """The closed form of the breather, Eqs. (9), (29), (30), (37), (38), for each reading of n in (37).
 
-The unknowns are α_0 and z = e^{k_1}. Write S = α_0², w = z². Then (29) is c z = G(S) with
+The unknowns are α_0 and z = e^{k_1}. With S = α_0² and w = z², (29) is c z = G(S) with
 G = (-b S² + 2a S - 8)/16, and (37), with k_2 = -π/2, is
 
     ½ - a S w^n/8 + b S² w^{2n}/16 = (c/2)(1/z - z).                                          (37)
 
-(37) holds at one site n at most; print leaves n open. The readings:
+(37) can hold at one site n at most, and the paper does not say at which. The possible readings are:
 
 - ``centre``, n = 0. The left side is -G by definition, so -G = (G/2)(1/w - 1): G = 0 or w = -1.
-  No solution.
+  There is no solution.
 - ``neighbour``, n = 1. With s = S w, s (1 - a s/4 + b s²/8) = G (S - s): a cubic for s at given
   S, the parameter of the branch, and c = G √(S/s).
 - ``tail``, n → ∞. c = z/(1 - w), and (29) is b S² - 2a S + 8 + 16 w/(1 - w) = 0.
 
-Each branch starts from the cycle of one cell and has a largest c, its fold.
+Each branch starts from the stable cycle of a single cell and ends at a largest c, its fold.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ from theory.parameters import ParameterError, at_least
 from theory.status import Status
 
 SMALLEST_C = 1e-100
-"""Below it e^{2 k_1}, which is near c² at small c, is too small for double precision."""
+"""Smallest coupling; below it e^{2 k_1}, which is about c², is too small for double precision."""
 SMALLEST_ETA = 1e-24
-"""Below it the squares of the two cycles are too far apart for their products."""
+"""Smallest η; below it products of the squared amplitudes of the two cycles lose accuracy."""
 _EPS = float(np.finfo(float).eps)
 _NOISE = 64.0 * _EPS
-"""Relative rounding of c along a branch."""
+"""Relative rounding error of c along a branch."""
 _SCAN = 500
 
 
 class Reading(Status):
-    """The site n at which (37) is taken; print leaves it open."""
+    """The site n at which (37) is evaluated, which the paper leaves open."""
 
     CENTRE = "centre", "(37) is taken at the centre, n = 0, where it has no solution."
     NEIGHBOUR = "neighbour", "(37) is taken at the neighbour of the centre, n = 1."
@@ -54,7 +54,7 @@ class Reading(Status):
 
 
 class BreatherStatus(Status):
-    """What was found of a breather, by whichever method; each member says it in a sentence."""
+    """The outcome of the search for a breather, by any method; each member has a sentence."""
 
     EXISTS = "exists", "the equations have a breather at this coupling."
     NONE = "none", "there is no such breather at this coupling: its branch ends in a fold below it."
@@ -78,17 +78,17 @@ class BreatherStatus(Status):
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedFormFold:
-    """The largest coupling of the closed form.
+    """The largest coupling at which the closed form has a solution.
 
     Attributes
     ----------
     c : float
-        Dimensionless.
+        Coupling, dimensionless.
     error : float
         Estimated error of ``c``.
     place : float
-        For the reading ``neighbour`` (S_s - S)/(S_s - S_us) at the fold, S_s and S_us the squares
-        of the two cycles.
+        For the reading ``neighbour``, the value of (S_s - S)/(S_s - S_us) at the fold, where S_s
+        and S_us are the squared amplitudes of the two cycles.
     """
 
     c: float
@@ -103,7 +103,7 @@ class ClosedFormBreather:
     Attributes
     ----------
     status : BreatherStatus
-        ``none`` beyond the fold, or for the reading ``centre``.
+        ``exists``; or ``none`` beyond the fold and for the reading ``centre``.
     alpha_0 : float or None
         Amplitude of the central site.
     decay : float or None
@@ -115,9 +115,9 @@ class ClosedFormBreather:
     residual : float
         Largest residual of (29) and (37).
     error : float
-        Bound on the relative error of ``alpha_0`` and ``decay``; infinite if there is none.
+        Bound on the relative error of ``alpha_0`` and ``decay``; infinite without a solution.
     fold : ClosedFormFold or None
-        Where the branch ends; None if the reading has no solution at any coupling.
+        The fold at which the branch ends; None if the reading has no solution at any coupling.
     seconds : float
         Wall-clock time.
     """
@@ -133,24 +133,24 @@ class ClosedFormBreather:
     seconds: float
 
     def amplitudes(self, count: int) -> FloatArray:
-        """Return A_n = α_0 e^{k_1|n|} for n = 0 … count-1 (Eq. 38); empty if there is none."""
+        """Return A_n = α_0 e^{k_1|n|} for n = 0 … count-1 (Eq. 38); empty without a solution."""
         if self.alpha_0 is None or self.decay is None:
             return np.empty(0)
         return np.array([self.alpha_0 * self.decay**n for n in range(count)])
 
 
 def has_closed_form(nucleus: Nucleus, sites: int) -> bool:
-    """Return whether (9) is about such a nucleus: one centre with a neighbour on either side."""
+    """Return whether (9) applies to the nucleus: one centre with a neighbour on either side."""
     return nucleus.size == 1 and nucleus.place is Place.BULK and sites > 2
 
 
 def check_closed_form(nucleus: Nucleus, sites: int) -> None:
-    """Refuse a nucleus, or a chain of so many sites, that (9) is not about.
+    """Refuse a nucleus, or a number of sites, to which (9) does not apply.
 
     Raises
     ------
     ParameterError
-        If it is not one site in the bulk, or two sites are no bulk.
+        If the nucleus is not one site in the bulk, or the chain has fewer than three sites.
     """
     if has_closed_form(nucleus, sites):
         return
@@ -181,16 +181,16 @@ def breather_frequency(chain: VanDerPolChain) -> float:
 
 
 def tail_residual(alpha_0: float, decay: float, site: float, chain: VanDerPolChain) -> float:
-    """Return left minus right side of (37) at a site, times -(c/2)(z - 1/z).
+    """Return the left side minus the right side of (37) at a site, times -(c/2)(z - 1/z).
 
     Parameters
     ----------
     alpha_0, decay : float
         α_0 and z = e^{k_1}.
     site : float
-        n; ``math.inf`` for the linear tail.
+        The site n; ``math.inf`` for the linear tail.
     chain : VdpChain or AveragedChain
-        a, b, c.
+        The chain, of which a, b and c are used.
     """
     square = 0.0 if math.isinf(site) else alpha_0**2 * decay ** (2 * site)
     balance = 0.5 - chain.a * square / 8.0 + chain.b * square**2 / 16.0
@@ -200,19 +200,19 @@ def tail_residual(alpha_0: float, decay: float, site: float, chain: VanDerPolCha
 def solve_breather(
     chain: VanDerPolChain, reading: Reading = Reading.NEIGHBOUR
 ) -> ClosedFormBreather:
-    """Solve (29) with (37) on the branch that starts from the stable cycle of one cell.
+    """Solve (29) with (37) on the branch that starts from the stable cycle of a single cell.
 
     Parameters
     ----------
     chain : VdpChain or AveragedChain
-        Needs two cycles (8b < a²) and c > 0.
+        A chain with two cycles (8b < a²) and c > 0.
     reading : Reading, optional
-        Where (37) is taken.
+        Site at which (37) is evaluated.
 
     Raises
     ------
     ParameterError
-        If the cell has no cycle, c is zero or below `SMALLEST_C`, or η below `SMALLEST_ETA`.
+        If the cell has no cycle, c is zero or below `SMALLEST_C`, or η is below `SMALLEST_ETA`.
 
     Examples
     --------
@@ -275,7 +275,7 @@ def closed_form_fold(
 ) -> ClosedFormFold | None:
     """Return the largest coupling at which (29) and (37) have a solution; at the centre they never.
 
-    For the reading ``tail`` it is known: c² = m(1 + m) with m = (a² - 8b)/(16 b).
+    For the reading ``tail`` it is known in closed form: c² = m(1 + m) with m = (a² - 8b)/(16 b).
 
     Examples
     --------
@@ -295,7 +295,7 @@ def closed_form_fold(
         return ClosedFormFold(c=c, error=8.0 * _EPS * c)
     branch = NeighbourBranch(chain.a, chain.b, gap)
     grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
-    # The first fall: c rises from zero, and falls before S turns.
+    # the first decrease: c rises from zero, and decreases before S turns
     falling = np.flatnonzero(np.diff(branch.coupling(grid)) < 0.0)
     peak = max(int(falling[0]), 1)
     low, high = float(grid[peak - 1]), float(grid[min(peak + 1, _SCAN - 1)])
@@ -306,7 +306,7 @@ def closed_form_fold(
         options={"xatol": 1e-10},
     )
     t = float(found.x)
-    # SciPy stops at 1e-8 of t; one parabola puts its top where the height is right to rounding.
+    # SciPy stops at 1e-8 of t; one parabolic step makes the maximum accurate to rounding.
     below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
     t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
     c = branch.coupling_at(t)
@@ -316,12 +316,12 @@ def closed_form_fold(
 def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
     """Return S, w and their relative error for n → ∞: c z² + z - c = 0, then c z = G(S).
 
-    G(S) = c z is b S² - 2a S + 8 + 16 c z = 0, of discriminant a² - 8b - 16 b c z = 16 b (m - c z).
-    With c z = (√(1 + 4c²) - 1)/2 and m as at the fold,
+    G(S) = c z is b S² - 2a S + 8 + 16 c z = 0, whose discriminant, divided by 4, is
+    a² - 8b - 16 b c z = 16 b (m - c z). With c z = (√(1 + 4c²) - 1)/2 and m as at the fold,
 
         m - c z = 2 (m (1 + m) - c²)/(2m + 1 + √(1 + 4c²)),
 
-    whose numerator is taken in rational numbers: nothing cancels as c comes to the fold.
+    whose numerator is computed in rational numbers, to avoid cancellation as c approaches the fold.
     """
     a, b, c = Fraction(chain.a), Fraction(chain.b), Fraction(chain.c)
     m = (a * a - 8 * b) / (16 * b)
@@ -330,8 +330,8 @@ def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, fl
     root = math.sqrt(max(float(inside), 0.0))
     error = 8.0 * _EPS
     if inside <= 0:
-        # c is beyond the fold by the rounding of the fold's c only; the breather there is given,
-        # and how far it moves over that rounding of c, which is like its square root.
+        # c is beyond the fold by the rounding error of the fold only. The breather at the fold is
+        # returned; the rounding error of c moves it by an amount like the square root of the error.
         slack = 32 * b * 2 * c * Fraction(fold.error) / wide
         error += math.sqrt(float(slack)) / chain.a
     z = 2.0 * chain.c / (1.0 + math.hypot(1.0, 2.0 * chain.c))
@@ -346,8 +346,8 @@ def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, floa
     t = top
     if branch.coupling_at(top) > c:
         t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * _EPS)
-    # The true place lies where c - c(t) surely changes its sign; beside the fold, where c(t)
-    # surely falls below c on both sides.
+    # The true t lies in an interval over which c - c(t) surely changes sign or, near the fold, at
+    # both ends of which c(t) is surely below c.
     spread = 4.0 * _EPS * max(1.0, abs(t))
     noise = _NOISE * c
     for _ in range(60):

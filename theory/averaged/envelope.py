@@ -2,16 +2,16 @@
 
     φ_n' = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - φ_n g(|φ_n|²),   g(s) = ½(1 - a s/4 + b s²/8)     (43)
 
-At a free end the site has one neighbour: φ_1' = (ic/2)(φ_1 - φ_2) - φ_1 g(|φ_1|²).
+A site at a free end has one neighbour: φ_1' = (ic/2)(φ_1 - φ_2) - φ_1 g(|φ_1|²).
 
 **Quarter-turn reduction.** With φ_n = (-i)^n r_n e^{icT} the bulk equation has real coefficients,
 
     r_n' = (c/2)(r_{n-1} - r_{n+1}) - r_n g(r_n²),
 
-so real r_n (of either sign) stay real: every pattern of phase steps ±π/2 is inside it. At a free
-end the frequency shift of the site is c/2 instead of c, and -(ic/2) r_1 remains: there the
-reduction is *not* exact, but leaves out rates up to (c/2) max(|r_1|, |r_N|), which are as small as
-the breather's tail.
+so that real r_n (of either sign) remain real; every pattern of phase steps ±π/2 has this form. At a
+free end the frequency shift of the site is c/2 instead of c, and a term -(ic/2) r_1 remains. There
+the reduction is *not* exact: it omits rates up to (c/2) max(|r_1|, |r_N|), which are as small as
+the tail of the breather.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ def damping_slope(square: FloatArray, chain: VanDerPolChain) -> FloatArray:
 
 
 def coupling_matrix(sites: int, ends: Ends) -> FloatArray:
-    """Return the matrix of the springs in (8): (Ly)_n = 2y_n - y_{n-1} - y_{n+1}.
+    """Return the matrix L of the springs in (8): (Ly)_n = 2y_n - y_{n-1} - y_{n+1}.
 
     Parameters
     ----------
     sites : int
-        N, at least 2.
+        Number of sites N, at least 2.
     ends : Ends
-        With free ends the first and last rows have one neighbour and 1 on the diagonal.
+        Boundary conditions; with free ends, sites 1 and N have one neighbour and 1 on the diagonal.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def envelope_rate(phi: ComplexArray, chain: VanDerPolChain) -> ComplexArray:
     phi : complex array, shape (N,)
         Envelope φ_n of Ψ_n = ẏ_n + i y_n = φ_n e^{it}.
     chain : VdpChain or AveragedChain
-        a, b, c and the ends; ε plays no role.
+        The chain, of which a, b, c and the ends are used; ε plays no role.
 
     Examples
     --------
@@ -137,12 +137,13 @@ def quarter_turn_phase(sites: int) -> ComplexArray:
 def quarter_turn_rate(r: FloatArray, chain: VanDerPolChain) -> FloatArray:
     """Return r' of the reduction of (43) to quarter-turn phase steps, per unit T.
 
-    Beyond a free end the chain is taken as at rest with the end's frequency that of the bulk.
+    Beyond a free end the chain is assumed to be at rest, and the end site to have the frequency
+    shift of the bulk.
 
     Raises
     ------
     ParameterError
-        If the ends are periodic and N is not a multiple of four: (-i)^n does not close.
+        If the ends are periodic and N is not a multiple of four, so that (-i)^n is not periodic.
 
     Examples
     --------

@@ -1,21 +1,23 @@
 """Fronts of the averaged chain (43) at strong coupling: v = c + κ(η)(c/6)^{1/3} + O(c^{-1/3}).
 
-On φ_n = (-i)^n r_n e^{icT} with r real, (43) is
+With φ_n = (-i)^n r_n e^{icT} and r real, (43) is
 
     r_n' = (c/2)(r_{n-1} - r_{n+1}) - f(r_n),   f(r) = (r/2)(1 - a r²/4 + b r⁴/8).
 
-Its linear waves r ~ e^{iqn} move at c cos q, fastest at q = 0. A front wide against the spacing
-obeys r_T + c r_x + (c/6) r_xxx + f(r) = 0. With r(x - vT) and ξ = (x - vT)/(c/6)^{1/3}
+Its linear waves r ~ e^{iqn} have the group velocity c cos q, which is largest at q = 0. A front
+that is wide compared with the spacing obeys r_T + c r_x + (c/6) r_xxx + f(r) = 0. With r(x - vT)
+and ξ = (x - vT)/(c/6)^{1/3} this becomes
 
     r''' - κ r' + f(r) = 0,   r(-∞) = r_s,   r(+∞) = 0,   κ = (v - c)/(c/6)^{1/3}.
 
-At r = 0 one root of λ³ - κλ + ½ = 0 has negative real part, at r_s two roots of
-λ³ - κλ + f'(r_s) = 0 have positive real part: a curve meets a surface in three dimensions, at
-isolated κ. Since v - c grows more slowly than c, v is asymptotically linear in c, with slope one.
+At r = 0 one root of λ³ - κλ + ½ = 0 has negative real part, and at r_s two roots of
+λ³ - κλ + f'(r_s) = 0 have positive real part: in the three-dimensional phase space a curve meets a
+surface, which happens at isolated κ. Since v - c grows more slowly than c, v is asymptotically
+linear in c, with slope one.
 
-Where κ < 0 (η above 0.05667, `wave_fast_eta`) the front is slower than c and overtaken by phase
-waves from behind; the law is then that of a front with a wave of quarter-turn phase steps behind
-it for ever.
+Where κ < 0 (η above 0.05667, `wave_fast_eta`), the front is slower than c and is overtaken by phase
+waves from behind; the law then holds for a front behind which the wave with quarter-turn phase
+steps extends without end.
 """
 
 from __future__ import annotations
@@ -58,17 +60,18 @@ class StrongCouplingFront:
         return c + self.kappa * math.cbrt(c / 6.0)
 
     def exponent(self, c: float) -> float:
-        """Return d ln v/d ln c of this law; it tends to one."""
+        """Return d ln v/d ln c of this law, which tends to one."""
         width = self.kappa * math.cbrt(c / 6.0)
         return (c + width / 3.0) / (c + width)
 
 
 @lru_cache(maxsize=256)
 def strong_coupling_front(eta: float) -> StrongCouplingFront:
-    """Return κ(η), by Newton's method on differences of high order.
+    """Return κ(η), by Newton's method on finite differences of high order.
 
-    Lengths are in units of f'(r_s)^{-1/3}, in which the front changes little with η; it is followed
-    from the η at which κ is nearly zero, where Newton's method converges from a hyperbolic tangent.
+    Lengths are in units of f'(r_s)^{-1/3}, in which the front changes little with η. The front is
+    continued from the η at which κ is nearly zero, where Newton's method converges from a
+    hyperbolic tangent.
 
     Parameters
     ----------
@@ -103,7 +106,7 @@ def strong_coupling_front(eta: float) -> StrongCouplingFront:
 def wave_fast_eta() -> tuple[float, float]:
     """Return the η at which κ = 0 and strongly coupled fronts are as fast as waves, and its error.
 
-    Below it fronts outrun all waves; above it they are overtaken from behind.
+    At smaller η fronts outrun all waves; at larger η waves overtake them from behind.
 
     Examples
     --------
@@ -112,7 +115,7 @@ def wave_fast_eta() -> tuple[float, float]:
     (0.056665326, True)
     """
     low, high = 0.0566, 0.0567
-    for _ in range(8):  # secants; κ is smooth
+    for _ in range(8):  # secant method; κ is smooth
         one, two = strong_coupling_front(low), strong_coupling_front(high)
         slope = (two.kappa - one.kappa) / (high - low)
         low, high = high, high - two.kappa / slope
@@ -124,11 +127,11 @@ def wave_fast_eta() -> tuple[float, float]:
 
 _SPACINGS = 0.175, 0.125
 _EXTENT = 76.0
-"""Half the length of the grid: tails fall at least like e^{-s/2}."""
+"""Half the length of the grid; the tails of the front decay at least like e^{-s/2}."""
 _REACH = 6
-"""Points on either side of a difference: its error is of order ten."""
+"""Number of points on either side in a difference formula, whose error is of tenth order."""
 _FIRST_ETA, _FACTOR = 0.0567, 1.5
-"""Where fronts are followed from, and by which factor of η."""
+"""η from which the front is continued, and initial factor between successive η."""
 
 
 def _followed(eta: float, spacing: float) -> float:
@@ -153,7 +156,7 @@ def _followed(eta: float, spacing: float) -> float:
 def _solved(
     eta: float, rho: FloatArray, kappa: float, spacing: float
 ) -> tuple[FloatArray, float] | None:
-    """Solve the equation of the front for ρ = r/r_s and κ; None where Newton's method fails."""
+    """Solve the front equation for ρ = r/r_s and κ; return None where Newton's method fails."""
     root = math.sqrt(1.0 - 8.0 * eta)
     square, gamma = (1.0 + root) / eta, math.cbrt((1.0 + root) * root / (4.0 * eta))
     unstable, middle = math.sqrt((1.0 - root) / (1.0 + root)), rho.size // 2
@@ -184,14 +187,15 @@ def _solved(
 def _odd_difference(order: int) -> FloatArray:
     """Return the weights of the points from -6 to 6 for a derivative of odd order, spacing one.
 
-    Of Σ_j 2 w_j j^{2i+1} = order! δ in whole numbers: rounding of a weight would act as a κ.
+    The equations Σ_j 2 w_j j^{2i+1} = order! δ are solved in rational numbers, since a rounding
+    error of a weight would act like a change of κ.
     """
     rows = [
         [Fraction(2 * j ** (2 * i + 1)) for j in range(1, _REACH + 1)]
         + [Fraction(math.factorial(order) if 2 * i + 1 == order else 0)]
         for i in range(_REACH)
     ]
-    for i in range(_REACH):  # the leading minors of such a matrix are not zero
+    for i in range(_REACH):  # the leading minors of this matrix do not vanish
         rows[i] = [x / rows[i][i] for x in rows[i]]
         for k in range(_REACH):
             if k != i:

@@ -1,4 +1,4 @@
-"""The one place where a bad parameter is recognised and described."""
+"""Checks of parameters, and the errors that describe what is wrong."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LATEST = 1e9
-"""Latest end time of a run."""
+"""Largest end time of a simulation."""
 
 
 _MAX_SHOWN = 500
-"""Characters of a value that a message shows, at most."""
+"""Largest number of characters of a value that are shown in a message."""
 
 
 class ParameterError(ValueError):
@@ -32,9 +32,9 @@ class ParameterError(ValueError):
     value : object
         The value that was given.
     allowed : str
-        The range allowed, in words.
+        The allowed range, in words.
     remedy : str
-        What to do instead.
+        Advice on what to do instead.
     """
 
     def __init__(self, quantity: str, value: object, allowed: str, remedy: str) -> None:
@@ -47,7 +47,7 @@ class ParameterError(ValueError):
 
 
 class RunError(ArithmeticError):
-    """A run that cannot go on; the message is one sentence that says where, and what to change."""
+    """A computation that cannot be continued; one sentence says where, and what to change."""
 
 
 class MissingPackageError(ImportError):
@@ -56,11 +56,11 @@ class MissingPackageError(ImportError):
     Parameters
     ----------
     package : str
-        The package.
+        Name of the package.
     extra : str
-        The extra of this distribution that installs it.
+        Extra of this distribution that installs it.
     purpose : str
-        What needs it.
+        What the package is needed for.
 
     Examples
     --------
@@ -81,13 +81,13 @@ excitation-fronts[certify]' installs it.
 def number(
     quantity: str, value: object, allowed: str = "a number", remedy: str = "give a number"
 ) -> float:
-    """Return a value as a float if it is one number; NaN and infinities are numbers here.
+    """Return a value as a float if it is a single number; NaN and infinities are accepted.
 
     Raises
     ------
     ParameterError
-        If it is an array of several, a complex number, a truth value, text that is no number, or
-        anything else.
+        If it is an array of several numbers, a complex number, a truth value, text that is not a
+        number, or anything else.
 
     Examples
     --------
@@ -104,12 +104,12 @@ def number(
 
 
 def real_array(quantity: str, values: object) -> NDArray[np.float64]:
-    """Return one real number or several as an array of their shape.
+    """Return one or several real numbers as an array of the same shape.
 
     Raises
     ------
     ParameterError
-        If they are text, truth values, dates or complex, or some are masked.
+        If the values are text, truth values, dates or complex numbers, or if some are masked.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def real_array(quantity: str, values: object) -> NDArray[np.float64]:
     """
     import numpy as np
 
-    ma = sys.modules.get("numpy.ma")  # not loaded: nobody has made a masked array
+    ma = sys.modules.get("numpy.ma")  # if it is not loaded, there are no masked arrays
     try:
         given = np.asarray(values)
         absent = given.dtype.kind == "O" and any(each is None for each in given.ravel())
@@ -135,7 +135,7 @@ def decimal(quantity: str, value: object) -> float | str:
     Raises
     ------
     ParameterError
-        If it is no number.
+        If the value is not a number.
 
     Examples
     --------
@@ -175,7 +175,8 @@ def ascending(quantity: str, values: object) -> list[float]:
     Raises
     ------
     ParameterError
-        If they are not several numbers, there is none, or one is not finite and positive.
+        If the value is not a sequence of numbers, is empty, or contains a number that is not finite
+        and positive.
 
     Examples
     --------
@@ -187,7 +188,7 @@ def ascending(quantity: str, values: object) -> list[float]:
     theory.parameters.ParameterError: coupling c = [] is not allowed: it must be a sequence of \
 positive numbers; give at least one, as [0.1, 0.2].
     """
-    one = isinstance(values, str) or getattr(values, "ndim", 1) == 0  # of numpy, without a length
+    one = isinstance(values, str) or getattr(values, "ndim", 1) == 0  # numpy scalars have no length
     if one or not isinstance(values, Iterable) or not (given := list(values)):
         allowed = "a sequence of positive numbers"
         raise ParameterError(quantity, values, allowed, "give at least one, as [0.1, 0.2]")
@@ -208,7 +209,7 @@ def within(
     ParameterError
         If it is not a number, not finite, or outside the range.
     """
-    if type(value) is float and low <= value <= high:  # the words cost more than the check
+    if type(value) is float and low <= value <= high:  # fast path, since the check below is costly
         return value
     return _checked(
         quantity,
@@ -225,7 +226,7 @@ def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str)
     Raises
     ------
     ParameterError
-        If it is not a number, not finite, or below.
+        If it is not a number, not finite, or below ``low``.
     """
     return _checked(quantity, value, f"finite and at least {low:g}", remedy, lambda x: x >= low)
 
@@ -233,21 +234,21 @@ def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str)
 def refuse_unread(
     given: Mapping[str, object], defaults: Mapping[str, object], read: Collection[str], where: str
 ) -> None:
-    """Refuse options on which nothing depends; at their defaults they count as not given.
+    """Refuse options that have no effect, unless they are at their defaults.
 
     Parameters
     ----------
     given, defaults : mapping
-        Options by name.
+        Values of the options, and their defaults, by name.
     read : collection of str
-        Those on which something depends.
+        Names of the options that have an effect.
     where : str
-        What is so, as "for the model vdp".
+        The case in question, such as "for the model vdp".
 
     Raises
     ------
     ParameterError
-        If another one is not at its default.
+        If an option without effect is not at its default.
 
     Examples
     --------
@@ -289,8 +290,7 @@ def count_within(
 def real_number(quantity: str, value: object, low: float, high: float, remedy: str) -> float:
     """Return a parameter as a float if it is a real number with ``low <= value <= high``.
 
-    Unlike :func:`within`, which also reads what is typed at a command line, this one takes numbers
-    only: text, truth values and arrays are refused. Numbers of numpy are numbers.
+    Only numbers are accepted, including those of numpy; text, truth values and arrays are refused.
 
     Raises
     ------
@@ -351,12 +351,12 @@ def random_seed(value: object) -> int:
 
 
 def truth(quantity: str, value: object) -> bool:
-    """Return a flag as a bool if it is true or false; numbers, text, arrays and None are neither.
+    """Return a flag as a bool if it is true or false; numbers, text, arrays and None are refused.
 
     Raises
     ------
     ParameterError
-        If it is none.
+        If the value is not a truth value.
 
     Examples
     --------
@@ -373,17 +373,17 @@ one of them.
 
 
 def _is_truth(value: object) -> bool:
-    """Return whether a value is true or false, of Python or of numpy, or an array of such."""
+    """Return whether a value is a truth value of Python or numpy, or an array of truth values."""
     return isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
 
 
 def word(quantity: str, value: object, words: Iterable[str], remedy: str = "name one") -> str:
-    """Return a word if it is one of these; numbers, arrays and lists are none.
+    """Return a word if it is one of ``words``; numbers, arrays and lists are refused.
 
     Raises
     ------
     ParameterError
-        If it is another.
+        If the value is not one of the words.
 
     Examples
     --------
@@ -402,12 +402,13 @@ name one.
 
 
 def need_instance(quantity: str, value: object, kinds: tuple[type, ...], remedy: str) -> None:
-    """Refuse what is not of one of these kinds: another model than a method is made for, or text.
+    """Refuse a value that is not an instance of one of these classes.
 
     Raises
     ------
     ParameterError
-        If it is not; the sentence names what was given by its type, or text as it was given.
+        If it is not an instance; the message names the type of the value, or quotes it if it is
+        text.
 
     Examples
     --------
@@ -424,26 +425,26 @@ class int or list; give a number or sites.
 
 
 def _shown(value: object) -> str:
-    """Return what is not a number in few characters and one line."""
+    """Return a short representation, on one line, of a value that is not a number."""
     return _in_one_line(repr(value), 60)
 
 
 def _in_one_line(text: str, most: int) -> str:
-    """Return a text without line breaks, cut where it is very long."""
+    """Return a text without line breaks, truncated to ``most`` characters."""
     text = " ".join(text.split())
     return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def end_time(quantity: str, value: float) -> float:
-    """Return the end time of a run: positive, at most 1e9.
+    """Return the end time of a simulation after checking that it is positive and at most 1e9.
 
-    Beyond, a time in double precision no longer tells the phase to a part in a million, and a run
-    takes days.
+    At larger times double precision does not resolve the phase to one part in a million, and a
+    simulation takes days.
 
     Raises
     ------
     ParameterError
-        If it is not in this range.
+        If the time is not in this range.
     """
     allowed = f"positive and at most {LATEST:g}"
     return _checked(quantity, value, allowed, "give such a time", lambda x: 0.0 < x <= LATEST)
@@ -456,7 +457,7 @@ def _checked(
     remedy: str,
     accept: Callable[[float], bool],
 ) -> float:
-    if isinstance(value, (str, bytes)):  # whoever only checks would go on with the text
+    if isinstance(value, (str, bytes)):  # a caller that only checks would continue with the text
         raise ParameterError(quantity, _shown(value), allowed, remedy)
     found = number(quantity, value, allowed, remedy)
     if not math.isfinite(found) or not accept(found):

@@ -1,29 +1,30 @@
-"""What every result can do: become JSON, a table, a picture, one line in a console.
+"""The base of all results, which can be converted to JSON and tables, drawn, and displayed.
 
 How to write a new result
 -------------------------
 1. Derive from `Result` and decorate with ``@dataclass(frozen=True, kw_only=True)``. Name the class
-   after what it is (`Front`, `Trajectory`); its fields are the value or values, ``error``,
-   ``status`` (an enum whose members carry their ``sentence``), ``method``, counts, ``seconds``.
-   What does not exist is ``None``, never NaN.
-2. A field's metadata say what the field is where that is not plain from its type. All are optional.
+   after the quantity (`Front`, `Trajectory`). Its fields are the value or values, ``error``,
+   ``status`` (an enum whose members carry a ``sentence``), ``method``, counts, and ``seconds``. A
+   value that does not exist is ``None``, never NaN.
+2. The metadata of a field describe its role where that does not follow from its type. All entries
+   are optional.
 
    ``json``
-       ``None`` leaves the field out of `Result.to_dict`, where its key is its name.
+       ``None`` excludes the field from `Result.to_dict`, where its key would be its name.
    ``dims``
-       Names of the dimensions of an array, as ``("t", "site")``. Fields that have them make the
-       result tabular: `Result.to_pandas` has one row for each index of the first dimension,
-       `Result.to_xarray` has them all.
+       Names of the dimensions of an array, such as ``("t", "site")``. Fields with dimensions make
+       the result tabular: `Result.to_pandas` has one row for each index of the first dimension,
+       and `Result.to_xarray` has all dimensions.
    ``axis``
-       Name of the dimension along which this one-dimensional array is the coordinate.
+       Name of the dimension for which this one-dimensional array is the coordinate.
 
-3. Properties that belong in the JSON object as well are named in the class variable ``derived``.
-4. A picture is a function in `fronts.pictures`, entered there under the name of the class; nothing
-   here imports a plotting library.
-5. Where dims do not fit (rows of varying kind), override `Result.columns`.
-6. Where the rows are the points of a curve, say so by ``is_curve = True``.
-7. Two results are equal where all fields but ``seconds`` are, arrays included; a field with
-   ``compare=False`` does not count.
+3. Properties that belong in the JSON object too are named in the class variable ``derived``.
+4. A picture is drawn by a function in `fronts.pictures`, registered there under the name of the
+   class; nothing in this module imports a plotting library.
+5. Where dimensions do not suffice (rows of different kinds), override `Result.columns`.
+6. If the rows are the points of a curve, set ``is_curve = True``.
+7. Two results are equal if all their fields except ``seconds`` are equal, arrays included; fields
+   with ``compare=False`` are ignored.
 
 Examples
 --------
@@ -63,17 +64,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PICTURES = "fronts.pictures"
-"""Module with ``draw(result, axes, **style)``; by name, since what draws stands above theory."""
+"""Module with ``draw(result, axes, **style)``; given by name, as ``theory`` cannot import it."""
 
 NOTEBOOK = "fronts.notebook"
-"""Module with ``as_html(result)``, by name for the same reason."""
+"""Module with ``as_html(result)``, given by name for the same reason."""
 
 _LONGEST = 60
-"""Characters of one value in a repr."""
+"""Largest number of characters of one value in a repr."""
 
 
 class Result:
-    """Base of every result of the toolkit; see the module for how to write one."""
+    """Base class of all results of the toolkit; the module describes how to write one."""
 
     __slots__ = ()
 
@@ -81,48 +82,48 @@ class Result:
     """Properties that `to_dict` lists after the fields."""
 
     in_rows: ClassVar[tuple[str, ...]] = ()
-    """Entries of `to_dict` that a row has where such a result is part of another; all if empty."""
+    """Entries of `to_dict` in the row of a result that contains this one; all if empty."""
 
     is_curve: ClassVar[bool] = False
-    """Whether a terminal and a notebook list its points, which are the rows of `columns`."""
+    """Whether the rows of `columns` are points of a curve, which terminal and notebook list."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        # A dataclass writes its own, a repr with every number of every array, and a comparison that
-        # fails at arrays, unless one stands here.
+        # Otherwise the dataclass would generate its own methods: a repr with every number of every
+        # array, and a comparison that fails for arrays.
         for name in ("__repr__", "__eq__", "__hash__"):
             if name not in cls.__dict__:
                 type.__setattr__(cls, name, getattr(Result, name))
 
     def __eq__(self, other: object) -> bool:
-        """Return whether all but the run time is the same, arrays number by number."""
+        """Return whether all fields except the run time are equal, arrays element by element."""
         if type(other) is not type(self):
             return NotImplemented
         return all(_same(getattr(self, name), getattr(other, name)) for name in _compared(self))
 
     def __hash__(self) -> int:
-        """Return a hash of the words in it, which equal results share."""
+        """Return a hash of the text fields, which are the same in equal results."""
         values = (getattr(self, name) for name in _compared(self))
         return hash((type(self), *(each for each in values if isinstance(each, str))))
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Units of entries of `to_dict` that have one, which a terminal shows beside them."""
+        """Units of the entries of `to_dict` that have one; a terminal shows them."""
         return {}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result as an object of JSON: numbers, strings, lists, dictionaries, ``None``.
+        """Return the result as a JSON object: numbers, strings, lists, dictionaries, ``None``.
 
         Returns
         -------
         dict
-            Arrays are lists, complex values pairs ``{"re": …, "im": …}``, enums their values; what
-            is not finite is ``None``.
+            Arrays become lists, complex numbers pairs ``{"re": …, "im": …}``, enums their values;
+            numbers that are not finite become ``None``.
 
         Raises
         ------
         TypeError
-            If a field holds what has no such form.
+            If a field has a value that JSON cannot represent.
         """
         listed = [each.name for each in _fields(self) if "json" not in each.metadata]
         return {name: plain(getattr(self, name)) for name in (*listed, *self.derived)}
@@ -133,8 +134,8 @@ class Result:
         Returns
         -------
         dict
-            Of a result that is part of this one the entries ``in_rows`` have its name before
-            theirs. What is a list or a mapping stays as it is.
+            For a result that is part of this one, the entries ``in_rows`` are included, with its
+            name as a prefix. Lists and mappings remain unchanged.
         """
         parts = self.parts()
         cells: dict[str, Any] = {}
@@ -147,11 +148,11 @@ class Result:
         return cells
 
     def rows(self) -> Iterable[Mapping[str, Any]]:
-        """Return the rows that it has among the points of a curve: one, unless it holds several."""
+        """Return the rows of this result as part of a curve: one, unless it contains several."""
         return [self.row()]
 
     def parts(self) -> dict[str, Result]:
-        """Return the entries of `to_dict` that are results themselves, by their keys there."""
+        """Return those fields that are results themselves, by name."""
         held = ((each.name, getattr(self, each.name)) for each in _fields(self))
         return {name: part for name, part in held if isinstance(part, Result)}
 
@@ -161,9 +162,9 @@ class Result:
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
-            Where to draw; by default new axes.
+            Axes in which to draw; by default new ones.
         **style
-            Passed on to the drawing, as in ``color="k"``.
+            Options passed on to Matplotlib, such as ``color="k"``.
 
         Returns
         -------
@@ -172,19 +173,20 @@ class Result:
         Raises
         ------
         TypeError
-            If there is no picture of such a result.
+            If results of this class cannot be drawn.
         """
         drawn: Axes = import_module(PICTURES).draw(self, axes, **style)
         return drawn
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns of the result as a table, each a one-dimensional array of one length.
+        """Return the result as a table: columns that are one-dimensional arrays of equal length.
 
         Returns
         -------
         dict of str to ndarray
-            One row for each index of the leading dimension. A field with a second dimension gives
-            one column for each of its indices, named after the coordinate there, or counted from 1.
+            There is one row for each index of the leading dimension. A field with a second
+            dimension gives one column for each of its indices, named after the coordinate, or
+            numbered from 1.
 
         Raises
         ------
@@ -206,7 +208,7 @@ class Result:
         return table
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return the result as a data frame of pandas, with the columns of `columns`.
+        """Return the result as a pandas data frame, with the columns of `columns`.
 
         Returns
         -------
@@ -224,7 +226,7 @@ class Result:
         return frame
 
     def to_xarray(self) -> xr.Dataset:
-        """Return the result as a dataset of xarray, with named dimensions and coordinates.
+        """Return the result as an xarray dataset, with named dimensions and coordinates.
 
         Returns
         -------
@@ -241,7 +243,7 @@ class Result:
         try:
             dims = _dimensions(self)
         except TypeError:
-            columns = self.columns()  # of its own, or refused in the same words
+            columns = self.columns()  # an override, or the same TypeError again
             listed: xr.Dataset = optional_package("xarray").Dataset(
                 {name: ("row", values) for name, values in columns.items()}
             )
@@ -267,12 +269,12 @@ class Result:
 
 
 def is_cell(value: object) -> bool:
-    """Return whether a value in the types of JSON is a number, a word or absent."""
+    """Return whether a JSON value is a number, a truth value, a string or None."""
     return value is None or isinstance(value, (bool, int, float, str))
 
 
 def plain(value: object) -> Any:
-    """Return a value in the types of JSON.
+    """Return a value converted to JSON types.
 
     Parameters
     ----------
@@ -283,12 +285,12 @@ def plain(value: object) -> Any:
     Returns
     -------
     object
-        Of ``dict``, ``list``, ``str``, ``int``, ``float`` (finite), ``bool``, ``None``.
+        A ``dict``, ``list``, ``str``, ``int``, ``float`` (finite), ``bool`` or ``None``.
 
     Raises
     ------
     TypeError
-        If there is no such form.
+        If the value cannot be converted.
 
     Examples
     --------
@@ -327,7 +329,7 @@ def _compared(result: Result) -> list[str]:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are the same, element by element; nan is nan."""
+    """Return whether two values are equal, element by element; NaN equals NaN."""
     if one is other:
         return True
     if hasattr(one, "__array__") and hasattr(other, "__array__"):
@@ -352,12 +354,12 @@ def _fields(result: Result) -> tuple[Field[Any], ...]:
 
 
 def shown_names(result: Result) -> list[str]:
-    """Return the names of what is shown: fields, but for those said to be left out, and derived."""
+    """Return the names that are shown: fields that have a repr, and derived properties."""
     return [each.name for each in _fields(result) if each.repr] + list(result.derived)
 
 
 def _dimensions(result: Result) -> dict[str, tuple[str, ...]]:
-    """Return, by field, the dimensions of its array."""
+    """Return the dimensions of the array in each field."""
     dims = {}
     for each in _fields(result):
         over = each.metadata.get("dims") or each.metadata.get("axis")
@@ -376,12 +378,12 @@ def _coordinate(result: Result, axis: str) -> Any:
 
 
 def optional_package(package: str) -> Any:
-    """Return a package of the extra ``tables``.
+    """Import and return a package of the extra ``tables``.
 
     Raises
     ------
     MissingPackageError
-        If it is not installed.
+        If the package is not installed.
     """
     try:
         return import_module(package)
@@ -390,7 +392,7 @@ def optional_package(package: str) -> Any:
 
 
 def summary(value: object) -> str:
-    """Return a value on one line: of an array or a collection how much it holds."""
+    """Return a value on one line; of an array or a long collection only its size is shown."""
     if isinstance(value, Enum):
         return str(value.value)
     if isinstance(value, float):
@@ -413,7 +415,7 @@ def summary(value: object) -> str:
 
 
 def records(value: object) -> Sequence[Any]:
-    """Return a dataclass, or several of one kind, as a sequence; nothing for any other value."""
+    """Return a dataclass, or several of one class, as a sequence; empty for any other value."""
     several = value if isinstance(value, (tuple, list)) else (value,)
     kinds = {type(each) for each in several}
     return several if len(kinds) == 1 and is_dataclass(kinds.pop()) else ()

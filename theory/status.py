@@ -1,4 +1,4 @@
-"""The base of enumerations whose members say in a sentence what they mean."""
+"""The base of enumerations whose members carry a sentence that explains them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from theory.parameters import ParameterError
 
 
 class _FoundByWord(EnumType):
-    """What makes a class of statuses: a list or an array is refused as another word is.
+    """Metaclass of statuses, which refuses a list or an array as it refuses an unknown word.
 
-    `enum` compares what cannot be hashed with each member, and an array has no single answer.
+    `enum` compares an unhashable value with each member, which is ambiguous for an array.
     """
 
     def __call__(cls, value: Any, *args: Any, **options: Any) -> Any:
@@ -22,15 +22,15 @@ class _FoundByWord(EnumType):
 
 
 class Status(StrEnum, metaclass=_FoundByWord):
-    """A word for JSON and files, and a sentence for people, on one member.
+    """An enumeration whose members have a word, for JSON and files, and a sentence for readers.
 
-    Members are written as a pair. The word alone finds the member; another word
-    is refused with a `ParameterError`.
+    Members are written as a pair. The word alone selects the member; an unknown word raises a
+    `ParameterError`.
 
     Attributes
     ----------
     sentence : str
-        What the member means, and where something can be done, what to do.
+        Meaning of the member and, where something can be done, advice.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""Compiled steppers: one method a file."""
+"""Compiled steppers, one method per file."""

@@ -1,7 +1,7 @@
-"""The active part of a chain, sites lo to hi, and what is beyond its two ends.
+"""The active part of a chain, sites lo to hi, and the boundary conditions at its two ends.
 
-Its state is one row (u, v) of length 2m, m = hi - lo: (y, ẏ) for (8), (Re φ, Im φ) for (43). One
-contiguous row is what compiled loops run through fastest.
+Its state is one row (u, v) of length 2m, m = hi - lo: (y, ẏ) for (8), (Re φ, Im φ) for (43).
+Compiled loops are fastest on a single contiguous row.
 """
 
 from __future__ import annotations
@@ -10,24 +10,24 @@ from theory.arrays import FloatArray
 from verification.execution.compiled import inner
 
 REST, FREE, RING, FOLLOWING, NETWORK = 0, 1, 2, 3, 4
-"""Beyond an end there is rest; nothing; the other end; or, on the left, a wave that goes on with
-φ = iφ of its neighbour. A network has no ends: what it takes in their place is the first active
-site and the number of all sites."""
+"""What lies beyond an end: rest; nothing; the other end; or, on the left, an unending wave whose φ
+is i times that of its right neighbour. A network has no ends; the two numbers that replace them are
+the first active site and the number of all sites."""
 
 
 @inner()
 def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tuple[int, int]:
-    """Return what is beyond the left and the right end.
+    """Return the codes of what lies beyond the left and the right end.
 
     Parameters
     ----------
     lo, hi, sites : int
-        First active site, last one + 1, all sites.
+        First active site, last one plus one, total number.
     first : int
-        What is beyond the first site of the chain: FREE, FOLLOWING or RING; on a ring all sites
-        are active. Or NETWORK.
+        What lies beyond the first site of the chain: FREE, FOLLOWING, NETWORK or, if all sites are
+        active, RING.
     following : bool
-        Whether a wave goes on to the left of lo > 0.
+        Whether the wave continues to the left of lo > 0.
     """
     if first == RING:
         return RING, RING
@@ -39,7 +39,7 @@ def end_codes(lo: int, hi: int, sites: int, first: int, following: bool) -> tupl
 
 @inner(error_model="numpy")
 def value_beyond(code: int, end: float, far: float, followed: float) -> float:
-    """Return the value beyond an end: of a free end itself, so that its coupling vanishes."""
+    """Return the value beyond an end; at a free end its own value, without coupling."""
     if code == FREE:
         return end
     if code == RING:
@@ -53,7 +53,7 @@ def value_beyond(code: int, end: float, far: float, followed: float) -> float:
 def neighbours_of_ends(
     u: FloatArray, left: int, right: int, followed: float
 ) -> tuple[float, float]:
-    """Return the sums of both neighbours of the first and of the last site, which may be one."""
+    """Return the sums of both neighbours of the first and of the last site (possibly the same)."""
     last = u.size - 1
     before = value_beyond(left, u[0], u[last], followed)
     beyond = value_beyond(right, u[last], u[0], followed)
@@ -68,7 +68,8 @@ def add_coupling(
 ) -> None:
     """Add factor (2u_n - u_{n-1} - u_{n+1}) to out, both of shape (m,).
 
-    Neighbours are added first, so that a mirror-symmetric state stays so to the last bit.
+    The neighbours are added first, so that a mirror-symmetric state stays symmetric to the last
+    bit.
     """
     last = u.size - 1
     near_first, near_last = neighbours_of_ends(u, left, right, followed)

@@ -1,17 +1,18 @@
-"""Real amplitudes of (43) behind one another by a quarter turn, with small disturbances, compiled.
+"""Real amplitudes of (43) with a quarter-turn phase step, and small disturbances, compiled.
 
 With φ_n = (-i)^n (r_n + i s_n) e^{icT}, r and s real, ρ = r/r_s and s small,
 
     ρ_n' = (c/2)(ρ_{n-1} - ρ_{n+1}) - ρ_n g(ρ_n),    g = ½(1 - r²/4 + η r⁴/8),   r = r_s ρ,
 
-the amplitudes on their own; their disturbances have d(ρg)/dρ in place of g, and s has g itself.
-In ρ, g = ½(1 - ρ²)(1 - ρ²/r(η)²) with the ratio r(η) of the two cycles, so that
+so that the amplitudes evolve independently; for their disturbances d(ρg)/dρ replaces g, and for s
+it is g itself. In terms of ρ, g = ½(1 - ρ²)(1 - ρ²/r(η)²), with r(η) the ratio of the two cycles,
+so that
 
     ∂ρ_n'/∂c = ½(ρ_{n-1} - ρ_{n+1}),    ∂ρ_n'/∂η = -(r'(η)/r(η)³) ρ_n³(1 - ρ_n²).
 
-Equal steps of DOP853, one row of sites for the amplitudes and one for each disturbance. The step of
-``runge_kutta`` turns each row of the tableau into code of its own, which for a right-hand side like
-this one takes four times as long to compile, and here is no faster.
+Equal steps of DOP853 are taken, with one row of sites for the amplitudes and one for each
+disturbance. The step of ``runge_kutta``, which turns each row of the tableau into code of its own,
+would take four times as long to compile for this right-hand side, and is no faster here.
 
 References
 ----------
@@ -62,14 +63,14 @@ def rate(rho: FloatArray, chain: Amplitudes) -> FloatArray:
 
 
 def weights(chain: Amplitudes, along: Parameter) -> tuple[float, float]:
-    """Return those of ½(ρ_{n-1} - ρ_{n+1}) and of ρ_n³(1 - ρ_n²) in ∂ρ_n'/∂c or ∂ρ_n'/∂η."""
+    """Return the weights of ½(ρ_{n-1} - ρ_{n+1}) and of ρ_n³(1 - ρ_n²) in ∂ρ_n'/∂c or ∂ρ_n'/∂η."""
     if along == "c":
         return 1.0, 0.0
     return 0.0, -threshold_ratio_slope(chain.eta) / threshold_ratio(chain.eta) ** 3
 
 
 def rate_by(rho: FloatArray, chain: Amplitudes, along: Parameter) -> FloatArray:
-    """Return the derivative of ρ' by c or by η, shape (N,)."""
+    """Return the derivative of ρ' with respect to c or η, shape (N,)."""
     of_spring, of_damping = weights(chain, along)
     whole = np.concatenate([[1.0], rho, [0.0]])
     spring = 0.5 * (whole[:-2] - whole[2:])
@@ -93,28 +94,28 @@ def with_disturbances(
     phases: bool = False,
     along: Parameter = "c",
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the amplitudes after a time, their derivative by c or η, and how disturbances grow.
+    """Return the amplitudes after a time, their derivative by c or η, and the disturbances.
 
     Parameters
     ----------
     rho : ndarray, shape (N,)
-        Amplitudes over r_s.
+        Amplitudes divided by r_s.
     chain : Amplitudes
         Parameters.
     time : float
-        In units of slow time.
+        Time in units of slow time.
     steps : int
         Number of equal steps.
     phases : bool, optional
-        Disturbances s of the phases in place of those of the amplitudes.
+        Compute disturbances s of the phases instead of those of the amplitudes.
     along : {"c", "eta"}, optional
-        What the derivative is by.
+        The parameter of the derivative.
 
     Returns
     -------
     tuple of ndarray, shapes (N,), (N,), (N, N)
-        In a time t a disturbance reaches d sites with (ct/2)^d/d! of its size. One row carries
-        those of all sites that are too far apart to meet.
+        In a time t a disturbance reaches sites at distance d with (ct/2)^d/d! of its size.
+        Disturbances of sites that are too far apart to overlap share one row.
     """
     sites = rho.size
     width = min(2 * _reach(0.5 * chain.c * time) + 1, sites)
@@ -131,7 +132,7 @@ def with_disturbances(
 
 
 def _reach(half: float) -> int:
-    """Return d beyond which half^d/d! is below 1e-19."""
+    """Return the d beyond which half^d/d! is below 1e-19."""
     far, term = 1, half
     while term > 1e-19 or far < half:
         far += 1
@@ -148,7 +149,7 @@ def _slopes(
     damping: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Put the derivatives into ``out``: amplitudes, theirs by a parameter, disturbances."""
+    """Put the derivatives into ``out``: amplitudes, their c- or η-derivative, disturbances."""
     rows, sites = x.shape
     half, last = 0.5 * chain.c, sites - 1
     for n in range(sites):
@@ -202,5 +203,5 @@ def _advance(
 
 
 def steps_in(time: float, largest_rate: float, step: float) -> int:
-    """Return the number of equal steps no longer than ``step`` over the largest rate."""
+    """Return the number of equal steps of length at most ``step`` over the largest rate."""
     return max(4, math.ceil(time * largest_rate / step - 1e-9))

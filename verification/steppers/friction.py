@@ -1,37 +1,41 @@
-"""The friction chain (5) from event to event, each site with a Taylor series of its own.
+"""The friction chain (5) from event to event, with a separate Taylor series for each site.
 
-A site is in exactly one mode: stick (ẏ = v_d exactly), slip backwards (ẏ < v_d, s = -1), or slip
-forwards (ẏ > v_d, s = +1). Its mode changes at events:
+A site is always in exactly one mode: stick (ẏ = v_d exactly), slip backwards (ẏ < v_d, s = -1), or
+slip forwards (ẏ > v_d, s = +1). Its mode changes at events:
 
 * slip: w = ẏ - v_d reaches 0. Stick begins if the static force G = 2ξv_d + y + c(…) is within
-  ±μ_st; if it is beyond on the far side the site slips on with the other sign (reversal);
+  ±μ_st; if it is beyond the limit on the far side, the site continues to slip with the opposite
+  sign (reversal);
 * stick: G leaves [-μ_st, μ_st]; the site is released with ẇ = 0 and slips against G.
 
-Both are first roots of polynomials, found to round-off. All events within a few units of round-off
-of the first are taken together; whether a site sticks depends on positions alone, so their order
-does not matter. All quantities are dimensionless.
+Both are first roots of polynomials, found to within round-off. All events within a few units of
+round-off of the first one are processed together; since only positions decide whether a site
+sticks, their order does not matter. All quantities are dimensionless.
 
-Time goes in frames. At the beginning of a frame every site gets a new series. When a site changes
-its mode, or its series expires before the frame does, new series are made for it and for d
-neighbours on either side; all other sites keep theirs, which enter the new ones shifted in time.
+Time is divided into frames. At the beginning of a frame every site gets a new series. When a site
+changes its mode, or its series expires before the end of the frame, new series are made for it and
+for d neighbours on either side. All other sites keep their series, which enter the new ones shifted
+in time.
 
-What is neglected there. Let the series of site 0 be replaced, and let τ be the time left in the
-frame. Up to its end the acceleration of site 0 differs from that of its old series by at most J,
-which is read from the coefficients of both series. While modes are kept, the difference δ of the
-others from their old series grows no faster than the solution z of
+The error of this truncation is bounded as follows. Let the series of site 0 be replaced, and let τ
+be the time left in the frame. Until its end, the acceleration of site 0 differs from that of its
+old series by at most J, which is obtained from the coefficients of both series. As long as no mode
+changes, the difference δ of the other sites from their old series grows no faster than the solution
+z of
 
     z̈_m = Lż_m + (1 + 2c)z_m + c(z_{m-1} + z_{m+1}) + Jδ_{m0},   z = ż = 0 at first,
 
-with L the Lipschitz constant of friction and damping, since all its terms are positive. With
-q = s² - Ls - (1 + 2c) its Laplace transform is (J/s) Σ_k C(m + 2k, k) c^{m+2k} / q^{m+2k+1}, and
-the inverse of 1/(s q^j) is at most e^{λτ} τ^{2j}/(2j)!, where λ is the positive root of q. The sum
-over k is at most cosh(cτ²) times its first term, so that
+with L the Lipschitz constant of friction and damping, since all terms of this equation are
+positive. With q = s² - Ls - (1 + 2c) its Laplace transform is (J/s) Σ_k C(m + 2k, k) c^{m+2k} /
+q^{m+2k+1}, and the inverse transform of 1/(s q^j) is at most e^{λτ} τ^{2j}/(2j)!, where λ is the
+positive root of q. The sum over k is at most cosh(cτ²) times its first term, so that
 
     |δ_m| ≤ J e^{λτ} cosh(cτ²) c^m τ^{2m+2}/(2m + 2)!
 
-Sites up to d are given new series. So what is computed solves (5) exactly but for a force at site
-d + 1 of at most c|δ_d|, and d is the smallest number for which this is a hundredth of the
-tolerance. If there is none up to the order, the frame ends at the event and all sites begin anew.
+New series are made for sites up to distance d. The computed motion is therefore an exact solution
+of (5) with an additional force of at most c|δ_d| at site d + 1, and d is the smallest number for
+which this force is below a hundredth of the tolerance. If no d up to the order is sufficient, the
+frame ends at the event and all sites get new series.
 """
 
 from __future__ import annotations
@@ -99,10 +103,10 @@ REACHED, TOO_SHORT, NOT_FINITE, BUDGET = (
 )
 
 LO, HI, SAMPLED, FRAMES, SITE_FRAMES, LOGGED, STANDING, LOCAL = 0, 1, 2, 3, 4, 5, 6, 7
-"""Places in ``counters``; the number of events of each kind follows from ``KINDS`` on.
+"""Indices into ``counters``; the number of events of each kind follows from ``KINDS`` on.
 
-Sites LO … HI - 1 are stepped; SAMPLED and LOGGED are rows filled; SITE_FRAMES and LOCAL are series
-begun with a frame and within one; STANDING is how often time has stood still."""
+Sites LO … HI - 1 are stepped. SAMPLED and LOGGED are numbers of rows filled; SITE_FRAMES and LOCAL
+count series started with a frame and within one; STANDING counts how often time did not advance."""
 
 KINDS = 8
 MARGIN = 8
@@ -112,23 +116,24 @@ _NEGLECTED = 0.01
 
 
 class Run(NamedTuple):
-    """A run of (5) in progress; changed in place, and valid between frames.
+    """A run of (5) in progress; it is changed in place and is consistent between frames.
 
     Attributes
     ----------
     numbers, law, site, mode, series, room
-        See ``friction_series``; ``series`` and ``room`` hold nothing between frames.
+        See ``friction_series``; ``series`` and ``room`` contain nothing of use between frames.
     counters : ndarray of int, shape (11,)
-        See ``LO`` and the names after it.
+        See ``LO`` and the names following it.
     queue : ndarray, shape (2 P,)
-        Tournament tree: leaf P + n has the time at which site n is due, for an event or because
-        its series expires before the frame does; each node the earlier of the two below it.
+        Tournament tree: leaf P + n holds the time at which site n is due, because of an event or
+        because its series expires before the frame ends; each node holds the earlier of its two
+        children.
     times : ndarray, shape (M,)
-        Where samples are required, ascending.
+        Times at which samples are required, ascending.
     samples : ndarray, shape (M, 3, N)
         (y, w, half of the last maximum minus the last minimum); filled as times are passed.
     log : ndarray, shape (K, 3)
-        Time, site, kind of the first K events.
+        Time, site and kind of the first K events.
     """
 
     numbers: FloatArray
@@ -154,7 +159,7 @@ def new_run(
     logged: int,
     order: int,
 ) -> Run:
-    """Return a run that begins; with w = 0 a site sticks if it can be held.
+    """Return a new run; a site with w = 0 sticks if static friction can hold it.
 
     Parameters
     ----------
@@ -165,11 +170,11 @@ def new_run(
     start : ndarray, shape (2, N)
         y and ẏ.
     own : ndarray, shape (N,)
-        Number of neighbours to which a site is coupled: 2, and 1 or 0 at free ends.
+        Number of neighbours to which a site is coupled: 2, or 1 or 0 at free ends.
     times : ndarray, shape (M,)
-        Where samples are required, ascending.
+        Times at which samples are required, ascending.
     logged : int
-        Events that are kept.
+        Number of events that are recorded.
     order : int
         Order of the series.
     """  # fmt: skip
@@ -203,7 +208,7 @@ def new_run(
 
 
 def advance(run: Run, stop: float, max_steps: int) -> int:
-    """Go on until ``stop``; return a ``StopCode``.
+    """Advance until ``stop``; return a ``StopCode``.
 
     Parameters
     ----------
@@ -212,18 +217,19 @@ def advance(run: Run, stop: float, max_steps: int) -> int:
     stop : float
         Time to reach.
     max_steps : int
-        Frames after which to return. A run that goes on from there is the same to the last bit.
+        Number of frames after which to return. A run continued from there is the same to the last
+        bit.
     """
     arrival = run.site[ARRIVAL, 1:-1]
     arrival[(run.mode[MODE, 1:-1] == 0) & np.isnan(arrival)] = run.numbers[CLOCK]
     run.series[Y, 0], run.series[W, 0] = run.site[Y], run.site[W]
-    # For a whole number all of it would be compiled once more: four seconds.
+    # An integer argument would make numba compile everything once more, which takes four seconds.
     return int(_advance(run, float(stop), max_steps))
 
 
 @outer
 def _advance(run: Run, stop: float, max_steps: int) -> int:
-    """Take frames until the time to reach, or a reason to return before; return a ``StopCode``."""
+    """Take frames until ``stop`` or until there is a reason to return; return a ``StopCode``."""
     counters, numbers = run.counters, run.numbers
     last = counters[FRAMES] + max_steps
     while True:
@@ -245,9 +251,9 @@ def _advance(run: Run, stop: float, max_steps: int) -> int:
 
 @inner
 def _frame(run: Run, longest: float) -> float:
-    """Give all sites new series, go through the events; return when the frame ends.
+    """Give all sites new series and process the events; return the time at which the frame ends.
 
-    -1 if time stands still, nan if a series is not finite.
+    The result is -1 if time does not advance, nan if a series is not finite.
     """
     numbers, counters, queue, mode = run.numbers, run.counters, run.queue, run.mode
     queue[:] = math.inf
@@ -262,7 +268,7 @@ def _frame(run: Run, longest: float) -> float:
         needed = change
         for i in range(due):
             needed = max(needed, 2.0 * _rate(run.series[W], mode[DUE, i], length - now))
-        if needed > change:  # the new series asks for more neighbours
+        if needed > change:  # the new series requires more neighbours
             change = 2.0 * needed
         else:
             following = queue[1]
@@ -283,7 +289,7 @@ def _frame(run: Run, longest: float) -> float:
 
 @inner
 def _frame_length(ends: FloatArray, longest: float) -> float:
-    """Return a length so that a sixteenth of the series at most expire before it."""
+    """Return a frame length before which at most a sixteenth of the series expire."""
     length = longest
     for n in range(ends.size):
         length = min(length, ends[n])
@@ -299,9 +305,9 @@ def _frame_length(ends: FloatArray, longest: float) -> float:
 
 @inner
 def _expanded(run: Run, lo: int, hi: int) -> bool:
-    """Give sites lo … hi - 1 series from their states; return whether all are finite.
+    """Make series of sites lo … hi - 1 from their states; return whether all are finite.
 
-    END is how long each holds, by its last terms.
+    END is set to the duration for which each holds, according to its last terms.
     """
     series, site = run.series, run.site
     for n in range(lo, hi):
@@ -317,10 +323,10 @@ def _expanded(run: Run, lo: int, hi: int) -> bool:
 
 @inner
 def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
-    """Set until when new series hold and find their events; return whether time goes on.
+    """Set the validity of new series and find their events; return whether time advances.
 
-    What decides when a site in stick leaves it are the series of its neighbours, and a site next
-    to one that has kept its series is computed from that: neither holds for longer than those.
+    When a site in stick is released depends on the series of its neighbours, and a site next to one
+    that has kept its series is computed from that series; neither is valid for longer than those.
     """
     site, mode, series, numbers = run.site, run.mode, run.series, run.numbers
     goes_on = True
@@ -345,7 +351,7 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     absolute_sums(series[W], site, lo, hi)
     for n in range(lo, hi):
         site[EVENT, n] = math.inf
-        if not site[SUM, n] < mode[MODE, n] * series[W, 0, n]:  # as ``first_root`` asks
+        if not site[SUM, n] < mode[MODE, n] * series[W, 0, n]:  # as ``first_root`` requires
             site[EVENT, n] = now + _first_event(run, n, site[STEP, n])
         expires = site[END, n] if site[END, n] < length else math.inf
         run.queue[run.queue.size // 2 + n] = min(site[EVENT, n], expires)
@@ -354,9 +360,9 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
 
 @inner
 def _first_event(run: Run, n: int, h: float) -> float:
-    """Return how long after its series begins site n has its first event; inf if not within h.
+    """Return the time from the start of its series to the first event of site n; inf if beyond h.
 
-    A site in slip has one function of time to watch, a site in stick one on either side.
+    A site in slip has one function of time to be monitored, a site in stick one for each limit.
     """
     p, series, f = run.numbers, run.series, run.room[POLYNOMIAL]
     order, mode = series.shape[1] - 1, run.mode[MODE, n]
@@ -377,11 +383,11 @@ def _first_event(run: Run, n: int, h: float) -> float:
 
 @inner
 def _next_due(queue: FloatArray, n: int, until: float) -> int:
-    """Return the first site from n on that is due by a time; -1 if there is none."""
+    """Return the first site from n on that is due by a given time; -1 if there is none."""
     leaves = queue.size // 2
     node = leaves + n
     while not queue[node] <= until:
-        while node % 2 == 1:  # the right one of its pair: on to the right of both
+        while node % 2 == 1:  # the right child: continue to the right of both
             node //= 2
         if node == 0:
             return -1
@@ -393,7 +399,7 @@ def _next_due(queue: FloatArray, n: int, until: float) -> int:
 
 @inner
 def _rate(w: FloatArray, n: int, h: float) -> float:
-    """Return a bound on |ẇ| of site n up to a time h after its series begins."""
+    """Return a bound on |ẇ| of site n up to a time h after the beginning of its series."""
     rate = 0.0
     for k in range(w.shape[0] - 1, 0, -1):
         rate = rate * h + k * abs(w[k, n])
@@ -402,7 +408,7 @@ def _rate(w: FloatArray, n: int, h: float) -> float:
 
 @inner
 def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
-    """Return d of the module's docstring for J = ``change`` and τ = h; -1 if there is none."""
+    """Return the d of the module docstring for J = ``change`` and τ = h; -1 if there is none."""
     growth = p[DRAG] + p[STEEPEST]
     growth = 0.5 * growth + math.sqrt(0.25 * growth * growth + 1.0 + 2.0 * p[C])
     x = p[C] * h * h
@@ -420,8 +426,8 @@ def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
 def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
     """Give new modes to the sites that have an event now; return how many sites are due, and J.
 
-    DUE has the sites that are, because of an event or because their series expires. J counts the
-    old series, and for the new ones what they have at once: a change of the friction force.
+    DUE lists the sites that are due because of an event or because their series expires. J includes
+    the old series and the immediate part of the new ones: a change of the friction force.
     """
     site, due = run.site, run.mode[DUE]
     until = now + _TOGETHER * max(now, abs(run.numbers[CLOCK]))
@@ -444,7 +450,7 @@ def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
 
 @inner
 def _switch(run: Run, n: int, time: float) -> None:
-    """Give site n its new mode at an event, and count the event; a graze is none."""
+    """Give site n its new mode at an event, and count the event; grazing is not an event."""
     site, mode, p, counters = run.site, run.mode, run.numbers, run.counters
     bend = site[OWN, n] * site[Y, n] - (site[Y, n - 1] + site[Y, n + 1])
     force = 2.0 * p[XI] * p[V_D] + site[Y, n] + p[C] * bend
@@ -473,10 +479,10 @@ def _switch(run: Run, n: int, time: float) -> None:
 
 @inner
 def _ranges(run: Run, due: int, radius: int) -> int:
-    """Put the ranges within a radius of the sites that are due into FIRST and BEYOND; count them.
+    """Put the ranges within a radius of the due sites into FIRST and BEYOND; return their number.
 
-    Ranges of sites that touch are one; between two ranges there is a site that keeps its series,
-    so that their order does not matter.
+    Touching ranges are merged; between two ranges there is a site that keeps its series, so that
+    the order of the ranges does not matter.
     """
     mode, count = run.mode, 0
     for i in range(due):
@@ -494,10 +500,10 @@ def _ranges(run: Run, due: int, radius: int) -> int:
 
 @inner
 def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
-    """Give sites lo … hi - 1 new series now, from the series of the sites beside them.
+    """Give sites lo … hi - 1 new series now, using the series of the sites beside them.
 
-    Returns the length of the frame; 0 if time stands still, nan if a series is not finite. A
-    negative ``length`` asks for one, of the opposite at most.
+    Returns the length of the frame; 0 if time does not advance, nan if a series is not finite. With
+    a negative ``length``, the frame length is determined here and is at most its absolute value.
     """
     y, site, room, queue = run.series[Y], run.site, run.room, run.queue
     for n in range(lo, hi):
@@ -528,7 +534,7 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
 
 @inner
 def _bring(run: Run, n: int, now: float) -> None:
-    """Take the state of site n, and what is sampled of it, up to a time; its series stays."""
+    """Advance the state of site n and what is sampled of it to a given time; its series is kept."""
     site, series = run.site, run.series
     start = site[START, n]
     h = now - start
@@ -551,9 +557,10 @@ def _bring(run: Run, n: int, now: float) -> None:
 
 @inner
 def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int]:
-    """Return when, after a time and by h, y of site n turns next, and 0 for a maximum or 1.
+    """Return the time in (after, h] at which y of site n next turns, and 0 for a maximum or 1.
 
-    Times count from the beginning of the series. A site that begins at rest does not turn there.
+    Times are measured from the beginning of the series. A site that starts at rest does not turn
+    there.
     """
     w, f, v_d = run.series[W], run.room[POLYNOMIAL], run.numbers[V_D]
     if after == 0.0 and absolute_sum(w, n, h) < abs(w[0, n] + v_d):
@@ -571,7 +578,7 @@ def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int
 
 @inner
 def _sample(run: Run, n: int, begin: float, end: float) -> None:
-    """Sample site n at the times required from begin to end."""
+    """Sample site n at the required times from begin to end."""
     site, series, times = run.site, run.series, run.times
     i = run.counters[SAMPLED]
     while i < times.size:
@@ -588,7 +595,7 @@ def _sample(run: Run, n: int, begin: float, end: float) -> None:
 
 @inner
 def _finish(run: Run, end: float) -> None:
-    """Take all sites to the end of the frame: those that are sampled or may turn one by one."""
+    """Advance all sites to the end of the frame, one by one if sampled or about to turn."""
     site, mode, times, lo, hi = run.site, run.mode, run.times, run.counters[LO], run.counters[HI]
     series, i = run.series, run.counters[SAMPLED]
     sampled = i < times.size and not max(0.0, times[i] - run.numbers[CLOCK]) > end

@@ -1,6 +1,6 @@
-"""One slip phase of one cell (Eq. 5 at c = 0), from a given state to a turning point or a touch.
+"""One slip phase of one cell (Eq. 5 at c = 0), from a given state to its end condition.
 
-The phase is continued smoothly beyond ẏ = v_d (the exponential keeps growing), so that "the
+The phase is continued smoothly beyond ẏ = v_d (the exponential continues to grow), so that "the
 largest velocity after release" is a smooth function of the parameters even where the cycle ends.
 """
 
@@ -32,15 +32,15 @@ from verification.steppers.friction_series import (
 )
 
 HIGHEST, LOWEST, TOUCH, FASTEST, SLOWEST = 0, 1, 2, 3, 4
-"""Where a phase ends: ẏ falls through 0; ẏ rises through 0; ẏ rises to v_d; ẏ stops rising; ẏ
-stops falling. With y, w and v_d reversed in sign it is a phase of slip forwards."""
+"""Ends of a phase: ẏ falls through 0; ẏ rises through 0; ẏ rises to v_d; ẏ stops rising; ẏ stops
+falling. With the signs of y, w and v_d reversed it is a phase of forward slip."""
 
 FAILED = -1.0
 """Time returned if the end is not reached."""
 
 
 class Phase(NamedTuple):
-    """What a phase of slip is computed from.
+    """Specification of a slip phase.
 
     Attributes
     ----------
@@ -51,11 +51,11 @@ class Phase(NamedTuple):
     room : ndarray
         ``friction_series.new_room``.
     released : bool
-        Whether stick ends at τ = 0: there ẇ is what friction falls by, 0 where it is continuous.
+        Whether stick ends at τ = 0: ẇ then equals the drop of the friction force, 0 if continuous.
     end : int
         HIGHEST, LOWEST, TOUCH, FASTEST or SLOWEST.
     longest : float
-        Time at which to give up.
+        Time after which the search is abandoned.
     """
 
     numbers: FloatArray
@@ -67,14 +67,14 @@ class Phase(NamedTuple):
 
 
 def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
-    """Return τ, y and w = ẏ - v_d where a backward slip phase first fulfils its end.
+    """Return τ, y and w = ẏ - v_d where a backward slip phase first meets its end condition.
 
     Parameters
     ----------
     phase : Phase
         The phase.
     y, w : float
-        State at τ = 0, which does not count as an end itself.
+        State at τ = 0, which does not itself count as an end.
     """
     found = np.array([0.0, y, w])
     _follow(phase, found)
@@ -90,9 +90,9 @@ def _follow(phase: Phase, found: FloatArray) -> None:
     series, site = np.zeros((3 + len(law), order + 1, 3)), np.zeros((11, 3))
     mode = np.zeros((6, 3), dtype=np.int64)
     mode[MODE, 1], mode[RELEASED, 1] = -1, 1 if phase.released else 0
-    last = series.shape[2] - 1  # not written as constants, for which numba would compile anew
+    last = series.shape[2] - 1  # not constants, for which numba would compile separately
     t = 0.0
-    armed = False  # f has been positive, or is positive just after the start
+    armed = False  # whether f has been positive, or is positive just after the start
     while t < longest:
         series[Y, 0, 1], series[W, 0, 1] = found[1], found[2]
         expand(series, site, mode, numbers, law, last - 1, last)
@@ -123,7 +123,7 @@ def _follow(phase: Phase, found: FloatArray) -> None:
 
 @inner
 def _watched(w: FloatArray, v_d: float, end: int, f: FloatArray) -> int:
-    """Put into f what goes from positive to negative at the end of a phase; return its degree."""
+    """Put the function that changes sign from + to - at the end into f; return its degree."""
     degree = int(w.shape[0]) - 1
     sign = -1.0 if end in (LOWEST, TOUCH, SLOWEST) else 1.0
     if end in (FASTEST, SLOWEST):

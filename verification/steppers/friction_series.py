@@ -1,33 +1,35 @@
 """Taylor coefficients in time of the friction chain (5), and the first root of a polynomial.
 
-While no site changes its mode (5) is smooth, with E, which falls with speed, as a third unknown:
+As long as no site changes its mode, (5) is smooth. E, which decreases with speed, is a third
+unknown:
 
     w = ẏ - v_d,  ẏ = w + v_d,  s = sgn(w) fixed;   in stick ẇ = 0;   in slip
     ẇ = -s(μ_d + ΔE) - κw - 2ξ(w + v_d) - y - c(…),
     E = e^{-sw/v₀},  Ė = -(s/v₀) ẇ E   or, under Stribeck's law,   E = e^{-q/v_s²},  q = w².
 
-Δ is μ_st - μ_d; under Coulomb's law it is 0, and ẇ jumps by s(μ_st - μ_d) when stick ends.
+Δ is μ_st - μ_d; under Coulomb's law it is 0, and ẇ jumps by s(μ_st - μ_d) at the end of stick.
 
-w is stepped and not ẏ, so that it keeps all its digits near stick. All quantities are
-dimensionless.
+The variable integrated is w and not ẏ, so that it retains all its digits near stick. All quantities
+are dimensionless.
 
-Compiled functions get few arrays of many rows, since numba's time to compile a function grows with
-the number of arrays that it is given. Site n, from 1 to N, is column n; columns 0 and N + 1 are the
-neighbours that the end sites do not have, and stay zero.
+Compiled functions receive few arrays of many rows, since numba's compile time grows with the number
+of arrays passed. Site n, from 1 to N, is column n; columns 0 and N + 1 stand for the missing
+neighbours of the end sites and remain zero.
 
-Stribeck's law is known by its type when functions are compiled, so that it costs the others
-nothing: ``law`` is () or (v_s,).
+Stribeck's law is recognised by type when functions are compiled, so that it costs nothing under the
+other laws: ``law`` is () or (v_s,).
 
 ``numbers``, shape (14,)
-    Parameters, and what else is one number; places ``MU_ST`` and the names after it.
+    Parameters and other scalars, at the indices ``MU_ST`` and following.
 ``series``, shape (3 + len(law), order + 1, N + 2)
-    Taylor coefficients of y and w, and room for those of E and q.
+    Taylor coefficients of y and w, and work space for those of E and q.
 ``site``, shape (11, N + 2)
-    Rows ``Y`` and the names after it.
+    Rows with the indices ``Y`` and following.
 ``mode``, shape (6, N + 2)
-    Whole numbers, rows ``MODE`` and the names after it.
+    Whole numbers, in rows with the indices ``MODE`` and following.
 ``room``, shape (order + 54, order + 1)
-    A polynomial, two kept columns, a table of binomial coefficients, and work rows.
+    Work space: a polynomial, two columns that are kept, a table of binomial coefficients, work
+    rows.
 """
 
 from __future__ import annotations
@@ -46,28 +48,29 @@ from verification.execution import compiled
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 MU_ST, MU_D, V0, XI, V_D, C = 0, 1, 2, 3, 4, 5
-"""Places in ``numbers``: the parameters of (5)."""
+"""Indices into ``numbers``: the parameters of (5)."""
 
 TOLERANCE, REST, SLIDING, CLOCK = 6, 7, 8, 9
-"""Local error; how near to steady sliding is at rest, and y there; time."""
+"""Local error; distance from steady sliding within which a site is at rest; y of steady sliding;
+time."""
 
 DROP, DRAG, STEEPEST, JUMP = 10, 11, 12, 13
-"""Δ; 2ξ + κ; the largest slope of ΔE; by how much friction falls at once when stick ends."""
+"""Δ; 2ξ + κ; the largest slope of ΔE; the sudden decrease of friction at the end of stick."""
 
 Y, W, E, Q = 0, 1, 2, 3
-"""Quantities in ``series``; the first two are rows of ``site`` as well."""
+"""Quantities in ``series``; the first two are also rows of ``site``."""
 
 OWN, SIGN, BEND, START, END, EVENT, ARRIVAL, HIGHEST, LOWEST = 2, 3, 4, 5, 6, 7, 8, 9, 10
-"""Rows of ``site``: number of neighbours coupled to; direction of slip and coupling term (room);
-from when to when its series holds, and when it has its next event, within the frame; time of the
-first stick; last maximum and minimum of y."""
+"""Rows of ``site``: number of coupled neighbours; direction of slip and coupling term (work space);
+within the frame, the times from which and until which its series holds, and of its next event; time
+of the first stick; last maximum and minimum of y."""
 
 STEP, SUM = SIGN, BEND
-"""The same two rows, as room for a time after the series begins and for what they are by then."""
+"""The same two rows, used for a time after the beginning of the series and for the values then."""
 
 MODE, RELEASED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4
-"""Rows of ``mode``: 0 in stick, else the sign of w; whether stick has ended at this very time;
-room for the sites that are due and for ranges of sites."""
+"""Rows of ``mode``: 0 in stick, otherwise the sign of w; whether stick has ended at this very time;
+work space for the sites that are due and for ranges of sites."""
 
 POLYNOMIAL, KEPT, BINOMIALS = 0, 1, 3
 """Rows of ``room``; the work rows follow the binomial coefficients."""
@@ -77,26 +80,26 @@ _LOOKS = 16
 
 
 inner = compiled.inner(error_model="numpy", **compiled.UNCOUNTED)
-"""Compile what only compiled functions call."""
+"""Decorator for functions that are called by compiled functions only."""
 
 vectorised = compiled.inner(error_model="numpy", fastmath={"contract"}, **compiled.UNCOUNTED)
-"""Compile as ``inner`` does, with products and sums contracted."""
+"""Decorator like ``inner``, with products and sums contracted."""
 
 
 outer = compiled.outer(unrolled=False, cache=True, error_model="numpy", **compiled.UNCOUNTED)
-"""Compile what Python calls."""
+"""Decorator for functions that are called from Python."""
 
 
 Law = tuple[float, ...]
 
 
 def law_of(cell: FrictionCell) -> Law:
-    """Return (v_s,) under Stribeck's law, else ()."""
+    """Return (v_s,) under Stribeck's law, otherwise ()."""
     return (cell.v_s,) if cell.law is FrictionLaw.STRIBECK else ()
 
 
 def taylor_order(tolerance: float) -> int:
-    """Return the order that costs least for a tolerance, found by measurement.
+    """Return the cheapest order for a tolerance, as determined by measurement.
 
     Examples
     --------
@@ -136,8 +139,8 @@ def expand(
 ) -> None:
     """Fill the coefficients 1 … order of the sites lo … hi - 1 from those of order 0.
 
-    The columns beside them have to hold the series of the neighbours about the same time. The sum
-    of both neighbours keeps a mirror-symmetric chain symmetric to the last bit.
+    The columns beside them must contain the series of the neighbours about the same time. The sum
+    of both neighbours is formed first, which keeps a mirror-symmetric chain symmetric.
     """
     order, c, drag = series.shape[1] - 1, numbers[C], numbers[DRAG]
     drop, v0 = numbers[DROP], numbers[V0]
@@ -201,7 +204,7 @@ def _expand_gaussian(series: FloatArray, lo: int, hi: int, k: int, v_s: float) -
 
 @inner
 def shift(P: FloatArray, column: int, x: float, out: FloatArray) -> None:
-    """Put the coefficients of a series about a time x after its own into out: a Taylor shift."""
+    """Put the coefficients of a series about a time later by x into out: a Taylor shift."""
     order = P.shape[0] - 1
     for k in range(order + 1):
         out[k] = P[k, column]
@@ -212,7 +215,7 @@ def shift(P: FloatArray, column: int, x: float, out: FloatArray) -> None:
 
 @inner
 def site_value(P: FloatArray, n: int, h: float) -> float:
-    """Return the value of site n a time h after its series begins."""
+    """Return the value of site n at a time h after the beginning of its series."""
     value = P[P.shape[0] - 1, n]
     for k in range(P.shape[0] - 2, -1, -1):
         value = value * h + P[k, n]
@@ -221,7 +224,7 @@ def site_value(P: FloatArray, n: int, h: float) -> float:
 
 @inner
 def site_values(P: FloatArray, site: FloatArray, lo: int, hi: int) -> None:
-    """Put the values of the sites lo … hi - 1 at their own times STEP into SUM, all at once."""
+    """Put the values of the sites lo … hi - 1 at their own times STEP into SUM, vectorised."""
     h, value = site[STEP, lo:hi], site[SUM, lo:hi]
     for n in range(hi - lo):
         value[n] = P[P.shape[0] - 1, lo + n]
@@ -242,9 +245,9 @@ def value_at(f: FloatArray, degree: int, h: float) -> float:
 
 @inner
 def term_length(series: FloatArray, n: int, tolerance: float) -> float:
-    """Return h at which the last two terms of y and w are within the tolerance; nan if not finite.
+    """Return h at which the last two terms of y and w equal the tolerance; nan if not finite.
 
-    See :func:`resolved` for what the last two terms cannot see.
+    See :func:`resolved` for what the last two terms do not show.
     """
     order, h = series.shape[1] - 1, math.inf
     for k in (order - 1, order):
@@ -260,24 +263,25 @@ def term_length(series: FloatArray, n: int, tolerance: float) -> float:
 def resolved(
     series: FloatArray, numbers: FloatArray, law: Law, n: int, s: float, h: float
 ) -> float:
-    """Return h, halved until the series of a site in slip sees the growth of E.
+    """Return h, halved until the series of a slipping site resolves the growth of E.
 
-    Far from stick E is too small to leave a trace in the coefficients; still it can be of order
-    one at the end of the step. The remainder of its series is held below the tolerance. With
-    x = (w's approach)/v₀ and u = (w nearest to stick)/v₀ it is e^{-u} x^order/order!; under
-    Stribeck's law, with v_s for v₀, at most 1.09 e^{-u²/2} (√2 x)^order/√order! by Cramér's bound
-    on Hermite polynomials (Abramowitz and Stegun 1964, 22.14.17).
+    Far from stick E is too small to affect the coefficients, yet it can be of order one at the end
+    of the step. The remainder of its series is therefore kept below the tolerance. With x =
+    (approach of w to stick)/v₀ and u = (smallest distance of w from stick)/v₀, it is e^{-u}
+    x^order/order!; under Stribeck's law, with v_s for v₀, it is at most 1.09 e^{-u²/2} (√2
+    x)^order/√order! by Cramér's bound on Hermite polynomials (Abramowitz and Stegun 1964,
+    22.14.17).
 
     Parameters
     ----------
     series, numbers, law
-        As everywhere here.
+        As in the module docstring.
     n : int
         Site.
     s : float
         Its direction of slip.
     h : float
-        Step proposed.
+        Proposed step.
     """
     w, order = series[W], series.shape[1] - 1
     if len(law) == 0 and absolute_sum(w, n, h) <= numbers[V0]:
@@ -299,7 +303,7 @@ def resolved(
 
 @inner
 def absolute_sum(P: FloatArray, n: int, h: float) -> float:
-    """Return Σ_{k≥1} |P_k| h^k: how far the polynomial can have gone by h, at most."""
+    """Return Σ_{k≥1} |P_k| h^k, a bound on the change of the polynomial up to h."""
     size = 0.0
     for k in range(P.shape[0] - 1, 0, -1):
         size = (size + abs(P[k, n])) * h
@@ -308,10 +312,10 @@ def absolute_sum(P: FloatArray, n: int, h: float) -> float:
 
 @inner
 def absolute_sums(P: FloatArray, site: FloatArray, lo: int, hi: int) -> None:
-    """Put ``absolute_sum`` of the sites lo … hi - 1 at their own times STEP into SUM, all at once.
+    """Put ``absolute_sum`` of the sites lo … hi - 1 at their own times STEP into SUM, vectorised.
 
-    Most sites slip far from stick, which these sums say of all; one by one they took a third of
-    the time of a frame.
+    For most sites these sums prove that they slip far from stick; computed one by one they took a
+    third of the time of a frame.
     """
     h, size = site[STEP, lo:hi], site[SUM, lo:hi]
     for n in range(hi - lo):
@@ -326,7 +330,7 @@ def absolute_sums(P: FloatArray, site: FloatArray, lo: int, hi: int) -> None:
 def _seen(
     numbers: FloatArray, law: Law, order: int, nearest: float, start: float, allowed: float
 ) -> bool:
-    """Whether the remainder of the series of E is allowed between these distances from stick."""
+    """Whether the remainder of the series of E is small between these distances from stick."""
     if len(law) == 1:
         x, u = (start - nearest) / law[0], nearest / law[0]
         if x <= 0.0:
@@ -341,7 +345,7 @@ def _seen(
 
 @inner
 def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
-    """Return the root between low, where f > 0, and high, where f <= 0: Newton, safeguarded."""
+    """Return the root between low, where f > 0, and high, where f <= 0, by safeguarded Newton."""
     x = 0.5 * (low + high)
     for _ in range(100):
         value, slope = f[degree], 0.0
@@ -354,7 +358,7 @@ def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
             high = x
         step = value / slope if slope != 0.0 else math.inf
         following = x - step
-        if abs(step) <= 4e-16 * abs(x):  # asked first: round-off may put it beyond the bracket
+        if abs(step) <= 4e-16 * abs(x):  # checked first: round-off may leave the bracket
             return float(following)
         if not low < following < high:
             following = 0.5 * (low + high)
@@ -366,16 +370,16 @@ def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
 
 @inner
 def first_root(room: FloatArray, degree: int, h: float) -> float:
-    """Return the first time in [0, h] at which f, positive before, becomes negative; else inf.
+    """Return the first time in [0, h] at which f turns from positive to negative; inf if none.
 
-    f(0) <= 0 counts as zero: then the sign just after is that of the first coefficient that is
-    not zero, and if that is negative the answer is 0. A root of even order is no crossing.
-    Isolation is by Bernstein coefficients: no change of sign, no root; one, one root; else halve.
+    f(0) <= 0 counts as zero: the sign just after is then that of the first nonzero coefficient, and
+    if it is negative, 0 is returned. A root of even order is not a crossing. Roots are isolated by
+    Bernstein coefficients: no change of sign, no root; one, one root; otherwise, bisection.
 
     Parameters
     ----------
     room : ndarray
-        ``new_room``; its first row has the coefficients of f, and is overwritten.
+        ``new_room``; its first row contains the coefficients of f and is overwritten.
     degree : int
         Degree.
     h : float
@@ -404,7 +408,7 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
             top[i] += top[i - 1]
     depth, width = 0, 1.0
     left = 0.0
-    # work[depth] is the interval at hand, work[:depth] those to its right, each twice as wide.
+    # work[depth] is the present interval, work[:depth] those to its right, each twice as wide.
     while depth >= 0:
         b = work[depth]
         changes = 0
@@ -419,20 +423,21 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
                 following[i] = b[0]
                 for j in range(degree - i):
                     b[j] = 0.5 * (b[j] + b[j + 1])
-            # b[0] is now the value at the middle; b is the right half.
+            # b[0] is now the value at the midpoint; b is the right half.
             depth += 1
             width *= 0.5
             continue
         left += width
         depth -= 1
-        # The interval to the right is as wide as its sibling just left behind, or wider.
+        # The interval to the right is at least as wide as its sibling, which has just been
+        # finished.
         width = _width_of(left)
     return math.inf
 
 
 @inner
 def _width_of(left: float) -> float:
-    """Return the width of the dyadic interval that begins at ``left``, after a left neighbour."""
+    """Return the width of the dyadic interval beginning at ``left``, after its left neighbour."""
     width = 1.0
     while left % width != 0.0:
         width *= 0.5

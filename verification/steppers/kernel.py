@@ -1,7 +1,7 @@
-"""The right-hand side of a whole chain, compiled from that of one site.
+"""The right-hand side of a whole chain, compiled from that of a single site.
 
-The state is a row (y, w) of length 2m (``active``). The loop over sites stands here once; a chain
-gives its site (``theory.chains.chain.SmoothChain.kernel``).
+The state is a row (y, w) of length 2m (``active``). This module contains the loop over sites; a
+chain provides the equation of a site (``theory.chains.chain.SmoothChain.kernel``).
 """
 
 from __future__ import annotations
@@ -19,14 +19,16 @@ from verification.execution.compiled import UNCOUNTED, inner
 from verification.steppers.active import FOLLOWING, FREE, RING
 
 Slope = Callable[[FloatArray, FloatArray, int, int, FloatArray], None]
-"""From a state, parameters, and what is beyond the two ends, to its derivative (last argument)."""
+"""Function of a state, parameters and the codes of both ends; puts the derivative into the last
+argument."""
 
 fast = inner(error_model="numpy", fastmath={"contract"}, **UNCOUNTED)
-"""Compile arithmetic: no exception at a division, products fused with sums, no new arrays."""
+"""Compile arithmetic without division errors, with fused products and sums, and without new
+arrays."""
 
 
 def slope_of(chain: SmoothChain) -> Slope:
-    """Return the compiled right-hand side of a chain, which compiled functions can call.
+    """Return the compiled right-hand side of a chain, callable from compiled functions.
 
     Examples
     --------
@@ -51,11 +53,11 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
     Parameters
     ----------
     kernel : callable
-        Right-hand side of a site.
+        Right-hand side of one site.
     count : int
         Number of its parameters.
     ahead : int
-        Quarter turns by which a wave that goes on beyond the left end is ahead of its neighbour.
+        Number of quarter turns by which a wave beyond the left end is ahead of its neighbour.
     """
     plain: Any = getattr(kernel, "py_func", kernel)
     site: Any = inner(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
@@ -77,7 +79,7 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
             return end
         return 0.0, 0.0
 
-    # One exit only: with several, numba counts references to the four views at each call.
+    # A single exit: with several, numba counts references to the four views at each call.
     @fast
     def slope(
         x: FloatArray, parameters: FloatArray, left: int, right: int, out: FloatArray
@@ -99,26 +101,26 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
 
 @lru_cache(maxsize=64)
 def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) -> Slope:
-    """Return the right-hand side of a chain that is coupled by compressed rows.
+    """Return the right-hand side of a chain whose coupling is given by compressed rows.
 
-    Its ``left`` is the first active site, and its ``right`` the number of all sites (``active``).
+    Its argument ``left`` is the first active site, ``right`` the number of all sites (``active``).
 
     Parameters
     ----------
     kernel : callable
-        Right-hand side of a site: (site, pull, p, n, N).
+        Right-hand side of one site: (site, pull, p, n, N).
     header : int
-        Numbers at the beginning of the parameters; the fourth is the number of weights.
+        Number of scalars at the beginning of the parameters; the fourth is the number of weights.
     arrays : int
-        Parameters of N values that follow them.
+        Number of parameters with N values each that follow them.
     on_velocities : int
-        Whether the kernel takes the pull on velocities: 1, or 0 for zero in its place.
+        Whether the kernel uses the pull on velocities: 1, or 0 to pass zero instead.
     """
     plain: Any = getattr(kernel, "py_func", kernel)
     site: Any = inner(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
 
-    # Sums first, then sites: the second loop is done for several sites at once by the processor.
-    # Unsigned numbers are never counted from the end, which saves a comparison each.
+    # Sums first, then sites: the processor handles several sites of the second loop at once.
+    # Unsigned indices are never counted from the end, which saves a comparison for each.
     @fast
     def slope(x: FloatArray, p: FloatArray, lo: int, sites: int, out: FloatArray) -> None:
         m = x.size // 2

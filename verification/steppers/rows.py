@@ -10,10 +10,10 @@ from verification.execution.compiled import inner
 
 @inner()
 def put(source: FloatArray, target: FloatArray) -> None:
-    """Copy a row into another of its length.
+    """Copy a row into another one of equal length.
 
-    ``target[:] = source`` does the same, but takes numba seconds to compile, all of it for the
-    message that says that the shapes differ.
+    ``target[:] = source`` would do the same, but takes numba seconds to compile, all of them for
+    the error message about differing shapes.
     """
     for n in range(target.size):
         target[n] = source[n]
@@ -21,7 +21,7 @@ def put(source: FloatArray, target: FloatArray) -> None:
 
 @inner(fastmath={"nnan", "nsz"})
 def largest(row: FloatArray) -> float:
-    """Return the largest modulus; what it is worth if one is not finite, :func:`finite` says."""
+    """Return the largest modulus; it is meaningful only if all values are :func:`finite`."""
     found = 0.0
     for n in range(row.size):
         found = max(found, abs(row[n]))
@@ -30,7 +30,7 @@ def largest(row: FloatArray) -> float:
 
 @inner(fastmath={"reassoc"})
 def finite(row: FloatArray) -> bool:
-    """Return whether all values are finite, and so small that their sum is."""
+    """Return whether all values are finite and small enough for their sum to be finite."""
     total = 0.0
     for n in range(row.size):
         total += abs(row[n])

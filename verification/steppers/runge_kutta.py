@@ -1,7 +1,7 @@
 """One step of DOP853, compiled for any right-hand side.
 
-The tableau is scipy's; its nonzero weights become constants of a text that is compiled. The state
-is a row of length 2m (``active``); all quantities are dimensionless.
+The tableau is scipy's; its nonzero weights become constants in a source text that is compiled. The
+state is a row of length 2m (``active``); all quantities are dimensionless.
 
 References
 ----------
@@ -26,10 +26,10 @@ from verification.steppers.rows import finite, largest
 STAGES = DOP853.n_stages
 
 Step = Callable[[FloatArray, FloatArray, int, int, float, FloatArray, FloatArray], None]
-"""Of (state, parameters, left, right, h, K, out): put the state after h into ``out``.
+"""Function of (state, parameters, left, right, h, K, out): put the state after h into ``out``.
 
-The slopes stay in K, of shape (STAGES, 2m). ``out`` is also room for the stages and must not be the
-state.
+The slopes remain in K, of shape (STAGES, 2m). ``out`` is also the work space of the stages and
+must not be the state.
 """
 STEP: Any = types.void(
     types.float64[::1], types.float64[::1], types.intp, types.intp, types.float64,
@@ -42,12 +42,12 @@ _ROWS = [*DOP853.A[1:STAGES, :STAGES], DOP853.B]
 
 
 def _sum(weights: FloatArray) -> str:
-    """Return the text of Σ w_i K_i over the nonzero weights, at site n."""
+    """Return the source text of Σ w_i K_i over the nonzero weights, at site n."""
     return " + ".join(f"{float(w)!r}*K[{i}, n]" for i, w in enumerate(weights) if w != 0.0)
 
 
 def _compiled(text: list[str], **names: Any) -> Any:
-    """Return the compiled function of a text, in which other functions have these names."""
+    """Compile the function of a source text, in which the given names refer to other functions."""
     names["__name__"] = __name__
     exec(compile("\n".join(text), __file__, "exec"), names)  # code is stored for a file only
     return fast(names[text[0].partition("(")[0].removeprefix("def ")])
@@ -63,15 +63,15 @@ _stages = [
     )
     for i, row in enumerate(_ROWS)
 ]
-"""Compiled apart from the step: they are the same for all chains of a process."""
+"""Stages, compiled separately from the step because they are the same for all chains."""
 
 
 @inner(forceinline=True, error_model="numpy")
 def _put_cosines(p: FloatArray, place: int, count: int, later: float) -> None:
-    """Put cos(ωt + phase) of the harmonic forces at a time within a step into the parameters.
+    """Put cos(ωt + phase) of the harmonic forces, at a time within a step, into the parameters.
 
-    From ``place`` on they have the time at the beginning of the step, and ω, phase and cosine of
-    each of ``count`` forces.
+    From ``place`` on, the parameters contain the time at the beginning of the step, and then ω,
+    phase and cosine of each of ``count`` forces.
     """
     for k in range(count):
         at = place + 1 + 3 * k
@@ -82,7 +82,7 @@ def _put_cosines(p: FloatArray, place: int, count: int, later: float) -> None:
 def dop853_step(slope: Slope, clock: tuple[int, int] = (0, 0)) -> Step:
     """Return one step of DOP853, of order 8, for a right-hand side.
 
-    ``clock`` is the place of the time among the parameters, and the number of harmonic forces.
+    ``clock`` gives the index of the time among the parameters, and the number of harmonic forces.
     """
     place, forces = clock
     text = ["def step(x, p, left, right, h, K, out):"]
@@ -110,11 +110,11 @@ _estimates: Callable[[FloatArray, FloatArray, FloatArray], None] = _compiled(
 
 @inner(error_model="numpy", fastmath={"contract"})
 def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
-    """Return DOP853's estimate of the local error, the largest over sites, relative to ``size``.
+    """Return DOP853's estimate of the largest local error over the sites, relative to ``size``.
 
-    It is e5²/√(e5² + e3²/100) and vanishes where e3 alone is huge, so that a step that explodes
-    would pass: where e3 is as large as the state, the estimate is infinite. ``room`` has the shape
-    (2, 2m).
+    The estimate is e5²/√(e5² + e3²/100). It vanishes where only e3 is huge, so that a diverging
+    step would be accepted; if e3 is as large as the state, infinity is returned instead. ``room``
+    has the shape (2, 2m).
     """
     five, three = room[0], room[1]
     _estimates(K, five, three)

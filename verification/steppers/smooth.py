@@ -1,8 +1,9 @@
-"""The one loop over steps of a smooth chain, compiled: window, samples, arrivals, stop condition.
+"""The compiled loop over steps of a smooth chain: window, samples, arrivals, stop condition.
 
-Which step is taken depends on the state and on ``clock`` only, so that where a run is divided
-changes nothing. The loop is compiled once; the step of a chain and the stop condition are arguments
-(:func:`loop`), compiled for each. A call of them costs some 30 ns.
+The length of each step depends only on the state and on ``clock``, so that dividing a run into
+calls changes nothing. The loop is compiled once; the step of a chain and the stop condition are
+compiled separately for each chain and passed as arguments (:func:`loop`). Calling them costs about
+30 ns.
 """
 
 from __future__ import annotations
@@ -35,52 +36,54 @@ REACHED, TOO_SHORT, NOT_FINITE, BUDGET, CONDITION, MOVED = (
 )
 
 LO, HI, SAMPLED, STEPS, SITE_STEPS, STIFF_STEPS, OUTCOME = 0, 1, 2, 3, 4, 5, 6
-"""Places in ``counters``."""
+"""Indices into ``counters``."""
 
 _FIRST = 0.5
-"""First step at tolerance one; it follows the tolerance, so that two runs never share steps."""
+"""First step for a tolerance of one; it scales with the tolerance, so that no two runs share
+steps."""
 
 _SAFETY, _SHRINK, _GROW = 0.9, 0.3, 2.0
 LAZY = 0.25
-"""A step grows if its error is below this part of the tolerance."""
+"""A step grows if its error is below this fraction of the tolerance."""
 _PARTS = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)
-"""Parts of a step between whose states is interpolated: the polynomial is of the order of steps."""
+"""Fractions of a step at which states are interpolated; the polynomial is of the order of the
+method."""
 
 
 class LoopTask(NamedTuple):
-    """What a loop has to do; it does not change.
+    """The constant description of a task for the loop.
 
     Attributes
     ----------
     parameters, drift : ndarray, shape (P,)
-        Parameters of the kernel at time 0, and their rates of change; within a step they are held
-        at the values of its middle.
+        Parameters of the kernel at time 0, and their rates of change; within a step they have their
+        values at its midpoint.
     first : int
-        What is beyond the first site (``active``).
+        What lies beyond the first site (``active``).
     end : float
-        Kernel time to reach; the last step goes beyond it.
+        Kernel time to be reached; the last step extends beyond it.
     tolerance : float
         Local error relative to the largest value; 0 for equal steps of length ``longest``.
     shortest, longest : float
-        A step below ``shortest`` ends the call, nothing advanced; none is above ``longest``.
+        A step below ``shortest`` ends the call without advancing; no step exceeds ``longest``.
     review : float
-        A step grows only so often: where the motion oscillates, errors of equal steps cancel over
-        a period.
+        A step may grow only at this interval: in an oscillation, the errors of equal steps cancel
+        over a period.
     rest : float
         Sites at the ends are not stepped until one within ``margin`` of them exceeds this
         amplitude; negative to step all sites always.
     margin : int
-        Sites at rest that are stepped.
+        Number of sites at rest that are stepped.
     level : float
         Amplitude that counts as an arrival.
     trailing : int
-        Sites stepped behind the foremost arrival, which must move to larger n; 0 for all.
+        Number of sites stepped behind the foremost arrival, which must move to larger n; 0 for all.
     times : ndarray, shape (M,)
         Kernel times of the samples, ascending.
     clock_place : int
-        Where the parameters have the time; -1 if the kernel does not depend on it.
+        Index of the time among the parameters; -1 if the kernel does not depend on time.
     least_size : float
-        Errors are relative to the largest value of the state, or to this where it is larger.
+        Errors are relative to the largest value of the state, or to this value if it is larger.
     """
 
     parameters: FloatArray
@@ -101,7 +104,7 @@ class LoopTask(NamedTuple):
 
 
 class LoopState(NamedTuple):
-    """What a loop changes; all in place.
+    """The state of a loop; everything is changed in place.
 
     Attributes
     ----------
@@ -109,16 +112,17 @@ class LoopState(NamedTuple):
         (y, w) at ``clock[0]``.
     clock : ndarray, shape (5,)
         Time; the next step (0 before the first); the largest error over the tolerance since the
-        last review of the step, and the time of the next review; what the sum of the steps has
-        lost by rounding, which grows like their number where steps are equal.
+        last review of the step; the time of the next review; and the accumulated rounding of the
+        sum of the steps, which would otherwise grow like their number if the steps are equal.
     counters : ndarray of int, shape (7,)
-        See ``LO`` and the names after it; the last one is what the stop condition returned.
+        See ``LO`` and the names following it; the last one is the return value of the stop
+        condition.
     arrivals : ndarray, shape (N,)
-        Time of the first passage of the level upwards; nan before.
+        Time at which the level was first passed upwards; nan before.
     samples : ndarray, shape (M, 2, N)
         The state at the times of the samples; filled as they are passed.
     memory : ndarray, shape (L,)
-        Numbers of the stop condition.
+        Memory of the stop condition.
     """
 
     state: FloatArray
@@ -130,7 +134,7 @@ class LoopState(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """The sites of the window, as rows (``active``), and room.
+    """The sites of the window as rows (``active``), and work space.
 
     Attributes
     ----------
@@ -139,7 +143,8 @@ class Rows(NamedTuple):
     K : ndarray, shape (STAGES, 2m)
         Slopes.
     room : ndarray, shape (2, 2m)
-        Of ``step_error``; then 1 where a site may arrive within the step (``_arriving``), else 0.
+        Work space of ``step_error``; then 1 where a site may arrive within the step
+        (``_arriving``), otherwise 0.
     p : ndarray, shape (P,)
         Parameters of the kernel in the present step.
     """
@@ -156,14 +161,13 @@ Pair = tuple[FloatArray, FloatArray]
 """Values of y and of w, at the sites of the window."""
 
 Ends = tuple[int, int]
-"""What is beyond the left and the right end of the window."""
+"""Codes of what lies beyond the left and the right end of the window."""
 
 Condition = Callable[..., int]
-"""Of (step, t, h, before, after, parameters, K, room, memory): 0 to go on, else what to end with.
+"""Function of (step, t, h, before, after, parameters, K, room, memory): 0 to continue, else a code.
 
 ``before`` and ``after`` are the rows (``active``) at t and at t + h; ``K`` and ``room`` may be
-overwritten, and shorter steps taken from ``before``.
-"""
+overwritten, and shorter steps may be taken from ``before``."""
 
 
 def _never(
@@ -183,7 +187,7 @@ def _never(
 
 @inner()
 def _beyond(row: FloatArray, n: int, square: float) -> float:
-    """Return by how much the squared amplitude of a site of a row exceeds a square."""
+    """Return the excess of the squared amplitude of a site of a row over a square."""
     y, w = row[n], row[row.size // 2 + n]
     return float(y * y + w * w - square)
 
@@ -192,7 +196,7 @@ def _beyond(row: FloatArray, n: int, square: float) -> float:
 def _widened(
     x: FloatArray, rest: float, margin: int, lo: int, hi: int, sites: int
 ) -> tuple[int, int]:
-    """Return lo and hi moved outwards so that ``margin`` sites at rest lie within either end."""
+    """Return lo and hi moved outwards so that ``margin`` sites at rest lie inside either end."""
     m = hi - lo
     square = rest * rest
     new_lo, new_hi = lo, hi
@@ -209,9 +213,9 @@ def _widened(
 
 @inner()
 def _try_steps(take_step: Step, task: LoopTask, clock: FloatArray, rows: Rows, ends: Ends) -> float:
-    """Put the state after a step within the tolerance into ``rows.new``; return its length.
+    """Put the state after a step within the tolerance into ``rows.new``; return the step length.
 
-    What is returned is below ``task.shortest`` if no such step is found.
+    The returned length is below ``task.shortest`` if no such step is found.
     """
     p, size = rows.p, max(largest(rows.x), task.least_size)
     h = clock[1] if clock[1] > 0.0 else _FIRST * task.tolerance**0.125
@@ -264,7 +268,7 @@ def _take_samples(
 
 @inner()
 def _interpolated(values: FloatArray, part: float) -> float:
-    """Return the polynomial through values at ``_PARTS`` of a step (barycentric formula)."""
+    """Return the polynomial through values at the fractions ``_PARTS`` (barycentric formula)."""
     above = below = 0.0
     last = _PARTS.size - 1
     for j in range(last + 1):
@@ -283,10 +287,10 @@ def _interpolated(values: FloatArray, part: float) -> float:
 def _note_arrivals(
     take_step: Step, task: LoopTask, run: LoopState, rows: Rows, ends: Ends, h: float
 ) -> int:
-    """Find the arrivals of the sites in question within the step; return the foremost of them.
+    """Find the arrivals of the marked sites within the step; return the foremost of them.
 
-    They are found by interpolation between the states at a few times of the step; one that is
-    beyond the level at none of these has not arrived.
+    They are found by interpolation between the states at a few times within the step; a site that
+    is beyond the level at none of these times has not arrived.
     """
     x, new, lo = rows.x, rows.new, run.counters[LO]
     m, square, last = x.size // 2, task.level * task.level, _PARTS.size - 1
@@ -305,14 +309,14 @@ def _note_arrivals(
         if reached > last:
             continue
         low, high = (_PARTS[reached - 1] if reached > 0 else 0.0), _PARTS[reached]
-        for _ in range(52):  # bisection, to the last bit of the part
+        for _ in range(52):  # bisection, to the last bit of the fraction
             middle = 0.5 * (low + high)
             if _interpolated(values[:, n], middle) < 0.0:
                 low = middle
             else:
                 high = middle
         time = run.clock[0] + high * h
-        if time <= task.end:  # which the last step passes
+        if time <= task.end:  # the last step extends beyond the end
             run.arrivals[lo + n] = time
             foremost = lo + n
     return foremost
@@ -322,8 +326,8 @@ def _note_arrivals(
 def _highest(before: float, rise: float, after: float, fall: float) -> float:
     """Return a bound on a value within a step, from its values and slopes at both ends.
 
-    It is taken for the cubic of these, the slopes by the part of the step. No cubic exceeds its
-    values at the ends by more than 4/27 of the slopes that lead above them.
+    The value is approximated by the cubic through these data (slopes times the step). No cubic
+    exceeds its end values by more than 4/27 of the slopes that lead above them.
     """
     top = after if after > before else before
     top += 0.25 * rise if rise > 0.0 else 0.0
@@ -331,13 +335,13 @@ def _highest(before: float, rise: float, after: float, fall: float) -> float:
     return top
 
 
-# One line of arithmetic for all sites alike, so that the processor does several at once.
+# One line of arithmetic, the same for all sites, so that the processor handles several at once.
 @inner(error_model="numpy", fastmath={"contract"})
 def _mark_arriving(
     old: Pair, new: Pair, slopes: Pair, last: Pair, waiting: FloatArray, mark: FloatArray,
     h: float, square: float,
 ) -> int:  # fmt: skip
-    """Mark the sites that may pass the level within the step by 1, others by 0; count them.
+    """Mark sites that may pass the level within the step by 1, others by 0; return their number.
 
     ``waiting`` is nan at sites that have not arrived.
     """
@@ -355,9 +359,9 @@ def _mark_arriving(
 
 @inner()
 def _arriving(task: LoopTask, run: LoopState, rows: Rows, h: float) -> bool:
-    """Return whether any site may pass the level within the step; mark those in ``rows.room``.
+    """Return whether any site may pass the level within the step; mark such sites in ``rows.room``.
 
-    The last slopes are those at the end of the step, to the order of its stages.
+    The last slopes are those at the end of the step, to the accuracy of the stages.
     """
     x, new, first, last = rows.x, rows.new, rows.K[0], rows.K[STAGES - 1]
     m, lo = x.size // 2, run.counters[LO]
@@ -370,7 +374,7 @@ def _arriving(task: LoopTask, run: LoopState, rows: Rows, h: float) -> bool:
 
 @inner()
 def _pass_time(task: LoopTask, clock: FloatArray, h: float) -> None:
-    """Add the step to the time; at a review, let the next step grow if the errors allow."""
+    """Add the step to the time; at a review, let the next step grow if the errors permit."""
     t, whole = clock[0], h + clock[4]
     clock[0] = t + whole
     clock[4] = whole - (clock[0] - t)
@@ -396,7 +400,7 @@ def _moved_window(task: LoopTask, run: LoopState, x: FloatArray, foremost: int) 
 
 
 def _rows_of(task: LoopTask, run: LoopState) -> Rows:
-    """Return rows for the sites of the window, with their state, and room."""
+    """Return the rows for the sites of the window, with their state, and work space."""
     window = slice(run.counters[LO], run.counters[HI])
     x = run.state[:, window].flatten()
     K, room = np.empty((STAGES, x.size)), np.empty((2, x.size))
@@ -445,7 +449,7 @@ def _advance(
 def _advance_windows(
     take_step: Any, stop: Any, task: LoopTask, run: LoopState, max_steps: int
 ) -> int:
-    """Step until the first step that reaches the end; return a ``StopCode``."""
+    """Step until a step passes the end; return a ``StopCode``."""
     ended, last = MOVED, run.counters[STEPS] + max_steps
     while ended == MOVED:
         window = slice(run.counters[LO], run.counters[HI])
@@ -464,20 +468,20 @@ _STOP = types.int64(
 
 
 def clock_place(chain: SmoothChain) -> int:
-    """Return where the kernel's parameters have the time; -1 if it does not depend on it."""
+    """Return the index of the time in the kernel's parameters; -1 if it does not depend on time."""
     count = len(chain.forces)
     return chain.kernel_layout[0] - 3 * count - 1 if count else -1
 
 
 def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
-    """Return the loop of a chain and a stop condition; from disk, what is compiled already.
+    """Return the loop of a chain and a stop condition, reusing compiled code on disk.
 
     Parameters
     ----------
     chain : SmoothChain
-        Only its kernel counts, the layout of its parameters, and the phase step of its fronts.
+        Only its kernel, the layout of its parameters and the phase step of its fronts matter.
     watch : callable, optional
-        The stop condition, a function of a module; by default the run goes to its end.
+        The stop condition, a function in a module; by default the run continues to its end.
     """
     watch = watch or _never
     if watch not in _STOPS:
@@ -486,7 +490,7 @@ def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
 
 
 def compiled_step(chain: SmoothChain) -> Any:
-    """Return one step of a chain; from disk, if it is compiled already."""
+    """Return the compiled step of a chain, reusing compiled code on disk."""
     kernel, clock = chain.kernel(), (clock_place(chain), len(chain.forces))
     key = (kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
     if key not in _STEPS:

@@ -1,4 +1,4 @@
-"""Compiled functions as arguments of compiled functions, both of them stored on disk."""
+"""Compiled functions as arguments of compiled functions, with both stored on disk."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from verification.execution.compiled import DISTINCT_NAMES, OuterCompiler
 
 @lru_cache(maxsize=256)
 def source_mark(function: Callable[..., Any]) -> str:
-    """Return a name for a function that changes with the file in which it stands.
+    """Return a name for a function that changes whenever the file that defines it changes.
 
     Examples
     --------
@@ -27,29 +27,29 @@ def source_mark(function: Callable[..., Any]) -> str:
     code = plain.__code__
     try:
         content = Path(code.co_filename).read_bytes()
-    except OSError:  # typed in at a prompt
+    except OSError:  # defined interactively
         content = code.co_code + repr((code.co_consts, code.co_names)).encode()
     mark = hashlib.sha256(content).hexdigest()[:12]
     return f"{plain.__module__}.{plain.__qualname__}.{mark}"
 
 
 def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
-    """Return a compiled function that other compiled functions take as an argument.
+    """Return a compiled function that other compiled functions accept as an argument.
 
-    It is stored on disk, and so is what takes it: for numba the type of such an argument is its
-    signature alone. Of arguments or closures that are compiled by ``njit`` it knows only a number
-    that is drawn anew in every process, and so compiles all again.
+    Both it and the function that accepts it are stored on disk, since numba takes the signature
+    alone as the type of such an argument. Arguments or closures compiled by ``njit`` are instead
+    identified by a number that differs in every process, so that everything is compiled again.
 
     Parameters
     ----------
     function : callable
-        A function of a module, plain or compiled by ``njit``, whose options are used.
+        A function in a module, plain or compiled by ``njit``, in which case its options are used.
     signature
         Its types, in numba's notation.
     mark : str
-        What distinguishes it from others of this function; it must say all that ``names`` mean.
+        Distinguishes it from other versions of this function; it must reflect all of ``names``.
     **names
-        Global names of the function, and what they mean in it.
+        Global names of the function, and the objects to which they refer.
     """
     plain: Any = getattr(function, "py_func", function)
     options = getattr(function, "targetoptions", {})

@@ -1,8 +1,8 @@
-"""Where (8) is stiff: εb y⁴ ≫ 1 makes ẏ follow y on a slow manifold. Radau IIA from scipy.
+"""The stiff stage of (8), where εb y⁴ ≫ 1 makes ẏ follow y on a slow manifold: Radau IIA of scipy.
 
-Only the part of the chain that moves is solved for, with sites at rest on either side. A stage is
-passed in pieces. It ends when the largest damping rate ε|1 - a y² + b y⁴| has fallen to
-a level at which the explicit stepper has steps of ordinary length again.
+Only the moving part of the chain is solved for, with sites at rest on either side. A stage is
+integrated in pieces. It ends when the largest damping rate ε|1 - a y² + b y⁴| has fallen to a level
+at which the explicit stepper again has steps of ordinary length.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ GENTLE = 2e3
 """Damping rate at which the stage ends."""
 
 _PIECE = 2.0
-"""Longest time passed in one call, so that a run can be watched, stopped and resumed, and so that
-the part that moves is small for as long as it can be."""
+"""Longest time covered by one call, so that a run can be watched, stopped and resumed, and the
+moving part stays small for as long as possible."""
 
 MAX_STEPS = 20_000
-"""Steps of Radau in one run, at most: about a minute."""
+"""Largest number of Radau steps in one run: about a minute."""
 
 _MAX_DENSE = 100
 _PAD = 4
-"""Margins of sites at rest that are solved for at first, on either side."""
+"""Number of margins of sites at rest that are solved for initially, on either side."""
 
 TIGHTEST = 1e-12
-"""Tolerance below which the implicit method is not asked to go."""
+"""Smallest tolerance passed to the implicit method."""
 
 
 def full_right_side(chain: VdpChain, state: FloatArray) -> FloatArray:
@@ -49,7 +49,7 @@ def full_right_side(chain: VdpChain, state: FloatArray) -> FloatArray:
 
 
 def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
-    """Return the Jacobian (42), corrected, 2N × 2N; sparse for long chains."""
+    """Return the corrected Jacobian (42), 2N × 2N; sparse for long chains."""
     from scipy.sparse import bmat, diags, identity, lil_matrix
 
     n = chain.sites
@@ -74,7 +74,7 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
 
 @dataclass
 class _Gentle:
-    """Event of scipy that ends the stage: the largest damping rate falls through GENTLE."""
+    """scipy event that ends the stage: the largest damping rate falls through GENTLE."""
 
     chain: VdpChain
     steps_left: int
@@ -96,16 +96,16 @@ class _Gentle:
 
 @dataclass(frozen=True)
 class StiffPiece:
-    """A piece of a run, solved for the part of the chain that moves.
+    """A piece of a run, solved for the moving part of the chain.
 
     Attributes
     ----------
     first, last : int
-        The first site solved for, and the last plus one.
+        The first site solved for, and the last one plus one.
     times : ndarray, shape (M,)
-        Ends of Radau's steps.
+        End times of Radau's steps.
     path : callable
-        From a time to (y, ẏ) of that part, shape (2(last - first),).
+        Maps a time to (y, ẏ) of that part, shape (2(last - first),).
     """
 
     first: int
@@ -114,11 +114,11 @@ class StiffPiece:
     path: Callable[[float], FloatArray]
 
     def state(self, time: float) -> FloatArray:
-        """Return (y, ẏ) of the part that moves, shape (2, last - first)."""
+        """Return (y, ẏ) of the moving part, shape (2, last - first)."""
         return self.path(time).reshape(2, -1)
 
     def passes(self, level: float) -> dict[int, float]:
-        """Return for each site whose |Ψ| reaches the level the time at which it does first."""
+        """Return, for each site whose |Ψ| reaches the level, the time at which it first does."""
         sizes = np.array([np.hypot(*self.state(time)) for time in self.times])
         found = {}
         for n in range(self.last - self.first):
@@ -128,7 +128,7 @@ class StiffPiece:
         return found
 
     def _crossing(self, n: int, level: float, index: int) -> float:
-        """Return when site n of the part passes the level, between two steps."""
+        """Return the time, between two steps, at which site n of the part passes the level."""
         low, high = float(self.times[max(0, index - 1)]), float(self.times[index])
         for _ in range(60):
             middle = 0.5 * (low + high)
@@ -151,7 +151,7 @@ def solve_stiff_piece(
     margin: int,
     steps_taken: int = 0,
 ) -> StiffPiece:
-    """Solve (8) from ``begin`` until it is stiff no more, for a piece of time at most.
+    """Solve (8) from ``begin`` until it is no longer stiff, but for at most one piece of time.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def solve_stiff_piece(
     state : ndarray, shape (2, N)
         y and ẏ at ``begin``.
     moving : tuple of int
-        The first site that is stepped, and the last plus one.
+        The first site that is stepped, and the last one plus one.
     begin, end : float
         Times t; the end of the run.
     tolerance : float
@@ -168,16 +168,16 @@ def solve_stiff_piece(
     rest : float
         |Ψ| below which a site is at rest; negative if all sites are stepped.
     margin : int
-        Sites at rest on either side of what moves. The part is widened until they stay at rest.
+        Sites at rest on either side of the moving part, which is widened until they remain at rest.
     steps_taken : int
-        Stiff steps of the run so far.
+        Number of stiff steps of the run so far.
 
     Raises
     ------
     RunError
-        If the run needs more than ``MAX_STEPS`` of them.
+        If the run needs more than ``MAX_STEPS`` steps.
     ArithmeticError
-        If scipy's Radau gives up.
+        If scipy's Radau fails.
     """
     pad = _PAD * margin
     while True:
@@ -201,7 +201,7 @@ def _radau(
     tolerance: float,
     gentle: _Gentle,
 ) -> Any:
-    """Return what scipy's Radau finds up to the end, or to where (8) is stiff no more."""
+    """Return scipy's Radau solution up to the end, or to where (8) is no longer stiff."""
     from scipy.integrate import solve_ivp
 
     tolerance = max(TIGHTEST, tolerance)

@@ -1,4 +1,4 @@
-"""How a compiled loop over steps ended."""
+"""The reasons why a compiled loop over steps returns."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Self
 
 
 class StopCode(IntEnum):
-    """Why a call of a compiled loop returned; the member says it in a sentence."""
+    """Why a call of a compiled loop returned; each member carries a sentence."""
 
     sentence: str
 
     def __new__(cls, code: int, sentence: str = "") -> Self:
-        """Make a member of its code and its sentence."""
+        """Make a member from its code and its sentence."""
         member = int.__new__(cls, code)
         member._value_ = code
         member.sentence = sentence

@@ -1,18 +1,18 @@
 """The chain (8) with its variational equations over a given time, by Taylor series.
 
-The right side is a polynomial, so the Taylor coefficients follow from products of series
+The right-hand side is a polynomial, so the Taylor coefficients follow from products of series
 (index k, ⋆ the Cauchy product; S = Y⋆Y, Q = S⋆S, G = 1 - aS + bQ, W = V⋆G):
 
     (k+1) Y_{k+1} = V_k,      (k+1) V_{k+1} = -Y_k - εc(LY)_k - εW_k                          (8)
 
-and for a tangent (δy, δv), with H = -2aY + 4b S⋆Y and P = V⋆H computed once a step,
+and for a tangent (δy, δv), with H = -2aY + 4b S⋆Y and P = V⋆H computed once per step,
 
     (k+1) δv_{k+1} = -δy_k - εc(Lδy)_k - ε(G⋆δv + P⋆δy)_k.                                   (42)
 
-Fixed order and step; the error is measured by repeating with a shorter step. The column for c has
-the extra forcing -ε(LY)_k. Instead of the solution, the base can be any sinusoids
-A_n sin(ωt + θ_n), as the paper uses; and the Jacobian can be the misprinted one of (42), which
-adds -εV⋆δy.
+Order and step are fixed; the error is measured by repetition with a shorter step. The column for c
+has the additional forcing -ε(LY)_k. The base solution can be replaced by arbitrary sinusoids A_n
+sin(ωt + θ_n), as in the paper; and the Jacobian can be the misprinted one of (42), which adds
+-εV⋆δy.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from verification.steppers.rows import put
 ORDER = 20
 """Order of the Taylor series."""
 STEPS = 24
-"""Steps a period; also the number of samples a flow returns."""
+"""Steps per period; also the number of samples of a flow."""
 LARGEST = 1e6
-"""Displacement beyond which a run is refused."""
+"""Displacement beyond which a run is rejected."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Flow:
     state : float array, shape (2N,)
         Displacements, then velocities (Eq. 39).
     monodromy : float array, shape (2N, 2N)
-        Derivative of ``state`` by the initial state.
+        Derivative of ``state`` with respect to the initial state.
     by_c : float array, shape (2N,)
-        Derivative of ``state`` by c.
+        Derivative of ``state`` with respect to c.
     samples : float array, shape (steps, N)
         Displacements at the beginning of each step.
     steps : int
@@ -70,7 +70,7 @@ def integrate_variations(
     Parameters
     ----------
     chain : VdpChain
-        Any N, both kinds of ends.
+        A chain of any N, with either kind of ends.
     start : float array, shape (2N,)
         Initial displacements and velocities.
     duration : float
@@ -81,7 +81,7 @@ def integrate_variations(
     Raises
     ------
     ParameterError
-        If the solution grows beyond `LARGEST` or the series does not converge at this step.
+        If the solution exceeds `LARGEST` or the series does not converge at this step.
 
     Examples
     --------
@@ -107,13 +107,13 @@ def integrate_along_sinusoids(
     Parameters
     ----------
     chain : VdpChain
-        Any N, both kinds of ends.
+        A chain of any N, with either kind of ends.
     amplitudes, phases : float arrays, shape (N,)
         A_n and θ_n.
     omega : float
         Frequency in t.
     misprinted : bool, optional
-        Use the Jacobian as printed in (42), where 1 - 2ax + 4bx³ stands for -2ax + 4bx³.
+        Use the Jacobian as printed in (42), with 1 - 2ax + 4bx³ in place of -2ax + 4bx³.
     steps : int, optional
         Number of Taylor steps.
     """
@@ -127,18 +127,18 @@ def integrate_along_sinusoids(
 def integrate_chain(
     chain: VdpChain, start: FloatArray, duration: float, steps: int, order: int = ORDER
 ) -> Flow:
-    """Integrate (8) alone: `Flow.monodromy` and `Flow.by_c` are empty.
+    """Integrate (8) alone; `Flow.monodromy` and `Flow.by_c` are empty.
 
     Parameters
     ----------
     chain : VdpChain
-        Any N, both kinds of ends.
+        A chain of any N, with either kind of ends.
     start : float array, shape (2N,)
         Initial displacements and velocities.
     duration : float
         Time, dimensionless.
     steps, order : int
-        Number of Taylor steps in all, and their order.
+        Total number of Taylor steps, and their order.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def _integrate(
 
 
 class _Equation(NamedTuple):
-    """The chain, whether it is a ring, and what is added to H: 1 for (42) as printed."""
+    """The chain, whether it is a ring, and the term added to H: 1 for (42) as printed."""
 
     a: float
     b: float
@@ -195,14 +195,14 @@ class _Equation(NamedTuple):
 
 
 class _Run(NamedTuple):
-    """What is advanced in place.
+    """The quantities that are advanced in place.
 
     Attributes
     ----------
     y, v : ndarray, shape (N,)
         Displacements and velocities.
     ty, tv : ndarray, shape (N, M)
-        Tangents; the last column, if there is one, is the derivative by c.
+        Tangents; the last column, if present, is the derivative with respect to c.
     samples : ndarray, shape (steps, N)
         Filled with y at the beginning of each step.
     """
@@ -215,14 +215,14 @@ class _Run(NamedTuple):
 
 
 class _Sinusoids(NamedTuple):
-    """Amplitudes and phases, shape (2, N), of what replaces the solution, or (0, 0); frequency."""
+    """Amplitudes and phases of the sinusoids in place of the solution, or (0, 0); frequency."""
 
     base: FloatArray
     omega: float
 
 
 class _Series(NamedTuple):
-    """Taylor coefficients: those of the orbit of shape (order + 1, N), of its tangents with M."""
+    """Taylor coefficients of the orbit, shape (order + 1, N), and of its M tangents."""
 
     Y: FloatArray
     V: FloatArray
@@ -257,7 +257,7 @@ def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order
             _add_products(equation, series, k)
             for n in range(sites):
                 left, right = _neighbours(equation.ring, sites, n)
-                # Two differences added: the same to the last bit after reflection.
+                # The two differences are added, which gives the same bits after reflection.
                 spring[n] = 0.0
                 if left >= 0:
                     spring[n] += Y[k, n] - Y[k, left]
@@ -275,7 +275,7 @@ def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order
 
 @inner()
 def _neighbours(ring: bool, sites: int, n: int) -> tuple[int, int]:
-    """Return the sites beside one; -1 and ``sites`` where there is none."""
+    """Return the two neighbours of a site; -1 and ``sites`` where there is none."""
     left, right = n - 1, n + 1
     if ring:
         left = sites - 1 if n == 0 else left
@@ -285,7 +285,7 @@ def _neighbours(ring: bool, sites: int, n: int) -> tuple[int, int]:
 
 @inner()
 def _add_products(equation: _Equation, series: _Series, k: int) -> None:
-    """Fill the coefficients k of S, Q, G, H, P and W."""
+    """Fill the coefficients of index k of S, Q, G, H, P and W."""
     Y, V, S, Q, G, H = series.Y, series.V, series.S, series.Q, series.G, series.H
     a, b = equation.a, equation.b
     for n in range(Y.shape[1]):
@@ -315,7 +315,7 @@ def _add_products(equation: _Equation, series: _Series, k: int) -> None:
 
 @inner()
 def _add_motion(equation: _Equation, series: _Series, spring: FloatArray, k: int) -> None:
-    """Fill the coefficients k + 1 of Y and V from (8)."""
+    """Fill the coefficients of index k + 1 of Y and V from (8)."""
     Y, V, W, eps = series.Y, series.V, series.W, equation.eps
     for n in range(spring.size):
         Y[k + 1, n] = V[k, n] / (k + 1)
@@ -324,7 +324,7 @@ def _add_motion(equation: _Equation, series: _Series, spring: FloatArray, k: int
 
 @inner()
 def _add_sinusoids(series: _Series, forced: _Sinusoids, phase: float, k: int) -> None:
-    """Fill the coefficients k + 1 of Y and V with those of the sinusoids at ωt = ``phase``."""
+    """Fill the coefficients of index k + 1 of Y and V with those of sinusoids at ωt = ``phase``."""
     base, omega = forced.base, forced.omega
     factor = 1.0
     for j in range(k + 1):
@@ -339,7 +339,7 @@ def _add_sinusoids(series: _Series, forced: _Sinusoids, phase: float, k: int) ->
 def _add_tangents(
     equation: _Equation, series: _Series, spring: FloatArray, row: FloatArray, k: int
 ) -> None:
-    """Fill the coefficients k + 1 of the tangents; ``row`` is room."""
+    """Fill the coefficients of index k + 1 of the tangents; ``row`` is work space."""
     G, P, DY, DV = series.G, series.P, series.DY, series.DV
     sites, columns = spring.size, row.size
     c, eps = equation.c, equation.eps

@@ -1,5 +1,5 @@
-"""The registry: what can be computed, by what, over which ranges, against what.
+"""The registry of quantities: what is computed, by what method, in what range, how checked.
 
-A module of this package that exposes ``QUANTITIES`` adds quantities; ``quantity`` has the contract
-and says how to write one.
+A module of this package that exposes ``QUANTITIES`` adds quantities; ``quantity`` contains the
+contract and explains how to write one.
 """

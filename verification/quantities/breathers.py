@@ -1,4 +1,4 @@
-"""Breathers of Model II: the closed form, the averaged chain, true orbits and their thresholds."""
+"""Breathers of Model II: closed form, averaged chain, exact orbits, and their thresholds."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ _SITES = 9
 
 _DIGITS = 26
 _TOLERANCES = (1e-19, 1e-21)
-"""Tolerances of the flow in Newton's steps in many digits; the residual at the second shows the
+"""Tolerances of the flow in Newton's steps with many digits; the residual at the second shows the
 error of the first."""
 _OF_MATRIX = 1e-12
-"""Tolerance of the flow from which Newton's matrix is computed."""
+"""Tolerance of the flow from which the matrix of Newton's method is computed."""
 
 
 def _chain(at: Mapping[str, float], sites: int = 31) -> VdpChain:
@@ -68,11 +68,11 @@ def _coefficients(at: Mapping[str, float]) -> tuple[Any, Any]:
 
 
 def _scan(at: Mapping[str, float]) -> tuple[float, float]:
-    """Return (S, w) at the first maximum of c, with w as the parameter, on one sheet and the other.
+    """Return (S, w) at the first maximum of c along the two sheets, with w as the parameter.
 
-    From (29) and (37) with c removed, a quadratic for S at given w:
-    b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η. There is
-    one: c is zero at w = 0 on both sheets, and positive between.
+    Eliminating c from (29) and (37) gives a quadratic equation for S at given w,
+    b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η. A maximum
+    exists, since c is zero at w = 0 on both sheets and positive between.
     """
     eta = at["eta"]
     gap = max(1.0 - 8.0 * eta, 1e-16)
@@ -87,14 +87,14 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float]:
         path.append(((-second[order] + sign * root) / (2.0 * first[order]), w[order]))
     S, w = (np.concatenate(each) for each in zip(*path, strict=True))
     s = S * w
-    with np.errstate(all="ignore"):  # beyond double precision nothing falls
+    with np.errstate(all="ignore"):  # beyond double precision nothing decreases
         c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
         falls = np.flatnonzero(np.diff(c) < -1e-13 * c[:-1])
     return float(S[falls[0]]), float(w[falls[0]])
 
 
 def _true_fold(at: Mapping[str, float]) -> tuple[Any, Any]:
-    """Return S and c of the fold: (29), (37) and their tangency by Newton from a plain scan."""
+    """Return S and c of the fold: (29), (37) and their tangency by Newton, after a plain scan."""
     a, b = _coefficients(at)
     if _reading(at) is Reading.TAIL:  # c = √(G(1 + G)), largest with G
         m = (a * a - 8 * b) / (16 * b)
@@ -109,7 +109,7 @@ def _true_fold(at: Mapping[str, float]) -> tuple[Any, Any]:
 
 
 def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Hold the coupling of the fold against the same in 60 digits."""
+    """Compare the coupling of the fold with its value computed in 60 digits."""
     with mp.workdps(60):
         off = abs(_true_fold(at)[1] - stated.value)
         return ReferenceCheck(distance=float(off), method="fold in 60 digits")
@@ -139,14 +139,14 @@ def _breather(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Solve (29) and (37) for S and w by Newton in 60 digits; relative distances.
+    """Solve (29) and (37) for S and w by Newton in 60 digits; return the relative distance.
 
-    Newton is started from the stated: the branch is the one before the fold where S is above that
-    of the fold.
+    Newton starts from the stated values; the branch before the fold is the one whose S is above
+    that of the fold.
     """
     top = stated.extra.fold.c
     if stated.value is None:
-        # No farther than the fold stated is from its reference can the true one be beyond it.
+        # The true fold cannot lie farther beyond the stated one than that is from its reference.
         fold = _check_fold(at, StatedValue.of(stated.extra.fold, top))
         return ReferenceCheck.exact(at["c"] > top - fold.distance, fold.method)
     a, b = _coefficients(at)
@@ -178,12 +178,13 @@ def _envelope(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Newton on (34) in the rotating frame, its residual in extended precision."""
+    """Solve (34) in the rotating frame by Newton, with the residual in extended precision."""
     if stated.value is None:
         fold = quarter_turn_branch(_chain({**at, "c": 0.1}, 31), Nucleus(1)).fold
         if fold is None:
             raise NoReferenceError("the quarter-turn reduction has no fold.")
-        # Nine sites with free ends are not the infinite chain: their folds differ by the tail.
+        # Nine sites with free ends are not the infinite chain; their folds differ by the effect of
+        # the tail.
         return ReferenceCheck.exact(at["c"] > 0.98 * fold.parameter, "quarter-turn reduction")
     phi, omega = np.asarray(stated.value[:-1]), complex(stated.value[-1]).real
     true = locked_state(at["eta"], at["c"], phi, omega)
@@ -202,7 +203,7 @@ def _orbit(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Shoot with a flow in extended precision in place of our integrator."""
+    """Solve by shooting, with a flow in extended precision in place of our integrator."""
     if stated.value is None:
         raise NoReferenceError("no orbit to compare with.")
     true = _precise_orbit(at, stated.value)
@@ -216,7 +217,7 @@ def _check_orbit(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck
 def _flow(
     at: Mapping[str, float], state: Any, period: Any, run: Callable[..., PreciseState]
 ) -> PreciseState:
-    """Return the state after a period and, in the other columns, the monodromy of (42)."""
+    """Return the state after a period and, in the further columns, the monodromy matrix of (42)."""
     start = np.column_stack([state, np.eye(state.size)])
     rate = variational_rate(_chain(at, state.size // 2))
     found = run(rate, start.ravel(), period)
@@ -224,10 +225,11 @@ def _flow(
 
 
 def _precise_orbit(at: Mapping[str, float], given: Any) -> PreciseState:
-    """Polish an orbit, (X, period) with y = 0 at the centre, by Newton's method in many digits.
+    """Refine an orbit, (X, period) with y = 0 at the centre, by Newton's method with many digits.
 
-    The matrix is of doubles: its errors, times those of the orbit that is given, are below what is
-    asked of the first step. What the flow is uncertain by reaches the orbit by its inverse.
+    The matrix is in double precision: its errors, multiplied by those of the given orbit, are below
+    the accuracy required of the first step. The uncertainty of the flow affects the orbit through
+    the inverse of the matrix.
     """
     slope = np.zeros((given.size, given.size))
     slope[-1, _SITES // 2] = 1.0
@@ -254,10 +256,10 @@ def _multipliers(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_multipliers(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Compare with the eigenvalues, in many digits, of the monodromy of the polished orbit.
+    """Compare with the eigenvalues, with many digits, of the monodromy of the refined orbit.
 
-    They are uncertain by how much they change where the monodromy changes by its own uncertainty,
-    once for either sign.
+    Their uncertainty is their change when the monodromy is changed by its own uncertainty, with
+    either sign.
     """
     if stated.value is None:
         raise NoReferenceError("no orbit to compare with.")
@@ -285,17 +287,17 @@ def _eigenvalues(matrix: Any) -> Any:
 
 
 def _as_long(x: Any) -> np.longdouble:
-    """Return a number of mpmath in extended precision: a double and what is left of it."""
+    """Return an mpmath number in extended precision: a double plus the remainder."""
     return np.longdouble(float(x)) + np.longdouble(float(x - float(x)))
 
 
 def _as_mpf(x: np.longdouble) -> Any:
-    """Return the same number: a double and what is left of it."""
+    """Return the same number for mpmath: a double plus the remainder."""
     return mp.mpf(float(x)) + mp.mpf(float(x - np.longdouble(float(x))))
 
 
 def _farthest(values: Any, others: Any) -> float:
-    """Return the largest distance within pairs, matched so that their squares add up to least."""
+    """Return the largest distance within pairs, matched so that the sum of squares is smallest."""
     from scipy.optimize import linear_sum_assignment
 
     apart = np.abs(np.subtract.outer(values, others))
@@ -308,7 +310,7 @@ def _threshold(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_threshold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Solve for the fold of (34) on the same chain, its residual in extended precision."""
+    """Solve for the fold of (34) on the same chain, with the residual in extended precision."""
     if stated.value is None:
         raise NoReferenceError("no fold to compare with.")
     found = solve_envelope_breather(

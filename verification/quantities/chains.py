@@ -1,9 +1,9 @@
-"""Chains and cells that a point of the robustness table describes, and rows for any other chain.
+"""Chains and cells described by points of the robustness table, and rows for any other chain.
 
-A smooth chain that is registered (``theory.chains.chain``) and has no row of its own gets one here:
-a run from one excited site, held against scipy's DOP853 on the right side that the chain itself
-gives. That checks the stepper, the window of active sites and the stated error; the equation is the
-chain's word.
+A registered smooth chain (``theory.chains.chain``) that has no row of its own gets one here: a run
+from one excited site, compared with scipy's DOP853 applied to the right-hand side that the chain
+itself provides. This checks the stepper, the window of active sites and the stated error, but not
+the equation.
 """
 
 from __future__ import annotations
@@ -31,22 +31,23 @@ from verification.quantities.scipy_states import compared
 from verification.references.pace import last_state, paced
 
 OWN_ROWS = ("vdp", "averaged", "chain", "averaged-chain")
-"""Smooth models whose runs are held against a right side written a second time."""
+"""Smooth models whose runs are compared with a right-hand side written a second time."""
 
 _END = 10.0
 _RANGE = (1e-2, 1e1)
-"""Range of each real parameter of a chain that states none; what the chain refuses is refused."""
+"""Range of each real parameter of a chain that states none; values that the chain refuses are
+skipped."""
 
 
 def vdp_chain(at: Mapping[str, float]) -> VdpChain:
-    """Return the chain of (8) with b = ηa²; a module adds what its points leave out.
+    """Return the chain of (8) with b = ηa²; a module supplies what its points omit.
 
     Examples
     --------
     >>> vdp_chain({"a": 4.0, "eps": 0.01, "sites": 7, "eta": 0.03125, "c": 0.6}).b
     0.5
     """
-    b = at["eta"] * at["a"] * at["a"]  # a power would raise where it overflows, and not be refused
+    b = at["eta"] * at["a"] * at["a"]  # a power would raise an error where it overflows
     return VdpChain(a=at["a"], b=b, c=at["c"], eps=at["eps"], sites=whole(at["sites"]))
 
 
@@ -61,7 +62,7 @@ def friction_chain(at: Mapping[str, float]) -> FrictionChain:
 
 
 def computations_of_chains() -> tuple[Computation, ...]:
-    """Return a row for each registered smooth chain without one of its own."""
+    """Return a row for each registered smooth chain that has none of its own."""
     return tuple(
         _run_of(kind)
         for model, kind in CHAINS.items()
@@ -103,7 +104,7 @@ def _run(kind: type[SmoothChain], names: list[str], at: Mapping[str, float]) -> 
 def _check_run(
     kind: type[SmoothChain], names: list[str], at: Mapping[str, float], stated: StatedValue
 ) -> ReferenceCheck:
-    """Step all sites by scipy, each by the chain's right side in plain Python."""
+    """Integrate all sites by scipy, each by the chain's right-hand side in plain Python."""
     chain = _chain(kind, names, at)
     right_side, numbers, sites = chain.kernel(), chain.kernel_parameters(), chain.sites
 

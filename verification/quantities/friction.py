@@ -1,8 +1,8 @@
 """The friction chain (5): runs, the stick-slip cycle of one cell (Fig. 2), and the switch model.
 
-The switch model, the paper's own integrator, states no error, so it is held against what friction
-can do. With E the energy and |v_rel| at most half of v_d in the band, friction of at most μ_st at
-each of N sites lets √(2E) grow by at most 2μ_st √N a unit of τ.
+The switch model, which is the paper's own integrator, states no error, so it is compared with the
+most that friction can do. With E the energy, and |v_rel| at most half of v_d within the stick band,
+friction of at most μ_st at each of N sites increases √(2E) by at most 2μ_st √N per unit of τ.
 """
 
 from __future__ import annotations
@@ -37,27 +37,28 @@ if TYPE_CHECKING:
 _TAU = 40.0
 
 _FIRST_PART, _MAX_PART = 6, 24
-"""Sites that the event-located reference follows at first, and at most."""
+"""Number of sites that the event-located reference follows at first, and at most."""
 
 _ROUNDED, _DECIDED = 4e-15, 1e-3
-"""Relative change of a start that shows what rounding does, and of the result, above which rounding
-decides it."""
+"""Relative change of the start that represents rounding, and relative change of the result above
+which the result is determined by rounding."""
 
 _TIGHT, _LOOSE = (1e-13, 0.05), (1e-12, 0.06)
-"""Tolerance and longest step of a reference, and of the run that it is held against: how far they
-are apart is mostly the error of the second."""
+"""Tolerance and longest step of a reference, and of the run it is compared with; their difference
+is mainly the error of the latter."""
 
 _ROUGH = (1e-9, 0.2)
-"""The same where the question is only whether the cell sticks again, and v_d is not small."""
+"""The same if it only matters whether the cell sticks again, and v_d is not small."""
 
 _SLIP = 400.0
-"""τ of slip after which a cell that has not stuck again, some sixty oscillations, does not."""
+"""τ of slip, some sixty oscillations, after which a cell that has not stuck is taken never to
+stick."""
 
 _BY = "scipy's DOP853 with events"
 
 
 def stable_cycle(at: Mapping[str, float]) -> StatedValue:
-    """Period and stick time; both zero where there is no cycle."""
+    """Period and stick time; both are zero if there is no cycle."""
     from verification.cells.friction import stick_slip_cycle
 
     found = stick_slip_cycle(friction_cell(at))
@@ -73,7 +74,7 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
 
     cell = friction_cell(at)
     period = float(stated.value[0])
-    # From the middle of the stick phase; where there is none, from shortly before its end.
+    # Start in the middle of the stick phase or, if there is none, shortly before its end.
     carried = 0.5 * float(stated.value[1]) or min(0.01, cell.mu_st / cell.v_d)
     start = np.array([[cell.release - carried * cell.v_d], [cell.v_d]])
 
@@ -81,8 +82,9 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
         return _events(FrictionChain.of(cell, c=0.0, sites=1), start, end, accuracy)
 
     if not period:
-        # Whoever sticks again is carried to the same release: that is a cycle, however long it
-        # takes. Oscillations may be no larger than v_d, and tolerances must be small beside it.
+        # A cell that sticks again is carried to the same release, which makes it a cycle, however
+        # long it takes. Since oscillations may be as small as v_d, the tolerances must be small
+        # compared with it.
         small = max(min(_ROUGH[0], 1e-6 * cell.v_d), _TIGHT[0])
         return ReferenceCheck.exact(run(_SLIP, (small, _ROUGH[1])).when(BEGINS).size == 0, _BY)
     true, looser = (run(2.2 * period, each).last_cycle for each in (_TIGHT, _LOOSE))
@@ -108,7 +110,7 @@ def _events(
 
 
 def friction_state(at: Mapping[str, float]) -> StatedValue:
-    """State of the friction chain at τ = 40, the first site displaced."""
+    """State of the friction chain at τ = 40, with the first site displaced."""
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
     from verification.runs.trajectory import RunStatus
@@ -148,11 +150,11 @@ def friction_by_scipy(at: Mapping[str, float], stated: StatedValue) -> Reference
 
 
 _SHORT = 10.0
-"""τ of the runs of the switch model."""
+"""Duration τ of the runs of the switch model."""
 
 
 def switch_energy(at: Mapping[str, float]) -> StatedValue:
-    """Return √(2E) at the end of a run with fixed steps; ``band`` is a share of v_d."""
+    """Return √(2E) at the end of a run with fixed steps; ``band`` is a fraction of v_d."""
     from verification.references.switch_model import run_switch
     from verification.runs.excite import excite
 
@@ -171,10 +173,11 @@ def _root_energy(c: float, y: FloatArray, velocity: FloatArray) -> float:
 
 
 def within_the_work_of_friction(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Compare with √(2E) of the start and the most that friction can add."""
+    """Compare with √(2E) of the start plus the most that friction can add."""
     added = 2.0 * at["mu_st"] * math.sqrt(at["sites"]) * _SHORT
     most = _root_energy(at["c"], *stated.extra) + added
-    # A bound, with room for the rounding of thousands of steps; it says only right or wrong.
+    # A bound, with an allowance for the rounding of thousands of steps; it only tells right from
+    # wrong.
     return ReferenceCheck.exact(float(stated.value) <= (1.0 + 1e-9) * most, "the work of friction")
 
 

@@ -1,11 +1,12 @@
 """Travelling fronts of (43), (8) and (44) on the running chain.
 
-The references of (43) and (8) step the same chains by scipy and time the sites. Intervals between
-them are uneven, since each site swings with its own phase. So v is their weighted mean over the
-second half of the sites, with smooth weights that fall to zero at both ends: what is quasi-periodic
-in the intervals then drops out faster than any power of their number (Das, Saiki, Sander and Yorke
-2017). It is uncertain by six times how far that of the first half is from it: a drift like
-n^{-2/3}, as of the head of a wave, is not over sooner.
+The references for (43) and (8) integrate the same chains by scipy and time the arrivals at the
+sites. The intervals between arrivals are uneven, since each site oscillates with its own phase.
+Therefore v is obtained from their weighted mean over the second half of the sites, with smooth
+weights that vanish at both ends; the quasi-periodic part of the intervals then averages out faster
+than any power of their number (Das, Saiki, Sander and Yorke 2017). Its uncertainty is six times the
+difference from the mean over the first half, because a drift like n^{-2/3}, as of the head of a
+wave, decays no faster.
 """
 
 from __future__ import annotations
@@ -35,17 +36,18 @@ from verification.references.pace import NoReferenceError, Pace
 
 _FILLED, _END = 24, 8
 _MIN_SITES, _MAX_SITES = 64, 352
-"""Sites beyond those filled at the start that a front is timed at: as many as it passes in `_TIME`,
-since a longer chain costs little more a step."""
+"""Number of sites, beyond those excited at the start, at which a front is timed: as many as it
+passes in `_TIME`, since a longer chain costs little more per step."""
 
 _TIME = 5e3
-"""Time t: half of what scipy integrates in the time allowed, at some sixty evaluations a unit."""
+"""Time t: half of what scipy integrates in the time allowed, at about sixty evaluations per
+unit."""
 
 _STALL_TIME = 60.0
 
 
 _GIVEN: Mapping[str, float] = {"a": 4.0, "eps": 0.01, "sites": 32}
-"""Parameters that a point does not give."""
+"""Default values of parameters that a point omits."""
 
 
 def _front(at: Mapping[str, float], full: bool) -> StatedValue:
@@ -63,15 +65,15 @@ def _front(at: Mapping[str, float], full: bool) -> StatedValue:
 
 
 def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> ReferenceCheck:
-    """Hold v against a run by scipy, of (8) or of the real amplitudes of (43) with locked phases.
+    """Compare v with a run by scipy of (8), or of the real amplitudes of (43) with locked phases.
 
-    Each site is a quarter of a turn behind the one before, in a wave that goes on to the left.
+    Each site lags by a quarter turn behind its left neighbour; to the left the wave continues.
     """
     from scipy.integrate import DOP853
 
     if stated.value is None:
         raise NoReferenceError(f"the front is {stated.note} and states no velocity.")
-    scale = vdp_chain({**_GIVEN, **at}).eps if full else 1.0  # from times of the run to slow ones
+    scale = vdp_chain({**_GIVEN, **at}).eps if full else 1.0  # converts run times to slow times
     timed = round(min(max(_TIME * scale * abs(stated.value), _MIN_SITES), _MAX_SITES))
     sites = _FILLED + timed + _END
     chain = vdp_chain({**_GIVEN, **at, "sites": sites})
@@ -100,7 +102,7 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
 
 
 def _wave(at: Mapping[str, float]) -> StatedValue:
-    """Solve for the front of (43); where none travels, that is what is stated."""
+    """Solve for the front of (43); if there is none that travels, state this."""
     from verification.fronts.wave import NoFrontError, front_wave
 
     try:
@@ -111,13 +113,13 @@ def _wave(at: Mapping[str, float]) -> StatedValue:
 
 
 _LADDER = (28, 40, 56, 80, 112)
-"""Points a site of the grids in ξ, of which two neighbours are compared."""
+"""Grid points per site in ξ; the results of two successive grids are compared."""
 
 
 def _by_differences(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Hold v against differences in ξ, on finer and longer grids until two of them agree.
+    """Compare v with finite differences in ξ, refining the grid until two solutions agree.
 
-    The finer one is right to much less than the two are apart.
+    The error of the finer one is much smaller than their difference.
     """
     from verification.references.front_wave import front_velocity
 
@@ -143,7 +145,7 @@ def _by_differences(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
 
 
 def _averaged_front_known(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Hold a steady v against the wave itself where differences in ξ resolve it, else time one."""
+    """Compare a steady v with the wave itself if differences in ξ resolve it, else with a run."""
     if stated.value and 0.15 <= at["c"] <= 10.0 and at["eta"] >= 1e-2:
         found = _by_differences(at, stated)
         if found.uncertainty <= MAX_UNCERTAINTY * stated.error:
@@ -190,7 +192,7 @@ _LIMITS = "outside, scipy takes minutes for the reference, or there is no front"
 
 
 def _piecewise_front(at: Mapping[str, float]) -> StatedValue:
-    """Measure a front of (44), where a run takes less than a minute: tails grow with c."""
+    """Measure a front of (44) where a run takes less than a minute; its tails grow with c."""
     from verification.fronts.status import FrontStatus
     from verification.piecewise.simulation import simulate_front
 
@@ -201,9 +203,9 @@ def _piecewise_front(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_piecewise(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Compare with the nearest root of (54), by secants in many digits.
+    """Compare with the nearest root of (54), found by the secant method with many digits.
 
-    A run that never settles states nothing.
+    A run that never settles states no velocity.
     """
     from theory.piecewise.kinetic_relation import kinetic_relation
 

@@ -1,4 +1,4 @@
-"""One point of the robustness table: compute, hold against another method, name the outcome."""
+"""One point of the robustness table: compute, compare with another method, classify the outcome."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ from verification.references import pace
 from verification.references.pace import NoReferenceError
 
 SLACK = 5.0
-"""A value is given up after this multiple of its time limit."""
+"""Multiple of its time limit after which a value is abandoned."""
 SLOWNESS = 1.0
-"""Factor on all time limits: a machine may be slower than the one for which they were set."""
+"""Factor on all time limits, for machines slower than the one for which they were set."""
 
 
 class PointOutcome(StrEnum):
-    """What became of one point."""
+    """The outcome of one point."""
 
     RIGHT = "right"
     """Within the stated error."""
 
     REFUSED = "refused"
-    """One sentence says why and what to do."""
+    """Refused with one sentence that says why and what to do."""
 
     UNDECIDED = "undecided"
-    """Not refuted, but by a reference too uncertain to confirm; see `MAX_UNCERTAINTY`."""
+    """Not refuted, but the reference is too uncertain to confirm; see `MAX_UNCERTAINTY`."""
 
     UNCHECKED = "unchecked"
-    """A finite value with an error, and no other method to hold it against."""
+    """A finite value with an error, but no other method to compare it with."""
 
     EXCEEDED = "exceeded"
     """Farther from the reference than the stated error."""
@@ -55,23 +55,23 @@ class PointOutcome(StrEnum):
 
 
 BAD = (PointOutcome.EXCEEDED, PointOutcome.NAN, PointOutcome.CRASH, PointOutcome.SLOW)
-"""Of these there must be none."""
+"""Outcomes that must not occur."""
 
 
 @dataclass(frozen=True)
 class RobustnessTask:
-    """The task of the sweep: a point is a computation and a number.
+    """The task of the sweep; a point is specified by a computation and a number.
 
     Attributes
     ----------
     seed : int
-        Of the points at random.
+        Seed of the random points.
     """
 
     seed: int = 0
 
     def __call__(self, point: Point) -> Mapping[str, Scalar]:
-        """Return the parameters, the outcome and what it rests on."""
+        """Return the parameters, the outcome and the data on which it is based."""
         computation = computation_named(str(point["quantity"]))
         values = computation.point(self.seed, int(point["number"]))
         found = judge(computation, values)
@@ -82,9 +82,9 @@ class RobustnessTask:
 
 
 def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Scalar]:
-    """Return outcome, stated error, distance, uncertainty of the reference, its name, seconds.
+    """Return outcome, stated error, distance, uncertainty and name of the reference, seconds.
 
-    Times are of the processor, so that what else the machine does has no part in the outcome.
+    Times are processor times, so that the other load of the machine does not affect the outcome.
     """
     begin, limit = time.process_time(), SLOWNESS * computation.seconds
 
@@ -122,7 +122,7 @@ def judge(computation: Computation, values: Mapping[str, float]) -> dict[str, Sc
 
 
 def compared(error: float, check: ReferenceCheck) -> PointOutcome:
-    """Return what a reference says of a stated error.
+    """Return the outcome for a stated error according to a reference.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def compared(error: float, check: ReferenceCheck) -> PointOutcome:
 
 
 def is_clear(message: str) -> bool:
-    """Return whether a refusal is one sentence of at most three hundred letters.
+    """Return whether a refusal is a single sentence of at most three hundred characters.
 
     Examples
     --------
@@ -182,5 +182,5 @@ def _row(
 
 
 def _for_csv(said: str) -> str:
-    """Return a text without what a table of commas and quotes would misread."""
+    """Return a text without characters that a table of comma-separated values would misread."""
     return " ".join("".join("'" if x == '"' else ";" if x in ",#" else x for x in said).split())

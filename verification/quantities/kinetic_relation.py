@@ -1,4 +1,4 @@
-"""The kinetic relation (54): every velocity, and the couplings at which fronts begin and end."""
+"""The kinetic relation (54): every velocity, and the couplings between which fronts exist."""
 
 from __future__ import annotations
 
@@ -47,22 +47,23 @@ def _velocities(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_velocities(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Hold g = |Σ + shift| - 2r, in many digits, to a change of sign over each error interval.
+    """Test g = |Σ + shift| - 2r, with many digits, for a change of sign over each error interval.
 
-    The distance is the farthest that g would still have to go, relative to v; and one if double
-    precision sees more changes of sign on a plain grid than there are branches.
+    The distance is the largest further shift that the change of sign would require, relative to v;
+    it is one if g, in double precision on a plain grid, changes sign more often than there are
+    branches.
     """
     found: KineticRelation = stated.extra
     worst, by = 0.0, "sign of g in many digits"
     for branch in found.branches:
         shift = 2 if branch.v < 0 else 0
         speed = mp.mpf(abs(branch.v))
-        # The bound is on v itself; a velocity and its bound are the binary numbers they are.
+        # The bound refers to v as a binary number; velocity and bound are used exactly as stored.
         ends = [_excess(float(speed + side * mp.mpf(branch.error)), at, shift) for side in (-1, 1)]
         if (ends[0] > 0) == (ends[1] > 0):
             slope = abs(ends[1] - ends[0]) / (2.0 * branch.error)
             off = min(abs(ends[0]), abs(ends[1]))
-            # A fold touched to within rounding is one branch with no change of sign.
+            # A fold that is touched to within rounding is one branch without a change of sign.
             flat = off < 1e-15 * (1.0 + 2.0 * float(threshold_ratio(at["eta"])))
             if not (flat and branch.error / abs(branch.v) > 1e-9):
                 worst = max(worst, (branch.error + off / max(slope, 1e-300)) / abs(branch.v))
@@ -78,10 +79,11 @@ def _excess(v: float, at: Mapping[str, float], shift: int) -> float:
 
 
 def precise_velocity(v: float, at: Mapping[str, float]) -> tuple[Any, float]:
-    """Return the root of (54) next to v, by Newton's step in many digits, and its uncertainty.
+    """Return the root of (54) next to v by a Newton step with many digits, and its uncertainty.
 
-    The slope is known to as much as the slopes to the left and to the right differ, and so is the
-    step, which from a root to double precision is of the size of a rounding.
+    The relative uncertainty of the slope, and hence of the step, is the difference between the
+    slopes to the left and to the right. From a root in double precision the step is as small as a
+    rounding error.
     """
     shift = 2 if v < 0 else 0
     with mp.workdps(_DIGITS + 20):
@@ -95,13 +97,13 @@ def precise_velocity(v: float, at: Mapping[str, float]) -> tuple[Any, float]:
 
 
 def _defect(v: float, at: Mapping[str, float], shift: int) -> tuple[Any, float]:
-    """Return |Σ + shift| - 2r to many digits, and the uncertainty of Σ."""
+    """Return |Σ + shift| - 2r with many digits, and the uncertainty of Σ."""
     value, uncertainty, _ = reference_sum(v, at["c"], _DIGITS)
     return abs(value + shift) - 2 * threshold_ratio(at["eta"]), uncertainty
 
 
 def _changes_of_sign(at: Mapping[str, float]) -> int:
-    """Count sure changes of sign of g, of both directions, on a grid that no search has chosen."""
+    """Count certain changes of sign of g, in both directions, on a grid that no search chose."""
     c, target = at["c"], 2.0 * float(threshold_ratio(at["eta"]))
     v = np.geomspace(0.0181, 10.0 * (c + math.sqrt(c) + 1.0) / min(target, 1.0), 1500)
     found = sums(v, c, 1e-13)
@@ -116,7 +118,7 @@ def _changes_of_sign(at: Mapping[str, float]) -> int:
 def _closed(
     value: Callable[[float], float | None], name: str
 ) -> Callable[[Mapping[str, float]], StatedValue]:
-    """Return how a closed form is stated: right to rounding at the argument as it is stored."""
+    """Return a closed form with its error: rounding at the argument as it is stored."""
 
     def compute(at: Mapping[str, float]) -> StatedValue:
         found = value(at[name])
@@ -128,7 +130,7 @@ def _closed(
 def _by_newton(
     defect: Callable[[Any, Any], Any], exists: Callable[[float], bool], name: str
 ) -> Callable[[Mapping[str, float], StatedValue], ReferenceCheck]:
-    """Return a check: Newton's step of a defining equation, in many digits, from the stated."""
+    """Return a check: a Newton step of a defining equation in many digits, from the value."""
 
     def check(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
         if stated.value is None or not exists(at[name]):
@@ -170,11 +172,11 @@ def _fold(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Hold the height of |Σ| near the fold's velocity against 2r on both sides of c_fold."""
+    """Compare the maximum of |Σ| near the fold's velocity with 2r on both sides of c_fold."""
     eta, below_end = at["eta"], at["eta"] < ETA_PIN_END
     if stated.value is None or not below_end:
         return ReferenceCheck.exact((stated.value is None) != below_end, "existence")
-    if stated.extra.velocity == 0.0:  # at pinning itself
+    if stated.extra.velocity == 0.0:  # the fold is at pinning itself
         with mp.workdps(60):
             h = mp.mpf(stated.value) * mp.mpf(10) ** -25
             slope = (_pinned(stated.value + h, eta) - _pinned(stated.value - h, eta)) / (2 * h)
@@ -188,7 +190,7 @@ def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
 def _check_height(
     c: float, v: float, eta: float, c_error: float, eta_error: float
 ) -> ReferenceCheck:
-    """Check that the local maximum of |Σ| over v passes 2r within the stated error."""
+    """Check that the local maximum of |Σ| over v passes through 2r within the stated error."""
 
     def excess(v_: float, side: int) -> float:
         at = {"c": c + side * c_error, "eta": eta - side * eta_error}

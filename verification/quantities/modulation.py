@@ -1,4 +1,4 @@
-"""The modulation equations of one cell: symbols, which the robustness table does not try."""
+"""The modulation equations of one cell: symbolic, and not tested by the robustness table."""
 
 from __future__ import annotations
 

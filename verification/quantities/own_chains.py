@@ -1,7 +1,7 @@
-"""A chain of one's own at a time, against scipy: disordered Duffing-Van der Pol cells, driven.
+"""A user-defined chain compared with scipy: disordered, driven Duffing-Van der Pol cells.
 
-The right side is generated from text and stepped by compressed rows, as for any other polynomial
-cell and coupling; the reference has cell and matrix written a second time.
+The right-hand side is generated from text and integrated with compressed rows, as for any other
+polynomial cell and coupling. The reference contains cell and matrix written a second time.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ OURS = "Runge-Kutta 8 (default)"
 def chain_of(at: Mapping[str, float]) -> OscillatorChain:
     """Return the chain of a point: stiffness y + ky³, springs to second neighbours, disorder.
 
-    A harmonic force acts on the second site. Of more rows than one it is a square lattice.
+    A harmonic force acts on the second site. With more than one row it is a square lattice.
     """
     sites, rows = whole(at["sites"]), whole(at.get("rows", 1))
     size: Any = sites if rows == 1 else (rows, sites // rows)
@@ -56,11 +56,11 @@ def chain_of(at: Mapping[str, float]) -> OscillatorChain:
 
 
 def rate_of(at: Mapping[str, float]) -> Rate:
-    """Return its right side for scipy; that of a chain for extended precision as well."""
+    """Return its right-hand side for scipy, and for a chain also in extended precision."""
     sites, rows, k = whole(at["sites"]), whole(at.get("rows", 1)), at["k"]
     a = np.asarray(chain_of(at).site_values["a"])
     matrix: Any = pull_matrix(sites // rows)
-    matrix = matrix.astype(np.longdouble) if rows == 1 else matrix  # 2 + 2 far is rounded else
+    matrix = matrix.astype(np.longdouble) if rows == 1 else matrix  # else 2 + 2 far is rounded
     for n in range(sites - 2 if rows == 1 else 0):
         pair = np.ix_([n, n + 2], [n, n + 2])
         matrix[pair] += at["far"] * np.array([[1.0, -1.0], [-1.0, 1.0]])
@@ -81,7 +81,7 @@ def rate_of(at: Mapping[str, float]) -> Rate:
 
 
 def own_run(at: Mapping[str, float]) -> StatedValue:
-    """State of a chain of one's own at t = 30 from one displaced site."""
+    """State of a user-defined chain at t = 30 from one displaced site."""
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
 
@@ -94,7 +94,7 @@ def own_run(at: Mapping[str, float]) -> StatedValue:
 
 
 def own_precisely(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Run the equation written again in extended precision."""
+    """Integrate the equation, written a second time, in extended precision."""
     return precisely(stated.value.ravel(), precise_state(rate_of(at), stated.extra.ravel(), _END))
 
 

@@ -1,19 +1,21 @@
-"""One table of test problems, shared by tests, benchmarks, the robustness table and the report.
+"""The table of test problems, shared by tests, benchmarks, the robustness table and the report.
 
-`PROBLEMS` holds them by family, one family for each kind of parameters; a quantity names its family
-(``verification.quantities.quantity``). The rule of the table, which tests/test_problems.py checks:
+`PROBLEMS` holds them by family, one for each set of parameters; a quantity names its family
+(``verification.quantities.quantity``). The rules of the table, checked by tests/test_problems.py,
+are:
 
 1. Names are unique in their family and usable as test identifiers.
-2. All problems of a family give values to the same parameters, and a quantity uses each of them.
-3. ``ordinary`` problems are where a curve of the paper lies, and come first; ``stiff`` ones narrow
-   the strip of analyticity, crowd the roots, or mix fast and slow motion; ``extreme`` ones are
-   where a formula written carelessly overflows, underflows or loses a root, or sites are very
-   many. Every problem has a tag; ordinary ones have no other.
-4. The first problem of a family is ordinary and timed, and one is not ordinary.
-5. For Σ the tags are numbers: extreme is v or c at or beyond 10⁻³ or 10³; ordinary is what is not
-   extreme, with a root-free strip no narrower than 1/10 and c/v, about a root a unit, at most 10.
+2. All problems of a family have values for the same parameters, and a quantity uses all of them.
+3. ``ordinary`` problems lie on a curve of the paper and come first; ``stiff`` ones have a narrow
+   strip of analyticity, crowded roots, or fast as well as slow motion; ``extreme`` ones are where a
+   carelessly written formula overflows, underflows or loses a root, or where there are very many
+   sites. Every problem has a tag; ordinary ones have no other.
+4. The first problem of a family is ordinary and timed, and at least one is not ordinary.
+5. For Σ the tags follow from numbers: a problem is extreme if v or c is at or beyond 10⁻³ or 10³;
+   it is ordinary if it is not extreme, the root-free strip is no narrower than 1/10, and c/v,
+   the approximate number of roots per unit, is at most 10.
 
-Where η and a are given, b = ηa² (`Problem.cell`). ε = 0 stands for the averaged chain (43).
+If η and a are given, b = ηa² (`Problem.cell`). ε = 0 stands for the averaged chain (43).
 """
 
 from collections.abc import Mapping
@@ -27,18 +29,18 @@ Tag = Literal["ordinary", "stiff", "extreme"]
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """A named point of any parameters.
+    """A named set of parameter values.
 
     Attributes
     ----------
     name : str
-        What is peculiar to it, usable as a test identifier; unique in its family.
+        What is special about it, usable as a test identifier; unique in its family.
     values : mapping of str to float
         Parameters by symbol, dimensionless.
     tags : tuple of str
         Any of ``"ordinary"``, ``"stiff"``, ``"extreme"``.
     timed : bool
-        Whether the benchmarks measure error against run time there.
+        Whether the benchmarks measure error against run time at this problem.
     """
 
     name: str
@@ -47,22 +49,22 @@ class Problem:
     timed: bool
 
     def __getitem__(self, name: str) -> float:
-        """Return the value of a parameter; ``KeyError`` where the problem has none."""
+        """Return the value of a parameter; ``KeyError`` if the problem does not have it."""
         return self.values[name]
 
     @property
     def v(self) -> float:
-        """Scaled front velocity, dimensionless; ``KeyError`` where the problem has none."""
+        """Scaled front velocity, dimensionless; ``KeyError`` if the problem does not have it."""
         return self.values["v"]
 
     @property
     def c(self) -> float:
-        """Coupling, dimensionless; ``KeyError`` where the problem has none."""
+        """Coupling, dimensionless; ``KeyError`` if the problem does not have it."""
         return self.values["c"]
 
     @property
     def sites(self) -> int:
-        """Number of sites; ``KeyError`` where the problem has none."""
+        """Number of sites; ``KeyError`` if the problem does not have it."""
         return int(self.values["sites"])
 
     @property
@@ -78,7 +80,7 @@ class Problem:
         return {"a": a, "b": self["eta"] * a * a, "eps": self["eps"]}
 
     def vdp_chain(self, sites: int | None = None) -> VdpChain:
-        """Return its chain (8), by default of its own length; ε = 0 is the unit of time 0.01."""
+        """Return its chain (8), by default with its own length; ε = 0 is replaced by 0.01."""
         a, b, eps = self.cell.values()
         sites = self.sites if sites is None else sites
         return VdpChain(a=a, b=b, c=self.c, eps=eps or 0.01, sites=sites)
@@ -167,11 +169,11 @@ PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
         _problem("second-order", "stiff", order=2, a=2.5, eta=0.08, eps=1e-3, timed=True),
     ),
 }  # fmt: skip
-"""Test problems by family; a point of the robustness table takes those parameters that it names."""
+"""Test problems by family; a point of the robustness table takes the parameters that it needs."""
 
 
 def timed(family: str) -> tuple[Problem, ...]:
-    """Return the problems of a family that the benchmarks measure, easiest first.
+    """Return the problems of a family that the benchmarks measure, the easiest first.
 
     Examples
     --------

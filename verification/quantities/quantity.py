@@ -1,4 +1,4 @@
-"""What a quantity is: the contract that everything that is computed, checked and timed fulfils."""
+"""The contract of a quantity, which everything that is computed, checked and timed fulfils."""
 
 from __future__ import annotations
 
@@ -15,38 +15,39 @@ import numpy as np
 from verification.quantities.problems import PROBLEMS, Problem, timed
 
 Values: TypeAlias = dict[str, float]
-"""Parameters by name; counts as whole floats."""
+"""Parameters by name; whole numbers are given as floats."""
 
 BAD_EVERY = 20
-"""One point in so many has a value that is not allowed."""
+"""One point out of this number has a value that is not allowed."""
 
 MAX_CORNERS = 64
 
 MAX_UNCERTAINTY = 0.5
-"""Of a reference that may confirm, over the stated error that it judges.
+"""Largest uncertainty of a reference that may confirm a value, relative to the stated error.
 
-With a true error t, a stated one e and a reference within u of the truth, the distance is at least
-t - u, and beyond e + u the error is exceeded. So an error that is understated by a factor of two,
-t > 2e, is sure to be seen where 2e - u ≥ e + u: u ≤ e/2. A reference that is less certain may still
-refute, but what it does not refute has not been confirmed."""
+Let t be the true error, e the stated one, and let the reference be within u of the true value. Then
+the distance from the reference is at least t - u, and if it is larger than e + u the stated error
+is exceeded. An error understated by a factor of two, t > 2e, is therefore certain to be detected if
+2e - u ≥ e + u, that is, u ≤ e/2. A less certain reference may still refute a value, but cannot
+confirm it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """Something that can be computed, and all that tests, benchmarks and report know of it.
+    """A computable quantity, with all that tests, benchmarks and report need to know of it.
 
     How to register a new quantity:
 
     1. Write a module of ``verification.quantities`` with ``QUANTITIES``, a tuple of quantities; the
-       registry finds it. Nothing else has to be changed: the robustness table (``fronts stress``),
+       registry finds it. No other change is needed: the robustness table (``fronts stress``),
        the tests of the table, and the report's list of test problems iterate over the registry.
     2. Choose its family of test problems in ``verification.quantities.problems``, or add one.
-    3. Say by which independent method its true value is known there, and to what accuracy. Right
-       sides and formulas of a reference stand in ``verification.references``, which knows scipy and
-       mpmath and nothing of the engines.
+    3. State by which independent method its true value is known there, and to what accuracy.
+       Equations and formulas of a reference belong in ``verification.references``, which uses
+       scipy and mpmath but no code of the engines.
     4. Write one :class:`Computation` for each method or model that the toolkit offers: its
-       parameters over all decades in which it is defined, what it returns with the error that it
-       states, and a check by code that it does not use.
+       parameters over all decades in which it is defined, a function that returns the value with
+       its stated error, and a check by code that this function does not use.
     5. To have its error measured against run time, write a module of ``benchmarks`` that exposes
        ``BENCHMARK``, a ``benchmarks.work_precision.WorkPrecision`` of the same name, with methods
        and peers; :attr:`default` is one of its methods.
@@ -54,20 +55,20 @@ class Quantity:
     Attributes
     ----------
     name : str
-        As on the command line; a record of its benchmark is ``<name>.json``.
+        Name on the command line; the record of its benchmark is ``<name>.json``.
     title : str
-        What it is, in a few words.
+        A description in a few words.
     equation : str
-        Numbers of the equations in the paper that define it.
+        Numbers of the equations of the paper that define it.
     problems : str
         Family of its test problems.
     reference : str
-        What it is held against at the test problems: it shares no code with ours.
+        The method that it is compared with at the test problems; it shares no code with ours.
     accuracy : float
-        The two references are no further apart than this at any timed problem, nor the check of
-        the robustness table at any other where it reaches; in the unit of the quantity.
+        Largest difference between the two references at any timed problem, and of the check of the
+        robustness table at any other problem within its reach; in the unit of the quantity.
     default : str
-        The method that the toolkit uses unless another is asked for.
+        The method that the toolkit uses by default.
     useful : (float, float) or None
         Smallest and largest error that a user is likely to ask for; None where nothing is timed.
     computations : tuple of Computation
@@ -86,31 +87,31 @@ class Quantity:
 
     @property
     def test_problems(self) -> tuple[Problem, ...]:
-        """All its test problems."""
+        """All test problems of the quantity."""
         return PROBLEMS[self.problems]
 
     @property
     def timed_problems(self) -> tuple[Problem, ...]:
-        """Those at which error is measured against run time."""
+        """The test problems at which error is measured against run time."""
         return timed(self.problems) if self.useful else ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """One parameter, tried over all decades in which it is defined.
+    """One parameter, sampled over all decades in which it is defined.
 
     Attributes
     ----------
     name : str
         Its symbol.
     low, high : float
-        Ends of its range; positive.
+        Ends of its range, both positive.
     whole : bool
-        Only whole numbers.
+        Whether only whole numbers are allowed.
     near : tuple of float
-        Values that are also approached, to within ``closest`` on both sides, by one point in four.
+        Values that one point in four approaches, on either side, to within ``closest``.
     closest : float
-        Relative distance of the nearest approach.
+        Smallest relative distance of these approaches.
     """
 
     name: str
@@ -121,7 +122,7 @@ class Axis:
     closest: float = 1e-12
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Return a value at random, each decade as likely as any other.
+        """Return a random value; all decades are equally likely.
 
         Examples
         --------
@@ -138,35 +139,35 @@ class Axis:
         return float(round(value)) if self.whole else value
 
     def ends(self) -> tuple[float, ...]:
-        """Return the values that corners are made of."""
+        """Return the values used for corners."""
         beside = [c * (1.0 + s * self.closest) for c in self.near for s in (-1.0, 1.0)]
         return (self.low, self.high, *beside)
 
     def middle(self) -> float:
-        """Return the middle of the range, by decades."""
+        """Return the geometric mean of the range."""
         value = math.sqrt(self.low * self.high)
         return float(round(value)) if self.whole else value
 
     def bad(self, rng: np.random.Generator) -> float:
-        """Return a value that is not allowed, or beyond the range that is swept."""
+        """Return a value that is not allowed, or is beyond the range of the sweep."""
         beyond = (0.0, -1.0, math.nan, math.inf, self.low * 1e-9, self.high * 1e9)
         return beyond[int(rng.integers(len(beyond)))]
 
 
 @dataclass(frozen=True, kw_only=True)
 class StatedValue:
-    """What the toolkit says.
+    """A value stated by the toolkit.
 
     Attributes
     ----------
     value : object
-        One number, complex number, array or mpmath number; None where there is nothing to state.
+        A number, complex number, array or mpmath number; None if there is no value to state.
     error : float
-        The error it states.
+        The stated error.
     note : str
-        What it says beside, as that precision was raised.
+        A remark, for example that the precision was raised.
     extra : object
-        Whatever the check needs.
+        Further data that the check needs.
     """
 
     value: Any
@@ -176,14 +177,14 @@ class StatedValue:
 
     @classmethod
     def of(cls, found: Any, value: Any, note: str = "") -> Self:
-        """Return a value of a result, None where it has none, with the error of the result."""
+        """Return a value of a result (None if there is none) with the error of the result."""
         error = 0.0 if value is None else found.error
         return cls(value=value, error=error, note=note, extra=found)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceCheck:
-    """What another method says of a stated value.
+    """The comparison of a stated value with another method.
 
     Attributes
     ----------
@@ -192,7 +193,7 @@ class ReferenceCheck:
     uncertainty : float
         Error of the reference.
     method : str
-        Which method.
+        Name of the other method.
     """
 
     distance: float
@@ -201,13 +202,13 @@ class ReferenceCheck:
 
     @classmethod
     def exact(cls, held: bool, method: str) -> Self:
-        """Return what a method says that knows only right and wrong."""
+        """Return the check of a method that can only tell right from wrong."""
         return cls(distance=0.0 if held else math.inf, method=method)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Computation:
-    """One method or model of a quantity, and the points at which it is tried.
+    """One method or model of a quantity, and the points at which it is tested.
 
     Attributes
     ----------
@@ -216,19 +217,19 @@ class Computation:
     axes : tuple of Axis
         Its parameters.
     compute : callable
-        From the parameters to a `StatedValue`. A refusal is a `ParameterError` or an
+        Maps the parameters to a `StatedValue`. A refusal is a `ParameterError` or an
         ``ArithmeticError`` of the toolkit.
     check : callable
-        From the parameters and the stated value to a `ReferenceCheck`, by code that ``compute``
-        does not use; `NoReferenceError` where none reaches.
+        Maps the parameters and the stated value to a `ReferenceCheck`, by code that ``compute``
+        does not use; raises `NoReferenceError` where no reference is available.
     seconds : float
-        Time that one value may take.
+        Time allowed for one value.
     share : float
-        How many points it gets beside the others; costly ones get fewer.
+        Relative number of points; costly computations get fewer.
     problems : str
-        Family of test problems that are among its points; none if empty.
+        Family of test problems that are among its points; empty if there is none.
     limits : str
-        Why a range ends before its parameter does; empty if none does.
+        Why a range ends before that of its parameter does; empty if none does.
     """
 
     name: str
@@ -243,7 +244,7 @@ class Computation:
 
     @cached_property
     def fixed_points(self) -> tuple[Values, ...]:
-        """Test problems in its ranges, then the corners; of more than 64 some, evenly."""
+        """Return test problems in its ranges, then corners; an even selection if more than 64."""
         middle = {axis.name: axis.middle() for axis in self.axes}
         ranges = {axis.name: axis for axis in self.axes}
         points = []
@@ -257,7 +258,7 @@ class Computation:
         return tuple(points)
 
     def point(self, seed: int, index: int) -> Values:
-        """Return the point of that number: fixed and random ones in turn, reproducibly."""
+        """Return the point with the given number: fixed and random ones alternate, reproducibly."""
         if not self.is_random(index):
             return dict(self.fixed_points[index // 2])
         rng = np.random.default_rng([seed, zlib.crc32(self.name.encode()), index])
@@ -268,7 +269,7 @@ class Computation:
         return values
 
     def is_random(self, index: int) -> bool:
-        """Return whether the point of that number is random: every other one, later all.
+        """Return whether the point of this number is random: every second one, at the end all.
 
         Examples
         --------
@@ -281,7 +282,7 @@ class Computation:
 
 
 def axes(**ranges: tuple[float, float]) -> tuple[Axis, ...]:
-    """Return an axis for each range; one whose ends are written as whole numbers has no others.
+    """Return an axis for each range; if both ends are integers, only whole numbers are allowed.
 
     Examples
     --------
@@ -298,5 +299,5 @@ def axes(**ranges: tuple[float, float]) -> tuple[Axis, ...]:
 
 
 def whole(number: float) -> Any:
-    """Return a whole number as int; what is none as it is, for the toolkit to refuse."""
+    """Return a whole number as int, and any other unchanged, to be refused by the toolkit."""
     return int(number) if math.isfinite(number) else number

@@ -23,7 +23,7 @@ def all_quantities() -> tuple[Quantity, ...]:
     Raises
     ------
     ValueError
-        If two have the same name.
+        If two quantities have the same name.
 
     Examples
     --------
@@ -36,12 +36,12 @@ def all_quantities() -> tuple[Quantity, ...]:
 
 
 def all_computations() -> tuple[Computation, ...]:
-    """Return the rows of the robustness table, those of chains registered since among them.
+    """Return the rows of the robustness table, including those of chains registered since.
 
     Raises
     ------
     ValueError
-        If two have the same name.
+        If two computations have the same name.
 
     Examples
     --------
@@ -55,12 +55,12 @@ def all_computations() -> tuple[Computation, ...]:
 
 
 def quantity_named(name: str) -> Quantity:
-    """Return the quantity of that name; raise `ParameterError` when there is none."""
+    """Return the quantity of the given name; raise `ParameterError` if there is none."""
     return _named(all_quantities(), name)
 
 
 def computation_named(name: str) -> Computation:
-    """Return the computation of that name; raise `ParameterError` when there is none."""
+    """Return the computation of the given name; raise `ParameterError` if there is none."""
     return _named(all_computations(), name)
 
 
@@ -73,5 +73,5 @@ def _named(registered: Sequence[_Named], name: str) -> _Named:
 
 
 def chosen(names: Sequence[str]) -> tuple[Computation, ...]:
-    """Return the computations named, or all if none is."""
+    """Return the computations named, or all if none are."""
     return tuple(computation_named(name) for name in names) if names else all_computations()

@@ -1,4 +1,4 @@
-"""Robustness: thousands of points of every computation, counted by what becomes of them."""
+"""Robustness: thousands of points of every computation, counted by outcome."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from verification.quantities.quantity import Computation
 from verification.quantities.registry import chosen
 
 POINTS = 1000
-"""Of all quantities together, by default."""
+"""Default number of points of all quantities together."""
 
 MIN_POINTS = 12
-"""Points of a computation, at least."""
+"""Smallest number of points of a computation."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,16 +34,16 @@ class RobustnessRow:
     Attributes
     ----------
     quantity : str
-        Its name.
+        Name of the quantity.
     points, random : int
-        How many were tried, and how many of them at random; the others are test problems and
-        corners.
+        Number of points tested, and number of random ones among them; the others are test problems
+        and corners.
     counts : dict
-        How many came to each outcome.
+        Number of points with each outcome.
     tightest : float
-        Largest distance over what was allowed, of those that are right; at most one.
+        Largest distance, relative to the allowed one, among the points that are right; at most one.
     slowest : float
-        Processor seconds of the slowest value.
+        Processor time in seconds of the slowest value.
     """
 
     quantity: str
@@ -59,17 +59,17 @@ _OF_A_ROW = ("quantity", "points", "random", "tightest", "slowest")
 
 @dataclass(frozen=True, kw_only=True)
 class Robustness(Result):
-    """The table and what is wrong with it.
+    """The robustness table, with all failures.
 
     Attributes
     ----------
     lines : tuple of RobustnessRow
-        One a quantity.
+        One row per quantity.
     bad : tuple of dict
-        The points that exceeded their error, gave NaN, crashed or were slow, with all that is
-        known of them.
+        The points that exceeded their error, gave NaN, crashed or were slow, with all that is known
+        about them.
     table : Table
-        Every point.
+        The table of all points.
     seconds : float
         Wall-clock time.
     """
@@ -82,22 +82,22 @@ class Robustness(Result):
     derived = ("counts",)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a quantity: points, those of each outcome, tightest, slowest."""
+        """Return one row per quantity: points, number with each outcome, tightest, slowest."""
         of = {name: [getattr(line, name) for line in self.lines] for name in _OF_A_ROW}
         of |= {o.value: [line.counts[o.value] for line in self.lines] for o in PointOutcome}
         return {name: np.array(values) for name, values in of.items()}
 
     @property
     def counts(self) -> dict[str, int]:
-        """Points by outcome, over all quantities."""
+        """Number of points by outcome, over all quantities."""
         return {o.value: sum(line.counts[o.value] for line in self.lines) for o in PointOutcome}
 
 
 def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
-    """Return points for the quantities named (all if none), divided by their shares.
+    """Return points for the quantities named (all if none), distributed according to their shares.
 
-    Those of each quantity are spread evenly over the whole, so that the pace of the first tenth is
-    that of the others, and with it the estimate of the time left.
+    The points of each quantity are spread evenly over the sequence, so that the first tenth takes
+    as long as any other, and the remaining time can be estimated from it.
 
     Examples
     --------
@@ -126,24 +126,24 @@ def robustness(
     workers: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Robustness:
-    """Try the quantities named, or all, and count what becomes of each point.
+    """Test the quantities named, or all, and classify the outcome of each point.
 
     Parameters
     ----------
     names : sequence of str
         Quantities; all if empty.
     points : int
-        In all; every quantity gets its share, half of it test problems and corners while there are
-        any, the rest at random.
+        Total number; every quantity gets its share, of which half are test problems and corners as
+        long as there are any, and the rest are random.
     seed : int
-        Of the points at random.
+        Seed of the random points.
     out, resume, workers, progress
-        As of `verification.execution.sweep.sweep`.
+        As in `verification.execution.sweep.sweep`.
 
     Raises
     ------
     ParameterError
-        If a quantity or a number is not known or allowed.
+        If a quantity is unknown or a number is not allowed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Roots of the dispersion relation (50), and the shape (49) that they make."""
+"""Roots of the dispersion relation (50), and the front profile (49) built from them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _roots(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_roots(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Newton in 50 digits from each root, and the number of roots by the argument principle."""
+    """Check each root by Newton in 50 digits, and the number of roots by the argument principle."""
     found, upper = stated.extra, at["side"] < 2
     worst = 0.0
     with mp.workdps(50):
@@ -50,7 +50,7 @@ def _check_roots(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck
                 worst = max(worst, off / abs(k))
     try:
         counted = count_in_strips(at["v"], at["c"], found.labels, upper)
-    except ParameterError:  # an edge too near a root for double precision
+    except ParameterError:  # a root is too near the contour for double precision
         return ReferenceCheck(distance=worst, method="Newton in 50 digits")
     if counted != found.labels.size:
         return ReferenceCheck(distance=math.inf, method=f"{counted} roots counted")
@@ -64,10 +64,10 @@ def _profile(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_profile(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Sum the printed series (49) in 30 digits, where its terms die off within the roots kept.
+    """Sum the printed series (49) in 30 digits, where its terms decay within the roots available.
 
-    Between roots n and the next period the terms fall at least like |k|^{-2-|ζ|}: the rest is
-    bounded by the last terms kept, times the number of them.
+    Between roots n and the next period the terms decrease at least like |k|^{-2-|ζ|}: the remainder
+    is bounded by the last terms kept times their number.
     """
     found: FrontShape = stated.extra
     zeta = float(found.zeta[0])

@@ -1,6 +1,6 @@
 """Trajectories of the chains (8) and (43).
 
-Runs are compared at one short time, before chaos or a marginal event makes every method differ.
+Runs are compared at one short time, before chaos or a marginal event makes all methods differ.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ from verification.references.pace import NoReferenceError, last_state, paced
 
 _END = 30.0
 _FIRST_PART, _MAX_PART = 30, 400
-"""Sites that a slow reference follows at first, and at most: those that move."""
+"""Number of sites, those that move, that a slow reference follows at first, and at most."""
 
 REST = 1e-16
-"""Share of the displacement below which a site is at rest."""
+"""Fraction of the displacement below which a site is at rest."""
 
 _STIFF = 30.0
-"""Rate of damping in t above which explicit steps are many."""
+"""Damping rate in t above which explicit integration needs too many steps."""
 
 
 def _run(at: Mapping[str, float], full: bool) -> StatedValue:
@@ -70,7 +70,7 @@ def _run(at: Mapping[str, float], full: bool) -> StatedValue:
 
 
 def _full_precisely(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """(8) in extended precision, or by scipy's Radau where the damping is stiff."""
+    """Compare with (8) in extended precision, or by scipy's Radau where the damping is stiff."""
     square = at["displacement"] ** 2
     chain = vdp_chain(at)
     rate = chain.eps * max(1.0, chain.b * square**2, chain.a * square)
@@ -111,7 +111,7 @@ def _full_by_radau(chain: VdpChain, rate: float, stated: StatedValue) -> Referen
 
 
 def _averaged_precisely(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """(43) in complex form, in extended precision."""
+    """Compare with (43) in complex form, in extended precision."""
     chain = vdp_chain(at)
 
     def precise(part: int, tolerance: float) -> PreciseState:
@@ -124,18 +124,19 @@ def _averaged_precisely(at: Mapping[str, float], stated: StatedValue) -> Referen
 def _where_it_moves(
     stated: StatedValue, precise: Callable[[int, float], PreciseState], reach: float
 ) -> ReferenceCheck:
-    """Hold the stated against a run on so many sites that its last ones stay at rest.
+    """Compare with a run on enough sites that the last ones remain at rest.
 
-    The looser run has more of them: what is missing beyond is in the uncertainty with the rest.
+    The run with the looser tolerance has more sites, so that the effect of the missing sites is
+    part of the uncertainty.
 
     Parameters
     ----------
     stated : StatedValue
-        States of all sites; ``extra`` is the start.
+        States of all sites; ``extra`` contains the start.
     precise : callable
-        From a number of sites and a tolerance to the state.
+        Maps a number of sites and a tolerance to the state.
     reach : float
-        Sites that linear waves have passed at the end.
+        Number of sites that linear waves have passed by the end.
     """
     sites, size, precise = stated.value.size, float(np.abs(stated.extra).max()), cache(precise)
 

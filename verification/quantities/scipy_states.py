@@ -1,4 +1,4 @@
-"""States of a chain held against a reference's: at two tolerances, on no more sites than move."""
+"""Comparison of a state with a reference at two tolerances, on no more sites than move."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from verification.references.extrapolation import PreciseState
 from verification.references.pace import NoReferenceError
 
 TOLERANCE, LOOSER = 1e-12, 3e-11
-"""Relative tolerances of a reference; by how much its two states differ is its uncertainty."""
+"""Relative tolerances of a reference; the difference of its two states is its uncertainty."""
 
 
 def compared(value: AnyArray, last: Callable[[float], AnyArray], by: str) -> ReferenceCheck:
-    """Hold a state against that of a reference, a function of the tolerance.
+    """Compare a state with that of a reference, a function of the tolerance.
 
-    The reference is uncertain by how far its states at two tolerances are apart.
+    The uncertainty of the reference is the difference of its states at two tolerances.
     """
     found = last(TOLERANCE)
     return ReferenceCheck(
@@ -29,7 +29,7 @@ def compared(value: AnyArray, last: Callable[[float], AnyArray], by: str) -> Ref
 
 
 def precisely(value: AnyArray, found: PreciseState) -> ReferenceCheck:
-    """Hold a state against one in extended precision."""
+    """Compare a state with one in extended precision."""
     return ReferenceCheck(
         distance=float(np.abs(found.value - value).max()),
         uncertainty=found.uncertainty,
@@ -38,12 +38,12 @@ def precisely(value: AnyArray, found: PreciseState) -> ReferenceCheck:
 
 
 def moving_sites(at_rest: Callable[[int], bool], sites: int, first: int, most: int) -> int:
-    """Return how many sites a slow reference must follow: ``at_rest`` says when its last ones rest.
+    """Return how many sites a slow reference must follow for its last ones to remain at rest.
 
     Raises
     ------
     NoReferenceError
-        If that is not so even with the most that it can follow.
+        If they do not remain at rest even with the largest number that it can follow.
     """
     part = min(sites, first)
     while part < sites and not at_rest(part):
@@ -54,7 +54,7 @@ def moving_sites(at_rest: Callable[[int], bool], sites: int, first: int, most: i
 
 
 def at_all_sites(state: AnyArray, sites: int, rest: float = 0.0) -> AnyArray:
-    """Return the state of a part, with those at rest beyond it.
+    """Return the state of a part, extended by sites at rest.
 
     Examples
     --------

@@ -1,7 +1,8 @@
 """The label of a state map, for one displaced site of (8) or (43), in the robustness table.
 
-A label is a promise about all later times. So the reference steps the chain by scipy to twice the
-time at which the label was given, and some, and checks that it still holds.
+A label makes an assertion about all later times. The reference therefore integrates the chain by
+scipy to somewhat more than twice the time at which the label was given, and checks that it still
+holds.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ _RIPPLE = 0.05
 
 
 _GIVEN: Mapping[str, float] = {"a": 4.0, "eps": 0.01, "sites": _SITES}
-"""What a point leaves out."""
+"""Default values of parameters that a point omits."""
 
 
 def _label(at: Mapping[str, float], full: bool) -> StatedValue:
@@ -53,7 +54,7 @@ def _label(at: Mapping[str, float], full: bool) -> StatedValue:
 
 
 def _label_holds(at: Mapping[str, float], stated: StatedValue, full: bool) -> ReferenceCheck:
-    """Return 0 if scipy's run of (8), or of (43), keeps the promise of the label, else 1."""
+    """Return 0 if scipy's run of (8) or of (43) confirms the label, otherwise 1."""
     from scipy.integrate import solve_ivp
 
     if stated.value is None:
@@ -61,7 +62,7 @@ def _label_holds(at: Mapping[str, float], stated: StatedValue, full: bool) -> Re
     chain = vdp_chain({**_GIVEN, **at})
     given, psi = stated.extra
     rate, start = (full_rate(chain), as_state(psi)) if full else (averaged_rate(chain), psi)
-    scale = chain.eps if full else 1.0  # from times of the run to slow ones
+    scale = chain.eps if full else 1.0  # converts times of the run to slow times
     end = 2.0 * given + _AFTER
     times = np.linspace(given + 0.5 * _AFTER, end, _CHECKS) / scale
     run = solve_ivp(
@@ -76,7 +77,7 @@ def _label_holds(at: Mapping[str, float], stated: StatedValue, full: bool) -> Re
     if stated.note == "front":
         held = bool(above[0].all())
     elif stated.note == "breather":
-        # Within a period |Ψ| changes at the rate ε|h|ẏ²/|Ψ|, and ẏ² is half of |Ψ|² on average.
+        # Within a period |Ψ| changes at the rate ε|h|ẏ²/|Ψ|, and ẏ² is on average half of |Ψ|².
         y = np.linspace(0.0, float(amplitude.max()), 200)
         pulses = np.pi * chain.eps * np.abs(damping(y, chain.a, chain.b)).max() * y[-1]
         steady = np.ptp(amplitude, axis=1).max() < _RIPPLE * level + 0.5 * pulses

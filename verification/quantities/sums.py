@@ -28,31 +28,31 @@ from verification.references.pace import NoReferenceError
 from verification.references.piecewise import static_sum
 
 Method = Callable[[float, float, Any], KineticSum]
-"""Of v, c and a tolerance or a number of digits."""
+"""Function of v, c and a tolerance or a number of digits."""
 
 MAX_PERIODS = 1500.0
-"""Of c/v, up to which the roots are summed in high precision: about a root a unit of it."""
+"""Largest c/v for which the roots are summed in high precision: about one root per unit of it."""
 
 
 def reference_sum(v: float, c: float, digits: int, without: str = "") -> tuple[Any, float, str]:
-    """Return Σ(v, c), a bound on its error, and by which method.
+    """Return Σ(v, c), a bound on its error, and the name of the method.
 
-    The series over the roots where they are few, the closed static limit where v is so small that
-    nothing else remains, else the integral in high precision.
+    The method is the series over the roots if they are few, the closed static limit if v is so
+    small that all else is negligible, otherwise the integral in high precision.
 
     Parameters
     ----------
     v, c : float
         Velocity and coupling, dimensionless.
     digits : int
-        After the point.
+        Number of digits after the decimal point.
     without : str
         ``series`` or ``integral``: a method that must not be used.
 
     Raises
     ------
     NoReferenceError
-        If no other method reaches this point.
+        If no other method can be used at this point.
     """
     if without != "series" and c / v < MAX_PERIODS:
         found = sum_by_roots(v, c, digits)
@@ -68,7 +68,7 @@ def reference_sum(v: float, c: float, digits: int, without: str = "") -> tuple[A
 
 
 def distance(value: Any, reference: Any, digits: int) -> float:
-    """Return |value - reference| at enough digits.
+    """Return |value - reference|, computed with enough digits.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def distance(value: Any, reference: Any, digits: int) -> float:
 
 
 def needed_digits(error: float) -> int:
-    """Return the digits of a reference that can judge a stated error."""
+    """Return the number of digits of a reference that can judge a stated error."""
     return max(20, math.ceil(-math.log10(max(error, 1e-300))) + 4)
 
 
@@ -100,7 +100,7 @@ def _row(
     name: str, title: str, by: Method, without: str = "", *,
     seconds: float, share: float = 1.0, **accuracy: tuple[float, float],
 ) -> Computation:  # fmt: skip
-    """Return the row of one method, a function of v, c and an accuracy."""
+    """Return the table row of one method, a function of v, c and an accuracy."""
     return Computation(
         name=f"sigma-{name}", title=f"the sum (53) {title}",
         axes=axes(v=(1e-8, 1e8), c=(1e-8, 1e8), **accuracy),

@@ -1,17 +1,17 @@
-"""Whether the theory is true: direct numerical integration, compared with the closed forms.
+"""Tests of the theory: direct numerical integration, compared with the closed forms.
 
 ``steppers``
     The compiled integration methods.
 ``runs``, ``fronts``, ``breathers``, ``thresholds``, ``maps``, ``cells``, ``piecewise``
-    What is measured on a chain.
+    Measurements on a chain.
 ``continuation``
-    Newton's method and pseudo-arclength, for breathers, orbits and fronts.
+    Newton's method and pseudo-arclength continuation, for breathers, orbits and fronts.
 ``references``
-    Independent methods that share nothing with the steppers.
+    Independent methods that share no code with the steppers.
 ``quantities``
-    The registry of what can be computed, and the robustness table over it; ``work_reduction``.
+    The registry of what can be computed, and its robustness table; ``work_reduction``.
 ``pictures``
-    One style of pictures, and the numbers behind them as CSV.
+    A uniform style of pictures, with the numbers behind them as CSV.
 ``execution``
     How computations are run and stored: files, digests, records, workers, progress, resumption.
 """

@@ -24,32 +24,33 @@ from verification.continuation.newton import (
 Monitor = Callable[[FloatArray, float], tuple[float, ...]]
 
 _SHORTEST = 1e-5
-"""Arclength below which a branch cannot be followed."""
+"""Arclength of a step below which a branch cannot be followed."""
 _CROSSING = 1e-11
-"""Distance in the parameter between the sides of a crossing at which its search stops."""
+"""Difference in the parameter between the two sides of a crossing at which its search stops."""
 _MAX_CROSSING = 200
-"""Steps of that search; bisection alone takes some 40."""
+"""Largest number of steps of that search; bisection alone takes about 40."""
 _LEAST = 5e-324
-"""What counts as not yet positive in place of zero, at which the search would stop on one side."""
+"""Replaces zero as a value that is not yet positive; at an exact zero the search would stop on one
+side."""
 
 
 @dataclass(frozen=True)
 class Fold:
-    """Where a branch turns back in the parameter.
+    """The point at which a branch turns back in the parameter.
 
     Attributes
     ----------
     parameter : float
-        Its value at the fold: a coupling c, or η.
+        Value of the parameter at the fold: a coupling c, or η.
     error : float
-        By how much ``parameter`` falls short where the search stopped, taken four times because the
-        bend is a secant's, plus ten times the residual.
+        Estimated shortfall of ``parameter`` where the search stopped, multiplied by four because
+        the curvature is that of a secant, plus ten times the residual.
     u : float array
-        The solution there.
+        The solution at the fold.
     evaluations : int
-        Evaluations of the system spent on it.
+        Number of evaluations of the system used to find it.
     place : int
-        Index of the first point of the branch beyond it.
+        Index of the first point of the branch beyond the fold.
     """
 
     parameter: float
@@ -61,16 +62,16 @@ class Fold:
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where a monitored value becomes positive.
+    """The point at which a monitored value becomes positive.
 
     Attributes
     ----------
     parameter, error : float
-        Its value, and the distance between the values on its two sides that were tried last.
+        Value of the parameter, and the distance between the last values tried on its two sides.
     u : float array
-        The solution there.
+        The solution at the crossing.
     from_start : bool
-        Whether it is positive from the first point of the branch on.
+        Whether the value is positive from the first point of the branch on.
     """
 
     parameter: float
@@ -81,14 +82,14 @@ class Crossing:
 
 @dataclass(frozen=True)
 class ContinuationBranch:
-    """Solutions in order along a branch, up to the end of a range or a step beyond the last fold.
+    """Solutions in order along a branch, up to the end of a range or one step beyond the last fold.
 
     Attributes
     ----------
     points : tuple of BranchPoint
         In order along the branch.
     folds : tuple of Fold
-        In the same order.
+        The folds in the same order.
     monitored : tuple of tuple of float
         The monitor's values at each point before the first fold.
     """
@@ -99,26 +100,26 @@ class ContinuationBranch:
 
     @property
     def fold(self) -> Fold | None:
-        """The first fold; None if the branch reached the end of the range before any."""
+        """The first fold; None if the branch reached the end of the range before any fold."""
         return self.folds[0] if self.folds else None
 
 
 @dataclass(frozen=True, kw_only=True)
 class StepControl:
-    """How a branch is followed.
+    """Parameters that control how a branch is followed.
 
     Attributes
     ----------
     length, longest : float
         First and largest arclength of a step.
     tolerance : float
-        Largest residual of a solution.
+        Largest residual allowed for a solution.
     most : int
-        Most steps.
+        Largest number of steps.
     fold_tolerance : float
         Shortfall of the parameter at which the search for a fold stops.
     folds : int
-        Folds that the branch is followed through; it ends a step beyond the next one.
+        Number of folds that are passed; the branch ends one step beyond the next one.
     """
 
     length: float = 0.1
@@ -136,26 +137,26 @@ def trace(
     monitor: Monitor | None = None,
     steps: StepControl = StepControl(),
 ) -> ContinuationBranch:
-    """Follow a branch from a solution towards ``p_end``, through so many folds as ``steps`` says.
+    """Follow a branch from a solution towards ``p_end``, through as many folds as ``steps`` states.
 
     Parameters
     ----------
     system : callable
         (u, p) → (F, ∂F/∂u, ∂F/∂p).
     start : BranchPoint
-        From `solve_at`.
+        A solution of `solve_at`.
     p_end : float
-        The branch ends where the parameter leaves the range between the start and here.
+        The branch ends where the parameter leaves the range between its initial value and this one.
     monitor : callable, optional
         Evaluated at every point up to the first fold.
     steps : StepControl, optional
-        How it is followed.
+        Parameters of the continuation.
 
     Raises
     ------
     NotConvergedError
-        If, before the first fold, the step becomes too short or there are too many. Beyond it such
-        a branch ends there.
+        If, before the first fold, the step becomes too short or there are too many steps. Beyond
+        the first fold the branch simply ends there.
     """
     watch = monitor or (lambda u, p: ())
     low, high = min(start.parameter, p_end), max(start.parameter, p_end)
@@ -196,7 +197,7 @@ def trace(
 def _next(
     system: System, point: BranchPoint, length: float, tolerance: float
 ) -> tuple[BranchPoint, float]:
-    """Take a step of this length, or of so many halves of it as lead along a smooth branch.
+    """Take a step of this length, halved until it continues along a smooth branch.
 
     Raises
     ------
@@ -206,7 +207,8 @@ def _next(
     while length >= _SHORTEST:
         with contextlib.suppress(NotConvergedError, np.linalg.LinAlgError):
             new = step_along(system, point, length, tolerance)
-            # A turn or a correction too large for a smooth branch: it may be another branch.
+            # A turn or a correction too large for a smooth branch may mean a jump to another
+            # branch.
             if float(new.tangent @ point.tangent) >= 0.9 and _aside(point, new, length) <= 0.3:
                 return new, length
         length *= 0.5
@@ -220,7 +222,7 @@ def _next(
 def solutions_at(
     system: System, branch: ContinuationBranch, values: Sequence[float]
 ) -> Iterator[tuple[BranchPoint, int]]:
-    """Yield the solutions at given values in order along the branch, and folds passed so far.
+    """Yield the solutions at given values in order along the branch, and the folds passed so far.
 
     Raises
     ------
@@ -238,7 +240,7 @@ def solutions_at(
         ]
         for value in (inside if d > p else inside[::-1]).tolist():
             share = (value - p) / (d - p)
-            # Across a fold u varies like the square root of the distance to it.
+            # Across a fold u varies like the square root of the distance from it.
             if to_fold:
                 share = 1.0 - math.sqrt(1.0 - share)
             elif from_fold:
@@ -249,7 +251,7 @@ def solutions_at(
 
 @dataclass
 class _Bracket:
-    """Two places and values of opposite sign there, for the Illinois rule."""
+    """Two places with values of opposite sign, for the Illinois rule."""
 
     low: float
     high: float
@@ -259,7 +261,7 @@ class _Bracket:
     """1 if the last place replaced ``low``, -1 if ``high``."""
 
     def shrink(self, place: float, value: float) -> None:
-        """Replace the end whose value has this sign; halve that of one that stays twice."""
+        """Replace the end with a value of this sign; halve the value of an end kept twice."""
         if (value > 0.0) == (self.f_high > 0.0):
             self.high, self.f_high = place, value
             self.f_low *= 0.5 if self.replaced == -1 else 1.0
@@ -273,10 +275,10 @@ class _Bracket:
 def _find_fold(
     system: System, before: BranchPoint, beyond: BranchPoint, length: float, steps: StepControl
 ) -> Fold:
-    """Find where dp/ds vanishes on a step from ``before`` of this length to ``beyond``.
+    """Find where dp/ds vanishes on a step of this length from ``before`` to ``beyond``.
 
-    dp/ds is linear across a fold, so the bracketed secant (Illinois) takes a few evaluations;
-    the error of p is of second order in that of the place.
+    dp/ds is linear across a fold, so the bracketed secant method (Illinois) needs few evaluations;
+    the error of p is of second order in that of the position.
     """
     bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
     best, missing, evaluations = beyond, np.inf, 0
@@ -286,7 +288,7 @@ def _find_fold(
         best = step_along(system, before, place, steps.tolerance)
         evaluations += best.iterations
         value = float(best.tangent[-1])
-        # p falls short by the integral of dp/ds from here to the fold.
+        # The shortfall of p is the integral of dp/ds from here to the fold.
         missing = value**2 / (2.0 * PARAMETER_WEIGHT * abs(bend))
         if missing < steps.fold_tolerance:
             break
@@ -330,7 +332,7 @@ def _crossing(
     ends: Sequence[tuple[float, float, FloatArray]],
     monitored: Callable[[FloatArray, float], float],
 ) -> Crossing:
-    """Find where a value becomes positive on a step; ``ends`` have value, p and u at its ends."""
+    """Find where a value becomes positive on a step; ``ends`` holds value, p and u at both ends."""
     far = _length_to(before, ends[1][2], ends[1][1])
     seen = {0.0: ends[0], far: ends[1]}
 
@@ -343,7 +345,7 @@ def _crossing(
     try:
         length = brentq(value, 0.0, far, xtol=_CROSSING * PARAMETER_WEIGHT, maxiter=_MAX_CROSSING)
     except NotConvergedError:
-        length = None  # rounding ends the search: the crossing is between the two nearest places
+        length = None  # limited by rounding: the crossing is between the two nearest places
     except RuntimeError:
         raise NotConvergedError(
             f"where stability changes between c = {ends[0][1]:.6g} and {ends[1][1]:.6g} was not "
@@ -368,7 +370,7 @@ def arrive(system: System, branch: ContinuationBranch, p: float) -> BranchPoint:
 
 
 def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
-    """Return the distance of a step's end from the tangent, relative to its length."""
+    """Return the distance of the end of a step from the tangent, relative to the step length."""
     across = start.tangent
     away = (
         np.append(end.u - start.u, PARAMETER_WEIGHT * (end.parameter - start.parameter))

@@ -1,8 +1,8 @@
 """Newton's method at a fixed parameter, and one pseudo-arclength step, for F(u, p) = 0.
 
-A *system* is a function (u, p) → (F, ∂F/∂u, ∂F/∂p). Everything is dense: u has tens of entries.
-Arclength is measured in (u, `PARAMETER_WEIGHT`·p), so that a step sees p and u alike.
-The parameter p is the coupling c of most branches, and η of fronts that are followed along η.
+A *system* is a function (u, p) → (F, ∂F/∂u, ∂F/∂p). All matrices are dense, since u has tens of
+entries. Arclength is measured in (u, `PARAMETER_WEIGHT`·p), so that u and p have similar weight.
+The parameter p is the coupling c for most branches, and η for fronts followed along η.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ MAX_NEWTON = 20
 
 
 class NotConvergedError(RunError):
-    """Newton's method found no solution from this start.
+    """Newton's method did not converge from this start.
 
     Parameters
     ----------
     message : str
-        For a parameter that is a coupling c.
+        The message, worded for a coupling c as the parameter.
     at : float, optional
-        Value of the parameter, for who follows another one.
+        Value of the parameter, for callers that follow another parameter.
     """
 
     def __init__(self, message: str, at: float | None = None) -> None:
@@ -48,13 +48,13 @@ class BranchPoint:
     parameter : float
         Coupling c, or η.
     tangent : float array
-        Unit tangent (du, weight·dp) of the branch, of either sense.
+        Unit tangent (du, weight·dp) of the branch, in either direction.
     residual : float
         Largest entry of F.
     correction : float
-        Size of the Newton step that would come next: an estimate of the error of u.
+        Size of the next Newton step: an estimate of the error of u.
     iterations : int
-        Evaluations of the system.
+        Number of evaluations of the system.
     """
 
     u: FloatArray
@@ -71,7 +71,7 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
     Raises
     ------
     NotConvergedError
-        If the residual does not fall to ``tolerance``.
+        If the residual does not fall below ``tolerance``.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
         residual = float(np.abs(value).max())
         if not np.isfinite(residual):
             break
-        # One more step once the residual is small costs little and squares the error.
+        # One more step when the residual is already small costs little and squares the error.
         if residual < tolerance and correction < np.sqrt(tolerance):
             left = float(np.abs(np.linalg.solve(slope, value)).max())
             return BranchPoint(u, p, _tangent(slope, by_p, None), residual, left, iteration)
@@ -115,12 +115,12 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
 def step_along(
     system: System, start: BranchPoint, length: float, tolerance: float = 1e-11
 ) -> BranchPoint:
-    """Take one pseudo-arclength step: solve F = 0 on the plane across the tangent.
+    """Take one pseudo-arclength step: solve F = 0 on the plane orthogonal to the tangent.
 
     Raises
     ------
     NotConvergedError
-        If Newton's method fails; take a shorter step.
+        If Newton's method fails; then take a shorter step.
     """
     across = start.tangent
     u = start.u + length * across[:-1]
@@ -155,7 +155,7 @@ def _bordered(slope: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArra
 
 
 def _tangent(slope: FloatArray, by_p: FloatArray, along: FloatArray | None) -> FloatArray:
-    """Return the unit null vector of (∂F/∂u, ∂F/∂p), in the sense of ``along`` if given."""
+    """Return the unit null vector of (∂F/∂u, ∂F/∂p), in the direction of ``along`` if given."""
     size = slope.shape[1] + 1
     row = np.zeros(size) if along is None else along
     if along is None:

@@ -1,17 +1,17 @@
-"""How computations are run and stored; what all other folders use instead of their own.
+"""How computations are run and stored; used by all other folders instead of code of their own.
 
 ``files``
-    Writing files whole or not at all; one writer a file.
+    Writing files completely or not at all, with one writer per file.
 ``digest``, ``metadata``, ``record``
-    Which code a result depends on; what a stored result says of itself; storing and reading one.
+    Which code a result depends on; the provenance of a stored result; storing and reading a result.
 ``pool``, ``interruption``, ``progress``
-    Worker processes, interrupts and SIGTERM, what is shown meanwhile.
+    Worker processes, interrupts and SIGTERM, progress display.
 ``store``
-    The finished results, from which an interrupted computation goes on.
+    The finished results, from which an interrupted computation continues.
 ``sweep``, ``table``
-    A function at many points, and the table that comes of it.
+    A function evaluated at many points, and the resulting table.
 ``discovery``
     What the modules of a package expose.
 ``compiled``
-    numba, with compiled code that belongs to the sources as they are.
+    numba, with compiled code that matches the present sources.
 """

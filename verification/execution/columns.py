@@ -1,10 +1,10 @@
 """Columns of a table: typed arrays that are filled row by row, in any order.
 
-A cell is a truth value, a number, a word, or an array of numbers, of one shape in the whole column.
-A column has the narrowest type that holds all its cells, whatever their order: truth values,
-integers, or floats. A cell may be missing: it is nan among numbers and empty among words, and a
-column of which every cell is missing is left out. While it is filled, a column of words keeps each
-of them once. Arrays may lie in a file, so that memory does not bound their size.
+A cell is a truth value, a number, a word, or an array of numbers whose shape is the same in the
+whole column. A column has the narrowest type that holds all its cells, whatever their order: truth
+values, integers, or floats. A missing cell is nan among numbers and empty among words; a column in
+which every cell is missing is omitted. While being filled, a column of words stores each distinct
+word once. Arrays may be kept in a file, so that their size is not bounded by memory.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ Scalar: TypeAlias = bool | int | float | str
 """A coordinate of a point, or a cell of CSV."""
 Array: TypeAlias = AnyArray
 Cell: TypeAlias = Scalar | Array | None
-"""What a table may hold in one place; None if it is missing."""
+"""Possible content of a cell; None if it is missing."""
 
 FORBIDDEN = "#\r\n"
-"""Characters that a reader of CSV takes for a comment or a new row, between quotes too."""
+"""Characters that CSV readers take for a comment or a new row, even between quotes."""
 
 _TYPES: dict[str, Any] = {"b": np.bool_, "i": np.int64, "f": np.float64, "U": np.int64}
 _KINDS = {bool: "b", int: "i", float: "f", str: "U"}
@@ -42,7 +42,7 @@ def plain(value: object) -> Scalar:
     Raises
     ------
     TypeError
-        If it is neither a truth value, a number nor a word.
+        If it is not a truth value, a number or a word.
     """
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and not value.ndim):
         value = value.item()
@@ -59,7 +59,7 @@ def cell_of(value: object) -> Cell:
     Raises
     ------
     TypeError
-        If it is no scalar, and no array of real numbers with at least one entry.
+        If it is not a scalar, nor an array of real numbers with at least one entry.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def cell_of(value: object) -> Cell:
         return plain(value)
     try:
         array = np.asarray(value)
-    except ValueError:  # rows of several lengths
+    except ValueError:  # rows of different lengths
         array = np.array(None)
     kind = "i" if array.dtype.kind == "u" else array.dtype.kind
     if kind not in "bif" or not array.size:
@@ -86,7 +86,7 @@ def cell_of(value: object) -> Cell:
 
 
 def to_json(cell: Cell) -> Any:
-    """Return a cell as JSON has it, an array by its bytes.
+    """Return a cell as JSON data, an array by its bytes.
 
     Examples
     --------
@@ -100,12 +100,12 @@ def to_json(cell: Cell) -> Any:
 
 
 def from_json(stored: Any) -> Cell:
-    """Return the cell that `to_json` gave.
+    """Return the cell that `to_json` produced.
 
     Raises
     ------
     TypeError, ValueError, KeyError
-        If it did not.
+        If it was not produced by `to_json`.
     """
     if stored is None:
         return None
@@ -117,21 +117,22 @@ def from_json(stored: Any) -> Cell:
 
 
 class Columns:
-    """A table of so many rows that is being filled.
+    """A table with a given number of rows that is being filled.
 
     Parameters
     ----------
     count : int
-        Rows.
+        Number of rows.
     flat : bool, optional
-        Refuse arrays, for which CSV has no place.
+        Refuse arrays, which cannot be stored in CSV.
     folder : Path, optional
-        Where columns of arrays lie in a file, see `on_disk`; by default they lie in memory.
+        Folder for a file that holds the columns of arrays, see `on_disk`; by default they are in
+        memory.
 
     Attributes
     ----------
     filled : bool array, shape (count,)
-        The rows that are there.
+        Which rows are filled.
 
     Examples
     --------
@@ -141,7 +142,7 @@ class Columns:
     >>> columns.arrays()
     {'c': array([1. , 2.5]), 'label': array(['front', 'breather'], dtype='<U8')}
 
-    A cell that is missing:
+    A missing cell:
 
     >>> columns = Columns(2)
     >>> columns.put(0, {"v": None, "period": None})
@@ -157,7 +158,7 @@ class Columns:
 
     @property
     def shapes(self) -> dict[str, tuple[int, ...]]:
-        """Shape of one cell of each column; () of a scalar."""
+        """Shape of one cell of each column; () for a scalar."""
         return {name: column.shape for name, column in self._columns.items()}
 
     def put(self, index: int, row: Mapping[str, Cell]) -> None:
@@ -166,7 +167,7 @@ class Columns:
         Raises
         ------
         ParameterError
-            If it does not fit the rows that are there, or a name or word would be misread in CSV.
+            If it does not fit the existing rows, or a name or word would be misread in CSV.
         """
         if not self._columns:
             self._columns = {
@@ -182,7 +183,7 @@ class Columns:
         self.filled[index] = True
 
     def arrays(self) -> dict[str, Array]:
-        """Return the columns by name, read-only, without those of which every cell is missing."""
+        """Return the columns by name, read-only, omitting those in which every cell is missing."""
         return {name: each.array() for name, each in self._columns.items() if not each.empty}
 
 
@@ -201,12 +202,12 @@ def column_of(name: str, cells: Collection[Cell]) -> Array:
 
 
 def on_disk(shape: Sequence[int], kind: npt.DTypeLike, folder: Path) -> Array:
-    """Return zeros that lie in a file without a name, which ends with the array.
+    """Return zeros stored in an unnamed file that exists as long as the array.
 
     Raises
     ------
     FileError
-        If the disk has no room for them.
+        If there is not enough space on the disk.
 
     Examples
     --------
@@ -216,7 +217,8 @@ def on_disk(shape: Sequence[int], kind: npt.DTypeLike, folder: Path) -> Array:
     size = int(np.prod(shape)) * np.dtype(kind).itemsize
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
-            # All of it now: who finds the disk full later, in an assignment, is killed.
+            # Allocate everything now: a disk that fills up later, in an assignment, would kill the
+            # process.
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), 0, size)
             file.truncate(size)
@@ -226,13 +228,13 @@ def on_disk(shape: Sequence[int], kind: npt.DTypeLike, folder: Path) -> Array:
 
 
 def read_only(array: Array) -> Array:
-    """Return the array, which can no longer be written to."""
+    """Return the array, made read-only."""
     array.flags.writeable = False
     return array
 
 
 def python_rows(arrays: Mapping[str, Array]) -> Iterator[tuple[Any, ...]]:
-    """Yield the rows of columns as Python scalars and lists, a few of them at a time in memory.
+    """Yield the rows of columns as Python scalars and lists, with few of them in memory at a time.
 
     Examples
     --------
@@ -246,7 +248,7 @@ def python_rows(arrays: Mapping[str, Array]) -> Iterator[tuple[Any, ...]]:
 
 
 class _Column:
-    """One column that is being filled; words are numbered in the order in which they come."""
+    """One column that is being filled; words are numbered in order of appearance."""
 
     def __init__(
         self, name: str, count: int, flat: bool = False, folder: Path | None = None
@@ -257,14 +259,14 @@ class _Column:
             )
         self.name, self.shape = name, tuple[int, ...]()
         self._flat, self._folder = flat, folder
-        self._kind = ""  # until a cell is there
+        self._kind = ""  # until there is a cell
         self._values: Array = np.full(count, np.nan)
         self._words: dict[str, int] = {}
         self._missing: list[int] = []
 
     @property
     def empty(self) -> bool:
-        """Whether there is no cell."""
+        """Whether there is no cell yet."""
         return not self._kind
 
     def put(self, index: int, cell: Cell) -> None:
@@ -302,7 +304,7 @@ class _Column:
         return read_only(words[self._values])
 
     def _fill(self) -> None:
-        """Put what stands for a missing cell where one is."""
+        """Fill missing cells with the value that represents them."""
         if self._kind == "U":
             self._values[self._missing] = self._words.setdefault("", len(self._words))
         elif not self.empty:
@@ -311,7 +313,7 @@ class _Column:
         self._missing = []
 
     def _begin(self, cell: Cell, kind: str) -> None:
-        """Make room for cells like the first."""
+        """Allocate space for cells like the first."""
         self.shape = cell.shape if isinstance(cell, np.ndarray) else ()
         self._kind = kind
         if self.shape and self._flat:

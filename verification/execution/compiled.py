@@ -1,13 +1,13 @@
-"""numba's ``njit``, with compiled code kept on disk until any source of this package changes.
+"""numba's ``njit``, with compiled code kept on disk until any source file of this package changes.
 
-numba by itself looks only at the file in which a compiled function stands: after a change in a
-function that it calls from another file, the old code would go on being used, in silence.
+numba itself checks only the file that contains a compiled function: after a change in a function
+that is called from another file, it would silently continue to use the old code.
 
 It also calls the machine code of a function by the function's name and a number that counts the
-functions of the process, from 1. Code from disk brings along what it calls, under the names of the
-process that compiled it; where two such names meet, as of the right-hand sides of two chains that
-one factory makes, the linker takes the first, and a chain would be stepped with the right-hand side
-of another. So the count begins at a random number here.
+functions of the process, from 1. Code loaded from disk brings along the code it calls, under the
+names of the process that compiled it. If two such names coincide, as for the right-hand sides of
+two chains made by one factory, the linker takes the first, and a chain would be integrated with the
+right-hand side of another one. Therefore the count begins at a random number here.
 """
 
 from __future__ import annotations
@@ -54,20 +54,20 @@ _SKIPPED = {
 _DECORATOR = re.compile(rb"\b(njit|inner|outer|fast|vectorised)\b")
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}
-"""Options of functions that make no arrays: no references are counted to those that they are given.
+"""Options of functions that create no arrays: references to their arguments are not counted.
 
-numba counts by atomic instructions at every slice and every call; where arrays are short, this
-takes more than half of the time. What they call makes none either, unless it is ``COUNTED``."""
+numba counts by atomic instructions at every slice and every call; for short arrays, this takes more
+than half of the time. Functions called from them create no arrays either, unless ``COUNTED``."""
 COUNTED: dict[str, Any] = {"_nrt": True}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class _PartOfItsCallers(JITCodeLibrary):
-    """Code that becomes machine code only as a part of what calls it.
+    """Code that becomes machine code only as part of its callers.
 
-    numba optimises and translates each function by itself, and then once more in each that calls
-    it, at every level; of functions that Python cannot call, only the second is of use.
+    numba optimises and translates each function by itself, and again within each function that
+    calls it, at every level; for functions that Python cannot call, only the latter is of use.
     """
 
     def finalize(self) -> None:
@@ -81,15 +81,15 @@ class _PartOfItsCallers(JITCodeLibrary):
 
     @property
     def codegen(self) -> Any:
-        """Return where numba puts the Python objects that machine code uses."""
+        """Return the place where numba puts the Python objects that machine code uses."""
         return self
 
     def set_env(self, name: str, environment: Any) -> None:
-        """Do nothing; a function that uses such objects ends with "missing Environment"."""
+        """Do nothing; a function that uses such objects fails with "missing Environment"."""
 
 
 class _Rolled(JITCodeLibrary):
-    """Code whose loops are vectorised, but not unrolled."""
+    """Code whose loops are vectorised but not unrolled."""
 
     def _optimize_final_module(self) -> None:
         codegen: Any = self._codegen
@@ -107,7 +107,7 @@ class _Rolled(JITCodeLibrary):
 
 
 class _Flags(Flags):
-    """Options of a compilation; numba looks what it knows up by them some 50 000 times."""
+    """Compilation options; numba uses them as dictionary keys in about 50 000 look-ups."""
 
     def __hash__(self) -> int:
         return hash(frozenset(self._values))
@@ -117,7 +117,7 @@ class _Flags(Flags):
 
 
 class _ShortCompiler(Compiler):
-    """numba's compiler, without passes for what functions here do not have."""
+    """numba's compiler without the passes for features that functions here do not use."""
 
     def __init__(  # noqa: PLR0917  (as numba's)
         self, typing: Any, target: Any, library: Any, args: Any, returned: Any, flags: Any, own: Any
@@ -127,7 +127,7 @@ class _ShortCompiler(Compiler):
         start(typing, target, library, args, returned, known(flags), own)
 
     def define_pipelines(self) -> list[Any]:
-        """Return numba's passes but those for closures, ``with`` and loops over literals."""
+        """Return numba's passes except those for closures, ``with`` and loops over literals."""
         whole: Any = super().define_pipelines
         pipelines: list[Any] = whole()
         for each in pipelines:
@@ -137,10 +137,10 @@ class _ShortCompiler(Compiler):
 
 
 class OuterCompiler(_ShortCompiler):
-    """The same, without searches for garbage, a tenth of the time: nearly all is in use."""
+    """The same, without garbage collection, which takes a tenth of the time and finds little."""
 
     def compile_extra(self, func: Any) -> Any:
-        """Compile a function, and all that it calls and that is not compiled yet."""
+        """Compile a function and everything it calls that is not yet compiled."""
         searching = gc.isenabled()
         gc.disable()
         try:
@@ -164,10 +164,10 @@ class _RolledCompiler(OuterCompiler):
 
 @contextmanager
 def _operations_resolved_once(context: Any) -> Iterator[None]:
-    """Let numba look up what an operation gives once for given types of what it is applied to.
+    """Let numba determine the result of an operation only once for given operand types.
 
-    It tries dozens of candidates for each sum, product or index of an array, wherever one stands
-    and whenever inference comes by; of the friction stepper this took a seventh of the time.
+    It tries dozens of candidates for each sum, product or index of an array, at every occurrence
+    and in every pass of type inference; for the friction stepper this took a seventh of the time.
     """
     resolve, known = context.resolve_function_type, {}
 
@@ -195,16 +195,16 @@ class _InnerCompiler(_ShortCompiler):
 
 
 def outer(*, unrolled: bool = True, **options: Any) -> Callable[[Function], Function]:
-    """Compile what Python calls too.
+    """Compile a function that is also called from Python.
 
-    Loops over the few coefficients of a series are better not unrolled: where there are many, that
-    is a tenth of the time to compile them, and they are no faster.
+    Loops over the few coefficients of a series are better not unrolled: if there are many of them,
+    this saves a tenth of the compile time, and unrolled loops are no faster.
     """
     return _compiled(OuterCompiler if unrolled else _RolledCompiler, options)
 
 
 def inner(**options: Any) -> Callable[[Function], Function]:
-    """Compile what only compiled functions call; it is stored on disk as a part of these."""
+    """Compile a function called by compiled code only; it is stored as part of its callers."""
     return _compiled(
         _InnerCompiler, {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **options}
     )
@@ -216,7 +216,7 @@ def _compiled(compiler: type[Compiler], options: dict[str, Any]) -> Callable[[Fu
 
 
 def _count_from_random() -> bool:
-    """Let numba count functions from a random number; return whether this numba can do so."""
+    """Let numba count functions from a random number; return whether this version can do so."""
     if not isinstance(getattr(FunctionIdentity, "_unique_ids", None), itertools.count):
         return False
     FunctionIdentity._unique_ids = itertools.count(int.from_bytes(os.urandom(6), "big"))
@@ -224,11 +224,11 @@ def _count_from_random() -> bool:
 
 
 DISTINCT_NAMES = _count_from_random()
-"""Whether functions have names of their own; if not, nothing that calls closures is stored."""
+"""Whether functions have distinct names; if not, no caller of closures is stored on disk."""
 
 
 def source_digest(folder: Path = _HOME) -> str:
-    """Digest of the Python files in a folder and below that have compiled functions.
+    """Digest of the Python files in a folder and below that contain compiled functions.
 
     Examples
     --------
@@ -244,7 +244,7 @@ def files_with_compiled_functions(folder: Path = _HOME) -> list[Path]:
 
 
 def keep_compiled_code() -> Path:
-    """Name, and return, a folder for this state of the sources; remove old ones unused a week."""
+    """Name and return a folder for this state of the sources; remove old ones unused for a week."""
     base = next(base for base in _places() if _can_be_written(base))
     folder = base / f"{_PREFIX}{source_digest(_HOME)}"
     if not folder.exists():
@@ -258,14 +258,14 @@ def keep_compiled_code() -> Path:
 
 
 def _places() -> Iterator[Path]:
-    """Yield where compiled code may go, the last one until this process ends."""
+    """Yield possible folders for compiled code; the last one exists until this process ends."""
     given = getattr(config, _OPTION)
     if given:
         yield Path(given)
     yield _HOME / "__pycache__"
     with suppress(RuntimeError):  # no home
         yield Path.home() / ".cache" / "fronts"
-    # A folder of one name in a place where everybody may write could be prepared by somebody else.
+    # A folder of known name in a world-writable place could have been prepared by somebody else.
     temporary = tempfile.mkdtemp(prefix="fronts-")
     atexit.register(shutil.rmtree, temporary, ignore_errors=True)
     os.environ["NUMBA_CACHE_DIR"] = temporary  # for worker processes
@@ -286,7 +286,7 @@ def _can_be_written(folder: Path) -> bool:
 
 @contextmanager
 def _storing_may_fail(_: object) -> Iterator[None]:
-    """Stand in for numba's guard of its files, which lets a full disk end the computation."""
+    """Replace numba's guard of its files, which lets a full disk abort the computation."""
     try:
         yield
     except OSError as error:

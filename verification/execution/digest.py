@@ -1,10 +1,10 @@
-"""Digests: of the code that a result depends on, of plain data, of arrays.
+"""Digests of the code that a result depends on, of plain data, and of arrays.
 
-The code of a result is that of the modules it comes from and of all that those import. Docstrings,
-comments and layout do not count.
+The code of a result is that of the modules it comes from and of all modules that these import.
+Docstrings, comments and layout do not count.
 
-What a digest protects from: code, parameters, a truncated or damaged file that are taken for
-others. What it does not: somebody who forges a file and its digest, which anybody can compute.
+A digest detects that code, parameters or a truncated or damaged file do not match. It does not
+protect against somebody who forges a file together with its digest, which anybody can compute.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from verification.execution.imports import SOURCES, closure, code_of, source_of
 DRAWING = (
     "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
 )  # fmt: skip
-"""Modules that show what was measured, and change nothing of it."""
+"""Modules that display measurements without affecting them."""
 
 
 def digest_of(data: object) -> str:
-    """Return a digest of plain data: what JSON can hold, floats to the last bit.
+    """Return a digest of plain data: anything JSON can hold, with floats to the last bit.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def digest_of_arrays(arrays: Mapping[str, AnyArray]) -> str:
 
 
 def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
-    """Return a digest of the names from a folder on, and of the contents, of files."""
+    """Return a digest of the names (relative to a folder) and of the contents of files."""
     total = hashlib.sha256()
     for path in sorted(files):
         content = path.read_bytes()
@@ -70,7 +70,7 @@ def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
 def digest_of_code(
     roots: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = DRAWING
 ) -> str:
-    """Return a digest of the code of modules and of all that they import.
+    """Return a digest of the code of modules and of everything they import.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ def digest_of_code(
     packages : collection of str, optional
         Top-level packages whose code counts.
     without : collection of str, optional
-        Modules of it that do not count.
+        Modules among them that do not count.
 
     Raises
     ------
     ValueError
-        If there is no such module.
+        If one of the modules does not exist.
     """
     asked = (tuple(sorted({root.partition(":")[0] for root in roots})),
              frozenset(packages), frozenset(without))  # fmt: skip
@@ -96,7 +96,7 @@ def digest_of_code(
 
 @dataclass(frozen=True, kw_only=True)
 class _Known:
-    """A digest of code, with the places that it was read from as they were before.
+    """A digest of code, with the state of the files from which it was read.
 
     Attributes
     ----------
@@ -105,7 +105,8 @@ class _Known:
     homes : dict of str to Path or None
         Where Python found the top-level packages.
     places : dict of str to (int, int)
-        Time of change and size of each file, and of each folder: a file may have come or gone.
+        Modification time and size of each file and of each folder, since a file may appear or
+        vanish.
     """
 
     digest: str
@@ -113,7 +114,7 @@ class _Known:
     places: Mapping[str, tuple[int, int]]
 
     def holds(self) -> bool:
-        """Return whether nothing has changed since."""
+        """Return whether nothing has changed since then."""
         try:
             return (
                 all(source_of(name) == home for name, home in self.homes.items())
@@ -124,7 +125,7 @@ class _Known:
 
 
 _KNOWN: dict[tuple[tuple[str, ...], frozenset[str], frozenset[str]], _Known] = {}
-"""Digests by what was asked: finding the hundred files of a sweep again takes 10 ms a call."""
+"""Digests by request: finding the hundred files of a sweep again takes 10 ms per call."""
 
 
 def _state(place: str) -> tuple[int, int]:
@@ -151,8 +152,8 @@ def _read(modules: tuple[str, ...], packages: frozenset[str], without: frozenset
 def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
     """Return the modules of functions, classes and instances, and a digest of their code.
 
-    Code of no module that can be imported (a script, or what is typed into a session) counts by
-    itself; what it calls there does not.
+    Code that is in no importable module (a script, or code typed into a session) is included by
+    itself, without the code that it calls there.
 
     Examples
     --------
@@ -184,13 +185,13 @@ def _loose(owner: object, name: str) -> Any:
 
 
 def _bytecode(code: CodeType) -> list[Any]:
-    """Return what a function does, without its place."""
+    """Return the bytecode of a function, independent of its location."""
     constants = [_bytecode(c) if isinstance(c, CodeType) else repr(c) for c in code.co_consts]
     return [code.co_code.hex(), constants, list(code.co_names)]
 
 
 def digest_of_packages(packages: Iterable[str]) -> str:
-    """Return a digest of every Python file of some packages, wherever they are installed.
+    """Return a digest of every Python file of the given packages, wherever they are installed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Finding what modules expose: claims, quantities, benchmarks."""
+"""Discovery of what modules expose: claims, quantities, benchmarks."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ def modules_of(package: str) -> tuple[ModuleType, ...]:
     Parameters
     ----------
     package : str
-        Dotted name. Modules whose name begins with an underscore, and packages inside, are left
-        out.
+        Dotted name. Modules whose names begin with an underscore and subpackages are omitted.
 
     Examples
     --------
@@ -34,7 +33,7 @@ def modules_of(package: str) -> tuple[ModuleType, ...]:
 def exposed(package: str, name: str) -> dict[str, Any]:
     """Return what the modules of a package expose under a name, by module, as in ``"fig17"``.
 
-    Modules without it are left out.
+    Modules that do not define the name are omitted.
 
     Examples
     --------
@@ -49,12 +48,12 @@ def exposed(package: str, name: str) -> dict[str, Any]:
 
 
 def check_distinct(what: str, names: Iterable[str]) -> None:
-    """Refuse two of one name.
+    """Refuse repeated names.
 
     Raises
     ------
     ValueError
-        If a name stands twice.
+        If a name occurs twice.
 
     Examples
     --------
@@ -69,7 +68,7 @@ def check_distinct(what: str, names: Iterable[str]) -> None:
 
 
 def natural_order(name: str) -> list[tuple[int, str]]:
-    """Return the key that sorts ``fig9`` before ``fig16``.
+    """Return a sort key that puts ``fig9`` before ``fig16``.
 
     Examples
     --------

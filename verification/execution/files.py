@@ -1,10 +1,10 @@
-"""Writing files whole or not at all; every file that the toolkit writes is written here.
+"""Writing files completely or not at all; every file that the toolkit writes is written here.
 
-A plain file is written beside its place, forced to the disk and renamed, so that a reader, a kill
-or a full disk finds the old file or the new one and never a part of one. A symbolic link stays and
-the file it leads to is written; into a FIFO the content is passed on; a folder, a device or a
-socket is refused and left alone. The one kind of folder that is written is a zarr store, under the
-same rule.
+A plain file is written next to its destination, flushed to disk and renamed, so that after a kill
+or with a full disk a reader finds the old file or the new one, but never a part of one. A symbolic
+link is kept, and the file it points to is written; a FIFO receives the content; a folder, a device
+or a socket is refused and not touched. The only kind of folder that is written is a zarr store, by
+the same rule.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO, TextIO
 
-if sys.platform != "win32":  # there, two writers of one file are not told apart
+if sys.platform != "win32":  # on Windows, two writers of one file are not detected
     import fcntl
 
 PREFIX = ".writing-"
-"""Beginning of the names of files that are being written; a kill may leave one behind."""
+"""Prefix of the names of files that are being written; a kill may leave one behind."""
 
 ZARR_MARK = ".zgroup"
-"""What every zarr store has, and a folder of anything else has not."""
+"""An entry that every zarr store has, and that no other folder has."""
 
 _REMEDIES = {
     errno.ENOSPC: "free some space, or name a file on another disk",
@@ -42,7 +42,7 @@ _REMEDIES = {
 
 
 class FileError(OSError):
-    """A file that cannot be used; one sentence: which, why, what to do.
+    """A file that cannot be used; one sentence states which, why, and what to do.
 
     Parameters
     ----------
@@ -51,14 +51,14 @@ class FileError(OSError):
     why : str
         What is wrong with it.
     remedy : str
-        What to do instead.
+        Remedy for the user.
     number : int, optional
-        Number of the system's error, `errno.EINVAL` where there was none.
+        Error number of the system, `errno.EINVAL` if there was none.
 
     Attributes
     ----------
     quantity, value, allowed, remedy
-        As of `theory.parameters.ParameterError`.
+        As in `theory.parameters.ParameterError`.
 
     Examples
     --------
@@ -80,7 +80,7 @@ class FileError(OSError):
 
 
 def file_error(path: Path, error: OSError, verb: str = "written") -> FileError:
-    """Return the sentence for what the system said of a file that could not be read or written.
+    """Return the sentence for a system error on reading or writing a file.
 
     Examples
     --------
@@ -97,21 +97,21 @@ on another disk.
 
 
 def check_writable(path: Path) -> None:
-    """Refuse, before any work, a file that could not be written; nothing is left behind.
+    """Refuse, before any work is done, a file that could not be written; nothing is left behind.
 
-    The folder is tried, not asked: permissions say nothing of file systems that refuse.
+    Writing to the folder is tried out, since permissions do not show whether a file system refuses.
 
     Raises
     ------
     FileError
-        If it is a folder, a device or a socket, its folder is missing, or it may not be written.
+        If it is a folder, a device or a socket, its folder is missing, or it is not writable.
     """
     target = _target(path)
     if target is None:
         return
     if target.exists() and not os.access(target, os.W_OK):
         raise FileError(path, "cannot be written: no permission", "name another file", errno.EACCES)
-    import tempfile  # here and below: most commands write no file
+    import tempfile  # here and below, because most commands write no file
 
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=PREFIX)
@@ -122,31 +122,31 @@ def check_writable(path: Path) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all.
+    """Write a file, completely or not at all.
 
     Raises
     ------
     FileError
-        If that is not possible; what was there before is then still there.
+        If this is not possible; an existing file is then left intact.
     """
     with writing(path) as file:
         file.write(content)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text in UTF-8 with line ends of one character; otherwise as `write_bytes`."""
+    """Write a text in UTF-8 with single-character line ends; otherwise as `write_bytes`."""
     write_bytes(path, text.encode())
 
 
 def write_json(path: Path, payload: Mapping[str, Any]) -> None:
-    """Write an object of JSON, in which NaN has no place; otherwise as `write_bytes`."""
+    """Write a JSON object, which must not contain NaN; otherwise as `write_bytes`."""
     write_text(path, json.dumps(payload, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def write_csv(file: TextIO, names: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
     r"""Write a line of names and a line for each row.
 
-    Floats have the digits that give back the same float; nothing is an empty cell.
+    Floats are written with enough digits to be read back exactly; None is an empty cell.
 
     Examples
     --------
@@ -161,19 +161,19 @@ def write_csv(file: TextIO, names: Iterable[str], rows: Iterable[Iterable[object
 
 
 def write_by(path: Path, write: Callable[[Path], object]) -> None:
-    """Write a file by a function that takes a path, as ``savefig`` does.
+    """Write a file by a function that takes a path, such as ``savefig``.
 
     Parameters
     ----------
     path : Path
         The file.
     write : callable
-        Fills the file at the path it is given, which has the same suffix, or puts a folder there.
+        Fills the file at the given path, which has the same suffix, or creates a folder there.
 
     Raises
     ------
     FileError
-        If that is not possible; what was there before is then still there.
+        If this is not possible; what was there before is then left intact.
     """
     target = _target(path)
     if target is None:
@@ -193,12 +193,12 @@ def write_by(path: Path, write: Callable[[Path], object]) -> None:
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """Open a file for writing that takes its place, whole, when the block ends without an error.
+    """Open a file for writing; it replaces the old one, whole, if the block ends without an error.
 
     Raises
     ------
     FileError
-        If that is not possible; what was there before is then still there.
+        If this is not possible; what was there before is then left intact.
 
     Examples
     --------
@@ -223,9 +223,9 @@ def writing(path: Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def sole_writer(path: Path) -> Iterator[None]:
-    """Let nobody else write a file for as long as the block lasts.
+    """Prevent other processes from writing a file for the duration of the block.
 
-    The lock is on a file ``<name>.lock`` beside it, since the file itself is replaced when it is
+    The lock is on a file ``<name>.lock`` next to it, since the file itself is replaced when it is
     written. It ends with the process that holds it, however that ends.
 
     Raises
@@ -243,17 +243,17 @@ def sole_writer(path: Path) -> Iterator[None]:
         yield
     finally:
         with suppress(OSError):
-            lock.unlink()  # while it is still held: who opens it now finds another file there
+            lock.unlink()  # while still held: a process that opens it now gets another file
         os.close(handle)
 
 
 def plain_file(path: Path) -> Path:
-    """Return the plain file that a path leads to, through symbolic links, existing or not.
+    """Return the plain file to which a path leads through symbolic links, existing or not.
 
     Raises
     ------
     FileError
-        If what is there is no plain file, or there is no folder for it.
+        If it exists and is not a plain file, or there is no folder for it.
     """
     target = _target(path)
     if target is None:
@@ -284,7 +284,7 @@ def _locked(path: Path, lock: Path) -> int:
 
 
 def _target(path: Path) -> Path | None:
-    """Return the plain file that a path leads to, existing or not; None for a FIFO."""
+    """Return the plain file to which a path leads, existing or not; None for a FIFO."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -310,7 +310,7 @@ def _target(path: Path) -> Path | None:
 
 @contextmanager
 def _replacing(path: Path, target: Path) -> Iterator[Path]:
-    """Give a neighbour of the same suffix, which takes the name when the block has ended well."""
+    """Provide a neighbour with the same suffix; it is renamed if the block ends without error."""
     import shutil
     import tempfile
 
@@ -325,7 +325,7 @@ def _replacing(path: Path, target: Path) -> Iterator[Path]:
         yield part
         if part.is_file():
             part.chmod(mode)
-        if target.is_dir():  # no folder takes the name of one that is not empty
+        if target.is_dir():  # a folder cannot replace one that is not empty
             target.rename(part.with_suffix(".old"))
         part.replace(target)
         _sync_folder(target.parent)
@@ -348,7 +348,7 @@ def _pass_on(path: Path, content: bytes) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Force the new name to the disk, where the system knows how."""
+    """Flush the new name to disk, if the system supports this."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

@@ -1,4 +1,4 @@
-"""Which modules a module imports, and what their code does, by reading and running none of it."""
+"""Which modules a module imports, and what their code does, by reading without running it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SOURCES = ("theory", "derivations", "verification", "paper_checks", "benchmarks")
-"""Packages whose code a result may depend on; ``fronts``, which only shows it, is not one."""
+"""Packages whose code a result may depend on; ``fronts`` only displays results and is not one."""
 
 Imported = tuple[Path | None, tuple[str, ...]]
-"""The file of a module, if it has one, and what it may import directly, its package included."""
+"""The file of a module, if it has one, and what it may import directly, including its package."""
 
 _NO_CODE = ("ctx", "kind", "type_comment")
 
@@ -25,26 +25,26 @@ def closure(
     without: Collection[str] = (),
     known: dict[str, Imported] | None = None,
 ) -> dict[str, Path]:
-    """Return the files that a module imports, itself included, directly or through others.
+    """Return the files that a module imports directly or indirectly, including itself.
 
-    Imports inside functions count; those under ``if TYPE_CHECKING`` do not. A module that
-    imports by computed names counts as importing all of its package, except tests.
+    Imports inside functions count; those under ``if TYPE_CHECKING`` do not. A module that imports
+    computed names counts as importing its whole package, except tests.
 
     Parameters
     ----------
     module : str
         Dotted name.
     packages : collection of str, optional
-        Top-level packages that are followed; all others are left out.
+        Top-level packages that are followed; all others are ignored.
     without : collection of str, optional
-        Modules that are left out, and not followed.
+        Modules that are ignored, and not followed.
     known : dict, optional
-        What modules import directly, filled by one call and read by the next: for many modules.
+        Direct imports of modules, filled by one call and used by the next: for many modules.
 
     Returns
     -------
     dict of str to Path
-        By dotted name, sorted.
+        Files by dotted name, sorted.
 
     Examples
     --------
@@ -78,26 +78,26 @@ def _imported(name: str) -> Imported:
 
 
 def source_of(name: str) -> Path | None:
-    """Return the file of a module, found without running any code but the package's own.
+    """Return the file of a module, found without running any code but that of the package itself.
 
-    A package that Python does not find is looked for beside this one, as in a source tree.
+    A package that Python does not find is looked for next to this one, as in a source tree.
 
     Examples
     --------
     >>> source_of("theory.no_such_module")
     """
     top, *rest = name.split(".")
-    if top == "__main__":  # a script, or what is typed into a session
+    if top == "__main__":  # a script, or code typed into a session
         return None
     try:
         spec = importlib.util.find_spec(top)
-    except ValueError:  # a session, or a script as a worker process has it
+    except ValueError:  # a session, or a script as seen by a worker process
         return None
     homes = list(spec.submodule_search_locations or ()) if spec else []
     if spec and not homes and not rest and spec.origin and spec.origin.endswith(".py"):
         return Path(spec.origin)
     for folder in homes or [str(Path(__file__).parents[2] / top)]:
-        # Asked hundreds of times a digest: os.path, for speed.
+        # Called hundreds of times per digest; os.path is faster.
         place = os.path.join(folder, *rest)
         for path in (os.path.join(place, "__init__.py"), f"{place}.py"):
             if os.path.isfile(path):
@@ -106,7 +106,7 @@ def source_of(name: str) -> Path | None:
 
 
 def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
-    """Return what may be modules that a file imports, and whether it imports computed names.
+    """Return the names a file imports that may be modules, and whether it imports computed names.
 
     Parameters
     ----------
@@ -125,22 +125,22 @@ def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
 
 
 def code_of(path: Path) -> str:
-    """Return what a file does, see `shape`; read once for as long as it does not change."""
+    """Return what a file does, see `shape`; cached as long as the file does not change."""
     return _source(path).code
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Source:
-    """What is asked of a file: code, imports (level, module, members), whether names are computed.
+    """Contents of a file: code, imports (level, module, members), whether names are computed.
 
     Attributes
     ----------
     code : str
         What it does, see `shape`.
     imports : tuple of (int, str or None, tuple of str)
-        Dots of a relative import, module, and what is imported from it, which may be modules.
+        Dots of a relative import, module, and imported names, which may be modules.
     computed : bool
-        Whether it imports by computed names.
+        Whether it imports computed names.
     """
 
     code: str
@@ -160,14 +160,15 @@ def _read(path: Path, _changed: int, _size: int) -> _Source:
     return _Source(
         code=shape(tree),
         imports=tuple(_imports(tree)),
-        # Looked for in few files only: the tree of all is a third of what a digest costs.
+        # Searched for in few files only: parsing all of them takes a third of the time for a
+        # digest.
         computed=any(name in text for name in (b"import_module", b"__import__"))
         and _imports_by_computed_name(tree),
     )
 
 
 def _imports(tree: ast.Module) -> Iterator[tuple[int, str | None, tuple[str, ...]]]:
-    """Yield what may be modules, wherever it is imported; what is none is dropped later."""
+    """Yield names that may be modules, wherever they are imported; others are dropped later."""
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
@@ -191,9 +192,9 @@ def _imports_by_computed_name(tree: ast.Module) -> bool:
 
 
 def shape(node: ast.AST) -> str:
-    """Return what code does: its syntax tree without places, docstrings, comments and layout.
+    """Return what code does: its syntax tree without positions, docstrings, comments and layout.
 
-    It is the same on every version of Python, which `ast.dump` is not.
+    Unlike the result of `ast.dump`, it is the same on every version of Python.
 
     Examples
     --------
@@ -216,7 +217,7 @@ def shape(node: ast.AST) -> str:
 
 
 def _is_text(node: object) -> bool:
-    """Return whether a statement is a string and nothing else, as a docstring is."""
+    """Return whether a statement consists of a string only, like a docstring."""
     return (
         isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Constant)
@@ -225,7 +226,7 @@ def _is_text(node: object) -> bool:
 
 
 def _modules_below(package: str) -> Iterator[str]:
-    """Yield the dotted names of all modules of a package but tests, which none imports so."""
+    """Yield the dotted names of all modules of a package except tests."""
     home = source_of(package)
     if home is None:
         return

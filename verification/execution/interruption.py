@@ -11,34 +11,34 @@ from typing import Any
 
 
 class Terminated(KeyboardInterrupt):
-    """The process was asked to end (SIGTERM, or its terminal was closed: SIGHUP)."""
+    """The process was asked to end (SIGTERM, or SIGHUP because its terminal was closed)."""
 
 
 ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
-"""Signals that ask a process to end; SIGHUP is not on every system."""
+"""Signals that ask a process to end; SIGHUP does not exist on every system."""
 
 
 class Deferred:
-    """Interrupts that wait for a moment in which the state is whole."""
+    """Interrupts that wait for a moment at which the state is consistent."""
 
     def __init__(self) -> None:
         self._number: int | None = None
 
     def check(self) -> None:
-        """Raise the interrupt that has come since, if there is one.
+        """Raise the interrupt that has arrived since, if any.
 
         Raises
         ------
         KeyboardInterrupt
-            `Terminated`, if it was not from the keyboard.
+            `Terminated` if it did not come from the keyboard.
         """
         number, self._number = self._number, None
         if number is not None:
             raise _interrupt(number)
 
     def note(self, number: int, _: FrameType | None) -> None:
-        """Serve a signal."""
-        if self._number is not None:  # asked twice: at once, whatever the state is
+        """Handle a signal."""
+        if self._number is not None:  # second request: interrupt at once, whatever the state
             raise _interrupt(number)
         self._number = number
 
@@ -54,13 +54,13 @@ def deferred_interrupts() -> Iterator[Deferred]:
 
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
-    """Raise `Terminated` where a SIGTERM or SIGHUP would end the process, within the block."""
+    """Within the block, raise `Terminated` where a SIGTERM or SIGHUP would end the process."""
     with _handled(dict.fromkeys(ENDING, signal.SIG_DFL), _raise):
         yield
 
 
 def _raise(number: int, _: FrameType | None) -> None:
-    # A second signal while the first one is being served must not cut the saving short.
+    # A second signal during the handling of the first must not cut the saving short.
     signal.signal(number, signal.SIG_IGN)
     raise _interrupt(number)
 
@@ -73,9 +73,9 @@ def _interrupt(number: int) -> KeyboardInterrupt:
 def _handled(
     usual: Mapping[int, Any], handler: Callable[[int, FrameType | None], Any]
 ) -> Iterator[None]:
-    """Handle the signals that are handled as usual; one that is ignored (nohup) stays ignored.
+    """Handle signals that have their default handlers; an ignored signal (nohup) stays ignored.
 
-    Outside of the main thread Python lets no handler be set, and none comes there.
+    Outside the main thread Python does not allow handlers to be set, and no signal arrives there.
     """
     ours: dict[int, Any] = {}
     if threading.current_thread() is threading.main_thread():

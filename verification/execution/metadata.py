@@ -1,4 +1,4 @@
-"""What every stored result says of itself: command, parameters, versions, code, machine, date."""
+"""The provenance of every stored result: command, parameters, versions, code, machine, date."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ TOOLKIT = "excitation-fronts"
 """Name of the distribution."""
 
 COMPUTING = ("numpy", "scipy", "mpmath", "sympy", "numba")
-"""Packages that the toolkit computes with."""
+"""Packages with which the toolkit computes."""
 
 CHANGED = "the code it depends on has changed since"
 UNKNOWN = "it does not say which code it depends on"
 
 
 def installed_versions(packages: Iterable[str] = COMPUTING) -> dict[str, str | None]:
-    """Return the versions of Python, the toolkit and some packages; None where not installed.
+    """Return the versions of Python, the toolkit and given packages; None if not installed.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def _version(package: str) -> str | None:
 
 
 def this_machine() -> dict[str, Any]:
-    """Return system, processor, cores and thread setting; nothing that identifies the machine."""
+    """Return system, processor, cores and thread setting; nothing identifies the machine."""
     return {
         "system": platform.system(),
         "architecture": platform.machine(),
@@ -80,9 +80,10 @@ class Code:
     Attributes
     ----------
     modules : tuple of str
-        Dotted names of the modules it came from, sorted.
+        Dotted names of the modules from which it came, sorted.
     digest : str
-        Of their code and of what they import (`verification.execution.digest.digest_of_code`).
+        Digest of their code and of what they import
+        (`verification.execution.digest.digest_of_code`).
     """
 
     modules: tuple[str, ...]
@@ -94,33 +95,33 @@ class Code:
         modules: Iterable[str],
         packages: Collection[str] = SOURCES,
     ) -> Code:
-        """Return the code of modules as it is now; parameters as of `digest_of_code`."""
+        """Return the present code of modules; parameters as in `digest_of_code`."""
         names = tuple(sorted(set(modules)))
         return cls(modules=names, digest=digest_of_code(names, packages))
 
 
 COMMAND_LINE: ContextVar[str] = ContextVar("COMMAND_LINE", default="")
-"""The command line that is carried out, for the files of what it computes; empty in Python."""
+"""The command line being executed, for the files it writes; empty when used from Python."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Metadata:
-    """What a stored result says of itself.
+    """The provenance of a stored result.
 
     Attributes
     ----------
     command : str
-        What gives it again, at the shell or in Python.
+        The command that reproduces it, in the shell or in Python.
     parameters : mapping
-        What was computed, as JSON has it.
+        What was computed, as JSON data.
     versions : mapping of str to str or None
-        Of Python, the toolkit and the packages computed with; None where not installed.
+        Versions of Python, the toolkit and the packages used; None if not installed.
     code : Code or None
-        The code it depends on; None if that is not known.
+        The code it depends on; None if unknown.
     machine : mapping
-        Where it was computed, as far as that matters for run times; no host name, no path.
+        Where it was computed, as far as this matters for run times; no host name, no path.
     date : str
-        When: UTC, ISO 8601, to the second.
+        Time of computation: UTC, ISO 8601, to the second.
     """
 
     command: str = ""
@@ -131,7 +132,7 @@ class Metadata:
     date: str = field(default_factory=now)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the entries as JSON has them."""
+        """Return the entries as JSON data."""
         found = asdict(self)
         if self.code is not None:
             found["code"]["modules"] = list(self.code.modules)
@@ -139,7 +140,7 @@ class Metadata:
 
     @classmethod
     def from_dict(cls, found: Mapping[str, Any]) -> Metadata:
-        """Return the metadata that `to_dict` gave.
+        """Return the metadata that `to_dict` produced.
 
         Raises
         ------
@@ -160,14 +161,14 @@ class Metadata:
 
 
 def staleness(code: Code | Mapping[str, Any] | None, packages: Collection[str] = SOURCES) -> str:
-    """Return why a result no longer is of the code that is here; empty if it is.
+    """Return why a result no longer matches the present code; empty if it does.
 
     Parameters
     ----------
     code : Code, mapping or None
-        Of the result; a mapping as `Metadata.to_dict` has it.
+        Code of the result; a mapping as in `Metadata.to_dict`.
     packages : collection of str, optional
-        As of `digest_of_code`.
+        As in `digest_of_code`.
 
     Examples
     --------
@@ -187,7 +188,7 @@ def staleness(code: Code | Mapping[str, Any] | None, packages: Collection[str] =
 
 
 def differences(found: Mapping[str, Any], here: Mapping[str, Any]) -> str:
-    """Return what differs between two sets of entries, those of inner mappings with a dot.
+    """Return the differences between two sets of entries; keys of inner mappings follow a dot.
 
     Examples
     --------

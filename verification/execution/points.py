@@ -1,4 +1,4 @@
-"""Points of a sweep: coordinates by name, one point or every combination on some axes."""
+"""Points of a sweep: coordinates by name, for single points or all combinations on some axes."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ class Point(Mapping[str, Scalar]):
 
 
 def _point_of(items: dict[str, Scalar]) -> Point:
-    """Return the point of these Python scalars, which it keeps: no copy, and no checks."""
+    """Return the point of these Python scalars, without copying or checking them."""
     point = Point.__new__(Point)
     point._items = items
     return point
 
 
 class Grid(Sequence[Point]):
-    """Every combination of the values on some axes, the last one fastest; each made when asked for.
+    """All combinations of the values on some axes, the last one varying fastest; made on demand.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Grid(Sequence[Point]):
 
     @property
     def distinct_axes(self) -> tuple[str, ...]:
-        """Names of the axes; none where a value is twice on one."""
+        """Names of the axes; empty if a value occurs twice on one of them."""
         distinct = all(len(set(values)) == len(values) for values in self.axes.values())
         return tuple(self.axes) if distinct else ()
 
@@ -117,12 +117,12 @@ class Grid(Sequence[Point]):
 
 
 def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> Sequence[Point]:
-    """Return points, given one by one or as the values on each axis.
+    """Return points, given one by one or by the values on each axis.
 
     Raises
     ------
     ParameterError
-        If they differ in their names.
+        If their names differ.
     """
     if isinstance(points, Grid):
         return points
@@ -144,7 +144,7 @@ def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> Seq
 
 
 def _listed(points: Any) -> Grid | tuple[Point, ...]:
-    """Return points as they are given; what is none of them raises a TypeError that says it."""
+    """Return points as they are given; raise a TypeError that names what is not a point."""
     if isinstance(points, Mapping) and not isinstance(points, Point):
         _need_names(points)
         axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
@@ -164,7 +164,7 @@ def _need_names(names: Iterable[Any]) -> None:
 
 
 def coordinates(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the coordinates of all points by name; no column where there is no point."""
+    """Return the coordinates of all points by name; no column if there is no point."""
     if isinstance(points, Grid):
         return points.columns() if len(points) else {}
     names = list(points[0]) if points else []
@@ -172,7 +172,7 @@ def coordinates(points: Sequence[Point]) -> dict[str, Array]:
 
 
 def digest_of_points(points: Iterable[Point]) -> str:
-    """Return the digest of the list of all points, each a list of names and values, as JSON."""
+    """Return the digest of the list of all points, each a JSON list of names and values."""
     total = hashlib.sha256(b"[")
     begin = "["
     for coordinates_ in _coordinates_in_json(points):
@@ -183,7 +183,7 @@ def digest_of_points(points: Iterable[Point]) -> str:
 
 
 def _coordinates_in_json(points: Iterable[Point]) -> Iterator[Iterable[str]]:
-    """Yield the coordinates of each point, as pairs; those of an axis are written once."""
+    """Yield the coordinates of each point as pairs; those of an axis are encoded only once."""
     if isinstance(points, Grid):
         yield from itertools.product(
             *(

@@ -1,8 +1,8 @@
-"""Worker processes: one pool for everything that is computed side by side.
+"""Worker processes: a single pool for everything that is computed in parallel.
 
-No worker outlives the process that began it, however that ends: an interrupt ends the workers at
-once, and a kill is noticed by each of them, in the middle of compiled code where the system has the
-means (Linux), else as soon as it returns to Python.
+No worker outlives the process that started it, however that process ends: an interrupt ends the
+workers at once, and each of them notices a kill, in the middle of compiled code if the system
+supports this (Linux), otherwise as soon as it returns to Python.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ Answer = TypeVar("Answer")
 
 MAX_WORKERS = 1024
 BATCH_SECONDS = 0.02
-"""Short items are handed over several at a time, so many as take about this long: 0.2 ms of the
-pool's own work for each time would be a quarter of a point of the averaged chain."""
+"""Duration of a batch, in which several short items are handed over together: the pool spends 0.2
+ms on each transfer, a quarter of the time for one point of the averaged chain."""
 MAX_BATCH = 16
 _BATCHES_REMEMBERED = 8
-"""The slowest of so many, the last ones, tells how long an item takes: among quick items a batch of
-slow ones would keep one worker busy while the others have nothing left to do."""
+"""Number of recent batches of which the slowest determines the time per item: among quick items, a
+batch of slow ones would keep one worker busy while the others have nothing left to do."""
 MAX_PENDING = 256 * MAX_BATCH
-"""Items handed over and not yet answered, in at most 256 batches. A dask scheduler keeps 14 kB of a
-batch, so memory must not grow with all of them."""
+"""Largest number of items handed over and not yet answered, in at most 256 batches. A dask
+scheduler keeps 14 kB per batch, so memory must not grow with the total number."""
 CLUSTER_TIMEOUT = 5.0
-"""Seconds in which a scheduler must answer, and then have a worker."""
+"""Seconds within which a scheduler must answer, and then have a worker."""
 
 _PR_SET_PDEATHSIG = 1
 
@@ -71,21 +71,21 @@ def cores_allowed() -> int:
 
 @contextmanager
 def worker_pool(workers: int | None = None) -> Iterator[Executor]:
-    """Give a pool of processes, none of which outlives this one or an interrupt.
+    """Provide a pool of processes, none of which outlives this process or an interrupt.
 
     Parameters
     ----------
     workers : int, optional
-        Number of processes; by default one a core that may be used.
+        Number of processes; by default one per available core.
 
     Raises
     ------
     ParameterError
-        If the number is not from 1 to `MAX_WORKERS`.
+        If the number is not between 1 and `MAX_WORKERS`.
     """
     count = worker_count(workers)
     before = set(multiprocessing.active_children())
-    # 'spawn' on every system: forking a process that runs compiled threads can hang.
+    # 'spawn' on every system: forking a process that runs compiled threads can deadlock.
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(
         count, mp_context=context, initializer=_begin_worker, initargs=(os.getpid(),)
@@ -103,12 +103,12 @@ def worker_pool(workers: int | None = None) -> Iterator[Executor]:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Executor]:
-    """Give the workers of a running dask cluster as an executor; they run on afterwards.
+    """Provide the workers of a running dask cluster as an executor; they keep running afterwards.
 
     Parameters
     ----------
     address : str
-        Of its scheduler, as in ``tcp://host:8786``.
+        Address of its scheduler, as in ``tcp://host:8786``.
 
     Raises
     ------
@@ -144,17 +144,17 @@ def cluster(address: str) -> Iterator[Executor]:
                 "scheduler", address, "one with at least one worker",
                 f"start some with 'dask worker {address}'",
             ) from None  # fmt: skip
-        # Each point is a task of its own: its key need not be a digest of its arguments.
+        # Each point is a task of its own, so its key need not be a digest of its arguments.
         yield client.get_executor(pure=False)
 
 
 def worker_count(workers: int | None) -> int:
-    """Return how many processes are meant: as many as were given, or one a core.
+    """Return the number of processes: as many as given, or one per core.
 
     Raises
     ------
     ParameterError
-        If the number is not from 1 to `MAX_WORKERS`.
+        If the number is not between 1 and `MAX_WORKERS`.
     """
     return cores_allowed() if workers is None else count_within("workers", workers, 1, MAX_WORKERS)
 
@@ -168,34 +168,34 @@ def answers(
     only: Sequence[int] | IntArray | None = None,
     begun: Callable[[int], None] | None = None,
 ) -> Generator[tuple[int, Answer | Exception], None, None]:
-    """Compute a function of every item; yield what comes as it comes.
+    """Compute a function of every item; yield the answers as they arrive.
 
-    An item whose computation raises does not stop the others, nor does one that kills its worker:
-    the others go on in a new pool, and the items that were handed over run again, one at a time.
-    Items that take less than `BATCH_SECONDS` are handed over in batches; where one of a batch
-    raises, each of it is computed again by itself.
+    An item whose computation raises an exception does not stop the others, nor does one that kills
+    its worker: the others continue in a new pool, and the items that had been handed over are
+    computed again, one at a time. Items that take less than `BATCH_SECONDS` are handed over in
+    batches; if one of a batch raises, each of its items is computed again separately.
 
     Parameters
     ----------
     function : callable
-        Of one item; importable by name where other processes compute it.
+        A function of one item; importable by name if other processes compute it.
     items : sequence
-        The items; one is asked for when it is begun or handed over.
+        The items; each is retrieved when it is begun or handed over.
     workers : int, optional
-        Processes, by default one a core that may be used, and never more than there are items;
-        1 computes in this process, as does the default where no other process can import the
-        function.
+        Number of processes, by default one per available core, and never more than there are items;
+        1 computes in this process, as does the default if no other process can import the function.
     executor : Executor, optional
-        Any executor of ``concurrent.futures``, in place of own processes; it is left open.
+        Any executor of ``concurrent.futures``, used instead of processes of its own; it is left
+        open.
     only : sequence of int, optional
         Indices of the items to compute, in this order; all if not given.
     begun : callable, optional
-        Told the index of an item when it is begun or handed over.
+        Called with the index of an item when it is begun or handed over.
 
     Yields
     ------
     tuple of int and object
-        The index of an item with its answer, or with the exception that was raised.
+        The index of an item with its answer, or with the exception that it raised.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def answers(
                     died.append(index)
                 else:
                     yield index, answer
-    # One dead worker takes the whole pool with it, and what was handed over. Only the item that
+    # A worker that dies takes the whole pool and everything handed over with it. Only an item that
     # kills a process in which it is alone is at fault.
     again = iter(sorted(died))
     for index in again:
@@ -254,19 +254,19 @@ def answers_in_order(
     workers: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> list[Answer]:
-    """Compute a function of every item, and raise what it raises for one.
+    """Compute a function of every item; raise the exception that an item raises.
 
     Parameters
     ----------
     function, items, workers
-        As of `answers`.
+        As in `answers`.
     progress : callable, optional
         Called with the fraction done.
 
     Returns
     -------
     list
-        In the order of the items.
+        The answers in the order of the items.
 
     Examples
     --------
@@ -306,13 +306,13 @@ def _side_by_side(
     pool: Executor,
     begun: Callable[[int], None] | None,
 ) -> Iterator[tuple[int, Answer | Exception]]:
-    """Yield answers as they come, with at most `MAX_PENDING` items handed over and not answered.
+    """Yield answers as they arrive, with at most `MAX_PENDING` items handed over and unanswered.
 
-    Where the pool breaks, what was handed over is answered by `WorkerDiedError`, and no more is
-    taken from ``chosen``.
+    If the pool breaks, the items that were handed over are answered by `WorkerDiedError`, and no
+    more are taken from ``chosen``.
     """
     futures: dict[Future[Any], list[int]] = {}
-    # Each future puts itself here when it is done: asking all of them costs more than an answer.
+    # Each finished future puts itself here: polling all of them would cost more than an answer.
     done: SimpleQueue[Future[Any]] = SimpleQueue()
     alone: deque[int] = deque()
     paces: deque[float] = deque(maxlen=_BATCHES_REMEMBERED)
@@ -324,7 +324,7 @@ def _side_by_side(
         future.add_done_callback(done.put)
 
     def batches() -> Iterator[list[int]]:
-        """Yield what to hand over next, while that may be."""
+        """Yield what to hand over next, as long as this is permitted."""
         while len(futures) < max(MAX_PENDING // MAX_BATCH, 1):
             again = [alone.popleft()] if alone else []
             fresh = [] if again else list(itertools.islice(chosen, min(size, MAX_PENDING)))
@@ -367,7 +367,7 @@ def _side_by_side(
 
 @dataclass(frozen=True)
 class _Batch:
-    """The function, of several items; with the seconds that they took."""
+    """The function applied to several items, with the seconds that they took."""
 
     function: Callable[[Any], Any]
 
@@ -378,7 +378,7 @@ class _Batch:
 
 
 def _batch_size(seconds: float) -> int:
-    """Return how many items to hand over at once where one takes so long.
+    """Return how many items to hand over at once if one takes this long.
 
     Examples
     --------
@@ -389,7 +389,7 @@ def _batch_size(seconds: float) -> int:
 
 
 def _answer_of(future: Future[Any]) -> Any:
-    """Return the answer of a future that is done, or what was raised."""
+    """Return the answer of a future that is done, or the exception raised."""
     try:
         return future.result()
     except BrokenProcessPool:
@@ -404,7 +404,7 @@ def _sendable(function: Callable[..., Any]) -> bool:
         text = pickle.dumps(function)
     except (pickle.PicklingError, AttributeError, TypeError):
         return False
-    # What was typed into a session is in no file that another process could read.
+    # Code typed into a session is in no file that another process could read.
     return b"__main__" not in text or hasattr(sys.modules["__main__"], "__file__")
 
 
@@ -413,7 +413,7 @@ def _begin_worker(parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
-        # The kernel ends this process, compiled code or not, with the thread that began it.
+        # The kernel ends this process, even within compiled code, with the thread that started it.
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:
             os._exit(1)

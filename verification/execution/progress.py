@@ -1,10 +1,10 @@
 """Progress of long computations on standard error.
 
-In a terminal or a notebook a live line (by rich) says what is running, how much of it is done, and
-how long it will take: the first estimate comes with the second report, so that compiling, which is
-over by the first one, does not count. Without either, as under ``nohup`` or in the log of another
-program, there is a line after ten seconds and then one a minute. A progress that is ``quiet``, as
-that of ``--json``, shows itself in a terminal or a notebook only.
+In a terminal or a notebook a live line (by rich) shows what is running, what fraction is done, and
+the time remaining. The first estimate appears with the second report, so that compilation, which is
+over by the first one, does not count. Otherwise, as under ``nohup`` or in the log of another
+program, a line is printed after ten seconds and then once a minute. A ``quiet`` progress, as for
+``--json``, is shown in a terminal or a notebook only.
 """
 
 from __future__ import annotations
@@ -22,33 +22,33 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 ProgressCallback: TypeAlias = Callable[[float], None]
-"""Called now and then with the fraction done, from 0 to 1."""
+"""Called at intervals with the fraction done, from 0 to 1."""
 
 PERIOD = 60.0
-"""Seconds between two lines where there is no terminal."""
+"""Seconds between two lines if there is no terminal."""
 
 FIRST = 10.0
-"""Seconds before the first of them."""
+"""Seconds before the first of these lines."""
 
 SETTLING = 1.0
-"""Seconds of work before the time left is estimated."""
+"""Seconds of work before the remaining time is estimated."""
 
 
 class Progress:
-    """Progress of one computation, or of several that follow each other.
+    """Progress of one computation, or of several successive ones.
 
     Parameters
     ----------
     name : str
         What is running.
     steps : int, optional
-        Number of steps that are to be named one by one as they end; 0 for a fraction only.
+        Number of steps that are reported individually as they end; 0 for a fraction only.
     at_once : int, optional
-        How many of them run side by side. Of more that have begun the others wait.
+        How many of them run in parallel; if more have begun, the others are waiting.
     quiet : bool, optional
-        Whether to show nothing outside a terminal and a notebook.
+        Whether to show nothing outside a terminal or a notebook.
     stream : file, optional
-        By default standard error.
+        Output stream; by default standard error.
 
     Examples
     --------
@@ -101,7 +101,7 @@ class Progress:
             self._print(f"{self._name}: {100.0 * fraction:.0f} %{self._left()}")
 
     def begin(self, step: str) -> None:
-        """Note that a step has begun, or waits for a free process."""
+        """Record that a step has begun, or is waiting for a free process."""
         with self._lock:
             self._running[step] = time.monotonic()
             self._describe()
@@ -109,7 +109,7 @@ class Progress:
     def end(self, step: str, said: str, *, computed: bool = True) -> None:
         """Print that a step has ended, and how.
 
-        One that was not computed, but read from a store, says nothing of the pace of the others.
+        A step that was read from a store rather than computed does not affect the estimated pace.
         """
         with self._lock:
             if not computed:
@@ -145,7 +145,7 @@ class Progress:
 
 
 def of_part(progress: ProgressCallback | None, part: int, parts: int) -> ProgressCallback:
-    """Return the progress of one part of several that take equally long.
+    """Return the progress callback for one of several parts that take equally long.
 
     Examples
     --------
@@ -156,10 +156,10 @@ def of_part(progress: ProgressCallback | None, part: int, parts: int) -> Progres
 
 
 class Remaining:
-    """Estimate of the time left, from the reports after the first one.
+    """Estimate of the time remaining, from the reports after the first one.
 
-    What comes before the first report (starting, compiling, reading what an earlier run did) is
-    not taken for the pace of the work.
+    What happens before the first report (starting, compiling, reading the results of an earlier
+    run) is not included in the pace of the work.
 
     Examples
     --------
@@ -175,10 +175,10 @@ class Remaining:
         self._clock = clock
         self._first: tuple[float, float] | None = None
         self.seconds: float | None = None
-        """Time left; None where nothing can be said yet."""
+        """Time remaining; None while nothing can be said."""
 
     def add(self, fraction: float) -> None:
-        """Note the fraction done by now."""
+        """Record the fraction done by now."""
         if self._first is None:
             if fraction > 0.0:
                 self._first = self._clock(), fraction
@@ -190,7 +190,7 @@ class Remaining:
 
 
 def _live_line(stream: TextIO) -> Live:
-    # Imported here: no command without a terminal or a notebook needs it.
+    # Imported here, because no command without a terminal or a notebook needs it.
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -206,16 +206,16 @@ def _live_line(stream: TextIO) -> Live:
 
 
 def _is_of_system(stream: TextIO) -> bool:
-    """Whether a stream is a file, a pipe or a socket, and not an object of this process."""
+    """Whether a stream is a file, a pipe or a socket, rather than an object of this process."""
     try:
         os.fstat(stream.fileno())
-    except (OSError, ValueError):  # closed, or not of the system
+    except (OSError, ValueError):  # closed, or not an object of the system
         return False
     return True
 
 
 def _in_notebook() -> bool:
-    """Whether this runs in a kernel of Jupyter."""
+    """Whether this runs in a Jupyter kernel."""
     found = sys.modules.get("IPython")
     shell = None if found is None else found.get_ipython()
     return type(shell).__name__ == "ZMQInteractiveShell"

@@ -1,4 +1,4 @@
-"""The record: any result that is stored to be read later, with what says where it comes from."""
+"""The record: a result that is stored to be read later, with its provenance."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from verification.execution.files import file_error, write_json
 from verification.execution.metadata import Metadata
 
 FORMAT = 3
-"""Format of the file; files of another one are refused."""
+"""Format of the file; files in another format are refused."""
 
 _METADATA = ("command", "parameters", "versions", "code", "machine", "date")
 _OWN = ("kind", "format", "checksum", *_METADATA)
@@ -24,25 +24,24 @@ _OWN = ("kind", "format", "checksum", *_METADATA)
 class Record:
     """A stored result.
 
-    How to store a further kind of result:
+    How to store a new kind of result:
 
-    1. Make it plain: numbers, words, lists and mappings, no NaN. That is the ``content``; its keys
-       must not be those of the metadata.
-    2. Name its ``kind`` in one word, which is held against the file when it is read.
-    3. Give `Metadata` its command, parameters and `Code.of` the modules it came from.
+    1. Make it plain: numbers, words, lists and mappings, without NaN. This is the ``content``; its
+       keys must not be those of the metadata.
+    2. Name its ``kind`` in one word, which is compared with that in the file when it is read.
+    3. Give `Metadata` its command and parameters, and `Code.of` the modules it came from.
     4. `save` it; `load` it again, which refuses a file that cannot be used, in one sentence.
-       Whether its code is that which is here is said by
-       `verification.execution.metadata.staleness`; what to do then (compute anew, show with a
-       remark, refuse) is for the caller to decide.
+       `verification.execution.metadata.staleness` states whether its code is the present one; the
+       caller decides what to do if it is not (compute anew, show with a remark, refuse).
 
     Attributes
     ----------
     kind : str
         What is stored, in one word.
     content : mapping
-        The result.
+        The result itself.
     metadata : Metadata
-        Where it comes from.
+        Its provenance.
     """
 
     kind: str
@@ -50,12 +49,12 @@ class Record:
     metadata: Metadata = field(default_factory=Metadata)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the record as JSON has it, metadata and content side by side.
+        """Return the record as JSON data, with metadata and content side by side.
 
         Raises
         ------
         ValueError
-            If the content has a key of the metadata.
+            If the content uses a key of the metadata.
         """
         clash = sorted({*self.content} & {*_OWN})
         if clash:
@@ -65,7 +64,7 @@ class Record:
         return body | {"checksum": digest_of(body)}
 
     def save(self, path: Path) -> None:
-        """Write the record, whole or not at all.
+        """Write the record, completely or not at all.
 
         Raises
         ------
@@ -83,7 +82,7 @@ class Record:
         FileError
             If the file cannot be read.
         ParameterError
-            If it is not a record of that kind and format, or not as it was written.
+            If it is not a record of that kind and format, or has been altered.
         """
         try:
             body = json.loads(path.read_bytes())
@@ -95,7 +94,7 @@ class Record:
 
     @classmethod
     def from_dict(cls, body: object, kind: str, source: object = "given") -> Record:
-        """Return the record that `to_dict` gave; errors as of `load`."""
+        """Return the record that `to_dict` produced; errors as in `load`."""
         remedy = "remove it, and compute the result again"
         if not isinstance(body, dict) or "kind" not in body:
             raise ParameterError("record", source, "a record as this toolkit writes them", remedy)

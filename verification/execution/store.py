@@ -1,13 +1,14 @@
-"""The store: finished results in one SQLite file, from which an interrupted computation goes on.
+"""The store: finished results in one SQLite file, from which an interrupted computation continues.
 
-A result that was added survives the end of this process at any moment, and all but the last ones
-survive a power cut. The file holds the identity of what is computed (function, parameters, code,
-versions); a file of anything else is refused, or emptied where results are cheap. Each row carries
-a digest of the identity, its key and its result: a damaged row is passed over and computed again.
-That protects from accident, not from somebody who forges rows together with their digests.
+A result that has been added survives the end of this process at any moment, and all but the most
+recent ones survive a power failure. The file holds the identity of the computation (function,
+parameters, code, versions); a file of any other computation is refused, or emptied if results are
+cheap. Each row carries a digest of the identity, its key and its result; a damaged row is skipped
+and computed again. This protects against accidents, not against somebody who forges rows together
+with their digests.
 
-One process at a time: SQLite's lock is held for as long as the store is open, and ends with the
-process.
+Only one process can use it at a time: SQLite's lock is held as long as the store is open, and ends
+with the process.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from verification.execution.files import FileError, check_writable, file_error, 
 from verification.execution.metadata import differences
 
 FORMAT = 4
-"""Format of the file; files of another one are refused."""
+"""Format of the file; files in another format are refused."""
 
 _SCHEMA = {
     "identity": "CREATE TABLE identity (text TEXT NOT NULL)",
@@ -52,24 +53,26 @@ logger = logging.getLogger(__name__)
 
 
 class Store:
-    """An open store; a context manager that closes it and leaves the file.
+    """An open store: a context manager that closes it and keeps the file.
 
     Parameters
     ----------
     path : Path
-        The file; made if it does not exist.
+        The file; created if it does not exist.
     identity : mapping
-        What is computed, as JSON has it.
+        What is computed, as JSON data.
     resume : bool
-        Whether a file that exists is gone on with; without it, one with results in it is refused.
+        Whether to continue with an existing file; otherwise a file that contains results is
+        refused.
     replace : bool, optional
-        Empty a file that does not fit instead of refusing it: for results that are cheap, or
-        where the file is the toolkit's own.
+        Empty a file that does not match instead of refusing it: for results that are cheap, or a
+        file that belongs to the toolkit.
 
     Raises
     ------
     ParameterError
-        If the file is not a store, or one of something else, or ``resume`` is false.
+        If the file is not a store, belongs to another computation, or exists while ``resume`` is
+        false.
     FileError
         If it is in use or cannot be written.
 
@@ -120,7 +123,7 @@ class Store:
         Raises
         ------
         FileError
-            If it cannot be written; what was added before stays.
+            If it cannot be written; earlier results are kept.
         """
         text = json.dumps(result)
         row = (key, text, self._checksum(key, text))
@@ -131,11 +134,11 @@ class Store:
 
     @cached_property
     def results(self) -> dict[str, Any]:
-        """The results that the file holds when this is first asked for, by key."""
+        """The results in the file when this is first accessed, by key."""
         return dict(self.read())
 
     def read(self) -> Iterator[tuple[str, Any]]:
-        """Yield key and result of each row, one at a time in memory; a damaged one is passed over.
+        """Yield key and result of each row, one at a time in memory, skipping damaged ones.
 
         Raises
         ------
@@ -159,13 +162,13 @@ class Store:
             raise self._sentence(error) from None
 
     def close(self) -> None:
-        """Close the file; the lock ends."""
+        """Close the file and release the lock."""
         # What cannot be moved from the journal into the file now is moved when it is next opened.
         with suppress(sqlite3.Error, AttributeError):
             self._connection.close()
 
     def remove(self) -> None:
-        """Close the file and delete it: the results are elsewhere."""
+        """Close the file and delete it, once the results are stored elsewhere."""
         self._path.unlink(missing_ok=True)  # while the lock is held
         self.close()
         self._delete()
@@ -192,7 +195,7 @@ class Store:
             self._begin()
         else:
             self._check(tables, resume)
-            # Every page is seen now, while a file that cannot be read may still be replaced.
+            # Every page is read now, while a file that cannot be read may still be replaced.
             self._connection.execute(_READABLE).fetchall()
         self._connection.execute("COMMIT")
 

@@ -1,12 +1,13 @@
-"""One sweep engine for every map: a function, points, any executor, a store, a table.
+"""The sweep engine for all maps: a function, points, any executor, a store, a table.
 
-The table depends on the function and the points only: not on the number of workers, the order in
-which they finish, or how often the sweep was killed and resumed. In memory it is one array a
-column, filled as the points finish; with a file, a finished point is in the store before it counts.
+The table depends on the function and the points only, not on the number of workers, the order in
+which they finish, or how often the sweep was killed and resumed. In memory there is one array per
+column, filled as the points finish; if a file is given, a finished point is in the store before it
+counts.
 
-A point whose computation raises does not stop the others: they are finished and put into the store,
-then `SweepError` names the failed ones. These are not in the store, so that a resumed sweep tries
-them, and only them, again.
+A point whose computation raises an exception does not stop the others: they are finished and
+stored, then `SweepError` names the failed ones. Failed points are not stored, so that a resumed
+sweep computes them, and only them, again.
 """
 
 from __future__ import annotations
@@ -49,21 +50,21 @@ from verification.execution.table import (
 from verification.execution.task import code_owners, parameters_of, task_name
 
 Task: TypeAlias = Callable[[Point], Any]
-"""From a point to its results: a mapping of names to numbers, words or arrays of numbers, one such
-value, or a result with ``to_dict``, of which the numbers and words count: one that is None at some
-points is nan or empty there. Importable by name (a function of a module, or a frozen dataclass with
-``__call__``) where there is more than one worker."""
+"""Function that maps a point to its results: a mapping of names to numbers, words or arrays of
+numbers; a single such value; or a result with ``to_dict``, of which numbers and words are used. A
+value that is None at some points is nan or empty there. With more than one worker the function must
+be importable by name (a function in a module, or a frozen dataclass with ``__call__``)."""
 
 
 class SweepError(RuntimeError):
-    """Points that could not be computed; the finished ones are in the store, if there is one.
+    """Some points could not be computed; the finished ones are in the store, if there is one.
 
     Parameters
     ----------
     message : str
         One sentence.
     failures : sequence of (Point, Exception)
-        The points and what was raised.
+        The points and the exceptions raised.
     """
 
     def __init__(self, message: str, failures: Sequence[tuple[Point, Exception]] = ()) -> None:
@@ -88,44 +89,44 @@ def sweep(
     Parameters
     ----------
     function : callable
-        See `Task`. Its name, its code and its parameters (of a dataclass, a ``functools.partial``,
-        a closure) are held against a file that is resumed.
+        See `Task`. Its name, its code and its parameters (those of a dataclass, a
+        ``functools.partial``, a closure) are compared with those in a file that is resumed.
     points : sequence of mappings, or mapping
-        Where: all with the same names; or names with values, of which every combination is taken,
-        the last one fastest.
+        The points, all with the same names; or names with lists of values, of which every
+        combination is taken, the last one varying fastest.
     out : Path or str, optional
-        CSV file for the table, or a zarr store or arrays of numpy if it ends in ``.zarr`` or
-        ``.npz``; its record goes beside it into ``<out>.json``, and while the sweep runs the
-        finished points into ``<out>.part``.
+        CSV file for the table, or a zarr store or numpy arrays if it ends in ``.zarr`` or ``.npz``.
+        Its record is written next to it as ``<out>.json`` and, while the sweep is running, the
+        finished points as ``<out>.part``.
     resume : bool, optional
-        Go on from ``<out>.part``, if it is there; take the table if that is there already.
+        Continue from ``<out>.part`` if it exists; read the table if that exists already.
     workers : int, optional
-        Processes, by default one a core that may be used; 1 computes in this process.
+        Number of processes, by default one per available core; 1 computes in this process.
     executor : concurrent.futures.Executor, optional
-        Used in place of own processes, and left open.
+        Used instead of processes of its own, and left open.
     dims : mapping of str to str or sequence of str, optional
         Names of the dimensions of results that are arrays, by result: ``{"profile": "site"}``. By
         default those of ``profile`` are ``profile_0``, ``profile_1`` ….
     progress : callable, optional
         See `verification.execution.progress.ProgressCallback`.
     command : str, optional
-        What gives the table again, for its record.
+        The command that reproduces the table, for its record.
 
     Returns
     -------
     Table
-        One row a point: its coordinates, then its results.
+        One row per point: its coordinates, then its results.
 
     Raises
     ------
     ParameterError
-        If the points, the file to resume from or the number of workers cannot be used, results
-        differ in their names or shapes from point to point, one has the name of a coordinate and
-        another value, or arrays are to go into CSV.
+        If the points, the file to resume from or the number of workers cannot be used; if results
+        differ in their names or shapes from point to point, or one has the name of a coordinate but
+        another value; or if arrays are to be stored in CSV.
     FileError
-        If a file cannot be written, or another sweep writes it.
+        If a file cannot be written, or another sweep is writing it.
     SweepError
-        If the function raised, or a worker process died.
+        If the function raised an exception, or a worker process died.
 
     Examples
     --------
@@ -133,7 +134,7 @@ def sweep(
     >>> table["square"]
     array([1, 4])
 
-    Arrays, of one shape at all points:
+    Arrays, with one shape at all points:
 
     >>> powers = lambda point: {"powers": point["x"] ** np.arange(3)}
     >>> table = sweep(powers, {"x": [1, 2]}, workers=1, dims={"powers": "order"})
@@ -172,7 +173,7 @@ def sweep(
             )
         except ParameterError:
             if store is not None and not found.stored:
-                store.remove()  # there is nothing in it to go on from
+                store.remove()  # it contains nothing from which to continue
             raise
         if failures:
             raise _failed([(asked[index], failures[index]) for index in sorted(failures)])
@@ -191,7 +192,7 @@ def sweep(
 
 
 def part_path(out: Path) -> Path:
-    """Return where the finished points of an unfinished sweep are.
+    """Return the path of the file with the finished points of an unfinished sweep.
 
     Examples
     --------
@@ -204,7 +205,7 @@ def part_path(out: Path) -> Path:
 def _finished(
     out: Path, metadata: Metadata, dims: Mapping[str, str | Sequence[str]]
 ) -> Table | None:
-    """Return the table of an earlier session, if it is there and of the same sweep."""
+    """Return the table of an earlier session, if there is one of the same sweep."""
     table = load_table(out)
     if table is None or table.metadata is None or _identity(table.metadata) != _identity(metadata):
         return None
@@ -214,7 +215,7 @@ def _finished(
 
 @dataclass(kw_only=True)
 class _Found:
-    """What is known of the table: the coordinates, and the results that have come."""
+    """The known part of the table: the coordinates, and the results so far."""
 
     points: Sequence[Point]
     out: Path | None
@@ -232,7 +233,7 @@ class _Found:
         )
 
     def put(self, index: int, row: Mapping[str, Cell]) -> None:
-        """Take the results of a point; refuse those that fit no table, from the first one on."""
+        """Store the results of a point; refuse results, even the first, that fit no table."""
         first = not self.columns.shapes
         self.columns.put(index, self._beside_coordinates(index, row))
         if first:
@@ -240,7 +241,7 @@ class _Found:
             self.dims = named_dims(known, self.names)
 
     def _beside_coordinates(self, index: int, row: Mapping[str, Cell]) -> Mapping[str, Cell]:
-        """Return a row without what repeats a coordinate; refuse another value by its name."""
+        """Return a row without repeated coordinates; refuse a different value under such a name."""
         repeated = row.keys() & self.coordinates.keys()
         if not repeated:
             return row
@@ -256,7 +257,7 @@ class _Found:
         return {name: cell for name, cell in row.items() if name not in self.coordinates}
 
     def take_from(self, store: Store | None) -> int:
-        """Take the results in a store, and return how many; what is none is left out."""
+        """Copy the results in a store, and return their number; invalid ones are omitted."""
         for key, stored in () if store is None else store.read():
             try:
                 index = int(key)
@@ -279,14 +280,14 @@ def _compute(
     executor: Executor | None,
     progress: ProgressCallback | None,
 ) -> dict[int, Exception]:
-    """Compute what has not been found; return what was raised, by index of the point."""
+    """Compute what is still missing; return the exceptions raised, by index of the point."""
     failures: dict[int, Exception] = {}
     total = len(found.points)
     left = np.flatnonzero(~found.columns.filled)
     done = total - left.size
     if progress:
         progress(done / max(total, 1))
-    # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
+    # Closed at once on an interrupt, rather than by the garbage collector: it owns the workers.
     with closing(
         answers(function, found.points, workers=workers, executor=executor, only=left)
     ) as coming:
@@ -306,7 +307,7 @@ def _compute(
 
 @dataclass(frozen=True)
 class _Cells:
-    """The function, with its results as cells of a table."""
+    """The function, with its results converted to cells of a table."""
 
     function: Task
 

@@ -1,4 +1,4 @@
-"""A table of results: in memory, as CSV that every reader opens, as zarr, as arrays of numpy."""
+"""A table of results: in memory, as CSV readable by any program, as zarr, as numpy arrays."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ARRAY_FORMATS = (".zarr", ".npz")
-"""Endings of files that hold arrays as well; a file of any other ending is CSV."""
+"""Suffixes of files that can hold arrays; a file with any other suffix is CSV."""
 
 CHUNK_BYTES = 1 << 20
-"""Size of a chunk of a zarr store before compression; one is in memory while it is written."""
+"""Size of a chunk of a zarr store before compression; one is held in memory during writing."""
 
 Dims = Mapping[str, tuple[str, ...]]
 """Names of the dimensions of arrays, by column."""
@@ -44,24 +44,24 @@ Dims = Mapping[str, tuple[str, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Table(Result):
-    """Results of a sweep, one row a point, in the order of the points.
+    """Results of a sweep, one row per point, in the order of the points.
 
     Attributes
     ----------
     arrays : mapping of str to ndarray
-        The columns by name: the coordinates, then the results; all of one length, read-only. A
-        column whose cells are arrays has their dimensions after the first.
+        The columns by name: the coordinates, then the results; all of one length, read-only. In a
+        column whose cells are arrays, their dimensions follow the first one.
     metadata : Metadata or None
-        Where the table comes from; None if it was put together by hand.
+        Provenance of the table; None if it was assembled by hand.
     seconds : float
-        Wall time of the session that finished the table.
+        Wall-clock time of the session that finished the table.
     resumed : int
-        Rows that came from an earlier session.
+        Number of rows from an earlier session.
     axes : tuple of str
-        Coordinates of which the rows are every combination, the last one fastest; empty if they are
-        none.
+        Coordinates of which the rows are all combinations, the last one varying fastest; empty if
+        the rows are not such a grid.
     dims : mapping of str to tuple of str
-        Names of the dimensions of one cell, of columns whose cells are arrays.
+        Names of the dimensions of one cell, for columns whose cells are arrays.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class Table(Result):
         Raises
         ------
         ParameterError
-            If the cells of one are arrays, which have no place in a table of rows and columns.
+            If the cells of a column are arrays, which do not fit into a table of rows and columns.
         """
         for name, column in self.arrays.items():
             if column.ndim > 1:
@@ -101,7 +101,7 @@ class Table(Result):
         return dict(self.arrays)
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield each row by name, as Python scalars, and lists for arrays."""
+        """Yield each row as a mapping from names to Python scalars, and to lists for arrays."""
         for cells in python_rows(self.arrays):
             yield dict(zip(self.arrays, cells, strict=True))
 
@@ -111,9 +111,9 @@ class Table(Result):
         return dict(zip(words.tolist(), numbers.tolist(), strict=True))
 
     def to_xarray(self) -> xr.Dataset:
-        """Return the table as a dataset of xarray, over its axes if it has them, else its rows.
+        """Return the table as an xarray dataset, over its axes if it has any, else over its rows.
 
-        Arrays have their own dimensions after these, named as in ``dims``.
+        Arrays have further dimensions, named as in ``dims``.
 
         Raises
         ------
@@ -132,20 +132,20 @@ class Table(Result):
         return dataset(variables, ticks)
 
     def save(self, path: Path) -> None:
-        """Write the table, whole or not at all, and its record beside it in ``<path>.json``.
+        """Write the table, completely or not at all, and its record next to it in ``<path>.json``.
 
-        It is a zarr store, written by chunks, where the path ends in ``.zarr``
-        (``xarray.open_zarr``), the columns as arrays where it ends in ``.npz`` (``numpy.load``);
-        else CSV, of which lines at the end that begin with ``#`` say command, parameters and
-        versions (``pandas.read_csv(path, comment="#")``). The record has them as JSON, with the
-        date, the machine, the digest of the code, and what `load_table` needs.
+        The table is a zarr store, written by chunks, if the path ends in ``.zarr``
+        (``xarray.open_zarr``); arrays of its columns if it ends in ``.npz`` (``numpy.load``);
+        otherwise CSV, whose last lines, beginning with ``#``, state command, parameters and
+        versions (``pandas.read_csv(path, comment="#")``). The record contains these as JSON, with
+        the date, the machine, the digest of the code, and what `load_table` needs.
 
         Raises
         ------
         FileError
-            If they cannot be written.
+            If one of the files cannot be written.
         MissingPackageError
-            If a package for zarr is not installed.
+            If a package needed for zarr is not installed.
         ParameterError
             If the cells of a column are arrays, and the file is CSV.
         """
@@ -180,7 +180,7 @@ class Table(Result):
 
 
 def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Path], None]:
-    """Return what writes a dataset as a zarr store, with where it comes from as an attribute.
+    """Return a function that writes a dataset as a zarr store, with its provenance as an attribute.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def zarr_writer(data: xr.Dataset, provenance: Mapping[str, Any]) -> Callable[[Pa
 
     def write(path: Path) -> None:
         path.unlink(missing_ok=True)
-        # words are not yet in the standard of 3
+        # the zarr standard 3 does not yet support words
         data.to_zarr(path, mode="w-", zarr_format=2, encoding=chunks)
 
     return write
@@ -237,7 +237,7 @@ def commented(entries: Mapping[str, Any], names: Iterable[str]) -> str:
 
 
 def load_table(path: Path) -> Table | None:
-    """Read a table that `Table.save` wrote; None if it is missing or no longer what was written."""
+    """Read a table written by `Table.save`; None if it is missing or has been altered."""
     try:
         record = Record.load(record_path(path), "table")
         about = record.content["table"]
@@ -252,7 +252,7 @@ def load_table(path: Path) -> Table | None:
         return table if about["digest"] == digest_of_arrays(table.arrays) else None
     except (MemoryError, MissingPackageError):
         raise
-    except Exception:  # of a damaged file each format and codec raises what it likes
+    except Exception:  # each format and codec raises its own errors for a damaged file
         return None
 
 
@@ -265,7 +265,7 @@ def _read(
         with warnings.catch_warnings(action="ignore"), xarray.open_zarr(path) as data:
             return _columns_of_zarr(data, path.parent, columns, count, axes)
     if path.suffix == ".npz":
-        # np.load leaves a file open that it opened itself and cannot read.
+        # np.load does not close a file that it opened itself and cannot read.
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             return {name: read_only(file[name]) for name in columns}
     reads: dict[str, Callable[[str], Cell]] = {
@@ -308,7 +308,7 @@ def _columns_of_zarr(
 
 
 def _from_chunks(stored: xr.DataArray, folder: Path, axes: int) -> Array:
-    """Return arrays, one a point, copied from a store to a file of theirs chunk by chunk."""
+    """Return arrays, one per point, copied from a store to a file of their own chunk by chunk."""
     found = on_disk(stored.shape, stored.dtype, folder)
     steps = list(zip(stored.shape, stored.encoding["chunks"], strict=True))
     for corner in product(*(range(0, size, step) for size, step in steps)):
@@ -319,7 +319,7 @@ def _from_chunks(stored: xr.DataArray, folder: Path, axes: int) -> Array:
 
 
 def record_path(path: Path) -> Path:
-    """Return where the record of a table is written.
+    """Return the path of the record of a table.
 
     Examples
     --------
@@ -330,12 +330,12 @@ def record_path(path: Path) -> Path:
 
 
 def table_of(rows: Sequence[Mapping[str, object]]) -> Table:
-    """Put rows of the same names into a table.
+    """Make a table from rows with the same names.
 
     Parameters
     ----------
     rows : sequence of mappings
-        Names to truth values, numbers, words, or arrays of one shape a name.
+        Names mapped to truth values, numbers, words, or arrays, with one shape for each name.
 
     Raises
     ------
@@ -357,12 +357,12 @@ def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -
         Shape of a cell, by column.
     dims : mapping of str to str or sequence of str
         Names of the dimensions, by column; by default those of ``profile`` are ``profile_0``,
-        ``profile_1`` …. Columns that share a name have the same number of entries there.
+        ``profile_1`` …. Columns that share a name must have the same number of entries along it.
 
     Raises
     ------
     ParameterError
-        If names and dimensions do not fit.
+        If names and dimensions do not match.
 
     Examples
     --------

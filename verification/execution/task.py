@@ -1,4 +1,4 @@
-"""A task by its name, its parameters and its code: what a stored result is held against."""
+"""A task by its name, its parameters and its code, with which a stored result is compared."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ def task_name(task: object) -> str:
 
 
 def parameters_of(task: object) -> Any:
-    """Return the parameters of a function or object as JSON has them.
+    """Return the parameters of a function or object as JSON data.
 
     Raises
     ------
     ParameterError
-        If it holds something that JSON does not have.
+        If it holds something that JSON cannot represent.
     """
     if isinstance(task, functools.partial):
         named = {str(i): value for i, value in enumerate(task.args)} | task.keywords
@@ -80,7 +80,7 @@ def _captured(task: object) -> dict[str, Any]:
 
 
 def code_owners(task: object) -> Iterator[Any]:
-    """Yield whatever has code: functions, and classes of objects."""
+    """Yield everything that has code: functions, and the classes of objects."""
     if isinstance(task, functools.partial):
         yield from code_owners(task.func)
         for value in (*task.args, *task.keywords.values()):

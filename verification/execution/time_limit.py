@@ -1,4 +1,4 @@
-"""A limit to what a computation may take."""
+"""A time limit for a computation."""
 
 from __future__ import annotations
 
@@ -8,24 +8,25 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 AGAIN = 1.0
-"""Seconds between two alarms. Where the first one rings in a callback of the interpreter, as of its
-collector of garbage, the exception is printed and dropped, and the block would run without end."""
+"""Seconds between two alarms. If the first alarm occurs in a callback of the interpreter, such as
+its garbage collector, the exception is printed and dropped, and the block would run on without
+end."""
 
 
 class TimeIsUpError(Exception):
-    """A computation that took longer than it was given."""
+    """A computation took longer than its time limit."""
 
 
 @contextmanager
 def time_limit(seconds: float, *, of_processor: bool = False) -> Iterator[None]:
-    """Raise `TimeIsUpError` in the block after so long; only in the main thread, with alarms.
+    """Raise `TimeIsUpError` in the block after this time; only in the main thread, with alarms.
 
     Parameters
     ----------
     seconds : float
-        On the clock.
+        Time limit on the clock.
     of_processor : bool, optional
-        Of this process's processor time, in which what else the machine does has no part.
+        Whether to count only the processor time of this process, so that other load has no effect.
     """
     here = threading.current_thread() is threading.main_thread()
     if not here or not hasattr(signal, "setitimer"):

@@ -1,1 +1,1 @@
-"""Pictures of one style, and the numbers behind them: for the claims and the benchmarks."""
+"""Pictures in a uniform style, with the numbers behind them, for the claims and the benchmarks."""

@@ -1,4 +1,4 @@
-"""The numbers behind a picture as CSV: one table, several curves below each other."""
+"""The numbers behind a picture as CSV: one table, with several curves below each other."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Curves(dict[str, "Mapping[str, Column]"]):
-    """The curves of a picture by name, recorded in the call that draws them, for `long_table`."""
+    """The curves of a picture by name, recorded as they are drawn, for `long_table`."""
 
     def add(self, name: str, **columns: Column) -> tuple[Any, Any]:
         """Record the columns of one curve and return the first two, to be drawn.
@@ -25,7 +25,7 @@ class Curves(dict[str, "Mapping[str, Column]"]):
         Raises
         ------
         ValueError
-            If there is a curve of that name.
+            If there is already a curve of that name.
 
         Examples
         --------
@@ -50,8 +50,8 @@ def long_table(
     Parameters
     ----------
     series : mapping of str to mapping
-        By name the columns of each curve. A single number or text stands for the whole curve. Where
-        a curve lacks a column of another one, cells are empty.
+        The columns of each curve, by its name. A single number or text applies to the whole curve.
+        If a curve lacks a column that another one has, the cells are empty.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def columns_as_csv(data: Mapping[str, Column]) -> str:
 
 
 def _plain(name: str, values: Column) -> NDArray[Any]:
-    """Return numbers or texts of at most one dimension."""
+    """Return numbers or texts as an array of at most one dimension."""
     column = np.asarray(values)
     if column.ndim > 1:
         raise ValueError(f"the column '{name}' has {column.ndim} dimensions: give it one.")

@@ -1,4 +1,4 @@
-"""Pictures: one style, deterministic SVG, and the numbers behind it as CSV.
+"""Pictures in a uniform style: deterministic SVG, and the numbers behind them as CSV.
 
 Matplotlib is imported on first use, so that a claim file may import this module at its top.
 """
@@ -40,25 +40,25 @@ COLOURS: Mapping[str, str] = {
     "black": "#000000",
     "yellow": "#F0E442",
 }
-"""Okabe and Ito's palette, told apart by colour-blind readers; most legible first."""
+"""Okabe and Ito's palette, distinguishable by colour-blind readers; the most legible first."""
 
 LARGE = 1_000_000
-"""An SVG of more characters than this makes the report slow to open."""
+"""Number of characters above which an SVG makes the report slow to open."""
 
 DOTS = 130
-"""Dots an inch of the PNG files of the report."""
+"""Resolution of the PNG files of the report in dots per inch."""
 
 CHANGING: Mapping[str, tuple[str, ...]] = {
     "svg": ("Date", "Creator", "Format", "Type"),
     "png": ("Software",),
     "pdf": ("CreationDate", "Creator", "Producer"),
 }
-"""Where Matplotlib writes the time of day and its own version unless it is told not to."""
+"""Entries in which Matplotlib writes the time of day and its version unless told otherwise."""
 
 logger = logging.getLogger(__name__)
 
 NAME = re.compile(r"[a-z0-9][a-z0-9._-]*")
-"""Form of a claim's key and of a picture's name: both become file names and page anchors."""
+"""Form of a claim's key and of a picture's name: both are used as file names and page anchors."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +70,13 @@ class Picture:
     name : str
         File name without suffix; unique in the report.
     caption : str
-        What is seen, in a sentence or two; also the alternative text.
+        What is shown, in a sentence or two; also the alternative text.
     svg : str
         The picture, as an SVG document.
     data : str
         The numbers behind it, as CSV with a header line.
     png, pdf : str
-        The same picture in these formats, as base64; may be empty.
+        The same picture in these formats, base64-encoded; may be empty.
     """
 
     name: str
@@ -147,9 +147,9 @@ def new_axes(
     width : {"column", "page"}, optional
         3.4 or 7 inches.
     height : float, optional
-        In inches; by default 0.68 of a column's width, 0.45 of a page's.
+        Height in inches; by default 0.68 of the width of a column, 0.45 of that of a page.
     xlabel, ylabel : str, optional
-        What the axes show, with units or "dimensionless" where it is not obvious.
+        What the axes show, with units or "dimensionless" where this is not obvious.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def new_panels(
     width, height
         As in `new_axes`.
     sharex : bool, optional
-        Whether all panels have the same axis.
+        Whether all panels share one horizontal axis.
     """
     from matplotlib.figure import Figure
 
@@ -202,27 +202,28 @@ def picture(
 ) -> Picture:
     """Render a figure and put the numbers behind it into CSV; the figure is emptied.
 
-    The same figure gives the same bytes, at any time and in any process.
+    The same figure yields the same bytes, at any time and in any process.
 
     Parameters
     ----------
     name : str
         File name without suffix: lower-case letters, digits, dots, hyphens, underscores.
     figure : Figure
-        From `new_axes` or `new_panels`; one made by ``pyplot`` is closed as well.
+        A figure of `new_axes` or `new_panels`; one made by ``pyplot`` is closed as well.
     data : mapping of str to array_like
-        Columns of the CSV file by name; one-dimensional, of one length. What is drawn as several
-        curves comes from `data_table.long_table`.
+        Columns of the CSV file by name, one-dimensional and of equal length. For a picture of
+        several curves use `data_table.long_table`.
     caption : str, optional
-        What is seen, in a sentence or two; of a claim's picture it comes from the text beside it.
+        What is shown, in a sentence or two; for a picture of a claim it is taken from the text of
+        the claim.
     guides : bool, optional
-        Whether lines that are not in the data may be drawn: slopes, bounds, a strip for zero.
+        Whether lines that are not in the data may be drawn: slopes, bounds, a strip around zero.
 
     Raises
     ------
     ValueError
-        If the name is no file name, the columns are not a table, as in `columns_as_csv`, or a line
-        or bar that is drawn is not among them and no guide.
+        If the name is not a valid file name, the columns do not form a table as in
+        `columns_as_csv`, or a line or bar is drawn that is neither in the data nor a guide.
     """
     if not NAME.fullmatch(name):
         raise ValueError(
@@ -233,7 +234,7 @@ def picture(
     for label in () if guides else drawn_beyond(figure, data):
         raise ValueError(f"the picture '{name}' draws '{label}', which is not in its data.")
     svg = _render(name, figure)
-    figure.set_layout_engine("none")  # the layout that the first one found holds for the others
+    figure.set_layout_engine("none")  # the layout found first is kept for the other formats
     png, pdf = _encoded(figure, "png"), _encoded(figure, "pdf")
     if len(svg) > LARGE:
         logger.warning("the picture %s has %.1f MB: draw fewer points", name, len(svg) / 1e6)
@@ -245,10 +246,10 @@ def picture(
 
 
 def drawn_beyond(figure: Figure, data: Mapping[str, Column]) -> list[str]:
-    """Return the labels of lines and bars whose points are in no two columns of the data.
+    """Return the labels of lines and bars whose points are not in any two columns of the data.
 
-    Lines across all of the axes, as ``axhline`` draws them, and lines without points, which are
-    there for the legend, have none.
+    Lines across the whole axes, as drawn by ``axhline``, and lines without points, which exist only
+    for the legend, are exempt.
     """
     from matplotlib.container import BarContainer
 
@@ -263,7 +264,8 @@ def drawn_beyond(figure: Figure, data: Mapping[str, Column]) -> list[str]:
         ]
         for bars in axes.containers:
             if isinstance(bars, BarContainer):
-                # Its middle is stored as left side and width: rounded, it is the number drawn.
+                # The middle is stored as left side and width; rounded, it is the number that was
+                # drawn.
                 middles = [round(bar.get_x() + 0.5 * bar.get_width(), 9) for bar in bars]
                 tops = list(zip(middles, [bar.get_height() for bar in bars], strict=True))
                 drawn.append((bars.get_label(), np.array(tops)))
@@ -276,7 +278,7 @@ def drawn_beyond(figure: Figure, data: Mapping[str, Column]) -> list[str]:
 
 
 def _numbers(column: Column) -> list[float] | None:
-    """Return a column as floats, NaN for an empty cell; None if it holds words."""
+    """Return a column as floats, NaN for an empty cell; None if it contains words."""
     try:
         return [float(value) for value in np.array(column, dtype=float)]
     except (TypeError, ValueError):
@@ -288,7 +290,7 @@ def _render(name: str, figure: Figure) -> str:
 
     metadata: dict[str, Any] = dict.fromkeys(CHANGING["svg"])
     buffer = io.StringIO()
-    # Letters as paths: accents such as those of v̂ and ỹ are then in place in every renderer.
+    # With letters as paths, accents such as those of v̂ and ỹ are in place in every renderer.
     with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
         figure.savefig(buffer, format="svg", metadata=metadata)
     return buffer.getvalue()

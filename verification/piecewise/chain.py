@@ -1,8 +1,9 @@
-"""The piecewise-linear envelope chain (Eq. 44), moved exactly from one switching to the next.
+"""The piecewise-linear envelope chain (Eq. 44), advanced exactly from one switching to the next.
 
-Between switchings the chain is linear with constant coefficients.  In the Fourier modes of the
-twisted ring every mode decays as ``exp(lambda_k T)``, ``lambda_k = -1/2 + i c (1 - cos k)``, so the
-state is known at any time without stepping; only the moments ``|phi_n| = r`` have to be found.
+Between switchings the chain is linear with constant coefficients. In terms of the Fourier modes of
+the twisted ring, every mode evolves as ``exp(lambda_k T)``, ``lambda_k = -1/2 + i c (1 - cos k)``,
+so the state is known at any time without stepping; only the times at which ``|phi_n| = r`` have to
+be found.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from verification.piecewise.window import ChainState
 _TERMS = 20  # with |lambda| h <= 1 the first neglected Taylor term is 1/20! = 4e-19
 _SAMPLES = 8
 _FINEST = 5
-_MANY = 6  # suspects in one interval beyond which all sites are bounded at once
-_ROUND_OFF = 2e-15  # of phi, through the transforms
+_MANY = 6  # number of suspects in one interval above which all sites are bounded at once
+_ROUND_OFF = 2e-15  # of phi, due to the transforms
 _RELAY = 1e-4  # width in |phi|^2 of the relay that resolves sliding, relative to r^2
 
 
@@ -30,16 +31,16 @@ class Switching:
     Attributes
     ----------
     wait : float
-        Slow time since the previous switching.
+        Slow time since the preceding switching.
     site : int
         Site number.
     direction : int
-        +1 when ``|phi|`` rises through r, -1 when it falls.
+        +1 if ``|phi|`` rises through r, -1 if it falls.
     sliding : bool
-        True if the new force pushes the site straight back, so that (44) has no ordinary
-        continuation; the site is then switched with a relay of relative width 1e-4.
+        Whether the new force pushes the site straight back, so that (44) has no ordinary
+        continuation; the site is then switched by a relay of relative width 1e-4.
     jitter : float
-        Slow time by which round-off in phi can move this crossing.
+        Slow time by which round-off in phi can shift this crossing.
     """
 
     wait: float
@@ -51,14 +52,14 @@ class Switching:
 
 @dataclass(frozen=True)
 class Rest:
-    """No switching found.
+    """The front is at rest: no switching was found.
 
     Attributes
     ----------
     margin : float
-        Smallest distance of ``|phi_n|`` at the equilibrium from r, on the side where it must be.
+        Smallest distance of ``|phi_n|`` at the equilibrium from r, on the side on which it must be.
     remainder : float
-        Bound on the distance of every ``phi_n``, now and later, from that equilibrium.
+        Bound on the distance of every ``phi_n`` from that equilibrium, now and later.
     """
 
     margin: float
@@ -66,12 +67,12 @@ class Rest:
 
     @property
     def proven(self) -> bool:
-        """No site can ever cross again (allowing 1e-13 for round-off and the window)."""
+        """Whether no site can ever cross again (allowing 1e-13 for round-off and the window)."""
         return self.margin > self.remainder + 1e-13
 
 
 class PiecewiseMotion:
-    """The chain (44) at one moment, right after a switching.
+    """The chain (44) at one moment, just after a switching.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ class PiecewiseMotion:
     threshold : float
         ``r = |phi_us| / |phi_s|``, 0 < r < 1.
     state : ChainState
-        Start; sites with ``|phi| > r`` are switched on.
+        Initial state; sites with ``|phi| > r`` are switched on.
     """
 
     def __init__(self, coupling: float, threshold: float, state: ChainState) -> None:
@@ -113,7 +114,7 @@ class PiecewiseMotion:
         self._deviation: ComplexArray = spectrum - self._equilibrium
 
     def state(self) -> ChainState:
-        """Return the envelope now."""
+        """Return the present envelope."""
         phi = np.fft.ifft(self._equilibrium + self._deviation) - self._ramp
         return ChainState(phi, self.origin, self._on > 0.5, self._latest)
 
@@ -122,7 +123,7 @@ class PiecewiseMotion:
         return int(np.argmin(self._on)), self.sites - 1 - int(np.argmax(self._on[::-1]))
 
     def shift(self, sites: int) -> None:
-        """Move the window by ``sites``; the twist makes this exact."""
+        """Shift the window by ``sites``, which the twist makes exact."""
         spectrum = (self._equilibrium + self._deviation) * self._unit[
             (self._slots * (sites % self.sites)) % self.sites
         ]
@@ -138,7 +139,7 @@ class PiecewiseMotion:
         self._load(spectrum)
 
     def advance(self, stall_time: float) -> Switching | Rest:
-        """Move to the next switching, or until rest is proven or ``stall_time`` has passed."""
+        """Advance to the next switching, or until rest is proven or ``stall_time`` has passed."""
         waited = 0.0
         while True:
             step, curvature, level = self._sampling_step()
@@ -173,7 +174,7 @@ class PiecewiseMotion:
     def _sampling_step(self) -> tuple[float, float, int]:
         """Choose the sampling step; return it, the bound F on ``|d^2 |phi|^2/dT^2|``, the level.
 
-        Where ``|phi| = r`` is reached inside a step h, ``|phi| <= r + h B1`` throughout it.
+        If ``|phi| = r`` is reached within a step h, ``|phi| <= r + h B1`` throughout it.
         """
         weights = np.abs(self._deviation) / self.sites
         first = float((weights * self._speeds).sum())
@@ -198,7 +199,8 @@ class PiecewiseMotion:
     ) -> BoolArray:
         """Return which sites may cross in which interval.
 
-        gap > 0 means: on its own side. A chord minus ``least``, F h^2/8, bounds it between samples.
+        A site with gap > 0 is on its own side. Between samples the gap is bounded below by the
+        chord minus ``least``, F h^2/8.
         """
         suspect: BoolArray = np.minimum(gap[:-1], gap[1:]) < least
         for crowded in np.nonzero(suspect.sum(axis=1) > _MANY)[0].tolist():
@@ -208,7 +210,7 @@ class PiecewiseMotion:
     def _clear(self, modes: ComplexArray, phi: ComplexArray, step: float) -> BoolArray:
         """Return which sites stay off the threshold within ``step``, each by its own Taylor sum.
 
-        Sharper than the common bound F where the sites differ by decades, as at small r.
+        This is sharper than the common bound F if the sites differ by decades, as at small r.
         """
         reach = step / self._longest
         terms = np.abs(np.fft.ifft(self._taylor[1:] * self.sites * modes, axis=1))
@@ -221,13 +223,13 @@ class PiecewiseMotion:
     def _first_crossing(
         self, modes: ComplexArray, now: complex, slot: int, step: float, fresh: bool
     ) -> float | None:
-        """First time in ``[0, step]`` at which a site leaves its side; ``fresh``: it just came."""
+        """Return the first time in ``[0, step]`` at which a site leaves its side, if any."""
         z = (self._taylor * (modes * self._row(slot))).sum(axis=1)
         z[0] = now
         sign = float(self._sign[slot])
         a = sign * np.convolve(z, z.conj())[:_TERMS].real
         a[0] -= sign * self.threshold**2 - float(self._relay[slot])
-        # a site that has just switched is at zero exactly: divide that zero out
+        # a site that has just switched (``fresh``) is at exactly zero: divide that zero out
         coefficients = a[1:].tolist() if fresh and self._relay[slot] == 0 else a.tolist()
         result = first_zero(coefficients, step / self._longest)
         self.grazes += result.grazes
@@ -246,7 +248,7 @@ class PiecewiseMotion:
         self._deviation = deviation - jump
         self._on[slot] += direction
         self._sign[slot] = direction
-        # slope of the gap just after: below zero the new force pushes the site straight back
+        # slope of the gap just afterwards: below zero, the new force pushes the site straight back
         slope = direction * 2 * (now.conjugate() * (drift + 0.5 * direction)).real
         sliding = slope <= 0
         self._relay[slot] = _RELAY * self.threshold**2 if sliding else 0.0

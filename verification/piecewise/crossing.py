@@ -1,9 +1,9 @@
-"""The first zero of a short polynomial, with a guarantee that none before it is missed.
+"""The first zero of a short polynomial, with a guarantee that no earlier one is missed.
 
 Between two switchings the modulus of a site of the piecewise-linear chain (Eq. 44) is an entire
-function of time; over a short interval its Taylor polynomial is exact to round-off.  The zero is
-approached from the left by steps that a bound on the second derivative proves free of zeros, so
-double crossings and near tangencies need no luck with sampling.
+function of time; over a short interval its Taylor polynomial is exact to within round-off. The zero
+is approached from the left by steps that a bound on the second derivative proves free of zeros, so
+that double crossings and near tangencies cannot be missed by sampling.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ _MAX_STEPS = 400
 
 @dataclass(frozen=True)
 class FirstZero:
-    """Where a polynomial, positive at the start, first reaches zero.
+    """The point at which a polynomial that is positive at the start first reaches zero.
 
     Attributes
     ----------
     at : float or None
         The zero; None if there is none in the interval.
     grazes : int
-        Near tangencies that came within round-off of zero and were judged not to cross.
+        Near tangencies that came within round-off of zero and were judged not to cross it.
     """
 
     at: float | None
@@ -44,19 +44,19 @@ def first_zero(coefficients: Sequence[float], end: float) -> FirstZero:
     """Find the first zero of ``sum_j coefficients[j] x**j`` in ``0 <= x <= end``.
 
     If ``p(x) = v > 0`` and ``p'(x) = d``, and ``|p''| <= F`` on the interval, then p has no zero
-    before ``x + 2 v / (sqrt(d**2 + 2 F v) - d)``.  Near a simple zero the step tends to Newton's.
+    before ``x + 2 v / (sqrt(d**2 + 2 F v) - d)``. Near a simple zero the step approaches Newton's.
 
     Parameters
     ----------
     coefficients : sequence of float
-        From the constant upwards; dimensionless.
+        Coefficients, beginning with the constant; dimensionless.
     end : float
         Right end of the interval, positive.
 
     Returns
     -------
     FirstZero
-        A value at or below round-off that is still falling counts as a zero.
+        A value that is at or below round-off and still decreasing counts as a zero.
 
     Examples
     --------

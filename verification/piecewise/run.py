@@ -1,4 +1,4 @@
-"""What a run of the piecewise-linear front (Eq. 44) reports."""
+"""The result of a run of the piecewise-linear front (Eq. 44)."""
 
 from __future__ import annotations
 
@@ -21,41 +21,41 @@ class FrontRun:
     coupling, threshold : float
         c and r.
     v : float or None
-        Velocity, sites per unit T: negative if the front retreats, 0 if pinned, a mean (over
-        whole repeats, or over the second half) if unsteady, None if marginal.
+        Velocity in sites per unit T: negative if the front retreats, 0 if pinned, a mean (over
+        whole repetition periods, or over the second half) if unsteady, None if marginal.
     error : float or None
         Uncertainty of v.
     status : FrontStatus
         See `FrontStatus`.
     period_spread : float or None
-        Largest minus smallest period over the mean, in the last block (``unsteady``: over
-        the stretch that v is the mean of).
+        Largest minus smallest period relative to the mean, in the last block (``unsteady``: over
+        the interval of which v is the mean).
     events : int
-        Switchings in the whole run, in either direction.
+        Number of switchings in the whole run, in either direction.
     events_per_site : float or None
-        Switchings for each site gained (or lost) after the transient; 1 for a clean front.
+        Switchings per site gained (or lost) after the transient; 1 for a clean front.
     sliding_events : int
-        Switchings at which (44) had no ordinary continuation and a relay of relative width 1e-4
-        was used.
+        Number of switchings at which (44) had no ordinary continuation, so that a relay of relative
+        width 1e-4 was used.
     grazes : int
         Near tangencies with the threshold closer than round-off.
     repeat : int or None
-        Number of sites after which an unsteady motion repeats itself to 1e-9; None if it does
-        not within 60.
+        Number of sites after which an unsteady motion repeats itself to 1e-9; None if it does not
+        do so within 60.
     margin : float or None
-        For a run at rest: distance from the threshold that the linear relaxation leaves.
+        For a run at rest: the distance from the threshold that remains after linear relaxation.
     window : int
-        Sites in the window.
+        Number of sites in the window.
     truncation : float
         Bound on the disturbance of ``|phi|`` by the ends of the window.
     seconds : float
-        Wall time.
+        Wall-clock time.
     crossing_times : ndarray
-        Slow time at which each further site was gained (or lost) for good or for the first time.
+        Slow times at which further sites were gained (or lost), permanently or for the first time.
     final : ChainState
-        State at the end, from which another run may go on.
+        Final state, from which another run may continue.
     method : str
-        How it was computed.
+        The numerical method.
     """
 
     shown: ClassVar[tuple[str, ...]] = (
@@ -83,5 +83,5 @@ class FrontRun:
 
     @property
     def steady(self) -> bool:
-        """True only for motion whose period has settled to the tolerance."""
+        """Whether the period has settled to within the tolerance."""
         return self.status is FrontStatus.STEADY

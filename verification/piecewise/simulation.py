@@ -1,8 +1,8 @@
-"""Direct simulation of the piecewise-linear front (Eq. 44), and what its motion amounts to.
+"""Direct simulation of the piecewise-linear front (Eq. 44), and the classification of its motion.
 
-The chain is moved exactly from switching to switching (``chain``), so that a period of
-the front is known to round-off.  Nothing here uses the travelling-wave theory (48)-(54), except
-that a moving start may borrow the shape of a wave.
+The chain is advanced exactly from switching to switching (``chain``), so that the period of the
+front is known to within round-off. The travelling-wave theory (48)-(54) is not used, except that a
+moving start may take its initial shape from a wave.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from verification.piecewise.window import (
 )
 
 SMALLEST_ETA = 1e-8
-"""Below it the threshold is so low that round-off in phi moves the front."""
+"""Smallest η: below it the threshold is so low that round-off in phi affects the front."""
 
 
 TOLERANCES = 1e-13, 1e-2
@@ -38,7 +38,7 @@ PERIODS = 4 * BLOCK, 1_000_000
 
 
 class Start(StrEnum):
-    """Where a run starts from."""
+    """The initial state of a run."""
 
     RESTING = "resting"
     MOVING = "moving"
@@ -47,14 +47,14 @@ class Start(StrEnum):
 
 @dataclass(frozen=True)
 class Hysteresis:
-    """Runs at descending couplings from a moving front, and at each one from rest.
+    """Runs at descending couplings: one series follows a moving front, the other starts from rest.
 
     Attributes
     ----------
     couplings : tuple of float
         Descending.
     moving, resting : tuple of FrontRun
-        One run a coupling; each moving run goes on from the one before.
+        One run per coupling; each moving run continues from the preceding one.
     """
 
     couplings: tuple[float, ...]
@@ -80,16 +80,16 @@ def simulate_front(
     eta : float
         ``b/a^2`` between 0 and 1/8.
     start : Start, str or ChainState
-        ``resting`` is the static front; ``step`` is phi = 1 up to site 0 and 0 beyond, whose
-        own relaxation can launch a front below ``c_pin``; ``moving`` is the wave of
-        ``start_velocity`` (by default five per cent off the fastest that fits the threshold);
-        a state continues from there.
+        ``resting`` is the static front. ``step`` is phi = 1 up to site 0 and 0 beyond; its own
+        relaxation can launch a front below ``c_pin``. ``moving`` is the wave of ``start_velocity``
+        (by default five per cent above the fastest that is compatible with the threshold). A state
+        continues from there.
     start_velocity : float, optional
-        Velocity of a moving start; negative to retreat.
+        Velocity of a moving start; negative for a retreating one.
     tolerance : float
         Relative spread of the period at which the motion counts as steady.
     max_periods : int
-        Give up settling after so many sites.
+        Number of sites after which a front that has not settled is given up.
 
     Returns
     -------
@@ -123,9 +123,9 @@ def simulate_front(
 
 
 def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:
-    """Lower the coupling under a moving front, and compare with starts from rest.
+    """Lower the coupling of a moving front step by step, and compare with starts from rest.
 
-    Between the fold and ``c_pin`` both a moving and a pinned front exist, and the start decides.
+    Between the fold and ``c_pin`` a moving and a pinned front coexist, and the start decides.
 
     Raises
     ------

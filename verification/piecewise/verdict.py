@@ -1,4 +1,4 @@
-"""From the switchings of a piecewise-linear front (Eq. 44) to a verdict on its motion."""
+"""The classification of the motion of a piecewise-linear front (Eq. 44) from its switchings."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from verification.piecewise.window import (
 )
 
 BLOCK = 20
-"""Periods in a block; blocks are compared to tell transient from steady motion."""
-_FLOOR = 2e-14  # relative; periods of about one, from times carrying a few units of round-off
-_STALL_TIME = 120.0  # slow time without a switching: the linear relaxation is over, exp(-60)
-_LONG = 20  # blocks after which a motion that does not decay is called unsteady
-_GROUP = 5  # blocks whose largest spreads are compared to see a geometric decay
+"""Periods in a block; blocks are compared to distinguish transient from steady motion."""
+_FLOOR = 2e-14  # relative; for periods of about one from times with a few units of round-off
+_STALL_TIME = 120.0  # slow time without a switching; linear relaxation is then over, exp(-60)
+_LONG = 20  # number of blocks after which a motion that does not decay is called unsteady
+_GROUP = 5  # number of blocks whose largest spreads are compared to detect a geometric decay
 _MAX_EVENTS_PER_SITE = 60
-_SLIDING_ERROR = 1e-4  # relative, as wide as the relay; the tests vary the relay
+_SLIDING_ERROR = 1e-4  # relative, equal to the width of the relay; the tests vary the relay
 
 
 class History:
-    """A chain with the record of its front: when each further site was gained or lost."""
+    """A chain with the record of its front: when further sites were gained or lost."""
 
     def __init__(self, chain: PiecewiseMotion, coupling: float) -> None:
         self.chain = chain
@@ -36,7 +36,7 @@ class History:
         self.sliding = 0
         self.zone = 1
         self._position = self._furthest = self._least = 0
-        # for each direction: waits between records, and the number of events at each record
+        # for each direction: waiting times between records, and the number of events at each record
         self._waits: dict[int, list[float]] = {1: [], -1: []}
         self._counts: dict[int, list[int]] = {1: [], -1: []}
         self._jitter = 0.0
@@ -98,7 +98,7 @@ class History:
                 self.chain.shift(shift)
 
     def _keep_wide(self) -> None:
-        """Lengthen the window if the front is faster or broader than was foreseen."""
+        """Lengthen the window if the front is faster or broader than expected."""
         first_off, last_on = self.chain.zone()
         self.zone = max(self.zone, last_on - first_off + 1)
         needed = window_length(
@@ -119,16 +119,16 @@ class History:
         return self._direction() * len(recent) / total if total > 0 else 0.0
 
     def _spreads(self) -> FloatArray:
-        """Spread of the period over its mean, block by block, counted back from the end."""
+        """Spread of the period relative to its mean, block by block, counted back from the end."""
         periods = self._periods()
         blocks = len(periods) // BLOCK
         cut = periods[len(periods) - blocks * BLOCK :].reshape(blocks, BLOCK)
         return np.asarray(np.ptp(cut, axis=1) / cut.mean(axis=1))
 
     def _relative_error(self, spreads: FloatArray) -> float:
-        """Bound the distance of the last mean period from its limit, for a geometric approach.
+        """Bound the distance of the last mean period from its limit, for geometric convergence.
 
-        If deviations shrink by q a block, the last block moved by (1 - q) of what it still had.
+        If deviations shrink by q per block, the last block changed by (1 - q) of its deviation.
         """
         floor = self._floor()
         resolved = spreads[spreads > 30 * floor]
@@ -139,7 +139,7 @@ class History:
         return float(max(spreads[-1], floor)) / (1 - min(q, 0.999))
 
     def _floor(self) -> float:
-        """Relative spread that round-off alone explains: a crossing is as sharp as it is steep."""
+        """Relative spread explained by round-off alone; steeper crossings are sharper."""
         return max(_FLOOR, 4 * self._jitter * abs(self._mean_velocity()))
 
     def decided(self, tolerance: float, max_periods: int) -> bool:
@@ -158,7 +158,7 @@ class History:
         return self._relative_error(spreads) <= reached
 
     def verdict(self, rest: Rest | None, tolerance: float, began: float) -> FrontRun:
-        """Sum up the run."""
+        """Return the result of the run."""
         direction, periods, spreads = self._direction(), self._periods(), self._spreads()
         chain, r = self.chain, self.chain.threshold
         margin = events_per_site = spread = None
@@ -181,7 +181,7 @@ class History:
             status = FrontStatus.UNSTEADY
             last = periods[len(periods) // 2 :]
             repeat = _repeat(periods)
-            if repeat is not None:  # a mean over whole repeats is sharp
+            if repeat is not None:  # a mean over whole repetition periods is sharp
                 last = periods[-(BLOCK * 6 // repeat) * repeat :]
         distance = max(chain.sites - self.zone, 1)
         if rest is None and len(last) > 0:
@@ -220,7 +220,7 @@ class History:
 
 
 def _shrinks(spreads: FloatArray) -> bool:
-    """Return whether the largest spread falls from one group of blocks to the next, twice."""
+    """Return whether the largest spread decreases from one group of blocks to the next, twice."""
     if len(spreads) < 3 * _GROUP:
         return False
     groups = spreads[-3 * _GROUP :].reshape(3, _GROUP).max(axis=1)
@@ -228,7 +228,7 @@ def _shrinks(spreads: FloatArray) -> bool:
 
 
 def _decays(spreads: FloatArray) -> bool:
-    """Return whether it falls and is small enough for the fall to be geometric."""
+    """Return whether it decreases and is small enough for a geometric decay."""
     return _shrinks(spreads) and bool(spreads[-3 * _GROUP :].max() < 0.1)
 
 

@@ -1,8 +1,8 @@
-"""The window in which the piecewise-linear chain (Eq. 44) is followed, and what it cuts off.
+"""The window in which the piecewise-linear chain (Eq. 44) is followed, and its truncation error.
 
-The window is a ring of N sites with a twist, ``phi_{n+N} = phi_n - 1``: the front seen again every
-N sites, each time one equilibrium lower.  By linearity the twisted chain is the infinite chain plus
-its images, and the images decay, so the error of the window is a bound and not a guess.
+The window is a ring of N sites with a twist, ``phi_{n+N} = phi_n - 1``: the front is repeated every
+N sites, each time one equilibrium lower. By linearity the twisted chain is the infinite chain plus
+its images, and the images decay, so that the error due to the window can be bounded.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from theory.parameters import ParameterError
 
 MAX_SITES = 1 << 15
 _RESERVE = 1 / 16
-"""Part of the damping held in reserve, so that the bounds stay finite as the front slows down."""
+"""Fraction of the damping held in reserve, so that the bounds stay finite as the front slows
+down."""
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,9 @@ class ChainState:
     origin : int
         Site number of ``phi[0]``.
     on : ndarray of bool, shape (N,), optional
-        Sites with ``|phi| > r``; worked out from ``phi`` if not given.
+        Sites with ``|phi| > r``; determined from ``phi`` if not given.
     latest : int, optional
-        Index in ``phi`` of a site that has just crossed and stands at r exactly.
+        Index in ``phi`` of a site that has just crossed and is exactly at r.
     """
 
     phi: ComplexArray
@@ -43,9 +44,9 @@ class ChainState:
 
 
 def decay_rate(coupling: float, velocity: float) -> float:
-    """Rate s at which both tails of a front decay at least: ``c sinh s + |v| s = (1/2)(15/16)``.
+    """Smallest decay rate s of both tails of a front: ``c sinh s + |v| s = (1/2)(15/16)``.
 
-    From the strip where the dispersion relation (50) has no root; dimensionless, per site.
+    From the strip in which the dispersion relation (50) has no root; dimensionless, per site.
 
     Examples
     --------
@@ -63,7 +64,7 @@ def decay_rate(coupling: float, velocity: float) -> float:
 
 
 def truncation_bound(coupling: float, velocity: float, distance: float) -> float:
-    """Bound the error in ``|phi|`` at the front made by images ``distance`` sites away.
+    """Bound on the error in ``|phi|`` at the front due to images ``distance`` sites away.
 
     Uses ``|J_m(x)| <= exp(x sinh s - |m| s)`` in the Green's function of (44), summed over all
     switchings of a front at ``velocity`` and over all images.
@@ -77,7 +78,7 @@ def truncation_bound(coupling: float, velocity: float, distance: float) -> float
 
 
 def window_length(coupling: float, velocity: float, tolerance: float, zone: int = 0) -> int:
-    """Return the smallest N, a multiple of 16, whose images disturb less than ``tolerance``.
+    """Return the smallest N, a multiple of 16, whose images disturb by less than ``tolerance``.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def window_length(coupling: float, velocity: float, tolerance: float, zone: int 
     tolerance : float
         Allowed disturbance of ``|phi|``.
     zone : int
-        Sites over which the front itself is spread (0 for a sharp one).
+        Number of sites over which the front itself is spread (0 for a sharp one).
 
     Raises
     ------
@@ -105,7 +106,7 @@ def window_length(coupling: float, velocity: float, tolerance: float, zone: int 
 
 
 def widened(state: ChainState, sites: int) -> ChainState:
-    """Return the state in a window of at least ``sites`` sites, filled up with 1 and 0."""
+    """Return the state in a window of at least ``sites`` sites, padded with 1 and 0."""
     extra = max(sites - len(state.phi), 0)
     behind, ahead = extra // 2, extra - extra // 2
     on, latest = state.on, state.latest
@@ -118,15 +119,15 @@ def widened(state: ChainState, sites: int) -> ChainState:
 
 
 def step_state(sites: int) -> ChainState:
-    """Return a step: phi = 1 for site numbers n <= 0 and 0 beyond, off balance at both."""
+    """Return a step: phi = 1 for site numbers n <= 0 and 0 beyond, out of equilibrium at both."""
     front = sites // 2 - sites // 8
     return ChainState((np.arange(sites) <= front).astype(np.complex128), -front)
 
 
 def static_state(coupling: float, sites: int) -> ChainState:
-    """Return a resting start: the balance of (44) with the force on for n <= 0 and off beyond.
+    """Return a resting start: the equilibrium of (44) with the force on for n <= 0 and off beyond.
 
-    Up to ``c_pin`` it is an equilibrium; beyond it site 1 (or 0) stands past the threshold.
+    Up to ``c_pin`` it is consistent with the threshold; beyond, site 1 (or 0) lies past it.
     """
     front = sites // 2 - sites // 8
     rates, _ = _mode_data(coupling, sites)
@@ -155,10 +156,10 @@ def _spectrum_at_switching(
 
 
 def travelling_state(coupling: float, velocity: float, sites: int) -> ChainState:
-    """Return a moving start: the wave switching every ``1/|velocity|``, half a period later.
+    """Return a moving start: the wave that switches every ``1/|velocity|``, half a period later.
 
-    Each mode of (44) returns to itself, shifted by one site, after one period; that fixes it.
-    The velocity need not satisfy the kinetic relation (54): then the run changes it.
+    Each mode of (44) repeats itself, shifted by one site, after one period, which determines it.
+    The velocity need not satisfy the kinetic relation (54); it then changes during the run.
     """
     front = sites // 2 - sites // 8
     spectrum, equilibrium, rates = _spectrum_at_switching(coupling, velocity, sites, front)
@@ -180,7 +181,7 @@ def switching_amplitude(coupling: float, velocity: float) -> float:
 def starting_velocity(coupling: float, threshold: float) -> float:
     """Velocity for a moving start: five per cent above the fastest wave that fits the threshold.
 
-    Where no advancing wave fits, the fastest retreating one; where none fits at all, the
+    If no advancing wave fits, the fastest retreating one is taken; if none fits at all, the
     advancing one that comes nearest.
     """
     speeds = np.geomspace(0.05, 6.0, 48) * coupling / (1 + 0.3 * math.sqrt(coupling))

@@ -1,10 +1,10 @@
-"""Each model written once more, for scipy and mpmath: the right sides that references are made of.
+"""Each model written a second time, for scipy and mpmath: the right-hand sides of the references.
 
-One right side a model: (8) and its variations (42), the averaged chain (43) and its reduction to
-real amplitudes, the piecewise-linear chain (44), and friction (6) with the regularised chain (5).
-They share nothing with the compiled right sides of the steppers; whoever checks an engine takes
-them from here. Springs, forces and damping are plain functions of arrays, complex numbers or
-numbers of mpmath alike.
+There is one right-hand side per model: (8) and its variational equations (42), the averaged chain
+(43) and its reduction to real amplitudes, the piecewise-linear chain (44), and friction (6) with
+the regularised chain (5). They share no code with the compiled right-hand sides of the steppers, so
+that they can be used to check the engines. Springs, forces and damping are plain functions that
+accept arrays, complex numbers and mpmath numbers alike.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def pull(y: AnyArray, ends: Ends = Ends.FREE) -> AnyArray:
     y : ndarray, shape (N, ...)
         Real or complex.
     ends : Ends
-        The neighbour missing at an end is the site itself, the other end, or zero.
+        The missing neighbour at an end is the site itself, the site at the other end, or zero.
 
     Examples
     --------
@@ -87,15 +87,15 @@ def full_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
     Parameters
     ----------
     chain : VanDerPolChain
-        Its a, b, c, ε and ends.
+        Its a, b, c, ε and ends are used.
     wave : bool
-        Whether a wave goes on to the left of the first site, a quarter of a turn a site: y_0 = ẏ_1
-        there.
+        Whether a wave continues to the left of the first site with a quarter turn per site, so that
+        y_0 = ẏ_1.
 
     Returns
     -------
     callable
-        Of t and (y, ẏ), shape (2N,), or several such columns, shape (2N, M) flattened.
+        Function of t and (y, ẏ), shape (2N,), or of several such columns, shape (2N, M) flattened.
     """
     n, a, b, c, eps, ends = chain.sites, chain.a, chain.b, chain.c, chain.eps, chain.ends
 
@@ -112,19 +112,19 @@ def full_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
 
 
 def linearised_rate(chain: VanDerPolChain, motion: Motion) -> Rate:
-    """Return d(δy, δẏ)/dt of (42), small deviations from a given motion of (8).
+    """Return d(δy, δẏ)/dt of (42), for small deviations from a given motion of (8).
 
     Parameters
     ----------
     chain : VanDerPolChain
-        Its a, b, c, ε and ends.
+        Its a, b, c, ε and ends are used.
     motion : callable
-        From t to y and ẏ, shape (N,) each.
+        Maps t to y and ẏ, shape (N,) each.
 
     Returns
     -------
     callable
-        Of t and the deviations, shape (2N, M) flattened.
+        Function of t and the deviations, shape (2N, M) flattened.
     """
     n = chain.sites
 
@@ -142,8 +142,8 @@ def variational_rate(chain: VanDerPolChain) -> Rate:
     Returns
     -------
     callable
-        Of t and a matrix, shape (2N, 1 + M) flattened: the motion in the first column, deviations
-        in the others.
+        Function of t and a matrix, shape (2N, 1 + M) flattened, with the motion in the first column
+        and deviations in the others.
     """
     n, motion = chain.sites, full_rate(chain)
 
@@ -170,7 +170,7 @@ def _deviating_force(
 
 
 def full_jacobian(chain: VanDerPolChain) -> Callable[[float, FloatArray], Any]:
-    """Return the matrix of (42), sparse, as a function of t and (y, ẏ), for implicit methods."""
+    """Return the sparse matrix of (42) as a function of t and (y, ẏ), for implicit methods."""
     from scipy.sparse import bmat, csc_matrix, diags, identity
 
     n, a, b, eps = chain.sites, chain.a, chain.b, chain.eps
@@ -199,17 +199,18 @@ def averaged_rate(chain: VanDerPolChain) -> ComplexRate:
 
 
 def quarter_turn_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
-    """Return dr/dT of (43) where each site is a quarter of a turn behind the one before.
+    """Return dr/dT of (43) with each site a quarter turn behind its left neighbour.
 
     With φ_n = (-i)ⁿ e^{icT} r_n and r real, r_n' = (c/2)(r_{n-1} - r_{n+1}) - (r_n/2)(…).
 
     Parameters
     ----------
     chain : VanDerPolChain
-        Its a, b, c.
+        Its a, b, c are used.
     wave : bool
-        Whether r_0 = r_1, as of a wave that goes on to the left; else the neighbours missing at the
-        ends are zero, without the term of a free end that the reduction cannot hold.
+        Whether r_0 = r_1, as for a wave that continues to the left; otherwise the missing
+        neighbours at the ends are zero, without the term of a free end, which the reduction cannot
+        represent.
     """
     a, b, c = chain.a, chain.b, chain.c
 
@@ -227,7 +228,7 @@ def quarter_turn_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
 def piecewise_rate(
     c: float, excited: BoolArray, left: complex, right: complex, ring: bool = False
 ) -> ComplexRate:
-    """Return dφ/dT of (44), phases locked, while the sites with |φ| above the threshold stay so.
+    """Return dφ/dT of (44), phases locked, as long as the same sites have |φ| above the threshold.
 
     Parameters
     ----------
@@ -236,10 +237,10 @@ def piecewise_rate(
     excited : ndarray of bool, shape (N,)
         Which sites are above the threshold.
     left, right : complex
-        The neighbours missing at the two ends: numbers, or with ``ring`` what is added to the other
-        end in their place.
+        The missing neighbours at the two ends: numbers, or with ``ring`` the quantities that are
+        added to the values at the opposite ends.
     ring : bool
-        Whether the ends are neighbours, but for those additions.
+        Whether the ends are neighbours, up to these additions.
     """
 
     def rate(_: float, phi: ComplexArray) -> ComplexArray:
@@ -252,9 +253,9 @@ def piecewise_rate(
 
 
 def dynamic_friction(speed: Any, cell: FrictionCell, exp: Callable[[Any], Any] = np.exp) -> Any:
-    """Return μ of (6) at a speed |v|: μ_d + (μ_st - μ_d) e^{-|v|/v₀}, or of another law.
+    """Return μ of (6) at a speed |v|: μ_d + (μ_st - μ_d) e^{-|v|/v₀}, or that of another law.
 
-    A negative speed continues the curve smoothly, as a test of a grazing orbit needs it.
+    For a negative speed the curve is continued smoothly, as needed to test for a grazing orbit.
 
     Examples
     --------
@@ -271,7 +272,7 @@ def dynamic_friction(speed: Any, cell: FrictionCell, exp: Callable[[Any], Any] =
 
 
 def load(y: FloatArray, velocity: Any, chain: FrictionChain) -> FloatArray:
-    """Return 2ξẏ + y + c(2y_n - y_{n-1} - y_{n+1}) of (5), what friction holds against."""
+    """Return 2ξẏ + y + c(2y_n - y_{n-1} - y_{n+1}) of (5), the load that friction balances."""
     springs = y + chain.c * pull(y, chain.ends)
     out: FloatArray = springs + 2.0 * chain.cell.xi * velocity
     return out

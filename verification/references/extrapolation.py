@@ -1,10 +1,11 @@
 """Initial value problems in extended precision: Gragg's midpoint rule, extrapolated.
 
 The midpoint rule with n substeps and Gragg's smoothing has an error in even powers of 1/n (Gragg
-1965; Hairer, Nørsett and Wanner, section II.9), so that eight columns of Aitken and Neville's
-scheme give order sixteen. In numpy's long double, of 64 bits on most processors, a run over some
-periods is right to about 1e-16 of its size: less than what a run in double precision can state. Any
-numbers that numpy holds as objects, as those of mpmath, go through the same lines.
+1965; Hairer, Nørsett and Wanner, section II.9), so that eight columns of the Aitken-Neville scheme
+give order sixteen. In numpy's long double, which has a 64-bit significand on most processors, a run
+over several periods is accurate to about 1e-16 of its size, which is beyond what a run in double
+precision can state. Any numbers that numpy holds as objects, such as those of mpmath, are treated
+by the same code.
 """
 
 from __future__ import annotations
@@ -22,32 +23,33 @@ from verification.references.pace import Pace
 Rate = Callable[[Any, AnyArray], AnyArray]
 
 COLUMNS = 8
-"""Of the scheme; the order is twice as many. With more of them roundings, which the scheme enlarges
-a hundredfold here, outgrow what is gained."""
+"""Number of columns of the scheme; the order is twice as large. With more columns, rounding errors,
+which the scheme amplifies by a factor of a hundred here, outweigh the gain."""
 
 TOLERANCE, LOOSER = 1e-17, 1e-16
-"""Error a step over the size of the state, of a reference and of the run that it is held against.
-How far they are apart is mostly the error of the looser, and both have their own roundings."""
+"""Error per step, relative to the size of the state, of a reference and of the run with which it is
+compared. Their difference is mainly the error of the latter, and both have independent rounding
+errors."""
 
 _ENLARGED = sum(
     math.prod(k * k / abs(k * k - j * j) for j in range(1, COLUMNS + 1) if j != k)
     for k in range(1, COLUMNS + 1)
 )
-"""Sum of the weights, without their signs, that the last of the scheme gives to its rows."""
+"""Sum of the absolute weights with which the last entry of the scheme combines its rows."""
 
 _SAFETY, _MIN_FACTOR, _MAX_FACTOR = 0.8, 0.1, 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class PreciseState:
-    """A state, and how far the truth may be from it.
+    """A state and its uncertainty.
 
     Attributes
     ----------
     value : ndarray
-        In extended precision, of the shape of the start.
+        The state in extended precision, in the shape of the start.
     uncertainty : float
-        In the units of the state, maximum norm; of one run alone that of its roundings.
+        In the units of the state, maximum norm; for a single run, that of its rounding errors.
     """
 
     value: AnyArray
@@ -62,8 +64,8 @@ class PreciseState:
 def precise_state(rate: Rate, start: AnyArray, end: float) -> PreciseState:
     """Return the state at the end of a run from zero in extended precision.
 
-    Its uncertainty is its distance from a run at ten times the tolerance, which takes other steps,
-    and what roundings may have added at each of them.
+    Its uncertainty is the distance from a run at ten times the tolerance, which takes different
+    steps, plus the rounding that may have accumulated at each step.
 
     Raises
     ------
@@ -93,34 +95,34 @@ def extended(values: Any) -> AnyArray:
 
 
 def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> PreciseState:
-    """Return the state at the end of a run from zero, in the numbers of the start.
+    """Return the state at the end of a run from time zero, in the number type of the start.
 
-    Its uncertainty counts roundings alone: a unit in the last place of the largest size a step,
-    enlarged by the weights of the scheme.
+    Its uncertainty includes rounding only: a unit in the last place of the largest size per step,
+    amplified by the weights of the scheme.
 
     Parameters
     ----------
     rate : callable
-        Right side, of t and the state.
+        Right-hand side, a function of t and the state.
     start : ndarray
-        Of long doubles, or of objects.
+        Array of long doubles or of objects.
     end : float
-        Time at the end; negative for a run backwards.
+        Time at the end; negative for a backward run.
     tolerance : float
-        Estimated error a step over the largest size of the state so far.
+        Estimated error per step relative to the largest size of the state so far.
 
     Raises
     ------
     TooSlowError
-        If steps become so small that it would take too long: for an explicit method the problem
-        is too stiff.
+        If the steps become so small that the run would take too long: the problem is too stiff for
+        an explicit method.
     """
     span, t = _as_time(start, end), _as_time(start, 0.0)
     state, taken, size, pace = start, 0, float(np.abs(start).max()), Pace()
     step = span / max(1.0, 2.0 * abs(float(span)))
     while abs(t) < abs(span):
         step = span - t if abs(step) >= abs(span - t) else step
-        with np.errstate(all="ignore"):  # a step that overflows is refused
+        with np.errstate(all="ignore"):  # a step that overflows is rejected
             proposed, error = _step(rate, t, state, step)
         pace.check(abs(float(t / span)))
         allowed = tolerance * max(size, float(np.abs(proposed).max()))
@@ -133,13 +135,13 @@ def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> Prec
 
 
 def _as_time(start: AnyArray, t: float) -> Any:
-    """Return a time in the numbers of the state."""
+    """Return a time in the number type of the state."""
     number = start.dtype.type if start.dtype != object else type(start.flat[0])
     return abs(number(1)) * t
 
 
 def _change(error: float, allowed: float) -> float:
-    """Return by what the next step is longer than the one that had this error."""
+    """Return the ratio of the next step to the one that had this error."""
     if error == 0.0:
         return _MAX_FACTOR
     share = allowed / error if math.isfinite(error) else 0.0
@@ -148,7 +150,7 @@ def _change(error: float, allowed: float) -> float:
 
 
 def _step(rate: Rate, t: Any, state: AnyArray, step: Any) -> tuple[AnyArray, float]:
-    """Return the state after a step and how far the last two of the scheme are apart."""
+    """Return the state after a step, and the difference of the last two entries of the scheme."""
     first = rate(t, state)
     row: list[AnyArray] = []
     for k in range(1, COLUMNS + 1):
@@ -165,7 +167,7 @@ def _midpoint(
 ) -> AnyArray:
     """Return the state after a step by the midpoint rule, smoothed.
 
-    Arrays come first in products: a number of mpmath that is multiplied by one prints it.
+    Arrays come first in products, because mpmath prints a number that is multiplied by one.
     """
     h = step / substeps
     twice = 2 * h

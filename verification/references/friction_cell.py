@@ -1,9 +1,9 @@
-"""The friction cell of Model I alone, (5) and (6) at c = 0, by scipy.
+"""The isolated friction cell of Model I, (5) and (6) at c = 0, by scipy.
 
 Slip below the belt, y' < v_d:   y'' = -2ξ y' - y + μ(v_d - y'),
 stick:                           y' = v_d until y + 2ξ v_d = μ_st.
 
-It knows nothing of the chain's integrator, so that either can be held against the other.
+It shares no code with the integrator of the chain, so that each can check the other.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ CELL = FrictionCell()
 
 
 def slip_rate(belt: float) -> Callable[[float, FloatArray], list[float]]:
-    """Return the right side of the slip equation."""
+    """Return the right-hand side of the slip equation."""
 
     def rate(_: float, state: FloatArray) -> list[float]:
         y, w = state
@@ -33,7 +33,7 @@ def slip_rate(belt: float) -> Callable[[float, FloatArray], list[float]]:
 
 
 class _Event:
-    """Where a function of the state passes zero in one direction; it ends the run."""
+    """An event at which a function of the state passes zero in one direction; it ends the run."""
 
     terminal = True
 
@@ -46,9 +46,9 @@ class _Event:
 
 
 def highest_after_slip(belt: float) -> float:
-    """Return y' - v_d where it is largest after one slip phase from where stick ends.
+    """Return the largest y' - v_d in the slip phase that follows the end of stick.
 
-    Zero if the cell sticks again, negative if y' does not come back to the belt's speed.
+    Zero if the cell sticks again, negative if y' does not reach the velocity of the belt again.
     """
     rate = slip_rate(belt)
     events = (
@@ -63,10 +63,10 @@ def highest_after_slip(belt: float) -> float:
 
 
 def averaged_damping(belt: float) -> tuple[FloatArray, FloatArray]:
-    """Return amplitudes R and the rate D(R) of R' = -D(R), one cell averaged over a turn.
+    """Return amplitudes R and the rate D(R) of R' = -D(R), for one cell averaged over a cycle.
 
     D(R) = ξR - (1/2π)∮ F cos θ dθ at y' = R cos θ, with F of (6); F changes sign where the cell
-    overtakes the belt. Of first order in the friction force.
+    overtakes the belt. This is of first order in the friction force.
     """
     nodes, weights = np.polynomial.legendre.leggauss(100)
     amplitudes = np.linspace(0.0, 2.2 * belt, 3000)[:, None]
@@ -83,8 +83,9 @@ def averaged_damping(belt: float) -> tuple[FloatArray, FloatArray]:
 def averaged_front(belt: float, sites: int = 200) -> float:
     """Return front velocity over c of r_n' = (c/2)(r_{n-1} - r_{n+1}) - D(r_n), by scipy.
 
-    This is the averaged chain of Model I with quarter-turn phase steps, per unit of τ. For c large
-    beside D'(0) the velocity is c + κ(c/6)^{1/3}, so that the ratio is above one where κ > 0.
+    This is the averaged chain of Model I with quarter-turn phase steps, per unit of τ. If c is
+    large compared with D'(0) the velocity is c + κ(c/6)^{1/3}, so that the ratio exceeds one if κ >
+    0.
     """
     c = 1.0
     amplitudes, damping = averaged_damping(belt)

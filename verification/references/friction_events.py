@@ -1,8 +1,8 @@
-"""A second event-located run of the friction chain (5), through scipy: slow, and independent.
+"""An independent event-located run of the friction chain (5) by scipy, slow but separate.
 
-Between events scipy's DOP853 steps (y, w = ẏ - v_d); events are looked for on its dense output at
-several points a step and located with Brent's method. It shares nothing with the compiled stepper
-of ``verification.steppers`` but the parameters, and is here to check it.
+Between events scipy's DOP853 integrates (y, w = ẏ - v_d). Events are searched for at several points
+per step on its dense output, and located by Brent's method. The module shares only the parameters
+with the compiled stepper of ``verification.steppers``, and serves to check it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _BEYOND = 1e-9
 
 @dataclass(frozen=True)
 class EventRun:
-    """What the run has seen.
+    """The result of a run.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class EventRun:
     log : ndarray, shape (K, 3)
         τ, site (from 1) and kind of every event.
     evaluations : int
-        Evaluations of the right side.
+        Evaluations of the right-hand side.
     seconds : float
         Run time.
     """
@@ -56,13 +56,13 @@ class EventRun:
     seconds: float
 
     def when(self, kind: int) -> FloatArray:
-        """Return τ of the events of a kind, of every site."""
+        """Return the τ of all events of a kind, over all sites."""
         found: FloatArray = self.log[self.log[:, 2] == kind, 0]
         return found
 
     @property
     def last_cycle(self) -> tuple[float, float] | None:
-        """Period and time in stick of the last cycle of one site; None if it never stuck twice."""
+        """Period and stick time of a single site's last cycle; None if it never stuck twice."""
         ends, begins = self.when(ENDS), self.when(BEGINS)
         if ends.size < 2 or begins.size < 1:
             return None
@@ -79,7 +79,7 @@ def run_events(
     longest_step: float = 0.05,
     pace: Pace | None = None,
 ) -> EventRun:
-    """Run (5) from τ = 0 to ``t_end``, every event located.
+    """Run (5) from τ = 0 to ``t_end``, locating every event.
 
     Parameters
     ----------
@@ -90,13 +90,13 @@ def run_events(
     t_end : float
         τ, positive.
     times : ndarray, optional
-        Where the state is sampled, ascending; by default 201 even times.
+        Times at which the state is sampled, ascending; by default 201 evenly spaced times.
     tolerance : float
         Relative tolerance of DOP853; the absolute one is a tenth of it.
     longest_step : float
-        Longest step. The dense output is of order 7: this is what makes it exact enough.
+        Longest step, which makes the dense output, of order 7 only, sufficiently accurate.
     pace : Pace, optional
-        Gives up where the run would take too long; by default it takes its time.
+        Aborts runs that would take too long; by default there is no limit.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def run_events(
     NoReferenceError
         If DOP853 fails, or a site starts exactly on an event.
     TooSlowError
-        If the pace is too slow.
+        If the run proceeds too slowly.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def run_events(
 
 
 class _Law:
-    """(5) and (6) between events, and the events."""
+    """Equations (5) and (6) between events, and the events."""
 
     def __init__(self, chain: FrictionChain) -> None:
         self.chain, self.cell, self.sites = chain, chain.cell, chain.sites
@@ -171,7 +171,7 @@ class _Law:
         return load(z[: self.sites], self.cell.v_d, self.chain)
 
     def rate(self, modes: IntArray, _: float, z: FloatArray) -> FloatArray:
-        """Return the derivative of (y, w); modes: 0 in stick, else the sign of w in slip."""
+        """Return the derivative of (y, w) for modes 0 in stick, otherwise the sign of w in slip."""
         w = z[self.sites :]
         velocity = w + self.cell.v_d
         friction = modes * dynamic_friction(modes * w, self.cell)
@@ -185,7 +185,7 @@ class _Law:
         return np.where(w != 0.0, np.sign(w), free).astype(np.int64)
 
     def distance(self, z: FloatArray, modes: IntArray) -> FloatArray:
-        """Return what is positive before an event of a site and negative after it."""
+        """Return a function that is positive before the event of a site and negative after it."""
         signs = modes.reshape(-1, *[1] * (z.ndim - 1))
         stick = self.cell.mu_st - np.abs(self.hold(z))
         return np.where(signs == 0, stick, signs * z[self.sites :])
@@ -193,8 +193,8 @@ class _Law:
     def switched(
         self, z: FloatArray, dense: Any, t: float, modes: IntArray
     ) -> tuple[FloatArray, list[tuple[int, int]]]:
-        """Change, in place, the modes of the sites whose event this is; return what happened."""
-        # Events that are simultaneous by symmetry differ by round-off: look a little further.
+        """Change in place the modes of the sites that have this event; return the events."""
+        # Events that are simultaneous by symmetry differ by round-off, so look slightly ahead.
         now = self.distance(z, modes)
         speed = np.abs(self.distance(dense(t - 1e-6), modes) - now) / 1e-6
         due = np.flatnonzero((np.abs(now) <= _SIMULTANEOUS * (1.0 + speed)) & (speed > 0.0))
@@ -215,7 +215,7 @@ class _Law:
 
 
 def _earliest(law: _Law, dense: Any, modes: IntArray, low: float, high: float) -> float | None:
-    """Return the earliest event in a step; a site that starts at zero has none until it leaves."""
+    """Return the earliest event in a step; a site that starts at zero must first leave it."""
     times = np.linspace(low, high, _CHECKS + 1)
     values = law.distance(dense(times), modes).T
     found = []

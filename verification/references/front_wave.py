@@ -1,10 +1,11 @@
-"""The front of (43) as a wave R(n - vT), by scipy alone: differences in ξ, a sparse Newton.
+"""The front of (43) as a wave R(n - vT), by scipy alone: finite differences in ξ, sparse Newton.
 
     -v R'(ξ) = (c/2)[R(ξ - 1) - R(ξ + 1)] - (R/2)(1 - R²/4 + η R⁴/8)
 
-on points 1/m apart, so that a site is m of them, with a central difference of order twenty for R'.
-Newton's method starts from a chain that scipy has run. Its matrix is one of doubles, its residual
-one of long doubles, so that what it converges to is free of the roundings of the differences.
+on points 1/m apart, so that there are m points per site, with a central difference of order twenty
+for R'. Newton's method starts from a run of the chain by scipy. Its matrix is in double precision
+and its residual in long doubles, so that the limit is free of the rounding errors of the
+differences.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from scipy.sparse.linalg import spsolve
 from theory.arrays import AnyArray, FloatArray
 
 _REACH = 10
-"""Points on either side that a difference takes."""
+"""Number of points on either side that a difference uses."""
 
 _CENTRAL = [
     -((-1) ** k) * np.longdouble(math.factorial(_REACH) ** 2)
     / (k * math.factorial(_REACH - k) * math.factorial(_REACH + k))
     for k in range(1, _REACH + 1)
 ]  # fmt: skip
-"""Weights of the points on the right, from the next one on."""
+"""Weights of the points on the right, beginning with the nearest."""
 
 _MAX_ITERATIONS = 60
 
@@ -42,9 +43,9 @@ def front_velocity(
     c, eta : float
         Coupling and η, dimensionless.
     per_site : int, optional
-        Points a site, at least ten; the error of v falls like its twentieth power.
+        Points per site, at least ten; the error of v decreases like its twentieth power.
     behind, ahead : int, optional
-        Sites on either side of the one that passes the unstable cycle.
+        Number of sites on either side of the one that passes the unstable cycle.
 
     Raises
     ------
@@ -80,7 +81,7 @@ def front_velocity(
         change = spsolve(vstack([above, phase]).tocsc(), value.astype(float), permc_spec="MMD_ATA")
         R, v = R - change[:-1], v - change[-1]
         size = float(np.abs(change).max() / stable)
-        if last < 1e-10 and size > 0.1 * last:  # its own roundings are all that is left
+        if last < 1e-10 and size > 0.1 * last:  # only rounding errors are left
             return np.longdouble(v)
         last = size
     raise ArithmeticError(f"no wave was found at c = {c:g}, eta = {eta:g}")
@@ -104,7 +105,7 @@ def _matrix(R: FloatArray, v: float, c: float, eta: float, m: int) -> Any:
 def _guess(
     c: float, eta: float, xi: FloatArray, stable: float, unstable: float
 ) -> tuple[FloatArray, float]:
-    """Run the real chain from a step, and read R and v off two of its sites."""
+    """Run the chain of real amplitudes from a step, and obtain R and v from two of its sites."""
     sites, first, watched = 60, 8, 20
 
     def rate(_: float, r: FloatArray) -> FloatArray:

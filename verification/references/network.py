@@ -1,4 +1,4 @@
-"""Oscillators on any network written once more, for scipy: plain functions and a matrix L.
+"""Oscillators on any network, written a second time for scipy: plain functions and a matrix L.
 
 ÿ + g(y) + ε h(y, ẏ) ẏ + εc L (y + d ẏ) = F(t),      or      ẏ + g(y) + c L y = F(t)
 """
@@ -33,7 +33,7 @@ def oscillator_rate(
     d: float = 0.0,
     force: Callable[[float], Any] = undriven,
 ) -> Rate:
-    """Return the right side for a flat state (y, ẏ).
+    """Return the right-hand side for a flat state (y, ẏ).
 
     Examples
     --------
@@ -53,7 +53,7 @@ def oscillator_rate(
 def overdamped_rate(
     g: Force, matrix: Any, *, c: float, force: Callable[[float], Any] = undriven
 ) -> Rate:
-    """Return the right side without inertia, for y alone."""
+    """Return the right-hand side without inertia, for y alone."""
 
     def rate(t: float, y: FloatArray) -> FloatArray:
         slope: FloatArray = force(t) - g(y) - c * (matrix @ y)
@@ -70,7 +70,7 @@ def states_by_scipy(
     Raises
     ------
     ArithmeticError
-        If it does not reach the last of them.
+        If the integration does not reach the last of them.
     """
     span, floor = (0.0, float(times[-1])), 1e-2 * tolerance
     found = solve_ivp(rate, span, start, method="DOP853", rtol=tolerance, atol=floor, t_eval=times)

@@ -1,7 +1,7 @@
-"""Runs of scipy to their end, and when one gives up: as soon as it would take longer than it may.
+"""Runs of scipy to their end, abandoned as soon as they would take longer than allowed.
 
-How many steps a chain needs cannot be told from its parameters to within a factor of thirty, so
-that no limit of radians or steps is a limit of time. What a run has covered so far tells.
+How many steps a chain needs cannot be predicted from its parameters to within a factor of thirty,
+so a limit on phase or steps is not a limit on time. The progress of a run so far does predict it.
 """
 
 from __future__ import annotations
@@ -15,29 +15,29 @@ import numpy as np
 from theory.arrays import AnyArray
 
 MAX_SECONDS = 10.0
-"""Processor seconds of one check: were one in fifteen as slow as that, a thousand points would take
-ten minutes more."""
+"""Processor seconds allowed for one check. If one check in fifteen takes that long, a thousand
+points take ten minutes more."""
 
 _FIRST = 0.05
-"""Share of them for the beginning, where steps may be short."""
+"""Fraction of this time reserved for the beginning, where steps may be short."""
 
 
 class NoReferenceError(ArithmeticError):
-    """A reference does not reach this point; the message says why."""
+    """No reference is available at this point; the message says why."""
 
 
 class TooSlowError(NoReferenceError):
-    """It would not be over in time."""
+    """The run would not finish in time."""
 
 
 class Pace:
-    """The clock of one run, begun when it is made."""
+    """The clock of one run, started when the object is created."""
 
     def __init__(self) -> None:
         self._begin = time.process_time()
 
     def check(self, covered: float) -> None:
-        """Go on, with that share of the run behind it.
+        """Continue after the given fraction of the run.
 
         Raises
         ------

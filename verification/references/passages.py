@@ -1,4 +1,4 @@
-"""When the sites of a chain pass a level, and so how fast a front is, by scipy alone."""
+"""Times at which the sites of a chain pass a level, and hence front velocities, by scipy alone."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from verification.references.equations import full_rate, quarter_turn_rate
 
 
 def arrivals_of_chain(chain: VdpChain, end: float, level: float, start: float) -> FloatArray:
-    """Return when |Ψ| first reaches a level in (8), the first site displaced.
+    """Return when |Ψ| first reaches a level in (8), with the first site displaced.
 
-    scipy's DOP853 in pieces of half a period, each searched between its steps.
+    scipy's DOP853 integrates pieces of half a period, each of which is searched between its steps.
     """
     rate, sites = full_rate(chain), chain.sites
     x = np.zeros(2 * sites)
@@ -47,15 +47,16 @@ def arrivals_of_chain(chain: VdpChain, end: float, level: float, start: float) -
 
 
 def velocity_on_few_sites(chain: VdpChain, filled: int = 40) -> float:
-    """Return v̂ of a front of (8), timed over the last half of a short chain.
+    """Return v̂ of a front of (8), measured over the last half of a short chain.
 
-    scipy's DOP853 on the chain, its first sites on the cycle, each a quarter of a turn behind
-    the one before. For strong coupling; a weak one takes long, since a run is sites/(ε v̂) long.
+    The chain is integrated by scipy's DOP853, with its first sites on the cycle, each a quarter of
+    a turn behind the preceding one. Suitable for strong coupling; at weak coupling it is slow,
+    since a run has a length of sites/(ε v̂).
 
     Raises
     ------
     ArithmeticError
-        If the front does not come to the end.
+        If the front does not reach the end.
     """
     sites, on_cycle, level = chain.sites, chain.stable_amplitude, chain.unstable_amplitude
     x = np.zeros(2 * sites)
@@ -93,8 +94,8 @@ def wave_velocity(c: float, eps: float) -> float:
 def quarter_turn_velocity(a: float, b: float, c: float, sites: int = 60) -> float:
     """Return v̂ of the front of r_n' = (c/2)(r_{n-1} - r_{n+1}) - (r_n/2)(1 - ar²/4 + br⁴/8).
 
-    This is (43) on φ_n = (-i)^n r_n e^{icT}, r real, with the cycle before the first site: half of
-    the unknowns, no complex number, and scipy's stepper.
+    This is (43) with φ_n = (-i)^n r_n e^{icT}, r real, and the cycle to the left of the first site:
+    half the unknowns, no complex numbers, and scipy's stepper.
     """
     chain = AveragedChain(a=a, b=b, c=c, sites=sites)
     on_cycle, level = chain.stable_amplitude, chain.unstable_amplitude
@@ -121,7 +122,7 @@ def quarter_turn_velocity(a: float, b: float, c: float, sites: int = 60) -> floa
 
 
 def passage_velocity(run: Any, watched: Iterable[int], level: float) -> float:
-    """Return the velocity at which a run of scipy takes consecutive sites above a level."""
+    """Return the velocity at which consecutive sites pass a level in a run of scipy."""
     arrivals = []
     for n in watched:
         first = int(np.argmax(run.y[n] > level))
@@ -131,5 +132,5 @@ def passage_velocity(run: Any, watched: Iterable[int], level: float) -> float:
 
 
 def _above(time: float, path: Any, places: list[int], level: float) -> float:
-    """Return by how much the part of the state at these places is larger than the level."""
+    """Return by how much the part of the state at these indices exceeds the level."""
     return float(np.linalg.norm(path(time)[places]) - level)

@@ -1,14 +1,15 @@
-"""All phase-locked breathers of the averaged chain (43) of one nucleus size, phase steps free.
+"""All phase-locked breathers of the averaged chain (43) for one nucleus size, steps free.
 
-As c → 0 the core of a nucleus is on the cycle and only its phases are open. To first order in c a
-step δ_j between neighbours locks when the cosines of the steps around every core site have one
-sum: cos δ_1 = cos δ_1 + cos δ_2 = … = cos δ_last. So every second step is ±π/2; if the number of
-sites is odd the others are too; if it is even they share one cosine, cos δ, which the next order
-fixes. Here δ runs over a grid, every sign is tried, and Newton's method decides what is a solution.
+As c → 0 the core of a nucleus is on the cycle, and only its phases are undetermined. To first order
+in c, the steps δ_j between neighbours lock when the cosines of the steps around every core site
+have the same sum: cos δ_1 = cos δ_1 + cos δ_2 = … = cos δ_last. Thus every second step is ±π/2. If
+the number of sites is odd, so are the others; if it is even, the others share one cosine, cos δ,
+which is determined at the next order. Here δ runs over a grid, all signs are tried, and Newton's
+method decides which of them are solutions.
 
-The engine, ``verification.breathers.envelope``, follows one breather of a given pattern; here all
-of a size are enumerated, at a and b as they are, and one is held against the other. A single
-breather in extended precision is in ``verification.references.precise_breather``.
+The engine, ``verification.breathers.envelope``, follows one breather of a given pattern. This
+module enumerates all breathers of a size, without scaling a and b, as an independent check. A
+single breather in extended precision is computed in ``verification.references.precise_breather``.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ from theory.arrays import ComplexArray, FloatArray
 from verification.references.equations import averaged_damping, pull_matrix
 
 MARGIN = 9
-"""Sites at rest on each side of the core; amplitudes fall at least fivefold a site."""
+"""Sites at rest on each side of the core; amplitudes decrease at least fivefold per site."""
 START = 0.03
-"""Coupling at which branches are started."""
+"""Coupling at which branches start."""
 LONGEST = 0.004
-"""Step in c."""
+"""Largest step in c."""
 SAME = 1e-5
-"""Breathers closer than this, after a turn of the phase and a reflection, are one."""
+"""Breathers closer than this, up to a rotation of the phase and a reflection, are identical."""
 TINY = 1e-7
-"""Growth rates below this, per unit of slow time, are rounding of the zero of the phase."""
+"""Growth rates below this, per unit of slow time, are rounding errors of the zero phase mode."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +42,7 @@ class LockedBreather:
     Attributes
     ----------
     size : int
-        Sites on the cycle as c → 0.
+        Number of sites on the cycle as c → 0.
     c : float
         Coupling, dimensionless.
     phi : complex array, shape (N,)
@@ -49,8 +50,8 @@ class LockedBreather:
     omega : float
         Ω per unit of slow time.
     growth : float
-        Largest growth rate per unit of slow time against every perturbation, the turn of the
-        phase left out.
+        Largest growth rate per unit of slow time over all perturbations except the rotation of the
+        phase.
     """
 
     size: int
@@ -61,7 +62,7 @@ class LockedBreather:
 
     @property
     def steps(self) -> FloatArray:
-        """Phase steps of the core over π, each from -1 to 1."""
+        """Phase steps of the core divided by π, each from -1 to 1."""
         core = self.phi[MARGIN:-MARGIN]
         return np.angle(core[1:] / core[:-1]) / np.pi
 
@@ -73,16 +74,16 @@ class LockedBreather:
 
 @dataclass(frozen=True, kw_only=True)
 class LockedBranch:
-    """A breather followed in c from `START` until it ceases to exist.
+    """A breather followed in c from `START` to the end of its existence.
 
     Attributes
     ----------
     first, last : LockedBreather
-        At `START`, and just before the end.
+        The breather at `START`, and just before the end.
     c_end : float
         Coupling of the fold at which the branch ends.
     stable : tuple of pairs of float
-        Ranges of c, from `START` on, in which it is stable.
+        Ranges of c, from `START` on, in which the breather is stable.
     """
 
     first: LockedBreather
@@ -92,7 +93,7 @@ class LockedBranch:
 
 
 def residual(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
-    """Return the equations of a breather, u = (Re φ, Im φ, Ω), and the phase of its centre."""
+    """Return the residual of the equations, u = (Re φ, Im φ, Ω), and of the phase condition."""
     sites = (u.size - 1) // 2
     phi = u[:sites] + 1j * u[sites:-1]
     rate = 0.5j * c * (pull_matrix(sites) @ phi) - 0.5 * phi * averaged_damping(np.abs(phi), a, b)
@@ -101,12 +102,12 @@ def residual(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
 
 
 def jacobian(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
-    """Return the derivative of `residual` by u, by hand."""
+    """Return the analytic derivative of `residual` with respect to u."""
     sites = (u.size - 1) // 2
     x, y = u[:sites], u[sites:-1]
     square = x * x + y * y
     drag = 0.5 * averaged_damping(np.abs(x + 1j * y), a, b)
-    bend = 0.5 * (-a / 4.0 + b * square / 4.0)  # derivative of drag by |φ|²
+    bend = 0.5 * (-a / 4.0 + b * square / 4.0)  # derivative of drag with respect to |φ|²
     springs = 0.5 * c * pull_matrix(sites) - u[-1] * np.eye(sites)
     matrix = np.zeros((u.size, u.size))
     matrix[:sites, :sites] = np.diag(-drag - 2.0 * bend * x * x)
@@ -119,7 +120,7 @@ def jacobian(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
 
 
 def solve(guess: FloatArray, c: float, a: float, b: float, rounds: int = 40) -> FloatArray | None:
-    """Solve by Newton's method with shortened steps; None where it does not converge."""
+    """Solve by Newton's method with damped steps; None if it does not converge."""
     u = guess.copy()
     size = float(np.linalg.norm(residual(u, c, a, b)))
     for _ in range(rounds):
@@ -143,9 +144,9 @@ def solve(guess: FloatArray, c: float, a: float, b: float, rounds: int = 40) -> 
 
 
 def growth_rate(u: FloatArray, c: float, a: float, b: float, *, mirrored: bool = False) -> float:
-    """Return the largest real part of the exponents, the zero of the phase left out.
+    """Return the largest real part of the exponents, without the zero phase mode.
 
-    With ``mirrored`` of perturbations alone that are the same on both sides.
+    With ``mirrored``, only perturbations with mirror symmetry are considered.
     """
     matrix = jacobian(u, c, a, b)[:-1, :-1]
     if mirrored:
@@ -158,7 +159,7 @@ def growth_rate(u: FloatArray, c: float, a: float, b: float, *, mirrored: bool =
 
 
 def phase_patterns(size: int, grid: int = 13) -> Iterator[FloatArray]:
-    """Yield the phase steps that lock to first order in c, δ of even sizes over a grid.
+    """Yield the phase steps that lock to first order in c; for even sizes, δ runs over a grid.
 
     Examples
     --------
@@ -175,7 +176,7 @@ def phase_patterns(size: int, grid: int = 13) -> Iterator[FloatArray]:
         for signs in itertools.product((1.0, -1.0), repeat=len(seconds)):
             for others in itertools.product(loose, repeat=len(odd)):
                 if size == 2 and others[0] < 0.0:
-                    continue  # the reflection of the same
+                    continue  # the reflection of another pattern
                 steps = np.empty(links)
                 steps[list(seconds)] = quarter * np.array(signs)
                 steps[list(odd)] = float(delta) * np.array(others)
@@ -185,12 +186,12 @@ def phase_patterns(size: int, grid: int = 13) -> Iterator[FloatArray]:
 def locked_breathers(size: int, a: float, b: float) -> list[LockedBreather]:
     """Enumerate the phase-locked breathers of one nucleus size at `START`, each once.
 
-    Two that differ by a reflection count as one.
+    Two breathers that differ by a reflection count as one.
 
     Parameters
     ----------
     size : int
-        Sites on the cycle.
+        Number of sites on the cycle.
     a, b : float
         Damping, dimensionless; η = b/a² < 1/8.
     """
@@ -200,8 +201,8 @@ def locked_breathers(size: int, a: float, b: float) -> list[LockedBreather]:
 def family(size: int, a: float, b: float) -> list[LockedBreather]:
     """Return the breathers of an even size with steps δ, π/2, δ, π/2, …, of one sense or mirrored.
 
-    For large sizes, where all signs are too many: every second step keeps one sign throughout
-    (running) or changes it at the middle (mirrored), and so does δ.
+    For large sizes, for which there are too many combinations of signs. Every second step keeps one
+    sign throughout (running) or changes it at the middle (mirrored), and so does δ.
     """
     links = size - 1
     patterns = []
@@ -217,7 +218,7 @@ def family(size: int, a: float, b: float) -> list[LockedBreather]:
 def _distinct(
     patterns: Iterable[FloatArray], size: int, a: float, b: float
 ) -> list[LockedBreather]:
-    """Return the breathers of a size to which patterns of phase steps lead, each once."""
+    """Return the distinct breathers of a size to which the patterns of phase steps lead."""
     found: list[LockedBreather] = []
     for steps in patterns:
         u = solve(start_from(steps, a, b, START), START, a, b)
@@ -230,9 +231,10 @@ def _distinct(
 
 
 def follow(start: LockedBreather, a: float, b: float) -> LockedBranch:
-    """Follow a breather in c to its end, halving the step where Newton's method leaves it.
+    """Follow a breather in c to its end, halving the step where Newton's method fails.
 
-    The end is where two solutions meet: √(c_end - c) is linear there, so the last points give it.
+    At the end two solutions meet. There, their distance varies like √(c_end - c), so that the last
+    points determine c_end.
     """
     c, u, step = start.c, _unknowns(start), LONGEST
     before: tuple[float, FloatArray] | None = None
@@ -255,12 +257,12 @@ def follow(start: LockedBreather, a: float, b: float) -> LockedBranch:
 
 
 def start_from(steps: FloatArray, a: float, b: float, c: float) -> FloatArray:
-    """Return unknowns with the core on the cycle at the phase steps, and the linear tails."""
+    """Return unknowns with the core on the cycle at the given phase steps, and linear tails."""
     root = np.sqrt(1.0 - 8.0 * b / a**2)
     cycle = np.sqrt(a / b * (1.0 + root))
     phases = np.concatenate([[0.0], np.cumsum(steps)])
     core = cycle * np.exp(1j * phases)
-    decay = -1j * c  # φ_{n+1} ≈ -ic φ_n ahead of the core, to first order
+    decay = -1j * c  # φ_{n+1} ≈ -ic φ_n outside the core, to first order
     tail = decay ** np.arange(1, MARGIN + 1)
     phi = np.concatenate([core[0] * tail[::-1], core, core[-1] * tail])
     return np.concatenate([phi.real, phi.imag, [c]])
@@ -291,7 +293,7 @@ def _is_nucleus(u: FloatArray, size: int, a: float, b: float) -> bool:
 
 
 def _same(one: ComplexArray, other: ComplexArray) -> bool:
-    """Whether two envelopes differ by a turn of the phase and a reflection at most."""
+    """Whether two envelopes differ at most by a rotation of the phase and a reflection."""
     for phi in (other, other[::-1]):
         turn = np.vdot(phi, one)
         if np.abs(one - phi * turn / abs(turn)).max() < SAME:
@@ -300,7 +302,7 @@ def _same(one: ComplexArray, other: ComplexArray) -> bool:
 
 
 def _ranges(history: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Return the ranges of c in which the growth rate is no more than rounding."""
+    """Return the ranges of c in which the growth rate is not above rounding."""
     ranges: list[tuple[float, float]] = []
     begin: float | None = None
     for place, (c, growth) in enumerate(history):
@@ -320,7 +322,7 @@ def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBrea
     Raises
     ------
     ArithmeticError
-        If it ends before.
+        If the branch ends before that.
     """
     couplings = np.linspace(start.c, c, max(2, round(abs(c - start.c) / LONGEST)))[1:]
     u = _solved_along(_unknowns(start), couplings, start.size, a, b)
@@ -328,12 +330,12 @@ def follow_to(start: LockedBreather, c: float, a: float, b: float) -> LockedBrea
 
 
 def outward_breather(size: int, c: float, a: float, b: float) -> FloatArray:
-    """Return the unknowns of the mirror-symmetric breather of odd size, its steps outwards π/2.
+    """Return the unknowns of the mirror-symmetric breather of odd size with steps π/2 outwards.
 
     Raises
     ------
     ArithmeticError
-        If it ends before.
+        If the branch ends before that.
     """
     outward = np.where(np.arange(size - 1) < (size - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
     couplings = np.linspace(START, c, 1 + round((c - START) / 0.002))
@@ -343,7 +345,7 @@ def outward_breather(size: int, c: float, a: float, b: float) -> FloatArray:
 def _solved_along(
     u: FloatArray, couplings: FloatArray, size: int, a: float, b: float
 ) -> FloatArray:
-    """Return the unknowns at the last of some couplings, each solved from the one before."""
+    """Return the unknowns at the last of several couplings, solved successively."""
     for c in couplings.tolist():
         found = solve(u, c, a, b)
         if found is None:

@@ -1,6 +1,6 @@
 """The front of (44) by scipy and mpmath alone: Σ as one quadrature, L, the static limit and r.
 
-Functions take numbers of mpmath and work at its current precision, unless they say otherwise.
+Functions take mpmath numbers and work at the current precision of mpmath, unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ import numpy as np
 def sum_by_quadrature(
     v: float, c: float, tolerance: float | None = None, limit: int = 50
 ) -> tuple[complex, float]:
-    """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²) of (53) as one call of ``scipy.integrate.quad``.
+    """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²) of (53) by one call of ``scipy.integrate.quad``.
 
     Parameters
     ----------
     v, c : float
         Velocity and coupling, positive, dimensionless.
     tolerance : float, optional
-        Absolute, of the integral; scipy's default if not given.
+        Absolute tolerance of the integral; by default that of scipy.
     limit : int
-        Pieces of the range, at most.
+        Largest number of subintervals.
 
     Returns
     -------
@@ -52,8 +52,8 @@ def sum_by_quadrature(
 def sum_on_the_line(v: float, c: float) -> tuple[complex, float]:
     """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²) by scipy's quadrature, and a bound on its error.
 
-    A = ½ - ic(1 - cos k). One period of A at a time; beyond the last, at K, the rest is 1/(v²K)
-    to within max|A|²/(3v⁴K³).
+    A = ½ - ic(1 - cos k). The integral is taken over one period of A at a time; beyond the last, at
+    K, the remainder is 1/(v²K) to within max|A|²/(3v⁴K³).
     """
     from scipy.integrate import quad
 
@@ -82,12 +82,12 @@ def dispersion_slope(v: Any, c: Any, k: Any, sin: Any = mp.sin) -> Any:
 
 
 def static_sum(c: Any) -> Any:
-    """Return Σ at v → 0, -1 + 1/√(1 - 4ic)."""
+    """Return the limit of Σ as v → 0, -1 + 1/√(1 - 4ic)."""
     return -1 + 1 / mp.sqrt(1 - 4j * c)
 
 
 def threshold_ratio(eta: Any) -> Any:
-    """Return r = √[(1 - s)/(1 + s)], s = √(1 - 8η), straight from the two cycles."""
-    with mp.workdps(mp.mp.dps + 40):  # of which 1 - s loses as many as η has zeros
+    """Return r = √[(1 - s)/(1 + s)], s = √(1 - 8η), directly from the two cycles."""
+    with mp.workdps(mp.mp.dps + 40):  # 1 - s loses as many digits as η has leading zeros
         s = mp.sqrt(1 - 8 * mp.mpf(eta))
         return mp.sqrt((1 - s) / (1 + s))

@@ -2,8 +2,9 @@
 
     0 = (ic/2)(2φ_n - φ_{n-1} - φ_{n+1}) - (φ_n/2)(1 - |φ_n|²/4 + η|φ_n|⁴/8) - iΩφ_n,
 
-with Im φ = 0 at the site of the largest amplitude, at a = 1, b = η. Newton's matrix is one of
-differences, its residual one of long doubles: what it converges to has the accuracy of those.
+with Im φ = 0 at the site of the largest amplitude, at a = 1, b = η. Newton's matrix is computed by
+finite differences and its residual in long doubles, so that the limit has the accuracy of the
+latter.
 """
 
 from __future__ import annotations
@@ -21,23 +22,23 @@ from verification.references.pace import NoReferenceError
 Defect = Callable[[AnyArray], AnyArray]
 
 _STEP = 1e-5
-"""Step of differences."""
+"""Step of the finite differences."""
 
 _UNIT = float(np.finfo(np.longdouble).eps)
 _MAX_ITERATIONS = 30
 
 
 def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseState:
-    """Return the state next to a given one.
+    """Return the phase-locked state closest to a given one.
 
     Parameters
     ----------
     eta, c : float
         η and coupling, dimensionless.
     phi : complex ndarray, shape (N,)
-        Where Newton's method starts.
+        Starting point of Newton's method.
     omega : float
-        Ω there, per unit T.
+        Ω at the starting point, per unit T.
 
     Returns
     -------
@@ -69,14 +70,15 @@ def locked_state(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSt
 
 
 def locked_fold(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseState:
-    """Return the mirror-symmetric state in whose fold a branch ends, and the coupling there.
+    """Return the mirror-symmetric state at the fold that ends a branch, and its coupling.
 
-    Its equations are those of a state, and that their matrix sends a vector q to zero.
+    The equations are those of a state, together with the condition that their matrix maps a vector
+    q to zero.
 
     Parameters
     ----------
     eta, c, phi, omega
-        As of `locked_state`, near the fold.
+        As in `locked_state`, near the fold.
 
     Returns
     -------
@@ -95,7 +97,7 @@ def locked_fold(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSta
         return _defect(x[whole], eta, c, centre)[keep]
 
     def along(x: AnyArray, c: Any, q: AnyArray) -> AnyArray:
-        """Return the derivative of the defect along q; c is not sensitive to its error."""
+        """Return the derivative of the defect along q; its error hardly affects c."""
         return (locked(x + _STEP * q, c) - locked(x - _STEP * q, c)) / (2 * _STEP)
 
     start = extended([*phi.real, *phi.imag, omega])[keep]
@@ -114,9 +116,9 @@ def locked_fold(eta: float, c: float, phi: AnyArray, omega: float) -> PreciseSta
 
 
 def _mirrored(sites: int) -> tuple[AnyArray, AnyArray]:
-    """Return which of (Re φ, Im φ, Ω) are enough for a state, and where each of all is among them.
+    """Return which of (Re φ, Im φ, Ω) suffice for a state, and the index of each entry among them.
 
-    Without modes that break the mirror symmetry, which are neutral at a place of their own.
+    This excludes modes that break the mirror symmetry, which become neutral elsewhere.
     """
     half = (sites + 1) // 2
     near = np.minimum(np.arange(sites), np.arange(sites)[::-1])
@@ -132,7 +134,7 @@ def _defect(x: AnyArray, eta: float, c: Any, centre: int) -> AnyArray:
 
 
 def _rounding(x: AnyArray, eta: float, c: float) -> AnyArray:
-    """Return roundings of the defect: of ten operations on the largest of its terms."""
+    """Return the rounding error of the defect: ten operations on the largest of its terms."""
     sites = x.size // 2
     r = np.abs(x[:sites] + 1j * x[sites:-1]).astype(float)
     largest = r * (1.0 + r**2 / 4.0 + eta * r**4 / 8.0 + abs(float(x[-1]))) + 4.0 * c * r.max()

@@ -1,7 +1,8 @@
-"""The friction chain with regularised friction through scipy: what one would otherwise pick.
+"""The friction chain with regularised friction by scipy: the usual alternative.
 
-F = -μ(v_rel) tanh(v_rel/δ) is smooth and stiff, stick becomes a creep, and the error is of the
-order of δ however small the solver's tolerance is; loose tolerances give garbage without warning.
+F = -μ(v_rel) tanh(v_rel/δ) is smooth and stiff, stick becomes a slow creep, and the error is of
+order δ however small the tolerance of the solver; with loose tolerances the results are wrong
+without any warning.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Solver(StrEnum):
 
 @dataclass(frozen=True)
 class RegularisedRun:
-    """What a run of the regularised chain has seen.
+    """The result of a run of the regularised chain.
 
     Attributes
     ----------
@@ -40,7 +41,7 @@ class RegularisedRun:
     finished : bool
         Whether the solver reached the end.
     evaluations : int
-        Evaluations of the right side.
+        Evaluations of the right-hand side.
     seconds : float
         Run time.
     """
@@ -74,13 +75,13 @@ def run_regularised(
     t_end : float
         τ, positive.
     solver : Solver
-        Given the band (LSODA) or the sparsity (Radau, BDF) of the Jacobian.
+        It is given the bandwidth (LSODA) or the sparsity (Radau, BDF) of the Jacobian.
     delta : float
         Width δ of the regularisation, positive.
     tolerance : float
         Relative tolerance; the absolute one is a thousandth of it.
     samples : int
-        States sampled, evenly spaced.
+        Number of states sampled, evenly spaced.
 
     Examples
     --------

@@ -11,22 +11,22 @@ from theory.arrays import FloatArray
 
 
 def kappa_by_shooting(eta: float, low: float, high: float) -> tuple[float, float]:
-    """Return the ends of an interval of κ in which the front is, by bisection from a wider one.
+    """Return the ends of an interval of κ that contains the front, by bisection from a wider one.
 
-    From the one decaying solution at r = 0 backwards; above κ it leaves r_s upwards, below
-    downwards.
+    The decaying solution is integrated backwards from r = 0. For κ above the value of the front it
+    leaves r_s upwards, below it downwards.
 
     Parameters
     ----------
     eta : float
-        η = b/a², dimensionless; to 0.085, beyond which the side does not tell.
+        η = b/a², dimensionless; up to 0.085, beyond which the side is not conclusive.
     low, high : float
-        An interval.
+        The initial interval.
 
     Raises
     ------
     ArithmeticError
-        If there is no front in it.
+        If it does not contain the front.
     """
     if not (_leaves_upwards(high, eta) and not _leaves_upwards(low, eta)):
         raise ArithmeticError(f"no front with κ from {low:g} to {high:g}")

@@ -1,14 +1,15 @@
-"""The friction chain as the paper integrated it: switch model, stick band, trapezoidal rule.
+"""The friction chain as integrated in the paper: switch model, stick band, trapezoidal rule.
 
-Leine et al.'s switch model replaces |v_rel| = 0 by |v_rel| < band and has three right sides:
+The switch model of Leine et al. replaces |v_rel| = 0 by |v_rel| < band and has three right-hand
+sides:
 
     slip         |v_rel| > band             v̇ = F(v_rel) - (2ξv + y + c(…))
     transition   within, |static| > μ_st    v̇ = ±μ_st - (2ξv + y + c(…))
     stick        within, else               ẏ = v_d, v̇ = -v_rel
 
 They are integrated by the trapezoidal rule (MATLAB's ode23t, "without numerical damping"), with
-fixed steps or with steps from an estimate of its error; the jumps of the right side are not
-located. So the error is what it is: it is reported against the event-exact runs.
+fixed steps or with steps chosen from an error estimate; the jumps of the right-hand side are not
+located. The resulting error is not controlled; it is reported relative to the event-exact runs.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _SHORTEST = 1e-12
 
 @dataclass(frozen=True)
 class SwitchRun:
-    """What a run of the switch model has seen.
+    """The result of a run of the switch model.
 
     Attributes
     ----------
@@ -46,9 +47,9 @@ class SwitchRun:
     y, velocity : ndarray, shape (M, N)
         State at those times, by cubic interpolation within a step.
     arrivals : ndarray, shape (N,)
-        End of the first step that ended in the stick mode; nan where none did.
+        End of the first step that ended in the stick mode; nan if there was none.
     steps, rejected, unconverged : int
-        Steps taken, steps refused, and steps whose implicit equation did not converge.
+        Steps accepted, steps rejected, and steps whose implicit equation did not converge.
     reached : float
         τ reached; below the end if the steps became too short or the state overflowed.
     seconds : float
@@ -67,7 +68,7 @@ class SwitchRun:
 
     @property
     def period(self) -> float:
-        """Mean time from one maximum of y of the first site to the next, over the second half."""
+        """Mean time between maxima of y of the first site, over the second half of the run."""
         v = self.velocity[:, 0]
         k = np.flatnonzero((v[:-1] > 0.0) & (v[1:] <= 0.0))
         turns = self.times[k] + v[k] / (v[k] - v[k + 1]) * (self.times[1] - self.times[0])
@@ -97,13 +98,13 @@ def run_switch(
     t_end : float
         τ, positive.
     step : float, optional
-        Fixed step, at most 1/(√(1 + 4c) + 2ξ); by default steps are chosen by the tolerances.
+        Fixed step, at most 1/(√(1 + 4c) + 2ξ); by default the step is chosen by the tolerances.
     relative, absolute : float
-        Tolerances of the adaptive rule.
+        Tolerances of the adaptive step control.
     band : float
         Half-width of the stick band in v_rel, positive.
     samples : int
-        States sampled, evenly spaced.
+        Number of states sampled, evenly spaced.
 
     Raises
     ------
@@ -124,8 +125,8 @@ def run_switch(
     positive("absolute tolerance", absolute)
     within("number of samples", samples, 2, 1_000_000)
     cell = chain.cell
-    # The implicit equation is solved by iteration, which shrinks errors by half a step times the
-    # fastest rate of the chain; to a half or better, fifty iterations are enough.
+    # The implicit equation is solved by iteration, each of which multiplies the error by half a
+    # step times the fastest rate of the chain; if this is a half or less, fifty iterations suffice.
     longest = min(t_end, 1.0 / (math.sqrt(1.0 + 4.0 * chain.c) + 2.0 * cell.xi))
     if step is not None and not 0.0 < step <= longest:
         raise ParameterError("step", step, f"positive, at most {longest:.3g}", "give a smaller one")
@@ -144,7 +145,7 @@ def run_switch(
 
 
 class _Rule(NamedTuple):
-    """Parameters; whether ends are free; the end; the step, 0 for chosen ones; tolerances."""
+    """Parameters; whether ends are free; the end; the fixed step, 0 for adaptive; tolerances."""
 
     law: FloatArray
     free: bool
@@ -155,7 +156,7 @@ class _Rule(NamedTuple):
 
 
 class _Record(NamedTuple):
-    """Times and states of samples, arrivals, and steps, rejected, unconverged, samples taken."""
+    """Times and states of samples; arrivals; counts of steps, rejected, unconverged, samples."""
 
     times: FloatArray
     states: FloatArray
@@ -167,7 +168,7 @@ class _Record(NamedTuple):
 def _right_side(
     z: FloatArray, parameters: FloatArray, free: bool, out: FloatArray, sticks: IntArray
 ) -> None:
-    """Put the derivative of z, shape (2, N), into out, and whether each site is in stick."""
+    """Put the derivative of z, shape (2, N), into out, and record which sites are in stick."""
     mu_st, mu_d, v0, xi, v_d, c, band = parameters
     last = z.shape[1] - 1
     for n in range(last + 1):
@@ -226,10 +227,10 @@ def _solve_step(
 def _error_of_step(
     rule: _Rule, states: Pair, before: FloatArray, slopes: Pair, lengths: tuple[float, float]
 ) -> float:
-    """Return h³/12 times the third derivative over the tolerance.
+    """Return h³/12 times the third derivative, relative to the tolerance.
 
-    ``before`` is the derivative at the beginning of the step before, and ``lengths`` are those of
-    that step, 0 if there is none, and of this one.
+    ``before`` is the derivative at the beginning of the preceding step; ``lengths`` are those of
+    that step (0 if there is none) and of this one.
     """
     past, h = lengths
     worst = 0.0
@@ -247,7 +248,7 @@ def _error_of_step(
 def _take_samples(
     record: _Record, states: Pair, slopes: Pair, step: tuple[float, float], last: bool
 ) -> None:
-    """Take the samples within the step, (t, h), all that are left at the last one, by cubics."""
+    """Take the samples within the step (t, h), at the last step all that remain, by cubics."""
     times, counters = record.times, record.counters
     t, h = step
     while counters[3] < times.size and (times[counters[3]] <= t + h or last):
@@ -295,7 +296,7 @@ def _trapezoid(rule: _Rule, z: FloatArray, record: _Record) -> float:
                 record.counters[1] += 1
                 h *= min(factor, 0.9)
                 continue
-        # Fixed steps add up to the end but for round-off.
+        # Fixed steps add up to the end except for round-off.
         last = t + h >= rule.t_end - 0.5 * fixed
         _take_samples(record, (z, following), (now, later), (t, h), last)
         t = rule.t_end if last else t + h

@@ -1,1 +1,1 @@
-"""Truncation and active windows: computed with and without, and the bound on the difference."""
+"""Truncations and active windows: results with and without them, and bounds on the difference."""

@@ -1,4 +1,4 @@
-"""One computation done twice: with a truncation or active window, and without."""
+"""One computation made twice: with a truncation or active window, and without."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Both costs of a result, how far the two results are apart, and how far they may be.
+    """The costs of both computations, the difference of their results, and a bound on it.
 
     Attributes
     ----------
     spent, whole : float
-        Cost with the reduction and without it, in the unit of the row.
+        Cost with and without the reduction, in the unit of the row.
     changed : float
-        Distance of the two results; inf where they differ in kind.
+        Distance between the two results; inf if they differ in kind.
     bound : float
-        What the distance may be at most: the bound of the row, and the error of the result
-        without the reduction where it has one. Both were known before the results were compared.
+        Bound on this distance: the bound of the row, plus the error of the result without the
+        reduction if there is one. Both were known before the results were compared.
     """
 
     spent: float
@@ -32,7 +32,7 @@ class Comparison:
 
     @property
     def holds(self) -> bool:
-        """Whether the bound does.
+        """Whether the bound holds.
 
         Examples
         --------
@@ -49,7 +49,7 @@ class Comparison:
 
 
 def timed(compute: Callable[[], T], times: int = 2) -> tuple[T, float]:
-    """Return a result and the shortest of some times, in seconds."""
+    """Return a result and the shortest of several run times, in seconds."""
     shortest = float("inf")
     for _ in range(times):
         begin = perf_counter()

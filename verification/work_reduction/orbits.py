@@ -17,11 +17,11 @@ from verification.steppers.variational import STEPS, integrate_variations
 from verification.work_reduction.comparison import Comparison
 
 _MAX_STEPS = STEPS + math.ceil(STEPS * STIFFEST)
-"""What `steps_for` gives for the steepest cycle that it accepts."""
+"""The number that `steps_for` gives for the steepest cycle it accepts."""
 
 
 def harmonics_not_solved_for(eps: float = 0.05, sites: int = 3) -> Comparison:
-    """Solve for a state and a period, and for every odd harmonic of every site above rounding."""
+    """Solve for a state and a period, or for every odd harmonic of every site above rounding."""
     chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=eps, sites=sites)
     orbit = solve_orbit(chain, Nucleus(1))
     assert orbit.error is not None
@@ -40,7 +40,7 @@ def _balanced(
 ) -> tuple[float, float]:
     """Return the period by harmonic balance, y = Re Σ h_j e^{ijωt}, and its own error.
 
-    The guess is put off by a hundredth, so that the balance is found and not merely confirmed.
+    The initial guess is perturbed by a hundredth, so that the balance is found, not just confirmed.
     """
     count = 8 * odd.size
     waves = np.exp(2j * np.pi * np.outer(odd, np.arange(count)) / count)
@@ -62,7 +62,7 @@ def _balanced(
     omega = 1.01 * (2.0 * math.pi / orbit.period)
     guess = np.concatenate([[omega], h.real.ravel(), h.imag.ravel()])
     found = least_squares(rest, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    # What is left of the balance, through the inverse of its slope, and the last harmonic kept.
+    # The residual of the balance, through the inverse of its slope, plus the last harmonic kept.
     missed = np.linalg.lstsq(np.asarray(found.jac), np.asarray(found.fun), rcond=None)[0]
     period = 2.0 * np.pi / found.x[0]
     last = float(np.abs(parts(found.x)[1][:, -1]).max())
@@ -70,7 +70,7 @@ def _balanced(
 
 
 def fewer_steps(eta: float = 0.08, sites: int = 11) -> Comparison:
-    """Take the steps that this cycle needs, and those that would do for every chain."""
+    """Take as many steps as this cycle needs, or as many as suffice for every chain."""
     chain = VdpChain(a=2.5, b=6.25 * eta, c=0.1, sites=sites)
     few = solve_orbit(chain, Nucleus(1))
     whole = solve_orbit(chain, Nucleus(1), steps=_MAX_STEPS)

@@ -31,9 +31,10 @@ def _moving(c: float, r: float) -> ChainState:
 
 
 def sites_of_the_window(c: float = 0.5, eta: float = 0.03125) -> Comparison:
-    """Follow a front in its window, and in one that holds every site it passes.
+    """Follow a front in its window, and in one that contains every site it passes.
 
-    The cost is the least number of such sites; the run has twice as many, none of which is cut off.
+    The cost is the smallest number of such sites; the run itself has twice as many, so that none is
+    cut off.
     """
     short = simulate_front(c, eta)
     passed = short.window + short.crossing_times.size
@@ -44,7 +45,7 @@ def sites_of_the_window(c: float = 0.5, eta: float = 0.03125) -> Comparison:
 
 
 class EverySite(PiecewiseMotion):
-    """A chain that seeks a crossing at every site and in every interval; or counts only."""
+    """A chain that searches for a crossing at every site and in every interval, or only counts."""
 
     every = True
     sought = 0
@@ -68,13 +69,13 @@ class EverySite(PiecewiseMotion):
 
 
 class SomeSites(EverySite):
-    """The chain as it is, its searches counted."""
+    """The unmodified chain, with its searches counted."""
 
     every = False
 
 
 def crossings_sought(c: float = 0.5, eta: float = 0.03125, count: int = 6) -> Comparison:
-    """Seek a crossing only where a bound on the second derivative allows one, and everywhere."""
+    """Search for a crossing where a bound on the second derivative permits one, or everywhere."""
     r = threshold_ratio(eta)
     found, sought = [], []
     for kind in (SomeSites, EverySite):
@@ -105,7 +106,7 @@ def _apart(one: FloatArray, other: FloatArray) -> float:
 
 
 def steps_between_crossings(c: float = 0.5, eta: float = 0.03125, count: int = 6) -> Comparison:
-    """Move the chain exactly from crossing to crossing, and by Runge-Kutta steps, in ms."""
+    """Propagate exactly from crossing to crossing, or by Runge-Kutta steps; times in ms."""
     r = threshold_ratio(eta)
     start = _moving(c, r)
     exact, spent = timed(lambda: _switchings(PiecewiseMotion(c, r, start), count))
@@ -120,14 +121,14 @@ def steps_between_crossings(c: float = 0.5, eta: float = 0.03125, count: int = 6
 def _stepped_switchings(
     c: float, r: float, start: ChainState, count: int, tolerance: float
 ) -> FloatArray:
-    """Return the switchings by DOP853 on the same twisted ring, started a step after each."""
+    """Return the switchings by DOP853 on the same twisted ring, restarted after each of them."""
     phi, on = start.phi, np.abs(start.phi) > r
     rows: list[tuple[float, int, int, float]] = []
     time, latest = 0.0, None
     slots = np.arange(phi.size)
 
     class Least:
-        """The least gap of any site but the latest; its zero ends an integration."""
+        """The smallest gap of any site but the latest; its zero ends an integration."""
 
         terminal, direction = True, -1.0
 
@@ -158,7 +159,7 @@ CHAIN = VdpChain(a=4, b=0.5, c=0.6, sites=60)
 def sites_at_rest(
     chain: VanDerPolChain = CHAIN, end: float = 600.0, tolerance: float = 1e-9
 ) -> Comparison:
-    """Step the sites that move, and all of them."""
+    """Step only the moving sites, or all of them."""
     start = excite(chain, [1])
     few, whole = (
         simulate(
@@ -172,7 +173,7 @@ def sites_at_rest(
 
 
 def sites_behind(c: float = 0.6, end: float = 3e4, tolerance: float = 1e-9) -> Comparison:
-    """Step 24 sites behind a front, and all that it has passed."""
+    """Step 24 sites behind a front, or all that it has passed."""
     chain = VdpChain(a=4, b=0.5, c=c, sites=300)
     few, whole = (
         simulate(
@@ -186,7 +187,7 @@ def sites_behind(c: float = 0.6, end: float = 3e4, tolerance: float = 1e-9) -> C
 
 
 def _later(one: Trajectory, other: Trajectory) -> float:
-    """Return the largest difference in arrivals; inf if other sites were reached."""
+    """Return the largest difference in arrivals; inf if the sites reached differ."""
     missed = np.isnan(one.arrivals)
     if np.any(missed != np.isnan(other.arrivals)):
         return float("inf")

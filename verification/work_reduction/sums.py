@@ -28,9 +28,9 @@ _PIECE = 4096
 
 
 def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
-    """Sum the roots near the singularities and the tail; sum all one by one until 10^-digits.
+    """Sum the roots near the singularities, plus the tail; or all, one by one, until 10^-digits.
 
-    What the cut-off series still lacks is a tail too; it is added before the two are compared.
+    The truncated series also lacks a tail, which is added before the two are compared.
     """
     few = sum_by_roots(v, c, digits)
     # Far out a term is 1/(v k²), k = 2πν: beyond M on both sides they add up to 1/(2π²vM).
@@ -54,7 +54,7 @@ def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
 
 
 def few_tail_terms(v: float = 0.3, c: float = 0.5, label: int = 9) -> Comparison:
-    """Take the orders of one tail that 15 digits need, and those that 60 need, in ms."""
+    """Use as many orders of one tail as 15 digits need, or as 60 digits need; times in ms."""
     with mp.workdps(2 * _TAIL_DIGITS):
         series = RootSeries(mp.mpf(v), mp.mpf(c), 1)
         few, spent = timed(lambda: tail_sum(series, label, 1, 25))
@@ -64,16 +64,16 @@ def few_tail_terms(v: float = 0.3, c: float = 0.5, label: int = 9) -> Comparison
 
 
 def few_points(c: float = 100.0, tolerance: float = 1e-13) -> Comparison:
-    """Take away the roots beside the path, or give as many points as the strip without roots asks.
+    """Subtract the roots beside the path, or use the number of points that the strip requires.
 
-    At 200 velocities each, at strong coupling; where few points are enough, nothing is taken away.
+    At 200 velocities each, at strong coupling; where few points suffice, nothing is subtracted.
     """
     v = np.geomspace(0.05, 5.0, 200)
     own = sums(v, c, tolerance)
     counts = [plain_points(float(each), c, tolerance)[0] for each in v]
     plain = np.array([_plain_mean(float(each), c, n) for each, n in zip(v, counts, strict=True)])
     changed = np.abs(own.value - (plain - 1.0))
-    # of the plain points: what they leave out, and rounding of terms of order one
+    # of the plain rule: its truncation error, and the rounding of terms of order one
     allowed = own.error + tolerance + 16.0 * _EPS * (1.0 + np.abs(plain))
     worst = int(np.argmax(changed / allowed))
     return Comparison(
@@ -95,7 +95,7 @@ def _plain_mean(v: float, c: float, count: int) -> complex:
 
 
 def double_precision(v: float = 0.3, c: float = 1000.0) -> Comparison:
-    """Sum the roots to 15 digits in double precision, and all of them in mpmath, in ms."""
+    """Sum the roots to 15 digits in double precision, or entirely in mpmath; times in ms."""
     double, spent = timed(lambda: sum_by_roots(v, c, 15))
     precise, whole = timed(lambda: sum_by_roots(v, c, 16))
     changed = float(abs(mp.mpc(double.value) - precise.value))
@@ -105,10 +105,10 @@ def double_precision(v: float = 0.3, c: float = 1000.0) -> Comparison:
 def few_values_of_the_shape(
     c: float = 0.5, eta: float = 0.03125, branch: int = 0, hidden: float = TOLERANCE
 ) -> Comparison:
-    """Decide (47) by slopes, and by values so dense that no violation can hide between them.
+    """Decide (47) by slopes, or by values so dense that no violation can lie between them.
 
-    Between samples h apart a minimum is missed by at most h² max|g''|/8, g = |φ|² - r²; ``hidden``
-    is the largest that may be missed.
+    Between samples at a distance h a minimum is missed by at most h² max|g''|/8, g = |φ|² - r²;
+    ``hidden`` is the largest amount that may be missed.
     """
     r = threshold_ratio(eta)
     v = float(all_velocities(np.array([c]), np.array([2.0 * r])).v[branch])
@@ -116,7 +116,7 @@ def few_values_of_the_shape(
     left, right = verdict.proven_beyond
     grid = ProfileGrid.make(v, c, max(left, right) + 2.0, TOLERANCE)
     zeta, phi = grid.on_lattice(64)
-    inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 0.05)  # not over the kink at 0
+    inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 0.05)  # without the kink at 0
     bend = float(np.abs(np.diff(np.abs(phi) ** 2, 2))[inside[1:-1]].max()) * 64.0**2
     pieces = math.ceil(1.0 / math.sqrt(8.0 * hidden / bend) / _PIECE)
     m = np.arange(-left, right)
@@ -132,9 +132,9 @@ def few_values_of_the_shape(
 
 
 def _shape(grid: ProfileGrid, m: FloatArray, pieces: int) -> Iterator[ComplexArray]:
-    """Yield φ/φ_s at every site m and a piece of the way to the next, shape (len(m), _PIECE).
+    """Yield φ/φ_s at every site m plus a fraction of a site, shape (len(m), _PIECE).
 
-    The bracket of ``ProfileGrid`` grows like e^{af}, the same from one piece to the next.
+    The bracket of ``ProfileGrid`` grows like e^{af}, by the same factor from piece to piece.
     """
     turn = np.exp(1j * np.outer(m, grid.k)) / (2.0 * grid.points)
     late = turn * grid.late
@@ -145,10 +145,10 @@ def _shape(grid: ProfileGrid, m: FloatArray, pieces: int) -> Iterator[ComplexArr
 
 
 def few_values_in_a_search(eta: float = 0.03125, above: float = 1e-8) -> Comparison:
-    """Find every velocity a little above c_fold by slopes, and by a scan that parts the nearest.
+    """Find every velocity just above c_fold by slopes, or by a scan that separates the closest.
 
     Velocities are compared through the cells of the scan in which g changes sign, whose width
-    bounds how far they may be apart; another number of them is infinitely far.
+    bounds their difference; if their numbers differ, the distance is infinite.
     """
     r = threshold_ratio(eta)
     (fold,) = fold_couplings([eta])

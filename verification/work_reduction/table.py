@@ -1,8 +1,8 @@
-"""Work reduction: what is truncated or not computed, how the code decides, and what that gains.
+"""Work reduction: what is truncated or omitted, how the code decides, and what is gained.
 
-Each row states the bound on what the reduction changes, and names the test that holds the result
-with the reduction against the result without it. Both are computed when they are asked for, for the
-same parameters and to the same accuracy.
+Each row states a bound on the change due to the reduction, and names the test that compares the
+results with and without it. Both are computed on request, for the same parameters and to the same
+accuracy.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ _TESTS = "tests/test_work_reduction.py::"
 
 @dataclass(frozen=True, kw_only=True)
 class Reduction:
-    """One truncation, active window or computation that is not made.
+    """One truncation, active window or omitted computation.
 
     Attributes
     ----------
     what : str
-        Roots, tail terms, quadrature points, …
+        What is reduced: roots, tail terms, quadrature points, …
     decided : str
         How the code decides.
     bound : str
-        What the reduction can change at most.
+        Bound on the change due to the reduction.
     unit : str
-        Of the two costs, and in parentheses what is done when nothing is left out.
+        Unit of the two costs and, in parentheses, what is done without the reduction.
     compare : callable
         Computes the result with the reduction and without it.
     test : str
@@ -60,7 +60,7 @@ class Reduction:
     test: str
 
     def measured(self) -> dict[str, Any]:
-        """Compute both sides now; return both costs, and how far the results are apart."""
+        """Compute both sides now; return both costs, and the distance between the results."""
         found = self.compare()
         spent, whole = found.spent, found.whole
         times = f"{whole / spent:.3g} times"

@@ -8,6 +8,7 @@ each is kept apart by a prefix.
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -20,10 +21,12 @@ from fronts.catalogue import EVERY, Command, CommandCall, Map, Measurement, RunC
 from fronts.options import Group, option
 from fronts.output import add_output_options
 from fronts.signatures import Described, described
+from theory.parameters import span
 
 if TYPE_CHECKING:
     from theory.chains.chain import Chain
 
+_RANGE = re.compile(r"from \S+ to \S+")
 _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
 
@@ -72,6 +75,12 @@ class Bound:
             else each
             for each in own
             if each.name not in self.fixed
+        )
+        own = tuple(
+            replace(each, help=_RANGE.sub(span(*_pair(self.call.ranges[each.name])), each.help))
+            if each.name in self.call.ranges
+            else each
+            for each in own
         )
         return self._group("chain.", own, ranged=isinstance(self.call, Map | Measurement))
 
@@ -148,10 +157,20 @@ def _has_sites(chain: type[Chain]) -> bool:
 
 
 def located(where: str) -> Callable[..., Any]:
-    """Return what ``module:name`` names."""
-    module, name = where.split(":")
-    found: Callable[..., Any] = getattr(import_module(module), name)
+    """Return the function or class that ``module:name`` names."""
+    found: Callable[..., Any] = _named(where)
     return found
+
+
+def _pair(where: str) -> tuple[float, float]:
+    """Return the range that ``module:name`` names."""
+    found: tuple[float, float] = _named(where)
+    return found
+
+
+def _named(where: str) -> Any:
+    module, name = where.split(":")
+    return getattr(import_module(module), name)
 
 
 def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:

@@ -7,7 +7,7 @@ the class of the chain (`fronts.signatures`); its answer is the function's resul
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 
@@ -23,11 +23,15 @@ class CommandCall:
         Defaults of this command: parameters that the library requires, or another default.
     hidden : tuple of str
         Parameters that are no options, of the function or of the chain.
+    ranges : mapping of str to str
+        ``module:NAME`` of the range that a field of the chain has in the function, where that is
+        narrower than its own.
     """
 
     function: str
     presets: Mapping[str, Any] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
+    ranges: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -291,7 +295,7 @@ COMMANDS: dict[str, Command] = {
                 cell="theory.cells.friction:FrictionCell",
                 curve="verification.cells.diagram:bifurcation",
             ),
-            "vdp": _VDP_CELL,
+            "vdp": replace(_VDP_CELL, ranges={"eps": "verification.cells.vdp:EPS_RANGE"}),
             "averaged": _VDP_CELL,
             "chain": _OWN_CELL,
         },
@@ -312,7 +316,7 @@ The paper does not say which of a and b is the same for all eta: b = 0.5 is held
 unless --a or another --b is given. Beside a table OUT.csv stand
 OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the boundaries.""",
         calls={
-            "vdp": _VDP_MAP,
+            "vdp": replace(_VDP_MAP, ranges={"eps": "verification.maps.vdp_rules:EPS_RANGE"}),
             "averaged": _VDP_MAP,
             "friction": Map(
                 axes={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
@@ -358,6 +362,11 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
                 function=_THRESHOLD,
                 fixed={"c": 0.0},
                 hidden=("pattern", "method", "perturbation", "seed"),
+            ),
+            "chain": Measurement(
+                function=_THRESHOLD,
+                fixed={"c": 0.0},
+                hidden=("perturbation", "seed", "start_point"),
             ),
             EVERY: Measurement(
                 function=_THRESHOLD,

@@ -93,16 +93,17 @@ def _computed(
             if sites and "sites" not in fields:
                 fields["sites"] = located(sites)(nucleus["size"])
             along = _range_of(fields)
-            if along is not None:
+            if along is not None:  # what follows a branch reads one chain; both ends are checked
                 values = values_of(fields[along])
-                chains = _along(bound, fields, along, values)
-                found = located(traced)(chains, along, values, **arguments) if traced else None
+                ends = _along(bound, fields, along, [values[0], values[-1]])
+                found = located(traced)(ends, along, values, **arguments) if traced else None
                 if found is None:
                     from fronts.curves import curve
 
+                    between = _along(bound, fields, along, values[1:-1])
                     found = curve(
                         function,
-                        chains,
+                        [ends[0], *between, ends[1]],
                         along,
                         values,
                         arguments,
@@ -110,7 +111,7 @@ def _computed(
                         progress=progress,
                     )
                 varied = _varied(bound, along)
-                own = _parameters_of(chains[0]).items()
+                own = _parameters_of(ends[0]).items()
                 shared = {name: value for name, value in own if name != varied}
                 ranged = {along: fields[along]}
                 return found, {"model": bound.model, **shared, **ranged, **parameters}
@@ -199,15 +200,11 @@ def _axes(bound: Bound, given: Mapping[str, Any]) -> dict[str, list[float]]:
 def _along(
     bound: Bound, fields: Mapping[str, Any], along: str, values: Sequence[float]
 ) -> list[Chain]:
-    """Return the chains along one parameter; both ends are checked before any work."""
+    """Return the chains along one parameter."""
     name = _varied(bound, along)
     fixed = {each: value for each, value in fields.items() if each != along}
 
-    def at(value: float) -> Chain:
-        return bound.chain(**fixed, **{name: value})  # type: ignore[misc]
-
-    first, last = at(values[0]), at(values[-1])
-    return [first, *map(at, values[1:-1]), last]
+    return [bound.chain(**fixed, **{name: value}) for value in values]  # type: ignore[misc]
 
 
 def _varied(bound: Bound, along: str) -> str:
@@ -254,7 +251,9 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
         return fields
     if {"a", "b"} & {name for name in fields if hasattr(options, f"chain.{name}")}:
         raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
-    from theory.cells.vdp import checked_eta
+    from theory.cells.vdp import SMALLEST_ETA, checked_eta
+    from theory.chains.vdp import LARGEST_DAMPING
+    from theory.parameters import within
 
     if is_range(eta):
         checked_eta(eta[0])
@@ -263,7 +262,10 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
             "a": 1.0,
             "eta": eta,
         }
-    return {**fields, "a": 1.0, "b": checked_eta(eta)}
+    # b, which is refused by its own name, is not what was given.
+    checked_eta(eta)
+    number = within("eta = b/a^2", eta, SMALLEST_ETA, LARGEST_DAMPING, "give one below 1/8")
+    return {**fields, "a": 1.0, "b": number}
 
 
 def _nucleus(given: Mapping[str, Any]) -> Any:

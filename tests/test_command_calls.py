@@ -276,7 +276,8 @@ def test_options_are_those_of_the_model():
     names = {each.name for each in bound_to("cell vdp").fields.parameters}
     assert {"a", "b", "eps"} <= names
     assert not names & {"c", "sites", "ends"}  # one cell alone has none
-    assert "method" in {each.name for each in bound_to("threshold vdp").own.parameters}
+    for model in ("vdp", "chain"):
+        assert "method" in {each.name for each in bound_to(f"threshold {model}").own.parameters}
     nucleus = {each.name for each in described(Nucleus)}
     assert nucleus == {"size", "pattern", "place"}  # what it was relaxed from is for nobody to say
 

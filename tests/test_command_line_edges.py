@@ -19,9 +19,13 @@ from fronts.arguments import with_values_joined
 from fronts.cli import main
 from fronts.options import options_of
 from fronts.signatures import described, documented
+from theory.cells.friction import FrictionCell
 from theory.cells.vdp import threshold_ratio
+from theory.parameters import span
 from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
+from verification.cells.vdp import EPS_RANGE
+from verification.maps import vdp_rules
 
 
 def _refused(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, str]:
@@ -53,6 +57,32 @@ def test_a_negative_value_is_no_option(capsys, line, quantity, value):
     error = _refused(capsys, line)
     assert set(error) == _FIELDS
     assert (error["quantity"], error["value"]) == (quantity, value)
+
+
+def test_a_range_of_too_many_velocities_is_refused_before_their_cells_are_made(capsys, monkeypatch):
+    made = []
+    check = FrictionCell.__post_init__
+    monkeypatch.setattr(FrictionCell, "__post_init__", lambda cell: made.append(check(cell)))
+    error = _refused(capsys, "cell friction --v-d 1:2:99999")
+    assert error["quantity"] == "number of velocities"
+    assert len(made) < 10
+
+
+@pytest.mark.parametrize("eta", ["0.13", "1e300", "-1"])
+def test_an_eta_out_of_range_is_refused_by_its_own_name(capsys, eta):
+    error = _refused(capsys, f"breather --eta {eta} --c 0.1")
+    assert error["quantity"] == "eta = b/a^2"
+    assert "eta" in error["remedy"] or "such" in error["remedy"] or "1/8" in error["remedy"]
+
+
+@pytest.mark.parametrize(
+    ("command", "range_in_help"),
+    [("cell vdp", EPS_RANGE), ("map vdp", vdp_rules.EPS_RANGE), ("cell averaged", (1e-9, 10.0))],
+)
+def test_the_range_of_eps_in_the_help_is_that_of_the_check(capsys, command, range_in_help):
+    with pytest.raises(SystemExit):
+        main([*command.split(), "--help"])
+    assert f"small parameter, {span(*range_in_help)};" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_profile_from_a_negative_position_in_powers_of_ten(capsys):

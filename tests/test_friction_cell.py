@@ -548,6 +548,23 @@ def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
             friction_cycles.check_slip_cycles(cell, 1e-8)
 
 
+@pytest.mark.parametrize("v_d", [5.0, 7.0, 20.0])
+def test_without_damping_every_slip_gains_energy_however_little(v_d: float) -> None:
+    """Of a fast belt less than rounding shows, which had passed for a stable cycle."""
+    cell = FrictionCell(law="stribeck", xi=0.0, v_d=v_d)
+    friction_cycles.check_slip_cycles(cell, 1e-8)
+    speeds = np.concatenate([-np.geomspace(1e-3, 0.99, 50), np.geomspace(1e-3, 0.99, 50)]) * v_d
+    drop = mp.mpf(cell.mu_st - cell.mu_d)
+    for w in map(mp.mpf, speeds.tolist()):  # w (μ(v_d - w) - μ(v_d)), with digits enough
+        with mp.workdps(800):
+            gain = (
+                w
+                * drop
+                * (mp.exp(-(((v_d - w) / cell.v_s) ** 2)) - mp.exp(-((v_d / cell.v_s) ** 2)))
+            )
+        assert gain > 0
+
+
 def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.0)
     gaps = []

@@ -1109,6 +1109,16 @@ def test_the_error_of_a_loss_of_stability_has_what_a_longer_chain_changes_in_it(
     assert found.stable_to_error == pytest.approx(1e-6 + abs(0.17 - (longer or 0.0)), abs=1e-15)
 
 
+def test_a_search_along_a_branch_reports_how_far_it_is() -> None:
+    parts: list[float] = []
+    found = thresholds.threshold(AVERAGED.replace(sites=9), Nucleus(1), progress=parts.append)
+    assert found.method is ThresholdMethod.ENVELOPE
+    assert len(parts) > 10
+    assert parts == sorted(parts)
+    assert 0.0 < parts[0] < 0.1
+    assert 0.5 < parts[-1] < 1.0
+
+
 def test_half_way_is_the_nearest_point_before_the_fold() -> None:
     points = [SimpleNamespace(parameter=c) for c in (0.01, 0.05, 0.08, 0.15, 0.2, 0.1)]
     branch: Any = SimpleNamespace(points=points, monitored=[(0.0,)] * 5)
@@ -1125,7 +1135,7 @@ def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_l
     def of(chain: Any, nucleus: Nucleus) -> Any:
         made.append(chain.sites)
         longer: Any = SimpleNamespace(
-            branch=lambda: SimpleNamespace(fold=None, points=[], monitored=[]),
+            branch=lambda **_: SimpleNamespace(fold=None, points=[], monitored=[]),
             system=lambda: None, monitor=None,
         )  # fmt: skip
         return family(chain, nucleus) if len(made) == 1 else longer

@@ -195,6 +195,17 @@ positive numbers; give at least one, as [0.1, 0.2].
     return sorted(positive(quantity, each) for each in given)
 
 
+def span(low: float, high: float) -> str:
+    """Return a range in words, for help that cannot differ from the check.
+
+    Examples
+    --------
+    >>> span(1e-9, 10.0)
+    'from 1e-9 to 10'
+    """
+    return f"from {low:g} to {high:g}".replace("e-0", "e-").replace("e+0", "e")
+
+
 def within(
     quantity: str,
     value: SupportsFloat | str,

@@ -51,7 +51,7 @@ def checked_eta(eta: float) -> float:
     ParameterError
         If η is not finite, or below ``SMALLEST_ETA``.
     """
-    remedy = "below it use the limit v = sqrt(c/(8 r)), r = sqrt(2 eta)"
+    remedy = "give such a one; below it v is near the limit sqrt(c/(8 r)), r = sqrt(2 eta)"
     return at_least("eta = b/a^2", eta, SMALLEST_ETA, remedy)
 
 
@@ -68,7 +68,10 @@ def bistable_eta(eta: float) -> float:
     ParameterError
         If η is not in (0, 1/8].
     """
-    allowed, remedy = "greater than 0 and at most 1/8", "beyond 1/8 there are no cycles"
+    allowed, remedy = (
+        "greater than 0 and at most 1/8",
+        "take such a one: beyond there are no cycles",
+    )
     found = number("eta = b/a^2", eta, allowed, remedy)
     if not 0 < found <= ETA_END:
         raise ParameterError("eta = b/a^2", eta, allowed, remedy)

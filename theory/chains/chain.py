@@ -25,6 +25,9 @@ CHAINS: dict[str, type[Chain]] = {}
 """Every model by name; subclasses of :class:`Chain` register themselves."""
 
 MAX_SITES = 1_000_000
+SMALLEST_EPS, LARGEST_EPS = 1e-9, 10.0
+"""Range of the small parameter ε of smooth chains."""
+
 MAX_COUPLING = 1e6
 
 

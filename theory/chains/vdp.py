@@ -16,14 +16,19 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from theory.cells.vdp import ETA_END, eta_from_damping
-from theory.chains.chain import MAX_COUPLING, MAX_SITES, SmoothChain, parameter
+from theory.chains.chain import (
+    LARGEST_EPS,
+    MAX_COUPLING,
+    MAX_SITES,
+    SMALLEST_EPS,
+    SmoothChain,
+    parameter,
+)
 from theory.chains.ends import Ends
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, span
 
 SMALLEST_DAMPING, LARGEST_DAMPING = 1e-100, 1e100
 """Range of a and b; outside it the amplitudes would exceed the range of double precision."""
-
-SMALLEST_EPS, LARGEST_EPS = 1e-9, 10.0
 
 
 def vdp_acceleration(site, left, right, p):  # type: ignore[no-untyped-def]
@@ -102,7 +107,7 @@ class VanDerPolChain(SmoothChain):
     a: float = parameter("damping coefficient a, positive", "a")
     b: float = parameter("damping coefficient b, positive", "b")
     c: float = parameter("coupling, zero or positive", "c")
-    eps: float = parameter("small parameter, from 1e-9 to 10", "ε", 0.01)
+    eps: float = parameter(f"small parameter, {span(SMALLEST_EPS, LARGEST_EPS)}", "ε", 0.01)
     sites: int = parameter("number of sites, from 2", "N", 31)
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
 
@@ -167,7 +172,7 @@ class VanDerPolChain(SmoothChain):
                 "eta = b/a^2",
                 f"{self.eta:.6g}",
                 "below 1/8 where the two limit cycles are needed",
-                "take a larger a or a smaller b",
+                "take a smaller eta, that is a larger a or a smaller b",
             )
 
 

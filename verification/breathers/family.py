@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -95,16 +96,29 @@ class BreatherFamily(ABC):
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - found.marginal, own - found.marginal, other - found.marginal
 
-    def branch(self, c_end: float = 2.0, *, monitored: bool = True) -> ContinuationBranch:
+    def branch(
+        self,
+        c_end: float = 2.0,
+        *,
+        monitored: bool = True,
+        report: Callable[[], None] = lambda: None,
+    ) -> ContinuationBranch:
         """Follow the breather from small c through its fold, recording its growth if ``monitored``.
+
+        If it is recorded, ``report`` is called at each solution.
 
         Raises
         ------
         ParameterError
             If no breather was found at small c.
         """
-        monitor = self.monitor if monitored else None
-        return trace(self.system(), self.start(c_end), c_end, monitor, self.steps_along)
+
+        def monitor(u: FloatArray, c: float) -> tuple[float, ...]:
+            report()
+            return self.monitor(u, c)
+
+        watched = monitor if monitored else None
+        return trace(self.system(), self.start(c_end), c_end, watched, self.steps_along)
 
     def solve(self) -> Breather:
         """Solve for the breather at the coupling of the chain.

@@ -131,7 +131,7 @@ def bifurcation(
     Parameters
     ----------
     cells : sequence of FrictionCell
-        One cell for each value.
+        One cell for each value; the first has the other parameters.
     along : str
         The parameter in which they differ.
     values : sequence of float

@@ -171,11 +171,18 @@ def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
     They are possible under Stribeck's law: its Hopf bifurcations are supercritical where v_d is
     below √1.5 v_s (d³μ/dv³ > 0 there), so that cycles without stick are stable and can meet others.
 
+    Without damping and viscous friction there are none at any v_d: with
+    E = ẏ²/2 + (y - μ(v_d))²/2, the rate dE/dt = ẏ (μ(v_d - ẏ) - μ(v_d)) is positive for ẏ of either
+    sign, since μ decreases at every speed. For a fast belt the gain per turn would be lost in
+    rounding errors.
+
     Raises
     ------
     ParameterError
         If there are any such cycles.
     """
+    if cell.xi == 0.0 and cell.viscous == 0.0:
+        return
     # Slip from the point of release that never sticks again and cannot end in steady sliding must
     # end in a cycle, however close to that point the cycle passes.
     if cell.effective_damping <= 0.0 and largest_after_release(cell, tolerance) <= 0.0:

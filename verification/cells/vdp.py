@@ -16,6 +16,9 @@ from theory.parameters import within
 from verification.cells.result import Cell, CellCycle, CellStatus
 from verification.cells.shooting import ROUNDING, shot_cycles
 
+EPS_RANGE = 1e-4, 1.0
+"""Range of ε; below it the averaged cell is as accurate."""
+
 
 def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     """Return both cycles of a cell.
@@ -44,7 +47,7 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     begin = perf_counter()
     eta_from_damping(a, b)  # refuses what is out of range
     remedy = "give such a value; for smaller ones take the averaged cell, which is their limit"
-    within("small parameter eps", eps, 1e-4, 1.0, remedy)
+    within("small parameter eps", eps, *EPS_RANGE, remedy)
     within("tolerance", tolerance, 1e-13, 1e-6)
     damping = {(0, 0): 1.0, (2, 0): -a, (4, 0): b}
     cycles = shot_cycles(OscillatorCell(stiffness={1: 1.0}, damping=damping), eps, tolerance)

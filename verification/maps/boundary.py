@@ -132,9 +132,10 @@ def _narrowed(
 ) -> tuple[float, float]:
     """Return two values no further apart than ``width``, of which only the first is low.
 
-    If a starting value is given, two values at this distance around it are tried first; as long as
-    both are on the same side, further ones follow at distances that double each time. After that,
-    or if no starting value is given, the bracket is bisected.
+    If a starting value is given, two values are tried first, half of this distance below and above
+    it: if the boundary lies between them, no other is needed. As long as both are on the same side,
+    further ones follow at distances that double each time. After that, or if no starting value is
+    given, the bracket is bisected.
     """
     low, high = ends
     if begins is not None and low < begins < high:

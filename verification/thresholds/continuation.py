@@ -12,18 +12,29 @@ from typing import Any
 
 import numpy as np
 
+from theory.arrays import FloatArray
 from theory.chains.nucleus import MARGIN, Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.families import own_family
 from verification.breathers.family import BreatherFamily
-from verification.continuation.branch import ContinuationBranch, Crossing, Fold, first_crossing
+from verification.continuation.branch import (
+    ContinuationBranch,
+    Crossing,
+    Fold,
+    Monitor,
+    first_crossing,
+)
 from verification.continuation.newton import NotConvergedError, solve_at
+from verification.execution.progress import ProgressCallback
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
 EXTRA = 3
 """Number of sites added on each side to measure the effect of the finite chain on a threshold."""
+
+_SOLUTIONS = 40
+"""Solutions whose growth is looked at, usually: 10 on each branch, 10 at each loss of stability."""
 
 _BEFORE = 1e-6, 1e-4, 1e-2
 """Parts of a coupling by which the rate of a growth is found before it, in order of trial."""
@@ -34,6 +45,7 @@ def breather_threshold(
     nucleus: Nucleus,
     method: ThresholdMethod = ThresholdMethod.ENVELOPE,
     margin: int = MARGIN,
+    progress: ProgressCallback | None = None,
 ) -> BranchThreshold:
     """Follow a breather to its fold, and determine how it loses stability on the way.
 
@@ -49,6 +61,8 @@ def breather_threshold(
         ``envelope`` (ε → 0) or ``orbit``.
     margin : int, optional
         Sites at rest on each side.
+    progress : callable, optional
+        Called with the fraction done, as estimated.
 
     Raises
     ------
@@ -69,22 +83,23 @@ def breather_threshold(
         )
     here = _sized(chain, nucleus, method, margin)
     family = own_family(here, nucleus)
-    branch = family.branch()
+    report = _Report(progress)
+    branch = family.branch(report=report)
     if branch.fold is None:
         raise ParameterError(
             "fold of the breather", "absent up to c = 2", "below c = 2 for a critical coupling",
             "take a larger eta, or bisection, which asks whether the nucleus spreads",
         )  # fmt: skip
     longer = own_family(_sized(chain, nucleus, method, margin + EXTRA), nucleus)
-    other = longer.branch()
+    other = longer.branch(report=report)
     finite = (
         abs(other.fold.parameter - branch.fold.parameter)
         if other.fold is not None
         else branch.fold.parameter
     )
     error = branch.fold.error + finite + family.step_error(branch.fold)
-    crossing = first_crossing(family.system(), branch, family.monitor, 0)
-    beside = first_crossing(longer.system(), other, longer.monitor, 0)
+    crossing = first_crossing(family.system(), branch, report.beside(family.monitor), 0)
+    beside = first_crossing(longer.system(), other, report.beside(longer.monitor), 0)
     at_half = _nearest(branch, 0.5 * branch.fold.parameter)
     mirrored = nucleus.mirrored(here.sites)
     c_stable = _stable_to(crossing, branch.fold)
@@ -109,6 +124,28 @@ def breather_threshold(
         growth_half_way_mirrored=branch.monitored[at_half][1] if mirrored else None,
         seconds=time.perf_counter() - started,
     )
+
+
+class _Report:
+    """Progress by the number of solutions whose growth was looked at."""
+
+    def __init__(self, progress: ProgressCallback | None) -> None:
+        self.progress, self.seen = progress, 0
+
+    def __call__(self) -> None:
+        """Report one more."""
+        self.seen += 1
+        if self.progress is not None:
+            self.progress(self.seen / max(_SOLUTIONS, self.seen + 1))
+
+    def beside(self, monitor: Monitor) -> Monitor:
+        """Return a monitor that reports."""
+
+        def reporting(u: FloatArray, c: float) -> tuple[float, ...]:
+            self()
+            return monitor(u, c)
+
+        return reporting
 
 
 def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -> Any:

@@ -114,7 +114,7 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     perturbation, seed : float and int, optional
         Sweep, hold: standard deviation of the noise on the start, up to 0.1, and its first seed.
     progress : callable, optional
-        Bisection: called with the fraction done.
+        Bisection and continuation: called with the fraction done.
 
     Returns
     -------
@@ -168,10 +168,11 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         raise ParameterError("nucleus", nucleus.size, f"at most {MAX_NUCLEUS} sites", "excite less")
     if isinstance(chain, OscillatorChain) and how is ThresholdMethod.ORBIT:
         _ = chain.stable_amplitude
-        return _at_end_of_branch(chain, nucleus, how, what)
+        return _at_end_of_branch(chain, nucleus, how, what, progress)
     if not isinstance(chain, VanDerPolChain):
+        own = "bisection or orbit" if isinstance(chain, OscillatorChain) else "bisection"
         raise ParameterError(
-            "method", how.value, f"bisection for the model {chain.model}",
+            "method", how.value, f"{own} for the model {chain.model}",
             "take it, or a chain that has breathers of (8) or (43)",
         )  # fmt: skip
     _ = chain.stable_amplitude
@@ -185,7 +186,7 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
                 "leave it out, or take the method hold",
             )  # fmt: skip
         return found
-    return _at_end_of_branch(chain, nucleus, how, what)
+    return _at_end_of_branch(chain, nucleus, how, what, progress)
 
 
 def _at_end_of_branch(
@@ -193,8 +194,9 @@ def _at_end_of_branch(
     nucleus: Nucleus,
     how: ThresholdMethod,
     what: Definition,
+    progress: Callable[[float], None] | None,
 ) -> Threshold:
-    found = breather_threshold(chain, nucleus.relaxed(chain.sites), how)
+    found = breather_threshold(chain, nucleus.relaxed(chain.sites), how, progress=progress)
     return found if what is Definition.EXISTENCE else _of_stability(found)
 
 

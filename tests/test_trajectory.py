@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,6 +53,30 @@ def test_a_run_that_rounding_decides_says_until_when_it_is_resolved() -> None:
     short = simulate(cell, start, run.resolved_until, samples=11)
     assert short.status is RunStatus.RESOLVED
     assert short.resolved_until == run.resolved_until
+
+
+@pytest.mark.parametrize(("apart", "resolved"), [(0.3, True), (0.4, False), (2.0, False)])
+def test_a_run_that_is_not_resolved_may_be_on_the_other_side(apart: float, resolved: bool) -> None:
+    """Two motions on one cycle, as far apart as chance has it: the true one may be opposite."""
+    turn = 2.0 * math.asin(0.5 * apart)
+    first, other = (
+        SimpleNamespace(
+            samples=np.array([[[0.0], [1.0]], [[math.sin(phase)], [math.cos(phase)]]]),
+            sampled_amplitude=np.ones((2, 1)), times=np.array([0.0, 1.0]), chain=FRONT,
+            arrivals=np.zeros(1), counts={}, events={}, log=np.zeros((0, 3)), tolerance=1e-8,
+            method="", level=1.0, least_error=lambda: 0.0, least_arrival_error=lambda: 0.0,
+        )
+        for phase in (0.0, turn)
+    )  # fmt: skip
+    runs: Any = [first, other]
+    found = simulate_module._trajectory(FRONT, runs, 0.0)
+    assert found.error is not None
+    if resolved:
+        assert found.status is RunStatus.RESOLVED
+        assert found.error == pytest.approx(3.0 * apart)
+    else:
+        assert found.status is RunStatus.NOT_RESOLVED
+        assert found.error >= max(2.0, 3.0 * apart) - 1e-12
 
 
 def test_a_resolved_run_says_so_and_without_comparison_nothing_is_claimed() -> None:

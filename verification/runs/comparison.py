@@ -4,11 +4,12 @@ The error of the second run is about a tenth as large, so that the difference is
 within some ten per cent. Three times the difference is stated, because occasionally, where steps
 are limited by stability or a site starts to move between two of them, the finer run is hardly more
 accurate. The second run also starts a few units in the last place away: if the motion is unstable,
-rounding alone grows like e^{λt} whatever the tolerance, and the stated error then shows it. If a
-tenth of the tolerance would be at the level of rounding, the second run uses ten times the
-tolerance instead, and the stated error is some tens of times too large. Since two runs may agree by
-accident, no error is stated below a fraction of the local error allowed per step
-(``Integration.least_error``).
+rounding alone grows like e^{λt} whatever the tolerance, and the stated error then shows it. Where
+the error exceeds the amplitude, the two runs are independent motions of this amplitude, and the
+stated error is the sum of their amplitudes (``simulate``). If a tenth of the tolerance would be at
+the level of rounding, the second run uses ten times the tolerance instead, and the stated error is
+some tens of times too large. Since two runs may agree by accident, no error is stated below a
+fraction of the local error allowed per step (``Integration.least_error``).
 """
 
 from __future__ import annotations

@@ -186,6 +186,8 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
         if np.any(first.arrivals > 0.0):  # arrivals at t = 0 belong to the start and are exact
             arrival_error = max(arrival_error, first.least_arrival_error())
         status, until = _resolution(first, errors)
+        if status is RunStatus.NOT_RESOLVED:
+            error = max(error, _apart(first, other))
         if status is RunStatus.RESOLVED and dict(other.events) != dict(first.events):
             status = RunStatus.EVENTS_DIFFER
     return Trajectory(
@@ -207,10 +209,26 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
     )
 
 
-def _resolution(run: Integration, errors: FloatArray) -> tuple[RunStatus, float]:
-    """Return whether errors stay below the largest amplitude reached so far, and until when."""
+def _away(run: Integration) -> FloatArray:
+    """Return the largest distance of a site from rest at each sample."""
     rest = np.array(run.chain.rest_state)[None, :, None]
-    away = np.hypot(*np.moveaxis(run.samples - rest, 1, 0)).max(axis=-1)
+    away: FloatArray = np.hypot(*np.moveaxis(run.samples - rest, 1, 0)).max(axis=-1)
+    return away
+
+
+def _apart(run: Integration, other: Integration) -> float:
+    """Return a bound on the distance between two independent motions of the size of these runs.
+
+    Where a run is not resolved, the distance of the second run is a matter of chance, and so is
+    three times this distance. Two motions are never further apart than the sum of their largest
+    distances from rest; the factor 1.5 allows for motions larger than those seen in either run.
+    """
+    return 1.5 * float(_away(run).max() + _away(other).max())
+
+
+def _resolution(run: Integration, errors: FloatArray) -> tuple[RunStatus, float]:
+    """Return whether errors stay below the largest distance from rest so far, and until when."""
+    away = _away(run)
     lost = np.flatnonzero(errors > np.maximum.accumulate(away))
     if not lost.size:
         return RunStatus.RESOLVED, float(run.times[-1])

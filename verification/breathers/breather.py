@@ -318,7 +318,9 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
         found,
         error=gap + exact.error + found.error,
         frequency_error=apart + (exact.frequency_error + found.frequency_error),
-        wave_error=turned + (exact.wave_error or 0.0) + wave_error_of(found.error),
+        wave_error=turned
+        + (exact.wave_error or 0.0)
+        + wave_error_of(found.error, found.waves, found.nucleus.outward(found.chain.sites)),
         growth_error=_growth_apart(found, exact),
     )
 

@@ -181,7 +181,7 @@ class RotatingWaves(BreatherFamily):
             growth_error=stability.growth_error,
             error=error,
             frequency_error=here.eps * relative + float(np.finfo(float).eps) * frequency,
-            wave_error=wave_error_of(error),
+            wave_error=wave_error_of(error, phi, self.nucleus.outward(here.sites)),
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,

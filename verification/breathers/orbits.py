@@ -181,18 +181,20 @@ class Orbits(BreatherFamily):
         )
         error = float(np.abs(step).max()) + point.correction
         frequency = 2.0 * math.pi / period
+        waves = first_harmonics(fine.samples)
+        turned = self.nucleus.outward(self.chain.sites)
         return Breather(
             chain=self.chain.replace(c=c),
             nucleus=self.nucleus,
             method=self.method,
             status=BreatherStatus.EXISTS,
             amplitudes=largest_displacements(fine.samples),
-            waves=first_harmonics(fine.samples),
+            waves=waves,
             frequency=frequency,
             growth_error=stability.growth_error if stability.growth_error < math.inf else None,
             error=error,
             frequency_error=frequency * error / period,
-            wave_error=wave_error_of(error * max(1.0, 1.0 / frequency)),
+            wave_error=wave_error_of(error * max(1.0, 1.0 / frequency), waves, turned),
             residual=float(np.abs(coarse.state - state).max()),
             fold=None if fold is None else fold.parameter,
             fold_error=None if fold is None else fold.error,

@@ -20,19 +20,23 @@ from verification.breathers.exponents import BreatherStability
 _UNITS = {"phases": "in units of π", "phases_error": "in units of π", "phase_step": "rad"}
 
 
-def wave_error_of(error: float) -> float:
+def wave_error_of(error: float, waves: ComplexArray, centre: int) -> float:
     """Return the error of the waves from that of the state (y, ẏ), or of both parts of φ.
 
-    While an error δ of y and ẏ rotates, that of the wave is up to √2 δ, and the rotation of all
-    waves that makes the centre real adds as much if no site is larger than the centre. Twice the
-    sum is taken, to allow for sites up to 1.8 times as large and for damping.
+    While an error δ of y and ẏ rotates, that of the wave is up to √2 δ. The rotation of all waves
+    that makes the centre real adds as much, times ρ for a site ρ times as large as the centre. The
+    sum is multiplied by √2 to allow for damping: 2 (1 + ρ) δ, with ρ at least 1.
 
     Examples
     --------
-    >>> wave_error_of(1e-9)
-    4e-09
+    >>> waves = np.array([0.1j, 1.0, 3.0])
+    >>> wave_error_of(1e-9, waves, 2), wave_error_of(1e-9, waves, 1)
+    (4e-09, 8e-09)
     """
-    return 4.0 * error
+    size = np.abs(waves)
+    if size[centre] == 0.0:
+        return math.inf
+    return 2.0 * (1.0 + float(size.max() / size[centre])) * error
 
 
 class BreatherMethod(Status):

@@ -213,7 +213,7 @@ def _at_end(
         amplitudes=amplitudes,
         frequency=frequency if settled else None,
         error=error if known else None,
-        wave_error=wave_error_of(error) if known else None,
+        wave_error=wave_error_of(error, waves, nucleus.outward(chain.sites)) if known else None,
         error_unknown="" if known else status.sentence,
         drift=drifts[-1] if drifts else None,
         time=elapsed,

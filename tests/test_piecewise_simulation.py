@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,10 +17,10 @@ from fronts.cli import main
 from theory.parameters import ParameterError
 from verification.fronts.status import FrontStatus
 from verification.piecewise import chain as piecewise_chain
-from verification.piecewise import simulation
+from verification.piecewise import simulation, verdict
 from verification.piecewise import window as piecewise_window
 from verification.piecewise.chain import PiecewiseMotion, Switching
-from verification.piecewise.crossing import first_zero
+from verification.piecewise.crossing import FirstZero, first_zero
 from verification.piecewise.simulation import SMALLEST_ETA, hysteresis, simulate_front
 from verification.piecewise.window import (
     ChainState,
@@ -217,6 +218,25 @@ def test_a_moving_start_is_a_little_faster_than_the_fastest_wave_that_fits(c, et
     assert excess[0] * excess[1] < 0
     faster = [abs(kinetic_sum(v * part, c)) - 2 * ratio(eta) for part in np.geomspace(1, 5, 30)]
     assert len(set(np.sign(faster))) == 1
+    state = simulation._start_state(c, ratio(eta), "moving", None)
+    assert np.array_equal(state.phi, travelling_state(c, v, len(state.phi)).phi)
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.1, 0.1), (0.3, 0.05)])
+def test_where_no_wave_fits_the_start_is_the_advancing_one_that_comes_nearest(c, eta):
+    v = starting_velocity(c, ratio(eta))
+    assert v > 0
+    tried = np.geomspace(0.05, 6.0, 200) * c / (1 + 0.3 * math.sqrt(c))
+    off = [abs(kinetic_sum(u, c)) - 2 * ratio(eta) for u in tried]
+    assert len(set(np.sign(off))) == 1
+    assert abs(abs(kinetic_sum(v, c)) - 2 * ratio(eta)) <= 1.01 * min(map(abs, off))
+
+
+@pytest.mark.parametrize("v", [0.0, 1e-3, -0.7, 40.0])
+@pytest.mark.parametrize("c", [1e-6, 1e-4, 0.02, 0.5, 30.0, 1e3])
+def test_the_tails_of_a_front_decay_at_the_rate_of_its_strip(c, v):
+    s = piecewise_window.decay_rate(c, v)
+    assert c * math.sinh(s) + abs(v) * s == pytest.approx(15 / 32, rel=1e-13)
 
 
 def test_a_start_at_the_kinetic_velocity_stays_on_it():
@@ -248,6 +268,7 @@ def test_a_window_moved_or_widened_shows_the_same_chain(sites):
         assert not changed.on[last - changed.origin :].any()
         assert np.abs(changed.phi[: first - changed.origin] - 1).max(initial=0.0) < 1e-6
         assert np.abs(changed.phi[last - changed.origin :]).max(initial=0.0) < 1e-6
+    assert [len(widened(before, asked).phi) for asked in (100, 300, 301)] == [256, 300, 301]
 
 
 def test_round_off_moves_a_crossing_by_its_size_over_the_rate_of_the_modulus():
@@ -280,6 +301,42 @@ def test_a_site_stands_at_the_threshold_when_it_switches(c):
         if isinstance(step, Switching) and not step.sliding:
             after = chain.state()
             assert abs(abs(after.phi[after.latest]) - 0.5) < 2e-15
+            assert after.latest == step.site  # of a state that says nothing else, counted from 0
+
+
+def test_a_site_that_slides_switches_with_a_relay_for_as_long_as_it_is_at_the_threshold():
+    """It is 1e-4 wide, of r²; a switching that does not slide leaves those of other sites."""
+    c, r = 5.0, ratio(0.005)
+    chain = PiecewiseMotion(c, r, travelling_state(c, starting_velocity(c, r), 512))
+    slid = set()
+    for _ in range(80):
+        step = chain.advance(1e3)
+        after = chain.state()
+        past = np.abs(after.phi) ** 2 / r**2 - 1
+        expected = 1e-4 * step.direction if step.site in slid else 0.0
+        assert past[after.latest] == pytest.approx(expected, abs=1e-9)
+        assert not chain._relay[np.abs(past) > 4e-4].any()
+        (slid.add if step.sliding else slid.discard)(step.site)
+    assert len(slid) > 20
+    front = PiecewiseMotion(0.5, 0.5, travelling_state(0.5, 0.3, 128))
+    front._relay[5], front._relaying = 1e-4, True
+    assert not front._switch(40, 0.0, 0.0).sliding
+    assert front._relaying
+
+
+def test_near_tangencies_of_all_sites_are_counted(monkeypatch):
+    asked = []
+
+    def grazing(*given):
+        asked.append(given)
+        found = first_zero(*given)
+        return FirstZero(found.at, found.grazes + 1)
+
+    monkeypatch.setattr(piecewise_chain, "first_zero", grazing)
+    chain = PiecewiseMotion(0.5, ratio(0.03125), step_state(96))
+    for _ in range(5):
+        chain.advance(1e3)
+    assert chain.grazes == len(asked) > 0
 
 
 def test_a_clean_front_grazes_nothing():
@@ -320,6 +377,21 @@ def test_a_zero_scales_with_its_polynomial(scale, stretch):
 
 def test_a_polynomial_below_zero_from_the_start_is_there_at_once():
     assert first_zero([-1.0, 1.0], 2.0).at == 0.0
+
+
+@pytest.mark.parametrize("power", range(20, 47, 2))
+def test_a_shallow_zero_is_found_to_round_off_over_its_slope(power):
+    """(x - ½)² = δ, all numbers exact; to some parts in 1e16 of its terms over 2√δ."""
+    deep = 2.0**-power
+    found = first_zero([0.25 - deep, -1.0, 1.0], 1.0)
+    assert abs(found.at - (0.5 - math.sqrt(deep))) <= 1e-16 / math.sqrt(deep)
+
+
+def test_a_zero_without_a_slope_is_found_where_the_polynomial_is_surely_below():
+    for p, at in (([0.125, -0.75, 1.5, -1.0], 0.5), ([0.0, 0.0, -1.0], 0.0)):  # (½ - x)³, -x²
+        found = first_zero(p, 1.0)
+        assert found.at == pytest.approx(at, abs=1e-3)
+        assert found.grazes >= 1
 
 
 def test_no_zero_is_missed_by_the_polynomial_search():
@@ -506,11 +578,20 @@ def test_a_start_without_both_equilibria_is_refused():
         simulate_front(0.5, 0.03125, broken)
     with pytest.raises(ParameterError):
         simulate_front(0.5, 0.03125, "sideways")
+    with pytest.raises(ParameterError, match="16 sites"):
+        simulate_front(0.5, 0.03125, step_state(16))
+    for end, off in ((0, 1.5e-3), (-1, 1.5e-3j)):
+        shifted = step_state(64)
+        shifted.phi[end] += off
+        with pytest.raises(ParameterError, match=r"with an end 0\.0015 off"):
+            simulate_front(0.5, 0.03125, shifted)
 
 
 def test_a_window_too_long_to_follow_is_refused_before_any_work():
-    with pytest.raises(ParameterError):
-        piecewise_window.window_length(1e4, 1.0, 1e-15)
+    for c in (350.0, 1e4):  # of which the first needs some more sites than are allowed
+        with pytest.raises(ParameterError, match="32768 sites"):
+            piecewise_window.window_length(c, 1.0, 1e-15)
+    assert piecewise_window.window_length(300.0, 1.0, 1e-15) > 2**14
 
 
 def test_the_command_prints_the_promised_json(capsys):
@@ -577,7 +658,7 @@ def test_a_front_is_judged_by_the_tolerance_that_was_asked_for(monkeypatch):
     assert 0.0 <= seconds < 600.0
 
 
-@pytest.mark.parametrize("size", [0.06, 600.0, 1400.0])
+@pytest.mark.parametrize("size", [0.6e-4, 600.0, 1400.0])
 def test_a_start_may_be_far_slower_or_faster_than_any_front(size, monkeypatch):
     """From c/10000 to 1000 (1 + c)."""
     made = []
@@ -609,3 +690,81 @@ def test_the_bound_on_the_second_derivative_is_reached_by_a_single_mode(mode):
     h = 1e-4
     second = (square(h) - 2 * square(0.0) + square(-h)) / h**2
     assert 0.999 * bound < second < 1.001 * bound
+
+
+def made_history(waits, monkeypatch, **given):
+    """A record of the front after so many waits, with a window of 100 sites and a zone of 10."""
+    made = verdict.History.__new__(verdict.History)
+    chain = SimpleNamespace(threshold=0.5, sites=100, grazes=0, state=lambda: None)
+    vars(made).update(
+        chain=chain, coupling=0.5, events=7, sliding=0, zone=10, _jitter=0.0,
+        _waits={1: [0.0, *waits], -1: []}, _counts={1: list(range(len(waits) + 1)), -1: []},
+        _slides={1: [0] * (len(waits) + 1), -1: []},
+    )  # fmt: skip
+    vars(made).update(given)
+    asked = []
+    monkeypatch.setattr(verdict, "truncation_bound", lambda *of: asked.append(of) or 0.0)
+    return made, asked
+
+
+@pytest.mark.parametrize("noise", [3e-10, 1e-8])
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_motion_repeats_where_periods_do_to_a_part_in_1e9(unit, noise):
+    rng = np.random.default_rng(8)
+    periods = np.tile([1.0, 1.2, 0.7], 40) + noise * rng.uniform(-1, 1, 120)
+    assert verdict._repeat(unit * periods) == (3 if noise < 1e-9 else None)
+
+
+def test_motion_without_a_repeat_has_the_velocity_of_its_second_half_and_the_spread_of_its_fifths(
+    monkeypatch,
+):
+    waits = 2.0 + np.random.default_rng(9).uniform(-0.5, 0.5, 600)
+    made, asked = made_history(waits, monkeypatch)
+    found = made.verdict(None, 1e-9, 0.0)
+    half = waits[300:]
+    assert (found.status, found.repeat) == (FrontStatus.UNSTEADY, None)
+    assert found.v == pytest.approx(1 / half.mean(), rel=1e-12)
+    fifths = 1 / half.reshape(5, 60).mean(axis=1)
+    assert found.error == pytest.approx(np.ptp(fifths) / 2, rel=1e-9)
+    assert asked == [(0.5, found.v, 90)]
+
+
+@pytest.mark.parametrize("blocks", [4, 9, 14])
+@pytest.mark.parametrize("shrink", [0.3, 0.7, 0.9])
+def test_the_error_of_a_settling_period_bounds_its_distance_from_the_limit(
+    shrink, blocks, monkeypatch
+):
+    """Deviations fall by a factor in each block: the limit is known."""
+    n = np.arange(blocks * verdict.BLOCK)
+    waits = 2.0 * (1 + 0.01 * shrink ** (n / verdict.BLOCK))
+    made, _ = made_history(waits, monkeypatch)
+    off = waits[-verdict.BLOCK :].mean() / 2.0 - 1
+    assert off <= made._relative_error(made._spreads()) < 10 * off
+
+
+def test_spreads_fall_where_the_largest_of_each_group_does():
+    beats = np.tile([1.0, 0.8, 0.5, 0.2, 0.0], 3)  # the smallest are zero throughout
+    falling = np.repeat([1.0, 0.5, 0.25], 5)
+    assert verdict._shrinks(beats * falling)
+    assert not verdict._shrinks(beats)
+    assert not verdict._shrinks((beats * falling)[1:])
+    ends = np.where(np.arange(15) % 5 == 4, falling, 1.0)  # the smallest of each group falls
+    assert not verdict._shrinks(ends)
+
+
+def test_a_site_is_looked_at_if_a_parabola_of_the_largest_bend_can_cross_between_samples(
+    monkeypatch,
+):
+    """Of x(h - x)F/2, the depth below its chord is F h²/8."""
+    asked = []
+
+    def all_clear(motion, gap, least, *_):
+        asked.append(least)
+        return np.zeros((len(gap) - 1, motion.sites), dtype=bool)
+
+    monkeypatch.setattr(PiecewiseMotion, "_suspects", all_clear)
+    motion = PiecewiseMotion(50.0, 0.3, step_state(64))
+    step, bend, _ = motion._sampling_step()
+    x = np.linspace(0.0, step, 101)
+    motion.advance(0.0)
+    assert asked == [pytest.approx((0.5 * bend * x * (step - x)).max(), rel=1e-12)]

@@ -752,7 +752,7 @@ def test_spreads_fall_where_the_largest_of_each_group_does():
     assert not verdict._shrinks(ends)
 
 
-def test_a_site_is_looked_at_if_a_parabola_of_the_largest_bend_can_cross_between_samples(
+def test_a_site_is_looked_at_if_a_parabola_of_the_largest_bend_can_cross(
     monkeypatch,
 ):
     """Of x(h - x)F/2, the depth below its chord is F h²/8."""

@@ -4,11 +4,12 @@ import ast
 import bisect
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
+from verification.execution import metadata
 from verification.execution.digest import (
     DRAWING,
     code_of_objects,
@@ -17,6 +18,7 @@ from verification.execution.digest import (
 )
 from verification.execution.imports import closure, imports_of, shape, source_of
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
+from verification.execution.task import parameters_of
 
 OURS = ("timed_code",)
 
@@ -201,3 +203,27 @@ def test_what_differs_is_named_with_both_values_where_these_are_short():
     )
     inner = differences({"run": {"c": 1, "d": [2]}, "v": {}}, {"run": {"c": 2, "d": [2]}, "v": 3})
     assert inner == "run.c: 1 there, 2 here; v: {} there, 3 here"
+
+
+def test_a_function_is_told_from_another_by_what_it_has_as_defaults_or_captured():
+    """What a store holds of one must not be taken for results of the other."""
+
+    def made(size, power, shift):
+        def task(c, size=size, *, power=power):
+            return float(size * c**power + shift)
+
+        return task
+
+    plain = made(2.0, 3.0, 0.5)
+    assert parameters_of(plain) == parameters_of(made(2.0, 3.0, 0.5))
+    for other in (made(4.0, 3.0, 0.5), made(2.0, 4.0, 0.5), made(2.0, 3.0, 4.0)):
+        assert parameters_of(other) != parameters_of(plain)
+
+
+def test_the_processor_is_that_of_python_where_the_system_does_not_name_it(
+    monkeypatch,
+):
+    monkeypatch.setattr(metadata, "Path", lambda _: SimpleNamespace(is_file=lambda: False))
+    for said, shown in (("arm", "arm"), ("", "unknown")):
+        monkeypatch.setattr("platform.processor", lambda said=said: said)
+        assert metadata._processor.__wrapped__() == shown

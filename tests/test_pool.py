@@ -54,7 +54,9 @@ def test_items_are_handed_over_as_others_are_answered(monkeypatch: pytest.Monkey
 def test_an_item_that_kills_its_worker_takes_no_other_with_it() -> None:
     items = [3, 0, 1, 2, *range(4, 12)]  # most of them wait when the first one kills the pool
     found = dict(answers(pool_example.deadly, items, workers=2))
-    assert isinstance(found.pop(0), WorkerDiedError)
+    died = found.pop(0)
+    assert isinstance(died, WorkerDiedError)
+    assert str(died).endswith("with workers=1 no process is started.")
     assert found == {index: item**2 for index, item in enumerate(items) if item != 3}
 
 

@@ -253,7 +253,7 @@ def test_a_branch_of_orbits_begins_below_what_is_asked_for(
     family: Any = Orbits(CHAIN, Nucleus(1))
     assert family.start(1.0, 0.05) is begun
     assert family.start(1.0, 0.01) == "last"
-    assert asked[0][1:3] == (begun, 0.01)
+    assert asked[0][1:] == (begun, 0.01, None, orbits.FIRST_STEPS)
     assert callable(asked[0][0])
 
 
@@ -284,6 +284,20 @@ def test_the_error_of_an_averaged_breather_holds_rounding_where_the_cycles_meet(
     )
     assert small == pytest.approx(2.0, rel=1e-5)
     assert near == pytest.approx(1e4, rel=1e-3)
+
+
+@pytest.mark.parametrize("eps", [0.01, 1.0])
+def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(eps: float) -> None:
+    """Of Newton's method nothing is left: by the roundings of φ, relative to it, and by its own."""
+    chain = AveragedChain(a=1.0, b=0.125 * (1.0 - 1e-6), c=0.001, eps=eps, sites=5)
+    family = RotatingWaves(chain, Nucleus(1))
+    phi = Nucleus(1).envelope(chain) / family.unit
+    u = np.concatenate([phi.real, phi.imag, [chain.c]])
+    found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1), 0.0)
+    assert found.error is not None
+    share = found.error / np.abs(found.waves).max()
+    assert share > 1000.0 * EPSILON  # the cycles nearly meet
+    assert found.frequency_error == pytest.approx(eps * share + EPSILON * found.frequency)
 
 
 @pytest.mark.parametrize("size", [1.0, 1e3])
@@ -318,6 +332,20 @@ def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
     found = floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
     assert 4e-6 <= found.error < 4.1e-6  # of four even modes
     assert found.growth == pytest.approx(math.log(0.9) / (CHAIN.eps * 2.0 * math.pi / 1.25))
+
+
+@pytest.mark.parametrize("entry", [math.inf, math.nan])
+def test_variations_along_sinusoids_that_overflow_in_any_part_are_refused(
+    entry: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    matrix = np.eye(6)
+    matrix[4, 1] = entry
+    monkeypatch.setattr(
+        floquet, "integrate_along_sinusoids", lambda *_, **__: SimpleNamespace(monodromy=matrix)
+    )
+    closed: Any = SimpleNamespace(alpha_0=1.0, amplitudes=np.ones, phase_step=0.1, frequency=1.25)
+    with pytest.raises(ParameterError, match="small enough to follow variations"):
+        floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
 
 
 def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
@@ -555,6 +583,26 @@ def test_the_period_of_an_orbit_is_what_was_solved_for() -> None:
         assert _breather(method, frequency=2.0, unknowns=unknowns).period == period
 
 
+def test_of_a_breather_that_does_not_exist_nothing_has_been_solved_for() -> None:
+    none = _breather(BreatherMethod.ORBIT)
+    arrays = (none.unknowns, none.state, none.amplitudes, none.waves, none.phases)
+    assert [each.size for each in arrays] == [0] * 5
+    assert none.multipliers is None
+
+
+def test_waves_are_apart_by_those_of_the_sites_that_both_chains_have_whichever_is_longer() -> None:
+    """Both turned so that their centres are real; of the first, what is beyond counts whole."""
+    few, many = np.array([1j, 2j, 1.25j]), np.array([7.0, 0.5, 3.0, -8.0, -3.0, 1.0, 7.0])
+    of = BreatherMethod.ENVELOPE
+    short, long = (
+        replace(_breather(of, waves=waves + 0j), chain=replace(CHAIN, sites=waves.size))
+        for waves in (few, many)
+    )
+    assert breathers._turned_gap(short, long) == pytest.approx(6.0)  # 2 and 8 at the centre
+    assert breathers._turned_gap(long, short) == pytest.approx(7.0)  # beyond the other chain
+    assert breathers._turned_gap(short, short) == 0.0
+
+
 def test_the_phase_step_is_from_the_last_site_of_the_nucleus_to_the_next() -> None:
     waves = np.exp(1j * np.array([0.1, 0.4, 0.9]))
     of = BreatherMethod.ENVELOPE
@@ -685,6 +733,21 @@ def test_a_run_of_the_chain_ends_as_one_of_its_average_does(
     assert found.time == pytest.approx(sum(times[:-1]))
     assert found.time == pytest.approx(8.0 * (2.0 * math.pi + (blocks - 1) * 6.5))
     assert found.drift == (None if not measured else drifts[-1])
+
+
+def test_a_run_of_the_chain_is_refused_where_its_step_is_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class BegunError(Exception): ...
+
+    def begun(*_: object) -> Any:
+        raise BegunError
+
+    monkeypatch.setattr(run, "integrate_chain", begun)
+    with pytest.raises(BegunError):
+        run.run_breather(replace(CHAIN, eps=0.2), Nucleus(1))
+    with pytest.raises(ParameterError, match=r"eps = 0\.2001 .* at most 0\.2 "):
+        run.run_breather(replace(CHAIN, eps=0.2001), Nucleus(1))
 
 
 @pytest.mark.parametrize("size", [1, 3])

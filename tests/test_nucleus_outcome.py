@@ -90,6 +90,9 @@ def test_two_runs_are_the_same_until_the_first_site_that_joins_at_another_time(o
     assert _same_until(one, one, 90.0) == 90.0
     late = np.where(np.isnan(one), 70.0, one)
     assert _same_until(one, late, 90.0) == 70.0
+    # One unit of slow time is allowed for.
+    assert _same_until(one, one + 0.99, 90.0) == 90.0
+    assert _same_until(one, one + 1.01, 90.0) == 0.0
 
 
 def test_where_a_mirrored_nucleus_stands_it_is_the_periodic_orbit_of_its_size() -> None:
@@ -150,6 +153,15 @@ def test_one_long_pause_makes_creep_of_a_front() -> None:
     assert evolution(even, 150.0, 7).outcome is NucleusOutcome.FRONT
     assert evolution(late, 300.0, 7).outcome is NucleusOutcome.CREEP
     assert evolution(even + 0.9 * 90 * (even > 0), 300.0, 7).outcome is NucleusOutcome.CREEP
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_a_chain_that_has_been_filled_is_no_larger_nucleus_in_whatever_unit(unit: float) -> None:
+    """Its ends have joined, and there is nothing left to join."""
+    filled = unit * np.array([0.9, 0.6, 0.3, 0.0, 0.3, 0.6, 0.9])
+    found = evolution(filled, 2.0 * unit, 7, pause=0.4 * unit)
+    assert found.outcome is NucleusOutcome.FRONT
+    assert found.longest_pause == pytest.approx(0.3 * unit)
 
 
 def test_a_nucleus_wider_than_the_chain_is_refused() -> None:

@@ -128,6 +128,20 @@ def test_rates_of_motion_and_tangents_are_those_of_the_equation(springs: str) ->
     np.testing.assert_allclose(found[:, 3], apart / (2.0 * size), atol=1e-7)
 
 
+def test_tangents_of_a_cell_whose_slopes_are_the_same_everywhere_are_those_of_every_site() -> None:
+    """Without a nonlinear spring that by y is a number, and no array of sites."""
+    chain = OscillatorChain(damping="a*v**2 - 1", values={"a": 2.0}, c=0.3, eps=0.5, sites=3)
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 2.0 * v**2 - 1.0, pull_matrix(3), c=0.3, eps=0.5
+    )
+    columns = np.random.default_rng(5).normal(size=(6, 3))
+    found = _rate_of(chain)(columns)
+    state, along, size = columns[:, 0], columns[:, 1], 1e-6
+    np.testing.assert_allclose(found[:, 0], rate(0.0, state), rtol=1e-13, atol=1e-13)
+    apart = rate(0.0, state + size * along) - rate(0.0, state - size * along)
+    np.testing.assert_allclose(found[:, 1], apart / (2.0 * size), atol=1e-7)
+
+
 def test_a_motion_and_its_tangents_are_stepped_by_dop853() -> None:
     chain = OscillatorChain(**PAPER, c=0.3, eps=0.5, sites=3)
     rate = oscillator_rate(
@@ -223,7 +237,7 @@ def test_a_branch_is_followed_of_alike_sites_along_a_line_only() -> None:
 
 
 def test_a_nucleus_that_spreads_has_no_orbit_and_an_overdamped_cell_none_at_all() -> None:
-    with pytest.raises(ParameterError, match="the nucleus stays as it is"):
+    with pytest.raises(ParameterError, match="stays as it is: after 40 units of slow time"):
         breather(OscillatorChain(**PAPER, c=0.6, sites=9))
     with pytest.raises(ParameterError, match="orbit for a chain of your own"):
         breather(OscillatorChain(**PAPER, c=0.1, sites=9), method="simulation")

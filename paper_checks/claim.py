@@ -1,11 +1,11 @@
-"""A claim of the paper: evidence, rule, figure and text, and what comes of them in a run.
+"""A claim of the paper: evidence, rule, figure and text, and the finding they lead to in a run.
 
-A claim is four short things in one place. Its *evidence* computes and returns a frozen dataclass;
-its *rule* reads a verdict from evidence, in a few lines that the tests hold against made-up
-evidence; its *figure* draws evidence; its *text* stands beside the code, the words of the paper
-and a template of what we found (``paper_checks.prose``). `Claim.beside` takes a claim from its
-text, and `Claim.found` applies rule, figure and text to evidence. The rules of judging are in
-``paper_checks.ruling``.
+A claim consists of four short parts. Its *evidence* is computed and returned as a frozen dataclass.
+Its *rule*, a few lines that the tests check with artificial evidence, derives a verdict from the
+evidence. Its *figure* draws the evidence. Its *text*, in a file next to the code, contains the
+words of the paper and a template of what we found (``paper_checks.prose``). `Claim.beside` reads a
+claim from its text, and `Claim.found` applies rule, figure and text to evidence. The rules of
+judging are in ``paper_checks.ruling``.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ _METHOD = re.compile(r"(?P<words>[^\[]+) \[(?P<code>[\w.]+:\w+)\](?:, for (?P<co
 
 @dataclass(frozen=True)
 class Method:
-    """A way to the result, with the code that takes it.
+    """A method that leads to the result, with a reference to its code.
 
     Attributes
     ----------
     words : str
-        What is done, in the field's words.
+        What is done, in standard terms.
     code : str
-        Where, as ``package.module:function``. The methods of one claim share no engine; see
-        ``paper_checks.independence``.
+        Reference to its code, as ``package.module:function``. The methods of one claim share no
+        engine; see ``paper_checks.independence``.
     covers : str
-        The part of the evidence that it covers; empty for all of it.
+        The part of the evidence that the method covers; empty for all of it.
     """
 
     words: str
@@ -48,12 +48,12 @@ class Method:
 
     @classmethod
     def of(cls, text: str) -> Self:
-        """Return the method that is written as ``WORDS [CODE]`` or ``WORDS [CODE], for PART``.
+        """Return the method described as ``WORDS [CODE]`` or ``WORDS [CODE], for PART``.
 
         Raises
         ------
         ValueError
-            If it is written otherwise.
+            If the description has another form.
 
         Examples
         --------
@@ -76,12 +76,12 @@ class Method:
 
 @dataclass(frozen=True)
 class Repeat:
-    """Another place of the paper that says the same; listed under the claim, not counted again.
+    """Another passage of the paper that says the same; listed under the claim, not counted again.
 
     Attributes
     ----------
     place, quote : str
-        Where, and the words.
+        The place and the words.
     """
 
     place: str
@@ -89,7 +89,7 @@ class Repeat:
 
 
 _SAID = {"place", "quote", "statement", "recorded", "command"}
-"""Fields of a claim that every text has."""
+"""Fields of a claim that every text contains."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,40 +101,40 @@ class Claim:
     key : str
         Short unique name, as in ``fronts check KEY``.
     place : str
-        Where in the paper: equation, figure, section.
+        Place in the paper: equation, figure, section.
     quote : str
-        The few words of the paper that are judged, mathematics between dollar signs. For a
+        The few words of the paper that are judged, with mathematics between dollar signs. For a
         displayed equation the equation itself is shown.
     statement : str
-        The claim in one short sentence, which adds nothing to the quote.
+        The claim in one short sentence that adds nothing to the quote.
     printed : str or None
-        The paper's value where it gives one; the parameters of a figure as ``at a = 4, …``.
+        The paper's value, if it gives one; the parameters of a figure as ``at a = 4, …``.
     recorded : Verdict
-        The verdict on record; a run that finds another one says so and exits with 1.
+        The recorded verdict; a run that arrives at another one says so and exits with code 1.
     command : str
         A shell command that reproduces the number.
     evidence : callable
-        Computes what the verdict is read from, and returns it as a frozen dataclass.
+        Computes the evidence for the verdict, and returns it as a frozen dataclass.
     rule : callable
-        Reads the ruling from the evidence. The template of the prose is the file beside its
-        module with the suffix ``.md``, in it the section of the claim's key.
+        Derives the ruling from the evidence. The template of the prose is the section with the
+        claim's key in the file beside its module with the suffix ``.md``.
     methods : tuple of Method
         One or two.
     figure : callable, optional
-        Draws the evidence: pictures whose captions come from the template.
+        Draws the evidence; the captions of the pictures come from the template.
     formulas, erratum : callable, optional
-        For equations: what is typeset, and the line of the errata where no template gives it.
+        For equations: what is typeset, and the erratum if no template provides it.
     repeats : tuple of Repeat
-        Other places that say the same.
+        Other passages that say the same.
     weight : int
-        Importance to a reader: 0 for a detail, 1 by default, 2 for what the paper rests on.
+        Importance to a reader: 0 for a detail, 1 by default, 2 for a foundation of the paper.
     expensive : bool
-        Whether the quick run may show a finding shipped with the toolkit; for claims that take
-        more than about five seconds. See ``paper_checks.shipped``.
+        Whether the quick run may show a finding shipped with the toolkit; for claims that take more
+        than about five seconds. See ``paper_checks.shipped``.
     shared : callable, optional
-        Work that it shares with other claims and that is kept after the first call, as a
-        derivation is. It is called first and its time is stated apart, so that the first claim
-        judged does not seem to take it all.
+        Work that it shares with other claims and that is cached after the first call, such as a
+        derivation. It is called first, and its time is stated separately, so that it is not
+        attributed to the first claim judged.
     """
 
     key: str
@@ -162,14 +162,14 @@ class Claim:
         Parameters
         ----------
         key : str
-            Its key, and the section of the text.
+            Its key, which is also the heading of its section in the text.
         rule, **judging
             The fields that are code: evidence, figure, weight and so on.
 
         Raises
         ------
         ValueError
-            If a field is missing in the text, or one is there that a claim has not.
+            If a field is missing in the text, or is there but does not exist in a claim.
         """
         fields = words(rule.__module__, key)
         said = {name: value for name, value in fields if name not in ("by", "also")}
@@ -191,15 +191,15 @@ class Claim:
         )
 
     def found(self, evidence: Any) -> Finding:
-        """Return the finding that some evidence leads to.
+        """Return the finding that the given evidence leads to.
 
         Raises
         ------
         ValueError
-            If the ruling names a part that is not in the quote, or the template lacks something.
+            If the ruling names a part that is not in the quote, or the template is incomplete.
         """
         ruling = self.rule(evidence)
-        if plain(ruling.part) not in plain(self.quote):  # without a part there is nothing to find
+        if plain(ruling.part) not in plain(self.quote):  # an empty part is always contained
             raise ValueError(f"{self.key}: '{ruling.part}' is not a part of the quote.")
         prose = written(self.rule.__module__, self.key, evidence)
         pictures = tuple(
@@ -225,7 +225,7 @@ class Claim:
 
 
 def plain(text: str) -> str:
-    """Return text without mathematics' dollar signs and extra spaces, for comparison.
+    """Return text without the dollar signs of mathematics and extra spaces, for comparison.
 
     Examples
     --------

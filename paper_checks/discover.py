@@ -1,4 +1,4 @@
-"""Find the claims: every module of ``paper_checks.claims`` that exposes ``CLAIMS``."""
+"""Discovery of the claims: every module of ``paper_checks.claims`` that exposes ``CLAIMS``."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from verification.execution.discovery import modules_of
 from verification.pictures.figures import NAME
 
 PACKAGE = "paper_checks.claims"
-"""Where the claims of the paper live."""
+"""The package that contains the claims of the paper."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A claim and the module that holds it.
+    """A claim and the module that contains it.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Entry:
 
 
 class UnknownKeyError(ValueError):
-    """A key that names neither a claim nor a group of claims."""
+    """A key that is neither that of a claim nor that of a group of claims."""
 
 
 def find_entries(package: str | None = None) -> tuple[Entry, ...]:
@@ -40,13 +40,13 @@ def find_entries(package: str | None = None) -> tuple[Entry, ...]:
     Parameters
     ----------
     package : str, optional
-        Dotted name of the package; by default `PACKAGE`. Modules whose name starts with an
-        underscore are skipped: they are for code that several modules share.
+        Dotted name of the package; by default `PACKAGE`. Modules whose names begin with an
+        underscore are skipped: they contain code shared by several modules.
 
     Returns
     -------
     tuple of Entry
-        Modules in natural order (``fig9`` before ``fig16``), claims as their module lists them.
+        Modules in natural order (``fig9`` before ``fig16``), claims in the order of their module.
 
     Raises
     ------
@@ -73,19 +73,19 @@ def find_entries(package: str | None = None) -> tuple[Entry, ...]:
 
 
 def select(entries: Sequence[Entry], keys: Iterable[str]) -> tuple[Entry, ...]:
-    """Keep the claims that the keys name, in their own order; without a key, keep all.
+    """Select the claims named by keys, in their original order; without keys, all of them.
 
     Parameters
     ----------
     entries : sequence of Entry
-        Where to choose from.
+        The claims to choose from.
     keys : iterable of str
-        Keys of claims, or names of modules for all their claims.
+        Keys of claims, or names of modules, which stand for all their claims.
 
     Raises
     ------
     UnknownKeyError
-        If a key names nothing; the message suggests the nearest names.
+        If a key is unknown; the message suggests the nearest names.
     """
     asked = list(keys)
     known = {entry.group for entry in entries} | {entry.claim.key for entry in entries}

@@ -1,4 +1,4 @@
-"""What the judging of a claim finds, as a report shows it: verdict, numbers, prose and pictures."""
+"""The result of judging a claim, as shown in a report: verdict, numbers, prose and pictures."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from verification.pictures.figures import Picture
 
 @dataclass(frozen=True)
 class Formula:
-    """An equation to be typeset beside a finding: what it is, and its LaTeX without dollar signs.
+    """An equation to be typeset with a finding: its label, and its LaTeX without dollar signs.
 
     Attributes
     ----------
     label : str
-        What it is, as in ``As printed``.
+        Its label, as in ``As printed``.
     latex : str
         The equation, without dollar signs.
     """
@@ -26,7 +26,7 @@ class Formula:
 
 
 class Fault(StrEnum):
-    """What can be wrong with a printed line."""
+    """The kinds of faults of a printed line."""
 
     MISPRINT = "misprint"
     AMBIGUOUS = "ambiguous"
@@ -35,13 +35,13 @@ class Fault(StrEnum):
 
 @dataclass(frozen=True)
 class Erratum:
-    """A line of the paper that should read otherwise, with what proves it.
+    """A line of the paper that should read differently, with a proof.
 
     Attributes
     ----------
     fault : Fault
-        A misprint has one right form; an ambiguous line has several readings; an inconsistent one
-        contradicts another place of the paper.
+        A misprint has one correct form; an ambiguous line has several readings; an inconsistent one
+        contradicts another passage of the paper.
     printed : str
         As printed. Parts between dollar signs are LaTeX, here and in ``corrected``.
     corrected : str
@@ -49,9 +49,9 @@ class Erratum:
     reason : str
         What is wrong.
     proof : str
-        The derivation step or the failing check that proves it, with what it found in this run.
+        The derivation step or the failing check that proves it, with its result in this run.
     affects : str
-        What later in the paper hangs on it.
+        What depends on it later in the paper.
     """
 
     fault: Fault
@@ -64,20 +64,20 @@ class Erratum:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found, in this run.
+    """The result of a check in this run.
 
     Attributes
     ----------
     verdict : Verdict
         The verdict.
     value : str
-        Our number or statement, formatted with the digits that are known.
+        Our number or statement, with the digits that are known.
     error : str
-        Bound or uncertainty of ``value``, or why it has none.
+        Bound or uncertainty of ``value``, or the reason why it has none.
     methods : tuple of str
-        Two methods that share no engine and both led to ``value``; one where there is only one.
+        Two methods that share no engine and both led to ``value``, or a single one.
     tolerance : str
-        What difference would have changed the verdict, and why that much.
+        The difference that would have changed the verdict, and the reason for its size.
     explanation : str
         Where and why the claim holds or fails, in a few plain sentences.
     because : str
@@ -85,15 +85,15 @@ class Finding:
     part : str
         The words of the paper's sentence that fail, if it holds only in part.
     remarks : tuple of str
-        What is so elsewhere, or under another reading; nothing of it touches the verdict.
+        What holds elsewhere, or under another reading; it does not affect the verdict.
     pictures : tuple of Picture
-        May be empty.
+        Pictures; may be empty.
     formulas : tuple of Formula
         Equations shown with the explanation; may be empty.
     erratum : Erratum, optional
-        The line of the table of errata that this finding proves.
+        The erratum that this finding proves.
     headline : str
-        The finding in one sentence, if it is one of those to be read first.
+        The finding in one sentence, if it is among those to be read first.
     """
 
     verdict: Verdict

@@ -1,7 +1,7 @@
-"""Whether the methods of a claim share an engine, by following the imports of their code.
+"""A check whether the methods of a claim share an engine, by following the imports of their code.
 
-An engine is code that computes: a stepper, a solver, a sum, a search. What two methods may share is
-what says which problem they solve, not how: parameters and their checks, the model's own numbers
+An engine is code that computes: a stepper, a solver, a sum, a search. Two methods may share what
+defines the problem, but not how it is solved: parameters and their checks, the model's own numbers
 (amplitudes of its cycles, its friction law), starts, and names of outcomes (`DEFINITIONS`).
 """
 
@@ -26,20 +26,20 @@ DEFINITIONS = (
     "theory.piecewise.dispersion",
     "theory.piecewise.sums.result",
 )
-"""Modules, or packages of them, that define problems and hold no engine, each for a reason: types
-of arrays; the checks of parameters; the two cells; the two chains; where a run starts; which sites
-form a nucleus; the vector field itself, and how it is laid out in rows; compiling, keeping and
-sweeping; the dispersion relation (50) as printed; and the form of a result."""
+"""Modules or packages that define problems and contain no engine, each for a reason: array types;
+the checks of parameters; the two cells; the two chains; where a run starts; which sites form a
+nucleus; the vector field itself, and its layout in rows; compiling, storing and sweeping; the
+dispersion relation (50) as printed; and the form of a result."""
 
 
 FORMS = ("theory.result", "verification.runs.excite", "verification.breathers.own")
-"""Modules that are not followed: the base of results loads pictures by name, and nothing that
-computes; where a run starts is part of the problem, also where it is a point of a cycle; and
-breathers of chains of one's own are of models that no claim is about (a test holds that)."""
+"""Modules that are not followed. The base of results loads pictures by name, and nothing that
+computes. Where a run starts is part of the problem, even if it is a point of a cycle. Breathers of
+user-defined chains belong to models that no claim is about (which a test verifies)."""
 
 
 def engines(method: Method) -> frozenset[str]:
-    """Return the modules with engines that the code of a method imports, its own included."""
+    """Return the modules with engines that the code of a method imports, including its own."""
     found = closure(method.module, PACKAGES, without=FORMS)
     return frozenset(
         name

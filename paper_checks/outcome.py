@@ -1,4 +1,4 @@
-"""The outcome of a claim: what its judge found in a run, or why it found nothing."""
+"""The outcome of a claim: the finding of its judge in a run, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ logger = logging.getLogger(__name__)
 
 
 def slug(verdict: Verdict) -> str:
-    """Short spelling of a verdict, for the command line and for page addresses.
+    """Return the short spelling of a verdict, for the command line and for page addresses.
 
     Examples
     --------
@@ -36,18 +36,18 @@ def slug(verdict: Verdict) -> str:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a finding that comes with the toolkit was found.
+    """Origin of a finding that is shipped with the toolkit.
 
     Attributes
     ----------
     command : str
-        Finds and records it anew.
+        Command that computes and records it anew.
     versions : mapping
-        Versions by package, at that time.
+        Versions by package at that time.
     machine : mapping
-        Platform and number of cores, at that time.
+        Platform and number of cores at that time.
     stale : bool
-        Whether the code it depends on, its parameters included, has changed since.
+        Whether the code on which it depends, including its parameters, has changed since.
     """
 
     command: str
@@ -58,27 +58,27 @@ class Provenance:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What running a judge gave.
+    """The result of running a judge.
 
     Attributes
     ----------
     finding : Finding or None
         The finding; None if the judge failed.
     failure : str or None
-        One sentence that says how the judge failed.
+        One sentence that states how the judge failed.
     seconds : float
-        Wall-clock time of the judge, without what it shares with others.
+        Wall-clock time of the judge, without the work it shares with others.
     judged : str
-        When it ended: UTC, ISO 8601, to the second.
+        Time at which it ended: UTC, ISO 8601, to the second.
     stored : bool
-        Whether it was kept from an earlier run instead of computed in this one.
+        Whether it was kept from an earlier run instead of being computed in this one.
     provenance : Provenance or None
-        Of a finding that comes with the toolkit.
+        Provenance of a finding that is shipped with the toolkit.
     shared : float
-        Wall-clock time of the shared work; next to nothing where an earlier judge of the same
-        process has done it.
+        Wall-clock time of the shared work; almost zero if an earlier judge of the same process has
+        done it.
     evidence : plain data or None
-        What the claim was judged by, if that was computed in this run.
+        The evidence by which the claim was judged, if it was computed in this run.
     """
 
     finding: Finding | None
@@ -92,7 +92,7 @@ class Judgement:
 
     @property
     def stale(self) -> bool:
-        """Whether it is a stored finding of other code than that of this run."""
+        """Whether it is a stored finding of code other than that of this run."""
         return self.provenance is not None and self.provenance.stale
 
 
@@ -120,7 +120,7 @@ class JudgedClaim:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What stands beside the verdict: a record that differs, a stored or stale finding."""
+        """Notes beside the verdict: a record that differs, a stored or stale finding."""
         notes = {
             f"on record: {self.claim.recorded}": self.changed,
             "stale": self.judgement.stale,
@@ -135,7 +135,7 @@ class JudgedClaim:
 
     @property
     def changed(self) -> bool:
-        """Whether the verdict is another than the one on record; a failure counts."""
+        """Whether the verdict differs from the recorded one; a failure counts as different."""
         return self.finding is None or self.finding.verdict is not self.claim.recorded
 
     @property
@@ -145,7 +145,7 @@ class JudgedClaim:
 
     @property
     def change(self) -> str:
-        """One sentence that names the change; empty without one."""
+        """One sentence that states the change; empty if there is none."""
         if not self.changed:
             return ""
         if self.finding is None:
@@ -156,7 +156,7 @@ class JudgedClaim:
 
 
 def judge(claim: Claim) -> Judgement:
-    """Run the judge of a claim; an error of the judge becomes a failed judgement.
+    """Run the judge of a claim; an error of the judge results in a failed judgement.
 
     Examples
     --------
@@ -189,23 +189,23 @@ def judge(claim: Claim) -> Judgement:
 
 
 def judged_by(claim: Claim, evidence: Any, packages: Sequence[str], **earlier: Any) -> Judgement:
-    """Judge a claim by evidence of an earlier run: rule, text and figures are those of this one.
+    """Judge a claim by evidence from an earlier run, with the present rule, text and figures.
 
     Parameters
     ----------
     claim : Claim
         The claim.
     evidence : plain data
-        As `plain_evidence` gives it.
+        In the form returned by `plain_evidence`.
     packages : sequence of str
-        Whose classes it may hold.
+        Packages whose classes it may contain.
     **earlier
         Fields of the judgement: ``seconds``, ``judged`` and so on.
 
     Raises
     ------
     TypeError, ValueError, KeyError, AttributeError, ImportError
-        If that is no evidence, or not of this claim.
+        If it is not evidence, or not that of this claim.
     """
     finding = checked_finding(claim.found(evidence_from(evidence, tuple(packages))))
     return Judgement(finding, None, stored=True, **earlier)
@@ -218,12 +218,12 @@ def _sentence(error: BaseException) -> str:
 
 
 def checked_finding(finding: object) -> Finding:
-    """Return a finding if it is one: verdict, texts, methods, names and pictures.
+    """Return a finding after checking its verdict, texts, methods, names and pictures.
 
     Raises
     ------
     TypeError, ValueError
-        If it is not; the message is a sentence.
+        If it is not valid; the message is a sentence.
     """
     if not isinstance(finding, Finding):
         raise TypeError(f"the judge returned {type(finding).__name__} instead of a Finding.")
@@ -245,4 +245,4 @@ def _check_picture(picture: Picture) -> None:
             f"the picture name '{picture.name}' must be lower-case letters, digits, dots, "
             "hyphens or underscores."
         )
-    safe_svg(picture.svg)  # which refuses what is no picture
+    safe_svg(picture.svg)  # which refuses what is not a picture

@@ -1,4 +1,4 @@
-"""Evidence as plain data that JSON holds, and back, every bit of it."""
+"""Conversion of evidence to plain data for JSON and back, without loss of a single bit."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _KINDS = {"tuple": tuple, "set": set, "frozenset": frozenset}
 
 
 def plain_evidence(value: object) -> Any:
-    """Return evidence as JSON has it: dataclasses, mappings and arrays of numbers and words.
+    """Return evidence as JSON data: dataclasses, mappings and arrays of numbers and words.
 
     Raises
     ------
     TypeError
-        If something in it is none of these.
+        If it contains anything else.
     """
     if isinstance(value, Enum):
         return {"member": value.name, "of": _name_of(type(value))}
@@ -48,12 +48,12 @@ def plain_evidence(value: object) -> Any:
 
 
 def evidence_from(plain: Any, packages: tuple[str, ...]) -> Any:
-    """Return the evidence that `plain_evidence` gave; its classes must be of some packages.
+    """Return the evidence from the data of `plain_evidence`; its classes must be in given packages.
 
     Raises
     ------
     KeyError, TypeError, ValueError, AttributeError, ImportError
-        If the data are not those of evidence, or of a class that is no longer so.
+        If the data are not those of evidence, or their class has changed.
     """
     if isinstance(plain, list):
         return [evidence_from(each, packages) for each in plain]

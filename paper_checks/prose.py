@@ -1,19 +1,19 @@
-"""The text of a claim, beside its code: what the paper says, and a template of what we found.
+"""The text of a claim, in a file beside its code: the paper's words, and a template of our finding.
 
-A file has one section a claim, headed ``# key``. Its first paragraph says what is claimed and how
-it is judged, a line a field: ``place:``, ``quote:``, ``statement:``, where the paper gives one
-``printed:``, ``recorded:``, ``command:``, then a line ``by: WORDS [CODE]`` or ``by: WORDS [CODE],
-for PART`` for each method, and a line ``also: PLACE: QUOTE`` for each repetition; they are the
-fields of `paper_checks.claim.Claim` and are taken as they are.
+A file has one section per claim, headed ``# key``. Its first paragraph states what is claimed and
+how it is judged, with one line per field: ``place:``, ``quote:``, ``statement:``, ``printed:`` if
+the paper gives a value, ``recorded:``, ``command:``, then a line ``by: WORDS [CODE]`` or ``by:
+WORDS [CODE], for PART`` for each method, and a line ``also: PLACE: QUOTE`` for each repetition.
+These are the fields of `paper_checks.claim.Claim` and are used without change.
 
-The rest is a template, filled with evidence. In it stand first the short fields, ``value:``,
-``error:`` and ``tolerance:``, in few claims ``headline:`` for the first screen of the report; then
-paragraphs. A paragraph that begins with ``>`` is a remark. ``## picture NAME`` is followed by the
-caption of that picture, ``## erratum`` by the fields of `paper_checks.finding.Erratum`. Names in
-double braces are fields and properties of the evidence and constants of the module; ``{{ c |
-f(".4f") }}`` formats a number, or each of several, which it joins with commas, and ``{{ folds |
-each("size {}: {:.4f}") }}`` rows of numbers and words. The section ``# all`` is the template of
-every claim of its module that has none of its own.
+The rest is a template that is filled with evidence. It begins with the short fields ``value:``,
+``error:`` and ``tolerance:``, and for a few claims ``headline:`` for the first screen of the
+report; paragraphs follow. A paragraph that begins with ``>`` is a remark. ``## picture NAME`` is
+followed by the caption of that picture, ``## erratum`` by the fields of
+`paper_checks.finding.Erratum`. Names in double braces are fields and properties of the evidence and
+constants of the module; ``{{ c | f(".4f") }}`` formats a number, or several, joined by commas, and
+``{{ folds | each("size {}: {:.4f}") }}`` formats rows of numbers and words. The section ``# all``
+is the template for all claims of its module that have none of their own.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 FIELDS = ("value", "error", "tolerance")
 COMMON = "all"
-"""Section of a file whose claims all share one text."""
+"""Section for files in which all claims share one text."""
 _REMARK = re.compile(r"^> ?", re.MULTILINE)
 _FIELD = re.compile(r"^([a-z]+): ?", re.MULTILINE)
 
@@ -48,13 +48,13 @@ class Prose:
     value, error, tolerance : str
         The short fields.
     explanation : str
-        Paragraphs, divided by empty lines.
+        Paragraphs, separated by empty lines.
     remarks : tuple of str
-        One a paragraph.
+        The remarks, one per paragraph.
     parts : mapping
-        Text of the ``##`` parts by their headings.
+        Text of the ``##`` parts, by heading.
     headline : str
-        The finding in one sentence, for the first screen; of few claims.
+        The finding in one sentence for the first screen; for a few claims only.
     """
 
     value: str
@@ -89,12 +89,12 @@ def written(module: str, key: str, evidence: object) -> Prose:
     Parameters
     ----------
     module : str
-        Dotted name of the module beside which the template is.
+        Dotted name of the module with which the template belongs.
     key : str
         The claim's key.
     evidence : object
-        Its fields and properties are names of the template, as are the constants of the module;
-        ``e`` is all of it.
+        Its fields and properties are available as names in the template, as are the constants of
+        the module; ``e`` stands for the evidence itself.
 
     Raises
     ------
@@ -123,12 +123,12 @@ def written(module: str, key: str, evidence: object) -> Prose:
 
 
 def words(module: str, key: str) -> list[tuple[str, str]]:
-    """Return the fields that the section of a claim begins with, in order.
+    """Return the fields at the beginning of a claim's section, in order.
 
     Raises
     ------
     ValueError
-        If there is no such section, or it does not begin with them.
+        If there is no such section, or it does not begin with these fields.
     """
     head, _ = _section(module, key)
     if not head:
@@ -139,7 +139,7 @@ def words(module: str, key: str) -> list[tuple[str, str]]:
 
 
 def template(module: str, key: str) -> str:
-    """Return what is filled with the evidence of a claim: of its own section, or of all."""
+    """Return the template for the evidence of a claim: that of its section, or the common one."""
     own = _section(module, key)[1]
     found = own if own.strip() else _section(module, COMMON)[1]
     if not found:
@@ -148,7 +148,7 @@ def template(module: str, key: str) -> str:
 
 
 def _section(module: str, key: str) -> tuple[str, str]:
-    """Return the words of a claim and its template; empty what is not there."""
+    """Return the words of a claim and its template; a missing one is empty."""
     text = _sections(_path(module)).get(key, "")
     head, _, rest = text.partition("\n\n")
     return (head.rstrip(), rest) if head.startswith("place:") else ("", text)
@@ -193,7 +193,7 @@ def _names(module: str, evidence: object) -> dict[str, Any]:
 
 
 def formatted(value: object, form: str = "g") -> str:
-    """Format a number, or several.
+    """Format a number, or several numbers.
 
     Examples
     --------
@@ -210,7 +210,7 @@ def formatted(value: object, form: str = "g") -> str:
 
 
 def rows_written(rows: Iterable[object], form: str, joint: str = ", ") -> str:
-    """Write each row of numbers and words in one form, and join them.
+    """Write each row of numbers and words in one format, and join them.
 
     Examples
     --------
@@ -225,7 +225,7 @@ def rows_written(rows: Iterable[object], form: str, joint: str = ", ") -> str:
 def _environment() -> Environment:
     from jinja2 import Environment, StrictUndefined
 
-    # The text is escaped when the page is written; here it is plain.
+    # The text is escaped when the page is written; here it is plain text.
     made = Environment(undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True)
     made.filters |= {"f": formatted, "each": rows_written}
     made.globals["zip"] = zip

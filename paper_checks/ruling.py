@@ -1,24 +1,24 @@
 """The rules of judging: what may lower a verdict, and what may not.
 
-1. A verdict is on the sentence as the paper wrote it, at the parameters, starts, sizes and ends
+1. A verdict concerns the sentence as the paper wrote it, at the parameters, starts, sizes and ends
    that it states there. What happens elsewhere (another nucleus, another reading, stronger
    coupling) is a remark, shown beside it; a remark never lowers a verdict.
-2. *Holds only in part* needs a named part of that very sentence that fails: `partly` takes the
+2. *Holds only in part* needs a named part of that very sentence that fails: `partly` takes these
    words, and `Claim.found` refuses words that are not in the quote.
-3. "About" and plotted values allow the rounding of the number as given (`rounding`). A few
-   undecided points of a map do not break a statement about its regions; their share is reported.
-4. A printed equation that passes its check holds, whatever its later use. A style of writing (<
+3. "About" and plotted values allow for the rounding of the number as given (`rounding`). A few
+   undecided points of a map do not refute a statement about its regions; their share is reported.
+4. A printed equation that passes its check holds, whatever its later use. A matter of notation (<
    for ≤ at one instant, an inequality between moduli, a ring where a chain is used later) is a
    remark, unless the equation cannot be used as it stands.
 5. A sentence that repeats another claim is listed under it and not counted again.
-6. A tolerance follows from the digits in the text or from the error of the method. A tolerance
-   from an axis that cannot be read makes the claim untestable in that respect, and it says so.
+6. A tolerance follows from the digits in the text or from the error of the method. If it would
+   follow from an axis that cannot be read, the claim is untestable in that respect and says so.
 7. The methods of a claim are references to code; those of one claim share no engine
-   (``paper_checks.independence``). Where a second method covers only a part, it says which. Claims
+   (``paper_checks.independence``). If a second method covers only a part, it states which. Claims
    with a single method say so.
-8. A tolerance is a number of its rule; loosened a thousandfold it changes a verdict on the made-up
-   evidence of the tests.
-9. Every verdict other than *reproduced* has its because, in one sentence. A verdict that is not
+8. A tolerance is a number in its rule; if it is loosened a thousandfold, a verdict on the
+   artificial evidence of the tests changes.
+9. Every verdict other than *reproduced* has a reason in one sentence. A verdict that differs from
    the recorded one fails the run.
 """
 
@@ -55,7 +55,7 @@ class Ruling:
     Raises
     ------
     ValueError
-        If the reason or the part is missing, or there and not required.
+        If the reason or the part is missing, or is given where it must not be.
     """
 
     verdict: Verdict
@@ -82,12 +82,12 @@ def holds() -> Ruling:
 
 
 def corrected(because: str) -> Ruling:
-    """Rule that it holds after a correction that is given in the errata."""
+    """Rule that the sentence holds after a correction, which is given in the errata."""
     return Ruling(Verdict.CORRECTED, because)
 
 
 def partly(part: str, because: str) -> Ruling:
-    """Rule that one part of the sentence fails, named by its words."""
+    """Rule that one part of the sentence fails, identified by its words."""
     return Ruling(Verdict.PARTIAL, because, part)
 
 
@@ -102,7 +102,7 @@ def untestable(because: str) -> Ruling:
 
 
 def rounding(number: str) -> float:
-    """Return half a unit of the last digit of a number as printed.
+    """Return half a unit of the last digit of a printed number.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def rounding(number: str) -> float:
 
 
 def agrees(found: float, number: str, error: float = 0.0) -> bool:
-    """Return whether a value rounds to a number as printed, within its own error.
+    """Return whether a value, within its own error, rounds to a number as printed.
 
     Examples
     --------

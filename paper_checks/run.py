@@ -18,19 +18,19 @@ from verification.execution.pool import answers
 from verification.execution.store import Store
 
 KEPT = ("evidence", "seconds", "judged", "shared")
-"""Of a judgement, for a run that is resumed."""
+"""Fields of a judgement that are stored for a resumed run."""
 
 logger = logging.getLogger(__name__)
 
 
 class JudgingProgress(Protocol):
-    """Who is called as the run goes on."""
+    """Interface of the object that is notified as the run proceeds."""
 
     def start(self, key: str) -> None:
-        """Note that a claim is about to be judged."""
+        """Record that a claim is about to be judged."""
 
     def done(self, outcome: JudgedClaim) -> None:
-        """Note that a claim has been judged."""
+        """Record that a claim has been judged."""
 
 
 class Silence:
@@ -60,25 +60,26 @@ def run(
     entries : sequence of Entry
         The claims.
     jobs : int, optional
-        Number of processes; 1 judges in this process. More than one finds each claim again by
-        its key in ``package``, since a judge need not be picklable; claims that share evidence
-        or work go to one process.
+        Number of processes; 1 judges in this process. With more than one, each claim is looked up
+        by its key in ``package``, since a judge need not be picklable; claims that share evidence
+        or work are judged in one process.
     package : str, optional
-        Where the claims were found; by default the paper's.
+        Package in which the claims were found; by default that of the paper.
     store : Store, optional
-        Evidence in it is used instead of computed anew; that of each claim is added as soon as it
-        is judged. A claim that failed leaves none, so that a resumed run tries again.
+        Evidence that it contains is used instead of being computed anew; that of each claim is
+        added as soon as it is judged. A claim that failed leaves none, so that a resumed run tries
+        again.
     packages : sequence of str, optional
-        Packages whose classes stored evidence may hold.
+        Packages whose classes stored evidence may contain.
     shipped : Shipped, optional
-        Findings of expensive claims that are used instead of computed anew.
+        Findings of expensive claims that are used instead of being computed anew.
     progress : JudgingProgress, optional
-        Called at each start and end.
+        Notified at each start and end.
 
     Returns
     -------
     tuple of JudgedClaim
-        In the order of ``entries``, whatever the number of processes.
+        The judged claims in the order of ``entries``, whatever the number of processes.
     """
     progress = progress or Silence()
     judged: dict[str, Judgement] = {}
@@ -105,7 +106,7 @@ def run(
 def sharing(entries: Sequence[Entry]) -> list[tuple[Entry, ...]]:
     """Return groups of claims that have evidence or shared work in common, each in order.
 
-    One process judges a group, so that what its claims share is computed once.
+    A group is judged in one process, so that what its claims share is computed once.
     """
     found: dict[Callable[[], object], list[Entry]] = {}
     for entry in entries:
@@ -119,9 +120,9 @@ def _computed(
     jobs: int,
     progress: JudgingProgress,
 ) -> Iterator[tuple[Entry, Judgement]]:
-    """Judge claims group by group and yield each judgement as it comes.
+    """Judge claims group by group and yield each judgement as it arrives.
 
-    The claims of a group whose process died are judged again, each by itself.
+    If a process dies, the claims of its group are judged again, one by one.
     """
     keys = [tuple(entry.claim.key for entry in group) for group in groups]
     failed: list[Entry] = []
@@ -130,7 +131,7 @@ def _computed(
         for key in keys[index]:
             progress.start(key)
 
-    # Closed at once on an interrupt, and not when the collector finds it: it owns the workers.
+    # Closed at once on an interrupt, rather than by the garbage collector: it owns the workers.
     with (
         terminated_as_interrupted(),
         closing(answers(judges, keys, workers=jobs, begun=begun)) as coming,
@@ -171,7 +172,7 @@ class _Here:
 
 @dataclass(frozen=True)
 class _ByKey:
-    """Judge claims in another process, which finds them by their keys."""
+    """Judge claims in another process, which looks them up by their keys."""
 
     package: str
 

@@ -1,11 +1,11 @@
-"""Evidence of expensive claims that comes with the toolkit, for the quick run.
+"""Evidence of expensive claims that is shipped with the toolkit, for the quick run.
 
-``fronts check --record`` writes what is missing or stale into ``paper_checks/findings``, ``--full
---record`` all of it: one file for each function that computes evidence, for all claims that rest on
-it. The rule, the text and the figures of a claim are applied to it anew in every run. It is stale
-when the code of the claim's module, or of a module that this imports, has changed. Parameters are
-part of that code. Each file carries the command that reproduces it, its date, and the versions
-and the machine it was found with, which are shown but make nothing stale.
+``fronts check --record`` writes what is missing or stale into ``paper_checks/findings``, and
+``--full --record`` writes all of it: one file for each function that computes evidence, for all
+claims based on it. The rule, the text and the figures of a claim are applied to it anew in every
+run. Evidence is stale if the code of the claim's module, or of a module that it imports, has
+changed; parameters are part of that code. Each file contains the command that reproduces it, the
+date, and the versions and machine used, which are shown but make nothing stale.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from verification.execution.record import Record
 FOLDER = Path(__file__).parent / "findings"
 
 SHOWN = ("theory.result",)
-"""The base of results shows what was found and changes nothing of it; it loads pictures by a name
-that it computes, and would bring in all of its package."""
+"""Modules that only display results and do not change them; this one loads pictures by a computed
+name, which would include its whole package."""
 
 CHEAP = 60.0
-"""Seconds. Stale evidence that took less than this is computed anew even in the quick run."""
+"""Run time in seconds below which stale evidence is computed anew even in the quick run."""
 
 logger = logging.getLogger(__name__)
 
@@ -42,11 +42,11 @@ class Shipped:
     Attributes
     ----------
     folder : Path
-        One JSON file for each function that computes evidence.
+        Folder with one JSON file for each function that computes evidence.
     packages : collection of str
-        Top-level packages whose code may matter.
+        Top-level packages whose code counts.
     renew : bool
-        Whether everything stale is computed anew, however long it takes.
+        Whether all stale evidence is computed anew, however long this takes.
     """
 
     folder: Path
@@ -54,13 +54,13 @@ class Shipped:
     renew: bool = False
 
     def load(self, entry: Entry) -> Judgement | None:
-        """Judge an expensive claim by the evidence that is shipped, to be shown as stored.
+        """Judge an expensive claim by the shipped evidence, to be shown as stored.
 
         Returns
         -------
         Judgement or None
-            None if the claim is not expensive, its evidence is missing or damaged, or stale and
-            cheap. Its ``provenance`` says whether it is stale.
+            None if the claim is not expensive, or its evidence is missing, damaged, or both stale
+            and cheap. Its ``provenance`` states whether it is stale.
         """
         claim = entry.claim
         if not claim.expensive or not (path := self.path(claim.evidence)).exists():
@@ -93,7 +93,7 @@ class Shipped:
         Raises
         ------
         OSError
-            If the folder takes no files, as that of an installed package may not.
+            If the folder is not writable, as may be the case for an installed package.
         """
         evidence = entry.claim.evidence
         metadata = Metadata(
@@ -110,11 +110,11 @@ class Shipped:
         return path
 
     def path(self, evidence: Callable[[], Any]) -> Path:
-        """Return the file of some evidence, named by the last parts of module and function."""
+        """Return the file for some evidence, named by the last parts of module and function."""
         return self.folder / f"{root_of(evidence).rpartition('.')[2].replace(':', '.')}.json"
 
     def _code(self, evidence: Callable[[], Any]) -> Code:
-        """Return the code that evidence depends on, as it is now."""
+        """Return the present code on which evidence depends."""
         root = root_of(evidence)
         return Code(modules=(root,), digest=digest_of_code([root], self.packages, SHOWN))
 

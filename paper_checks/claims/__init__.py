@@ -1,1 +1,1 @@
-"""One file a group of claims. A file added here is in the next report; nothing else to edit."""
+"""One module per group of claims. A module added here is included in the next report."""

@@ -1,4 +1,4 @@
-"""What Figs. 7-11 share: their parameters, and an integration of (8) by scipy alone."""
+"""Common parts of Figs. 7-11: their parameters, and an integration of (8) by scipy alone."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def flow(state: FloatArray, c: float, duration: float, tolerance: float = 1e-11)
 
 
 def monodromy_by_differences(state: FloatArray, c: float, period: float) -> FloatArray:
-    """Differentiate the flow of scipy by central differences."""
+    """Return the derivative of scipy's flow by central differences."""
     size, step = len(state), 1e-6
     moved = np.column_stack(
         [state[:, None] + step * np.eye(size), state[:, None] - step * np.eye(size)]

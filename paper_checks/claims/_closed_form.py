@@ -1,4 +1,4 @@
-"""Every solution of (29) and (37) at one site, by scipy from random starts."""
+"""All solutions of (29) and (37) at one site, by scipy from random starts."""
 
 from __future__ import annotations
 

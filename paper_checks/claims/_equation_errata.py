@@ -1,4 +1,4 @@
-"""The line in the table of errata of a displayed equation, from what its derivation found."""
+"""The entry of a displayed equation in the table of errata, from the results of its derivation."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ if TYPE_CHECKING:
     from derivations.judgement import EquationJudgement
 
 LONG = 420
-"""Characters of LaTeX beyond which a difference is shown instead of the whole equation."""
+"""Number of characters of LaTeX above which a difference is shown instead of the whole equation."""
 
 
 def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:
-    """Return the erratum of a misprinted, ambiguous or inconsistent equation, None for another.
+    """Return the erratum of a misprinted, ambiguous or inconsistent equation, otherwise None.
 
     Parameters
     ----------
     found : EquationJudgement
-        What the checks said in this run.
+        The results of the checks in this run.
     derivation : str
-        Name of the derivation that has the step.
+        Name of the derivation that contains the step.
     """
     from derivations.printing import EquationVerdict
 
@@ -46,7 +46,7 @@ def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:
         fault = Fault.AMBIGUOUS if ambiguous else Fault.INCONSISTENT
         tried = list(zip(printed.readings, found.on_readings, strict=True))
         right = [reading for reading, evidence in tried if evidence.holds]
-        # Where the line is changed it has one reading, the last; otherwise all that hold are named.
+        # A changed line has a single reading, the last; otherwise all readings that hold are named.
         named = right[-1:] if line else right
         mark = "read: " if ambiguous else ""
         corrected = readable("; or ".join(f"{mark}{reading.meaning}" for reading in named))
@@ -75,7 +75,8 @@ def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:
 def correction(found: EquationJudgement) -> str:
     """Return the part of the derived equation that differs from print, between dollar signs.
 
-    Of a system, the equations that differ; of a matrix, the first entry that differs; where one
+    For a system, the equations that differ; for a matrix, the first entry that differs; if a single
+    term is identified as wrong, that term; for another long equation, the difference from print.
     term is named as wrong, that term; of another long equation, the difference from print.
     """
     import sympy as sp
@@ -106,7 +107,7 @@ def correction(found: EquationJudgement) -> str:
 
 
 def _differ(old: sp.Basic, new: sp.Basic) -> bool:
-    """Whether two parts of a system differ; bounds differ where their signs do."""
+    """Whether two parts of a system differ; inequalities differ if their signs do."""
     import sympy as sp
 
     if isinstance(old, sp.Eq) or not isinstance(old, sp.core.relational.Relational):

@@ -1,7 +1,7 @@
-"""Numbers of the toolkit put into printed equations: a second method for some of them.
+"""Numbers of the toolkit inserted into printed equations: a second method for some of them.
 
-The transcription of the printed equation is all that is taken from the derivations; the numbers
-come from code that shares nothing with them.
+Only the transcription of the printed equation is taken from the derivations; the numbers come from
+code that shares nothing with them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ A, B, C, EPS = 2.5, 0.5, 0.1, 0.01
 
 
 def residual(number: int) -> float | None:
-    """Return by how much the toolkit's numbers fail a printed equation; None without any."""
+    """Return the residual of a printed equation for the toolkit's numbers, if there are any."""
     if number not in _CHECKS:
         return None
     return _CHECKS[number][1]()

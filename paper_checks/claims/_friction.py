@@ -1,4 +1,4 @@
-"""What Figs. 3-6 share: their chain, and arrivals by scipy alone."""
+"""Common parts of Figs. 3-6: their chain, and arrivals computed by scipy alone."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from theory.chains.friction import FrictionChain
 
 V_D, SITES = 1.25, 31
-"""Belt velocity and number of sites of Figs. 3, 4 and 6; the rest is in (7)."""
+"""Belt velocity and number of sites of Figs. 3, 4 and 6; the other parameters are in (7)."""
 
 
 def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
@@ -24,7 +24,7 @@ def chain_of(c: float, sites: int = SITES, v_d: float = V_D) -> FrictionChain:
 
 
 def arrivals_by_scipy(chain: FrictionChain, excited: tuple[int, ...], end: float) -> FloatArray:
-    """Return τ of the first stick of each site, nan where there is none, by DOP853 with events."""
+    """Return the τ at which each site first sticks, nan if it does not, by DOP853 with events."""
     from verification.references.friction_events import run_events
     from verification.runs.excite import excite
 
@@ -47,12 +47,12 @@ def arrivals_compiled(chain: FrictionChain, excited: tuple[int, ...], end: float
 
 
 def disagreement(chain: FrictionChain, excited: tuple[int, ...], end: float) -> float:
-    """Return how far the two computations are apart in the arrivals, both without it where none is.
+    """Return the largest difference in the arrivals between the two computations.
 
     Raises
     ------
     ArithmeticError
-        If by more than 1e-3, or if one saw an arrival that the other did not.
+        If it is larger than 1e-3, or only one of them saw an arrival.
     """
     from verification.runs.comparison import difference
 

@@ -1,4 +1,4 @@
-"""What Figs. 5 and 15 share: a map of labelled points, with the boundaries between its labels."""
+"""Common parts of Figs. 5 and 15: a map of labelled points and the boundaries between labels."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ if TYPE_CHECKING:
     from verification.execution.table import Table
 
 FEW = 0.05
-"""Share of undecided points that leaves the regions as they are."""
+"""Share of undecided points that does not affect the regions."""
 REGIONS = ("front", "breather", "fixed point")
 
 
 @dataclass(frozen=True, kw_only=True)
 class LabelledMap:
-    """The points of a map with their labels, and where these change."""
+    """The points of a map with their labels, and where the labels change."""
 
     states: Table
     boundary: Table

@@ -1,4 +1,4 @@
-"""True periodic orbits of (8) at the parameters of Figs. 7 to 11, and what they share."""
+"""Exact periodic orbits of (8) at the parameters of Figs. 7 to 11, and common definitions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 SITES = 11
 CENTRE = SITES // 2
 SMALL = 0.1
-"""What is below this part of another quantity counts as small beside it, in every claim."""
+"""Ratio below which one quantity counts as small compared with another, in every claim."""
 
 
 @lru_cache(maxsize=64)

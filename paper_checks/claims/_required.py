@@ -1,15 +1,15 @@
-"""A number that a claim rests on is there, or the claim says that it could not be computed."""
+"""A check that a number on which a claim is based exists; otherwise the claim fails."""
 
 from __future__ import annotations
 
 
 def required(value: float | None, what: str) -> float:
-    """Return a number that was found.
+    """Return a number, which must exist.
 
     Raises
     ------
     ArithmeticError
-        If there is none. No verdict may rest on a stand-in.
+        If it does not. No verdict may be based on a substitute.
 
     Examples
     --------

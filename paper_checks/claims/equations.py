@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from derivations.judgement import EquationJudgement
 
 MISPRINTS = frozenset({2, 4, 33, 42})
-"""Wrong as they stand; right after a correction that the derivation proves."""
+"""Equations that are wrong as printed and right after a correction proved by the derivation."""
 
 STYLE = {
     3: "< stands for ≤ at the one instant of release (fig02-stick).",
@@ -33,10 +33,10 @@ STYLE = {
     51: "It is the derivative on the roots of (50), where $-i\\hat v$ has been eliminated by L = "
     "0; (49) and (53) use it there only.",
 }
-"""Ways of writing that fail a literal check and can be used as they stand: remarks."""
+"""Matters of notation that fail a literal check but can be used as they stand: remarks."""
 
 ROUNDING = 1e-10
-"""Of numbers put into an equation whose terms are of the order of one."""
+"""Tolerance for numbers inserted into an equation whose terms are of order one."""
 
 KINDS = {
     "holds": "holds",
@@ -50,7 +50,7 @@ KINDS = {
 
 @cache
 def judgements() -> dict[int, EquationJudgement]:
-    """Return what the derivations say of every equation."""
+    """Return the results of the derivations for every equation."""
     from derivations.judgement import report
 
     return {found.printed.number: found for found in report().judgements}
@@ -58,7 +58,7 @@ def judgements() -> dict[int, EquationJudgement]:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedEquation:
-    """A printed equation and what its derivation and its check say."""
+    """A printed equation with the results of its derivation and its check."""
 
     number: int
     kind: str
@@ -66,7 +66,7 @@ class CheckedEquation:
     """Whether the printed equation passes the numerical test."""
     derived_passes: bool
     confirmed: bool
-    """Whether everything on record of it is found again."""
+    """Whether everything recorded about it is found again."""
     note: str
     test: str
     derived_test: str
@@ -76,21 +76,21 @@ class CheckedEquation:
     derived: str
     affects: str
     residual: float | None
-    """By how much numbers of the toolkit fail the printed equation; None without any."""
+    """By how much numbers of the toolkit violate the printed equation; None if there are none."""
 
     @property
     def numbers_agree(self) -> bool:
-        """Whether they satisfy it to rounding."""
+        """Whether they satisfy it to within rounding."""
         return self.residual is None or self.residual < ROUNDING
 
     @property
     def style(self) -> str:
-        """The remark on its way of writing, if it has one."""
+        """The remark on its notation, if there is one."""
         return STYLE.get(self.number, "")
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What else there is to say: its way of writing, other readings."""
+        """Further remarks: its notation, other readings."""
         remarks = [self.style] if self.style else []
         remarks += [
             readable(f"Read as “{meaning}” it {'holds' if good else 'fails'}: {implies}.")
@@ -100,7 +100,7 @@ class CheckedEquation:
 
     @property
     def outcome(self) -> str:
-        """The value in words."""
+        """The result in words."""
         kind = KINDS.get(self.kind, self.kind)
         if self.passes:
             return f"{kind}; the printed equation passes the numerical test"
@@ -134,13 +134,13 @@ def printed(number: int) -> CheckedEquation:
 
 
 def _said(statement: str) -> str:
-    """Return the result of a test in words; what is no equation between numbers has none."""
+    """Return the result of a test in words; a statement that cannot be evaluated has none."""
     meant = "taken literally it cannot be evaluated"
     return meant if "could not be evaluated" in statement else readable(statement)
 
 
 def rule(e: CheckedEquation) -> Ruling:
-    """Ask: a printed equation that passes holds; a way of writing is only a remark."""
+    """Rule: a printed equation that passes holds; a matter of notation is only a remark."""
     if not e.confirmed or not e.derived_passes:
         return fails("the derivation does not give this equation, nor a corrected form of it.")
     if not e.numbers_agree:
@@ -155,7 +155,7 @@ def rule(e: CheckedEquation) -> Ruling:
 
 
 def formulas(e: CheckedEquation) -> tuple[Formula, ...]:
-    """Return the equation as printed, and as derived where it differs."""
+    """Return the equation as printed, and as derived if it differs."""
     shown = [Formula("As printed", e.latex)]
     if e.derived and not e.passes:
         shown.append(Formula("As derived", e.derived))
@@ -163,7 +163,7 @@ def formulas(e: CheckedEquation) -> tuple[Formula, ...]:
 
 
 def erratum(e: CheckedEquation) -> Erratum | None:
-    """Return the line of the errata of a misprint; ways of writing have none."""
+    """Return the erratum of a misprint; matters of notation have none."""
     if rule(e).verdict is not Verdict.CORRECTED:
         return None
     from derivations.catalogue import owner

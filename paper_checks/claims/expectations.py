@@ -1,4 +1,4 @@
-"""Sentences that no computation of these two models can judge, and why."""
+"""Sentences that cannot be judged by a computation of these two models, and why."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from paper_checks.ruling import untestable
 
 @dataclass(frozen=True, kw_only=True)
 class Missing:
-    """What the text would have to say to be tested."""
+    """What the text would have to state in order to be testable."""
 
     reason: str
     remark: str = ""
 
 
 def rule(e: Missing) -> Ruling:
-    """Rule: nothing was computed, so the verdict is what the reason says."""
+    """Rule: nothing was computed, so the verdict is that of the stated reason."""
     return untestable(e.reason)
 
 

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 V_D = 1.25
 VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
-"""Belt velocities run from both starts: on either side of both ends of bistability."""
+"""Belt velocities run from both starts, on either side of both ends of the bistable range."""
 LONG = 300.0
 AGREE = 1e-8
-"""Between shooting and runs with scipy; both are good to 1e-9."""
+"""Largest difference between shooting and runs with scipy; both are accurate to 1e-9."""
 SETTLED = 500.0
-"""τ after which sliding is steady on the scale of the picture: beats decay as exp(-0.009 τ)."""
+"""τ after which sliding is steady on the scale of the picture: beats decay like exp(-0.009 τ)."""
 
 
 @lru_cache(maxsize=1)
@@ -43,7 +43,7 @@ def _orbits() -> BeltCell:
 def _scipy(
     cell: FrictionCell, y: float, t_end: float, samples: int = 1001, *, rough: bool = False
 ) -> EventRun:
-    """Run from rest; ``rough`` where only the state at the end is required."""
+    """Run from rest; ``rough`` where only the final state is needed."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
@@ -76,7 +76,7 @@ class TwoStates:
 
 
 def two_states() -> TwoStates:
-    """Find both cycles by shooting; run from both sides of the inner one with scipy."""
+    """Find both cycles by shooting; run with scipy from both sides of the inner one."""
     orbits = _orbits()
     stable, unstable, basin = orbits.stable_cycle, orbits.unstable_cycle, orbits.basin
     if stable is None or unstable is None or basin is None:
@@ -112,14 +112,14 @@ def two_states() -> TwoStates:
 
 
 def rule_two_states(e: TwoStates) -> Ruling:
-    """Rule: both states must attract from either side of the cycle that divides their basins."""
+    """Rule: both states must attract from their side of the cycle that separates their basins."""
     if e.gap < AGREE and e.inside_slides and e.outside_sticks and e.settles:
         return holds()
     return fails("runs from the two sides of the basin boundary do not end in the two states.")
 
 
 def draw_two_states(e: TwoStates) -> tuple[Picture, ...]:
-    """Draw time series on the left and the state space on the right, as Fig. 2 has them."""
+    """Draw time series on the left and the state space on the right, as in Fig. 2."""
     figure, (top, right, bottom, spare) = new_panels(2, 2, width="page", height=3.6)
     spare.remove()
     both = right.get_subplotspec()
@@ -161,12 +161,12 @@ class Regions:
     amplitude_at_end: float
     stick_at_end: float
     seen: tuple[tuple[bool, bool], ...]
-    """At each of `VELOCITIES`: whether a start near sliding slides, and a far one sticks."""
+    """At each of `VELOCITIES`: whether a start near sliding slides, and a distant one sticks."""
     diagram: Bifurcation
 
     @property
     def expected(self) -> tuple[tuple[bool, bool], ...]:
-        """What the two ends of bistability say of the same starts."""
+        """What the two ends of bistability predict for the same starts."""
         return tuple((v > self.hopf, v < self.end) for v in VELOCITIES)
 
 
@@ -199,7 +199,7 @@ def regions() -> Regions:
 
 
 def rule_regions(e: Regions) -> Ruling:
-    """Rule: three ranges in this order, and every run must end where they say."""
+    """Rule: there must be three ranges in this order, and every run must end as they predict."""
     if e.hopf < e.end and e.seen == e.expected:
         return holds()
     return fails("runs do not end in the states that the three ranges predict.")
@@ -214,7 +214,7 @@ def draw_regions(e: Regions) -> tuple[Picture, ...]:
     axes.axvline(V_D, color=COLOURS["purple"], lw=1.2, label=r"Fig. 2, $\tilde{v}_d$ = 1.25")
     legend = axes.get_legend()
     if legend is not None:
-        legend.remove()  # it has no room beside a column
+        legend.remove()  # there is no room for it beside a column
     figure.legend(loc="outside lower center", ncols=2)
     d = e.diagram
     columns = {
@@ -233,9 +233,9 @@ class Subcritical:
     """The unstable cycle just above the Hopf velocity."""
 
     ratios: tuple[float, ...]
-    """Its amplitude over its expansion, 1e-2, 1e-3 and 1e-4 above."""
+    """Its amplitude relative to the expansion, 1e-2, 1e-3 and 1e-4 above the Hopf velocity."""
     repels: tuple[bool, bool]
-    """Whether a run from inside moves in, and one from outside moves out."""
+    """Whether a run from inside moves inwards, and one from outside moves outwards."""
 
 
 def subcritical() -> Subcritical:
@@ -262,7 +262,7 @@ def subcritical() -> Subcritical:
 
 
 def rule_subcritical(e: Subcritical) -> Ruling:
-    """Rule: the unstable cycle must shrink to steady sliding like the root of the distance."""
+    """Rule: the unstable cycle must shrink to sliding like the square root of the distance."""
     if abs(e.ratios[-1] - 1.0) < 1e-3 and all(e.repels):
         return holds()
     return fails("no unstable cycle shrinks to steady sliding on its stable side.")
@@ -270,18 +270,18 @@ def rule_subcritical(e: Subcritical) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class LawValues:
-    """(2) at both ends, as printed and with μ_d in front; and the slopes of both at v_d."""
+    """(2) in both limits, as printed and with μ_d in front; and the slopes of both at v_d."""
 
     printed: tuple[float, float]
     corrected: tuple[float, float]
     required: tuple[float, float]
     slope_gap: float
     reference_gap: float
-    """Largest difference from the law as it is written for scipy."""
+    """Largest difference from the law as written for scipy."""
 
 
 def friction_law() -> LawValues:
-    """Put v_rel = 0 and a large v_rel into (2), as printed and corrected."""
+    """Evaluate (2) at v_rel = 0 and at a large v_rel, as printed and corrected."""
     from theory.cells.friction import FrictionCell, friction_coefficient
     from verification.references.equations import dynamic_friction
 
@@ -305,7 +305,7 @@ def friction_law() -> LawValues:
 
 
 def rule_friction_law(e: LawValues) -> Ruling:
-    """Rule: both limits must be those of the text, by the printed line or by the corrected one."""
+    """Rule: both limits must be those of the text, for the printed or the corrected line."""
     if e.printed == e.required:
         return holds()
     if e.corrected == e.required and e.slope_gap < 1e-9 and e.reference_gap < 1e-12:
@@ -319,13 +319,13 @@ class Stick:
 
     largest: float
     at_release: float
-    """How far |F| is from μ_st at the releases."""
+    """Difference between |F| and μ_st at the releases."""
     releases: int
     gap: float
 
 
 def stick() -> Stick:
-    """Take the force that holds the cell over every stick interval of two runs, to its end."""
+    """Compute the force that holds the cell over every stick interval of two runs, to its end."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
     from verification.runs.simulate import simulate
@@ -358,7 +358,7 @@ def stick() -> Stick:
 
 
 def rule_stick(e: Stick) -> Ruling:
-    """Rule: below μ_st throughout stick; equality at the one instant of release is a remark."""
+    """Rule: it must be below μ_st throughout stick; equality at release is only a remark."""
     if e.gap < AGREE and e.largest < 1.0 and e.at_release < AGREE:
         return holds()
     return fails("the force exceeds what holds the cell, or does not reach it at release.")
@@ -369,14 +369,14 @@ class SwitchModel:
     """Error of the period of the cycle by the paper's method."""
 
     defaults: float
-    """At ode23t's default tolerances, over the period."""
+    """At ode23t's default tolerances, relative to the period."""
     tight: float
     order: float
-    """Of the error in the band, at tight tolerances."""
+    """Dependence of the error on the band, at tight tolerances."""
 
 
 def switch_model() -> SwitchModel:
-    """Run the cell by the paper's method, and measure how far its period is from the exact one."""
+    """Run the cell by the paper's method, and compare its period with the exact one."""
     from theory.chains.friction import FrictionChain
     from verification.references.switch_model import PAPER_BAND, run_switch
 
@@ -397,7 +397,7 @@ def switch_model() -> SwitchModel:
 
 
 def rule_switch_model(e: SwitchModel) -> Ruling:
-    """Rule: the method must give the period to one per cent: more would show in Fig. 2."""
+    """Rule: the period must be right to one per cent; a larger error would show in Fig. 2."""
     if abs(e.defaults) < 0.01 and abs(e.tight) < 0.01:
         return holds()
     return fails("the switch model misses the period by more than one per cent.")

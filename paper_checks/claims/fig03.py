@@ -17,9 +17,9 @@ from verification.pictures.figures import COLOURS, new_axes, picture
 TIMES_A, TIMES_B = (200.0, 400.0, 600.0), (400.0, 700.0, 1000.0)
 CORE = (15, 16, 17)
 LINE = 0.02
-"""Thickness of a drawn curve over the height of its axis: 1.2 points of about 60."""
+"""Thickness of a drawn curve relative to the height of its axis: 1.2 points of about 60."""
 VANISHING = 0.05
-"""Largest part of the core's amplitude that can be read as zero in the figure."""
+"""Largest fraction of the core's amplitude that can be read as zero in the figure."""
 AGREE = 1e-3
 STYLES = (("o-", "blue"), ("s--", "vermilion"), ("^:", "green"))
 
@@ -35,7 +35,7 @@ class BreatherEnvelopes:
 
     @property
     def apart(self) -> float:
-        """Largest difference between the three envelopes over the largest amplitude."""
+        """Largest difference between the three envelopes, relative to the largest amplitude."""
         return float(np.ptp(self.envelope, axis=0).max() / self.envelope.max())
 
     @property
@@ -45,7 +45,7 @@ class BreatherEnvelopes:
 
     @property
     def own(self) -> float:
-        """That difference over the amplitude of its own site."""
+        """The same difference relative to the amplitude of its own site."""
         n = self.where - 1
         return float(np.ptp(self.envelope[:, n]) / self.envelope[-1, n])
 
@@ -77,14 +77,14 @@ def breather() -> BreatherEnvelopes:
 
 
 def rule_superimposed(e: BreatherEnvelopes) -> Ruling:
-    """Rule: the three curves must lie within the thickness of a line, the core alone sticking."""
+    """Rule: the three curves must agree within a line's thickness; only the core may stick."""
     if e.stuck == CORE and e.apart < LINE and e.gap < AGREE:
         return holds()
     return fails("the three envelopes can be distinguished, or other sites stick as well.")
 
 
 def rule_vanishing(e: BreatherEnvelopes) -> Ruling:
-    """Rule: outside the core the amplitude must be too small to be seen, and no site stick."""
+    """Rule: outside the core the amplitude must be invisibly small, and no site may stick."""
     if e.stuck != CORE or not e.gap < AGREE:
         return fails("sites outside the nucleus stick.")
     if e.beside[0] < VANISHING * e.core:
@@ -108,7 +108,7 @@ def _draw(
     core: tuple[int, ...],
     c: str,
 ) -> tuple[Picture, ...]:
-    """Draw the envelopes at some times, and where the chain is excited."""
+    """Draw the envelopes at several times, and mark the excited sites."""
     figure, axes = new_axes(
         "column", xlabel="oscillator n", ylabel=r"vibration amplitude $\tilde{Y}_n$"
     )
@@ -136,7 +136,7 @@ class FrontEnvelopes:
 
 
 def front() -> FrontEnvelopes:
-    """Count the sites that stick-slip at the three times, and compare amplitudes."""
+    """Count the sites in stick-slip at the three times, and compare amplitudes."""
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
 
@@ -154,7 +154,7 @@ def front() -> FrontEnvelopes:
 
 
 def rule_front(e: FrontEnvelopes) -> Ruling:
-    """Ask: more sites each time, ten times the amplitude behind the front than ahead of it."""
+    """Rule: more sites each time, and ten times the amplitude behind the front than ahead of it."""
     moves = all(a < b for a, b in zip(e.arrived, (*e.arrived[1:], SITES), strict=True))
     if moves and min(e.trailing) > 10.0 * max(e.ahead) and e.gap < AGREE:
         return holds()

@@ -16,21 +16,22 @@ from verification.pictures.figures import COLOURS, new_axes, picture
 
 SIZES = (1, 3, 5, 7, 9)
 ACCURACY = 2e-5
-"""Half brackets of the thresholds."""
+"""Half-widths of the brackets of the thresholds."""
 PRINTED = 40.0
 ABOUT = 10.0 * rounding("40")
 """'About 40 %' is a number of one digit: half a unit of its tens."""
 INSENSITIVE = 0.1
-"""A change that can hardly be seen beside the fall of 40 % at the edge: a quarter of it."""
+"""A change that is barely visible beside the fall of 40 % at the edge: a quarter of it."""
 LONG = 60_000.0
 STALL = 20_000.0
-"""A front that has taken in no site for so long has stopped: it takes 1300 a site at most here."""
+"""Time without a new site after which a front has stopped; here it takes at most 1300 per site."""
 BEFORE_END = 2
-"""Sites before a free end at which a slow front may stop: the wave that the end throws back is
-felt there, and the sentence is about the chain and not its last sites."""
+"""Number of sites before a free end at which a slow front may stop: there it is affected by the
+wave reflected from the end, whereas the sentence is about the chain and not about its last
+sites."""
 KINDS = (("edge", 1), ("edge", 3), ("bulk", 1), ("bulk", 3), ("bulk", 7))
 ASIDE = 0.02
-"""Distance from a threshold, relative, at which long runs must be on either side of it."""
+"""Relative distance from a threshold at which long runs must lie on either side of it."""
 
 
 def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> float:
@@ -47,33 +48,33 @@ def _threshold(size: int, place: str, ends: str = "free", **options: Any) -> flo
 
 @dataclass(frozen=True, kw_only=True)
 class Thresholds:
-    """Critical couplings by place and size: one new site by τ = 1000, free ends."""
+    """Critical couplings by place and size, for one new site by τ = 1000 and free ends."""
 
     edge: tuple[float, ...]
     bulk: tuple[float, ...]
     bulk_of_two: float
     literal: tuple[float, float]
-    """Of sizes 1 and 3 at the edge with (5) taken literally at its ends."""
+    """Those for sizes 1 and 3 at the edge with (5) taken literally at its ends."""
     gap: float
 
     @property
     def falls(self) -> tuple[float, ...]:
-        """Falls at the edge from size 1 to each larger size, per cent."""
+        """Decrease at the edge from size 1 to each larger size, in per cent."""
         return tuple(100.0 * (1.0 - c / self.edge[0]) for c in self.edge[1:])
 
     @property
     def bulk_fall(self) -> float:
-        """Fall in the bulk from size 1 to size 3, as a part."""
+        """Decrease in the bulk from size 1 to size 3, as a fraction."""
         return 1.0 - self.bulk[1] / self.bulk[0]
 
     @property
     def bulk_rest(self) -> float:
-        """Spread over sizes 3 to 9 in the bulk, as a part."""
+        """Spread over sizes 3 to 9 in the bulk, as a fraction."""
         return 1.0 - min(self.bulk[1:]) / max(self.bulk[1:])
 
     @property
     def apart(self) -> float:
-        """Two sites in the bulk against one at the edge: the same by mirror symmetry."""
+        """Difference between two sites in the bulk and one at the edge; zero by symmetry."""
         return abs(self.bulk_of_two - self.edge[0])
 
 
@@ -81,7 +82,7 @@ class Thresholds:
 def thresholds() -> Thresholds:
     """Bisect every threshold of the figure, and check two of them by scipy."""
     edge = tuple(_threshold(size, "edge") for size in SIZES)
-    # Close to the threshold of three sites a new site takes longer than scipy can be given.
+    # Close to the threshold for three sites, a new site takes longer than a run by scipy can last.
     cases: list[tuple[tuple[int, ...], float]] = [
         ((1,), edge[0] * (1.0 + side)) for side in (-ASIDE, ASIDE)
     ]
@@ -100,14 +101,14 @@ def _checked(e: Thresholds) -> bool:
 
 
 def rule_edge(e: Thresholds) -> Ruling:
-    """Rule: every larger size must lie about 40 per cent below size 1."""
+    """Rule: the threshold of every larger size must lie about 40 per cent below that of size 1."""
     if _checked(e) and all(abs(fall - PRINTED) <= ABOUT for fall in e.falls):
         return holds()
     return fails("the fall from size 1 to larger sizes is not about 40 %.")
 
 
 def rule_bulk(e: Thresholds) -> Ruling:
-    """Rule: no size may change the threshold by a tenth."""
+    """Rule: no size may change the threshold by more than a tenth."""
     if not _checked(e) or e.bulk_rest > INSENSITIVE:
         return fails("the threshold changes with every size.")
     if e.bulk_fall < INSENSITIVE:
@@ -143,24 +144,24 @@ class LongRuns:
     """Long runs on either side of each threshold."""
 
     thresholds: tuple[float, ...]
-    """One a kind of `KINDS`."""
+    """One result for each kind in `KINDS`."""
     below: tuple[int, ...]
-    """Sites that have stuck by `LONG`, 2 % below each threshold."""
+    """Number of sites that have stuck by `LONG`, 2 % below each threshold."""
     above: tuple[int, ...]
-    """Sites that have stuck when the front stops or has filled the chain, 2 % above."""
+    """Number of sites that have stuck when the front stops or has filled the chain, 2 % above."""
     longer: dict[str, int]
-    """The same in a chain of twice the length, for the kinds that did not fill the first."""
+    """The same in a chain of twice the length, for the kinds that did not fill the first one."""
     gap: float
 
     @property
     def falls(self) -> tuple[float, float]:
-        """Falls from size 1 to 3 at the edge and in the bulk, per cent."""
+        """Decrease from size 1 to 3 at the edge and in the bulk, in per cent."""
         c = self.thresholds
         return 100.0 * (1.0 - c[1] / c[0]), 100.0 * (1.0 - c[3] / c[2])
 
     @property
     def left(self) -> int:
-        """Sites that a front leaves at rest before a free end, at most, in either chain."""
+        """Largest number of sites left at rest before a free end by a front, in either chain."""
         return max(SITES - min(self.above), *(2 * SITES - n for n in self.longer.values()), 0)
 
 
@@ -200,9 +201,9 @@ def long_runs() -> LongRuns:
 
 
 def rule_divides(e: LongRuns) -> Ruling:
-    """Rule: below, the nucleus alone sticks; above, a front travels as far as there is chain.
+    """Rule: below, only the nucleus sticks; above, a front travels through the whole chain.
 
-    Where it stops before a free end, it must stop as near to it in a chain twice as long.
+    If it stops before a free end, it must stop equally close to the end of a chain twice as long.
     """
     stay = all(n == size for n, (_, size) in zip(e.below, KINDS, strict=True))
     if stay and e.left <= BEFORE_END and e.gap < 1e-3:

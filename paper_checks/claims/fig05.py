@@ -21,32 +21,32 @@ if TYPE_CHECKING:
 
 COUPLINGS = (0.005, 0.015, 0.025, 0.035, 0.045, 0.055, 0.065, 0.075, 0.085, 0.095)
 VELOCITIES = (1.05, 1.15, 1.25, 1.35, 1.45, 1.55, 1.65, 1.75, 1.85, 1.95)
-"""Half as fine as a map of 20 by 20; ``fronts map friction`` draws any."""
+"""Grid half as fine as a map of 20 by 20; ``fronts map friction`` draws any map."""
 REFINED = 0.125
-"""Part of the spacing to which boundaries are bisected."""
+"""Fraction of the spacing to which boundaries are bisected."""
 CHECKED = ((0.095, 1.05, 7), (0.095, 1.45, 1), (0.005, 1.55, 1))
-"""c, v_d and the sites that stick by τ = 80: a front, steady sliding, a breather."""
+"""c, v_d and the number of sites that stick by τ = 80: a front, steady sliding, a breather."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionStateMap(LabelledMap):
-    """Labels of the map, and how it was checked."""
+    """Labels of the map, and the results of its check."""
 
     hopf: float
     cycle_end: float
     gap: float
     seen: tuple[int, ...]
-    """Sites that stick by scipy at `CHECKED`."""
+    """Number of sites that stick at `CHECKED`, by scipy."""
 
     @property
     def widths(self) -> tuple[int, ...]:
-        """Breathers in the columns of growing c."""
+        """Number of breathers in each column, in order of c."""
         c, label = self.states["c"], self.states["label"]
         return tuple(int(np.count_nonzero((label == "breather") & (c == x))) for x in COUPLINGS)
 
     @property
     def above(self) -> tuple[str, ...]:
-        """Labels above the end of the cycle of one cell."""
+        """Labels above the v_d at which the cycle of one cell ends."""
         high = self.states["v_d"] > self.cycle_end
         return tuple(sorted(set(self.states["label"][high].tolist())))
 
@@ -77,7 +77,7 @@ def state_map() -> FrictionStateMap:
 
 
 def rule_map(e: FrictionStateMap) -> Ruling:
-    """Rule: three regions, breathers in the lower half only and fewer as c grows, then none."""
+    """Rule: three regions; breathers only in the lower half, fewer as c grows, and finally none."""
     three = all(e.counts.get(name, 0) for name in REGIONS)
     shrinks = all(first >= second for first, second in pairwise(e.widths)) and e.widths[-1] == 0
     low = e.highest < 0.5 * COUPLINGS[-1]
@@ -106,7 +106,7 @@ LASTING = (1.1, 1.2, 1.25, 1.35, 1.45, 1.6, 1.9)
 STRONG = 0.095
 LATE, WINDOW = 12_000.0, 400.0
 WIDE, WIDE_AT = 9, (1.38, 1.40)
-"""A nucleus that first fills the chain at these belt velocities and then loses it."""
+"""A nucleus that at these belt velocities first fills the chain and then dies out."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,16 +114,16 @@ class Lasting:
     """What lasts at strong coupling: sites in stick-slip in the last window of a long run."""
 
     active: tuple[int, ...]
-    """At each of `LASTING`, from one site in the bulk."""
+    """Number of sites at each of `LASTING`, from one site in the bulk."""
     wide_reached: tuple[int, ...]
-    """Sites that have ever stuck, from nine sites, at `WIDE_AT`."""
+    """Number of sites that ever stuck, from nine sites, at `WIDE_AT`."""
     wide_active: tuple[int, ...]
-    """Sites that stick in the last window there."""
+    """Number of sites that stick there in the last window."""
     gap: float
 
 
 def _lasting(v_d: float, size: int) -> tuple[int, int]:
-    """Return how many sites have ever stuck, and how many do in its last window."""
+    """Return how many sites ever stuck, and how many stick in the last window."""
     from theory.chains.nucleus import Place, nucleus_sites
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration
@@ -135,7 +135,7 @@ def _lasting(v_d: float, size: int) -> tuple[int, int]:
     ever = np.zeros(SITES, dtype=bool)
     while run.time < LATE:
         run.arrivals[:] = np.nan
-        # Only the last window counts as lasting; some sixty periods are in it.
+        # Only sites active in the last window, of some sixty periods, count as lasting.
         run.advance_to(run.time + WINDOW if run.time >= LATE - WINDOW else LATE - WINDOW)
         ever |= ~np.isnan(run.arrivals)
         if run.going_to_rest():
@@ -155,7 +155,7 @@ def lasting() -> Lasting:
 
 
 def rule_lasting(e: Lasting) -> Ruling:
-    """Rule: all sites or none, all at low velocity and none at high."""
+    """Rule: all sites or none must last: all at low velocity and none at high velocity."""
     ends = all(n in (0, SITES) for n in e.active)
     falls = list(e.active) == sorted(e.active, reverse=True)
     if ends and falls and e.active[0] == SITES and e.active[-1] == 0 and e.gap < 1e-3:

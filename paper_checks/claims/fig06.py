@@ -16,23 +16,23 @@ from verification.pictures.figures import COLOURS, new_axes, picture
 
 COUPLINGS = (0.011, 0.012, 0.014, 0.017, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1)
 LINEAR_FROM = 0.02
-"""'Except in the vicinity of c_crit': from about twice the threshold on."""
+"""'Except in the vicinity of c_crit': from about twice the threshold upwards."""
 STEEPER = 1.5
-"""A slope so much larger than that of the line can be seen beside it."""
+"""Ratio of slopes at which the difference from the line is visible."""
 LARGE = (0.3, 1.0)
 FAST_SITES, LARGE_SITES = 61, 101
-"""Longer chains than the paper's 31 sites, for a better mean, where fronts are fast."""
+"""Chains longer than the paper's 31 sites, for a better mean where fronts are fast."""
 BELOW = (0.002, 0.004, 0.006, 0.008, 0.01)
 WIDE = 6
 SCIPY = ((0.02, 300.0), (0.05, 110.0), (0.1, 70.0))
-"""Couplings at which the first six sites are run by scipy as well, and for how long."""
+"""Couplings at which the first six sites are also run by scipy, and the durations."""
 RESIDUAL = 0.02
-"""Part of the largest velocity: about the size of a mark in a printed figure."""
+"""Fraction of the largest velocity: about the size of a mark in a printed figure."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionVelocities:
-    """Front velocity by coupling, from one site at the edge."""
+    """Front velocity by coupling, started from one site at the edge."""
 
     c: tuple[float, ...]
     v: tuple[float, ...]
@@ -41,7 +41,7 @@ class FrictionVelocities:
     """Largest group velocity of waves about steady sliding, (√(1 + 4c) - 1)/2."""
     gap: float
     threshold: float
-    """Coupling from which on a site at the edge sets off a front."""
+    """Coupling above which a site at the edge starts a front."""
 
     def _linear(self) -> tuple[np.ndarray, np.ndarray]:
         chosen = [k for k, c in enumerate(self.c) if LINEAR_FROM <= c <= COUPLINGS[-1]]
@@ -55,13 +55,13 @@ class FrictionVelocities:
 
     @property
     def residual(self) -> float:
-        """Largest residual over the largest velocity of the range."""
+        """Largest residual relative to the largest velocity of the range."""
         c, v = self._linear()
         return float(np.abs(self.line[0] + self.line[1] * c - v).max() / v.max())
 
     @property
     def slopes(self) -> tuple[float, float]:
-        """dv/dc just above the threshold, and of the line's range, less and plus its error."""
+        """dv/dc just above the threshold, less its error, and of the line, plus its error."""
         at = {c: (v, e) for c, v, e in zip(self.c, self.v, self.error, strict=True)}
 
         def slope(low: float, high: float, sign: float) -> float:
@@ -73,12 +73,12 @@ class FrictionVelocities:
 
     @property
     def worst(self) -> float:
-        """Largest error of v in the figure's range."""
+        """Largest error of v in the range of the figure."""
         return max(e for c, e in zip(self.c, self.error, strict=True) if c <= COUPLINGS[-1])
 
     @property
     def beyond(self) -> str:
-        """Measured velocity, waves and the line, at larger couplings."""
+        """Measured velocity, wave velocity and the line, at larger couplings."""
         return "; ".join(
             f"c = {c:g}: {v:.3f}, waves {w:.3f}, line {self.line[0] + self.line[1] * c:.3f}"
             for c, v, w in zip(self.c, self.v, self.waves, strict=True)
@@ -88,7 +88,7 @@ class FrictionVelocities:
 
 @lru_cache(maxsize=1)
 def velocities() -> FrictionVelocities:
-    """Measure the front at every coupling; compare arrivals with scipy at three."""
+    """Measure the front at every coupling; compare arrivals with scipy at three of them."""
     from verification.fronts.measure import measure_front
 
     rows = []
@@ -107,21 +107,21 @@ def velocities() -> FrictionVelocities:
 
 
 def rule_linear(e: FrictionVelocities) -> Ruling:
-    """Rule: in the range of the figure a line must fit within the size of a mark."""
+    """Rule: in the range of the figure a line must fit to within the size of a mark."""
     if e.residual < RESIDUAL and e.gap < 1e-3:
         return holds()
     return fails("no line fits the velocities within the size of a mark.")
 
 
 def rule_rapid(e: FrictionVelocities) -> Ruling:
-    """Rule: just above the threshold v must be steeper than the line, beyond the errors of both."""
+    """Rule: just above the threshold v must be steeper than the line, beyond both errors."""
     if e.slopes[0] > STEEPER * e.slopes[1] and e.gap < 1e-3:
         return holds()
     return fails("just above the threshold the velocity is no steeper than the line.")
 
 
 def draw_velocities(e: FrictionVelocities) -> tuple[Picture, ...]:
-    """Draw Fig. 6, with v = 0 below the critical coupling and the critical coupling itself."""
+    """Draw Fig. 6, with v = 0 below the critical coupling, and the critical coupling itself."""
     figure, axes = new_axes(
         "column", height=2.8, xlabel="coupling c", ylabel=r"$\tilde{v}_\mathrm{front}$ (sites/τ)"
     )
@@ -149,18 +149,18 @@ def draw_velocities(e: FrictionVelocities) -> tuple[Picture, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class NoPropagation:
-    """Runs below the threshold of one site at the edge, and of a wider nucleus."""
+    """Runs below the threshold for one site at the edge, and for a wider nucleus."""
 
     threshold: float
     arrived: tuple[int, ...]
-    """Sites that have stuck by τ = 4000 at each of `BELOW`."""
+    """Number of sites that have stuck by τ = 4000 at each of `BELOW`."""
     wide_threshold: float
     gap: float
 
 
 @lru_cache(maxsize=1)
 def no_propagation() -> NoPropagation:
-    """Bisect the threshold of one site at the edge, and run below it."""
+    """Bisect for the threshold of one site at the edge, and run below it."""
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
     from verification.thresholds.spreading import Spreading, spreading_threshold
@@ -184,7 +184,7 @@ def no_propagation() -> NoPropagation:
 
 
 def rule_no_propagation(e: NoPropagation) -> Ruling:
-    """Rule: from one site at the edge, as the caption has it, no other site may ever stick."""
+    """Rule: started from one site at the edge, as in the caption, no other site may ever stick."""
     if all(n == 1 for n in e.arrived) and max(BELOW) < e.threshold and e.gap < 1e-3:
         return holds()
     return fails("below the threshold other sites stick.")

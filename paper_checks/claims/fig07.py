@@ -19,7 +19,7 @@ from verification.pictures.figures import COLOURS, new_panels, picture
 C = 0.1
 STRONGER = 0.19
 SEEN = 0.01
-"""Difference of amplitudes, over the largest, that can be seen in the bars of the figure."""
+"""Difference of amplitudes, relative to the largest, that is visible in the bars of the figure."""
 AGREE = 1e-6
 
 
@@ -34,33 +34,33 @@ class Localised:
     frequency: float
     error: float
     stronger: tuple[float, float]
-    """First ratio of neighbours and the tail's at a stronger coupling."""
+    """First ratio of neighbouring amplitudes and that of the tail, at a stronger coupling."""
 
     @property
     def gap(self) -> float:
-        """Largest difference of first harmonics between run and orbit."""
+        """Largest difference of the first harmonics between run and orbit."""
         return float(np.abs(self.run - self.harmonics).max())
 
     @property
     def ratios(self) -> tuple[float, ...]:
-        """Ratios of neighbouring amplitudes outwards from the centre."""
+        """Ratios of neighbouring amplitudes, outwards from the centre."""
         tail = self.orbit[CENTRE:]
         return tuple(float(x) for x in tail[1:5] / tail[:4])
 
     @property
     def first_off(self) -> float:
-        """How far the first ratio is from that of the tail, 2c sinh k₁ = -1, as a part of it."""
+        """Relative difference of the first ratio from that of the tail, 2c sinh k₁ = -1."""
         return abs(self.ratios[0] / math.exp(-math.asinh(0.5 / C)) - 1.0)
 
     @property
     def rate(self) -> float:
-        """The rate of one exponential through the centre that fits the others best."""
+        """Rate of the exponential through the centre that best fits the other amplitudes."""
         place = np.arange(4)
         return float(np.polyfit(place, np.log(self.orbit[CENTRE : CENTRE + 4]), 1)[0])
 
     @property
     def off(self) -> float:
-        """How far amplitudes are from one exponential, over the largest."""
+        """Largest distance of the amplitudes from one exponential, relative to the largest."""
         place = np.abs(np.arange(SITES) - CENTRE)
         return float(np.abs(self.orbit[CENTRE] * np.exp(self.rate * place) - self.orbit).max()
                      / self.orbit.max())  # fmt: skip
@@ -73,8 +73,8 @@ def localised() -> Localised:
     assert orbit.frequency is not None
     assert orbit.error is not None
     state = np.zeros(2 * SITES)
-    state[SITES + CENTRE] = 2.0 * math.sqrt(2.0)  # the cycle of one averaged cell
-    # Everything decays at 0.45 per unit of εt: e^-18 is left.
+    state[SITES + CENTRE] = 2.0 * math.sqrt(2.0)  # on the cycle of one averaged cell
+    # Deviations decay at a rate of 0.45 per unit of εt, so that e^-18 is left.
     state = flow(state, C, 40.0 / EPS, 1e-10)
     history = []
     for _ in range(16):
@@ -96,14 +96,14 @@ def localised() -> Localised:
 
 
 def rule_localised(e: Localised) -> Ruling:
-    """Rule: the run must settle on a stable orbit whose ends are at rest."""
+    """Rule: the run must settle on a stable orbit with the ends of the chain at rest."""
     if e.gap < AGREE and e.stable and e.orbit[0] < 1e-4 * e.orbit[CENTRE]:
         return holds()
     return fails("the run does not settle on a stable localised orbit.")
 
 
 def rule_decay(e: Localised) -> Ruling:
-    """Rule: one exponential must give every amplitude within what the figure shows."""
+    """Rule: a single exponential must reproduce every amplitude to within what the figure shows."""
     if e.gap < AGREE and e.rate < -1.0 and e.off < SEEN:
         return holds()
     return fails("the amplitudes are not those of one exponential.")

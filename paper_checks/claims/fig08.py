@@ -1,4 +1,4 @@
-"""Fig. 8: amplitudes of the sites n = 0 and 1 against coupling; the assumptions behind them."""
+"""Fig. 8: amplitudes of the sites n = 0 and 1 against coupling, and the underlying assumptions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EPSILONS = (0.04, 0.02, 0.01, 0.005)
 
 
 def closed_form(reading: Reading, places: FloatArray) -> FloatArray:
-    """Return amplitudes of n = 0 and 1 by (29), (37) and (38)."""
+    """Return the amplitudes of n = 0 and 1 by (29), (37) and (38)."""
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
 
@@ -43,12 +43,12 @@ class OrbitAmplitudes:
     exact: FloatArray
     theory: FloatArray
     tail: FloatArray
-    """The closed form with (37) read in the far tail instead of at n = 1."""
+    """The closed form with (37) evaluated in the far tail instead of at n = 1."""
     centre_has_none: bool
-    """Whether (37) read at n = 0 has no solution."""
+    """Whether (37) evaluated at n = 0 has no solution."""
     error: float
     closing: float
-    """How far scipy's flow is from closing two of the orbits."""
+    """Closure error of two of the orbits under scipy's flow."""
 
     @property
     def off(self) -> tuple[float, float]:
@@ -58,12 +58,12 @@ class OrbitAmplitudes:
 
     @property
     def off_tail(self) -> float:
-        """The same at n = 1, (37) in the tail."""
+        """The same at n = 1, with (37) in the tail."""
         return float(np.abs(self.tail - self.exact)[:, 1].max())
 
 
 def amplitudes() -> OrbitAmplitudes:
-    """Solve (29) and (37) and the periodic orbit of (8) along the couplings of the figure."""
+    """Solve (29) and (37), and the periodic orbit of (8), along the couplings of the figure."""
     from theory.averaged.breather import Reading, solve_breather
     from theory.chains.vdp import VdpChain
 
@@ -86,7 +86,7 @@ def amplitudes() -> OrbitAmplitudes:
 
 
 def rule_amplitudes(e: OrbitAmplitudes) -> Ruling:
-    """Rule: every circle of the figure must lie on its curve within its own width."""
+    """Rule: every circle of the figure must lie on its curve to within its own width."""
     if e.closing < 1e-8 and max(e.off) < MARK:
         return holds()
     return fails("the closed form is off by more than a circle of the figure.")
@@ -128,12 +128,12 @@ class Assumptions:
 
     @property
     def needed(self) -> float:
-        """|δ|/(c e^{k_1}) at ε = 0.01, which (28) needs to be small."""
+        """|δ|/(c e^{k_1}) at ε = 0.01, which must be small for (28)."""
         return self.share / self.ratio
 
     @property
     def neglected(self) -> float:
-        """What (28) neglects: (δ/(c e^{k_1}))²."""
+        """The term neglected in (28): (δ/(c e^{k_1}))²."""
         return self.needed**2
 
     @property
@@ -171,14 +171,14 @@ def _sound(e: Assumptions) -> bool:
 
 
 def rule_assumptions(e: Assumptions) -> Ruling:
-    """Rule: δ must be small beside c, and k₂ + π/2 small."""
+    """Rule: δ must be small compared with c, and k₂ + π/2 small."""
     if _sound(e) and e.share < SMALL and abs(e.turn) < SMALL:
         return holds()
     return fails("δ is not small beside c, or the phase step is not -π/2.")
 
 
 def rule_neglected(e: Assumptions) -> Ruling:
-    """Rule: what (28) neglects must be small beside what it keeps."""
+    """Rule: what (28) neglects must be small compared with what it keeps."""
     if _sound(e) and e.neglected < SMALL:
         return holds()
     return fails("what (28) neglects is not small.")

@@ -18,7 +18,7 @@ from verification.pictures.figures import COLOURS, new_panels, picture
 
 PRINTED = "0.195"
 TOGETHER = 0.002
-"""Couplings of crossing so close are one in Fig. 9: one per cent of its axis."""
+"""Difference of crossing couplings not visible in Fig. 9: one per cent of its axis."""
 ALONG = (*np.arange(0.01, 0.18, 0.015).tolist(), *np.linspace(0.18, 0.195, 16).tolist(),
          *np.linspace(0.1955, 0.1973, 25).tolist())  # fmt: skip
 EXACT = (*np.arange(0.02, 0.18, 0.02).tolist(), *np.linspace(0.18, 0.191, 9).tolist())
@@ -26,7 +26,7 @@ EXACT = (*np.arange(0.02, 0.18, 0.02).tolist(), *np.linspace(0.18, 0.191, 9).tol
 
 
 def _approximate(c: float, *, misprinted: bool = False) -> Any:
-    """Multipliers along the sinusoids (9) of the closed form."""
+    """Return the multipliers along the sinusoids (9) of the closed form."""
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
     from verification.breathers.floquet import approximate_multipliers
@@ -47,26 +47,26 @@ def _crossing(parity: str, *, misprinted: bool = False) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Multipliers:
-    """Where multipliers leave the unit circle, along (9) as in the paper and on the true orbit."""
+    """Where multipliers leave the unit circle, along (9) as in the paper and on the exact orbit."""
 
     even: float
     odd: float
     odd_misprinted: float
-    """By the Jacobian as printed in (42)."""
+    """The same with the Jacobian as printed in (42)."""
     true_odd: float
     true_fold: float
     trivial: float
     """|μ - 1| of the trivial multiplier along (9) at the crossing."""
     gap: float
     along: tuple[tuple[float, ...], ...]
-    """All moduli along (9), one row a coupling of ``couplings``."""
+    """All moduli along (9), one row per coupling in ``couplings``."""
     couplings: tuple[float, ...]
     exact: tuple[tuple[float, ...], ...]
     exact_couplings: tuple[float, ...]
 
 
 def multipliers() -> Multipliers:
-    """Follow all multipliers along the approximate and the true orbit."""
+    """Follow all multipliers along the approximate and the exact orbit."""
     from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.thresholds.continuation import breather_threshold
@@ -102,7 +102,7 @@ def _moduli(found: Any) -> FloatArray:
 
 
 def rule_multipliers(e: Multipliers) -> Ruling:
-    """Rule: two must cross together, at the printed coupling within its rounding."""
+    """Rule: two must cross together, at the printed coupling to within its rounding."""
     if not e.gap < 1e-6 or abs(e.even - e.odd) > TOGETHER:
         return fails("no two multipliers leave the unit circle together.")
     if agrees(e.odd, PRINTED) and agrees(e.even, PRINTED):
@@ -115,7 +115,7 @@ def rule_multipliers(e: Multipliers) -> Ruling:
 
 
 def draw(e: Multipliers) -> tuple[Picture, ...]:
-    """Draw all moduli along both orbits, and the crossing enlarged."""
+    """Draw all moduli along both orbits, with the crossing enlarged."""
     figure, (left, right) = new_panels(2, width="page", height=2.7)
     series: dict[str, dict[str, Any]] = {}
     for axes in (left, right):
@@ -145,19 +145,19 @@ def draw(e: Multipliers) -> tuple[Picture, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Escape:
-    """Multiplier, and factor a period by which a perturbation changes, inside and outside."""
+    """Multiplier, and factor per period by which a perturbation changes, inside and outside."""
 
     inside: tuple[float, float]
     outside: tuple[float, float]
 
     @property
     def gap(self) -> float:
-        """Largest difference between the two."""
+        """Largest difference between multiplier and factor."""
         return max(abs(pair[0] - pair[1]) for pair in (self.inside, self.outside))
 
 
 def escape() -> Escape:
-    """Perturb a breather inside and one outside, and time what becomes of the perturbation."""
+    """Perturb one breather inside and one outside, and measure the change of the perturbation."""
     from theory.chains.nucleus import Nucleus, outward_pattern
     from theory.chains.vdp import VdpChain
     from verification.breathers.orbits import solve_orbit
@@ -181,7 +181,7 @@ def escape() -> Escape:
 
 
 def rule_escape(e: Escape) -> Ruling:
-    """Rule: inside the circle a perturbation must decay, outside grow, at the multiplier's rate."""
+    """Rule: perturbations must decay inside the circle and grow outside, as the multiplier says."""
     if e.gap < 1e-4 and e.inside[1] < 1.0 < e.outside[1]:
         return holds()
     return fails("perturbations do not follow the multipliers.")

@@ -20,7 +20,7 @@ NOISE = 1e-6
 END = 800.0
 TIMES = np.concatenate([np.arange(0.0, 100.0, 2.0), np.arange(100.0, END + 1.0, 5.0)])
 IN_PHASE, STEADY = 0.1, 0.05
-"""Phase steps, over π, that count as in phase; and changes of one that count as steady."""
+"""Phase steps, divided by π, that count as in phase; and changes of a step that count as steady."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,41 +29,41 @@ class InPhase:
 
     times: FloatArray
     steps: dict[tuple[int, float], FloatArray]
-    """Phase steps over π by size and perturbation, one row a time."""
+    """Phase steps divided by π, by size and perturbation, one row per time."""
     shapes: dict[int, FloatArray]
-    """Amplitudes by site at the end, without perturbation."""
+    """Final amplitudes by site, without perturbation."""
     localised: bool
     gap: float
-    """Between (8) by scipy and the averaged chain, phase steps over π at εt = 12."""
+    """Difference between (8) by scipy and the averaged chain, in phase steps over π at εt = 12."""
 
     @property
     def end_steps(self) -> FloatArray:
-        """Sizes of the phase steps of three sites at the end, over π."""
+        """Magnitudes of the phase steps of three sites at the end, divided by π."""
         found: FloatArray = np.abs(self.steps[3, 0.0][-1])
         return found
 
     @property
     def locked_from(self) -> float:
-        """Slow time from which every phase step is within 0.05 π of ±π/2, mirror-symmetric."""
+        """Slow time from which every phase step is within 0.05 π of ±π/2, with mirror symmetry."""
         away = [np.abs(np.abs(self.steps[n, 0.0]) - 0.5).max(axis=1) > STEADY for n in SIZES]
         return float(self.times[np.any(away, axis=0)].max(initial=0.0))
 
     @property
     def symmetric_change(self) -> float:
-        """Largest change of a phase step in the last quarter, mirror-symmetric."""
+        """Largest change of a phase step in the last quarter, with mirror symmetry."""
         late = self.times > 0.75 * END
         return max(float(np.ptp(self.steps[n, 0.0][late], axis=0).max()) for n in SIZES)
 
     @property
     def wandering(self) -> float:
-        """Largest distance of a perturbed phase step from ±π/2 in the second half, over π."""
+        """Largest distance of a perturbed phase step from ±π/2 in the second half, divided by π."""
         late = self.times > 0.5 * END
         return max(float(np.abs(np.abs(self.steps[n, NOISE][late]) - 0.5).max()) for n in SIZES)
 
 
 @lru_cache(maxsize=1)
 def in_phase() -> InPhase:
-    """Run in-phase nuclei with and without a perturbation and follow their phase steps."""
+    """Run in-phase nuclei with and without a perturbation, and follow their phase steps."""
     from theory.chains.vdp import VdpChain
     from verification.runs.envelope_run import run_envelope
     from verification.thresholds.preparation import NucleusPreparation, hold, phase_steps
@@ -85,7 +85,7 @@ def in_phase() -> InPhase:
             steps[size, noise] = np.array(rows)
             if not noise:
                 shapes[size] = np.abs(phi)
-    # The same preparation of size 3 in (8), by scipy: phases have left zero long ago.
+    # The same start of size 3 in (8), by scipy; by then the phases have long left zero.
     preparation = NucleusPreparation(3)
     here = preparation.chain(chain, C)
     start = preparation.start(here)
@@ -109,7 +109,7 @@ def in_phase() -> InPhase:
 
 
 def rule_in_phase(e: InPhase) -> Ruling:
-    """Rule: the nuclei must stay, be steady from the paper's start, and be in phase."""
+    """Rule: the nuclei must remain, be steady from the paper's start, and be in phase."""
     if not e.localised or not e.gap < 0.03 or e.symmetric_change > STEADY:
         return fails("nuclei prepared in phase do not reach a steady localised state.")
     if e.end_steps.max() < IN_PHASE:
@@ -122,7 +122,7 @@ def rule_in_phase(e: InPhase) -> Ruling:
 
 
 def draw(e: InPhase) -> tuple[Picture, ...]:
-    """Draw the shapes of Fig. 10, and under each the phase steps in time."""
+    """Draw the shapes of Fig. 10, and below each the phase steps against time."""
     figure, panels = new_panels(2, 2, width="page", height=4.2)
     curves = Curves()
     for k, size in enumerate(SIZES):

@@ -26,40 +26,41 @@ PRINTED = {1: "0.1916", 3: "0.2011"}
 LAST = 0.2011
 RANGE = (1, 2, 3, 4, 5, 6, 7, 8)
 FAMILY = (10, 12)
-"""Sizes enumerated with every sign, and those of the family with steps δ, π/2, δ, π/2, …"""
+"""Sizes for which all signs are enumerated, and those of the family with steps δ, π/2, δ, π/2, …"""
 MIRRORED_AT = (0.1, 0.15, 0.198)
 """Couplings up to just below the folds of sizes 3 to 9."""
 ORBIT_AT = 0.195
-"""Coupling, beyond the loss of size 1, at which an even breather is found in (8) as well."""
+"""Coupling above the loss of size 1 at which an even breather is also found in (8)."""
 NEAR = 5e-4
-"""Breathers end some 4e-4 later in (8) than as ε → 0: of those that end so near the last, any may
-be the last in (8)."""
+"""Breathers end at couplings larger by about 4e-4 in (8) than for ε → 0: any that ends this close
+to the last one may be the last in (8)."""
 SAME_RATE = 1.5
-"""Sweeps of one figure were made alike: at rates within this factor of each other."""
+"""Largest ratio of the rates of sweeps that were made alike for one figure."""
 SOLVERS = 1e-5
-"""Between growth rates of two solvers on chains of different lengths, whose ends cost 1e-6."""
+"""Largest difference of growth rates between two solvers on chains of different lengths, whose ends
+have an effect of 1e-6."""
 CONVERGED = 5e-5
 """Half a unit of the fourth decimal, to which the paper gives its critical couplings."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Folds:
-    """Where mirror-symmetric breathers of odd sizes end, and escapes of perturbed runs."""
+    """Folds of mirror-symmetric breathers of odd sizes, and escapes of perturbed runs."""
 
     orbit: dict[int, float]
-    """In (8) at ε = 0.01, by size."""
+    """Folds in (8) at ε = 0.01, by size."""
     averaged: dict[int, float]
-    """As ε → 0."""
+    """Folds for ε → 0."""
     runs: dict[int, float]
-    """Escape by bisection of mirror-symmetric runs of the averaged chain."""
+    """Escape of the averaged chain by bisection of mirror-symmetric runs."""
     run_error: float
     error: float
     stable_to: float
-    """Where size 1 of (8) loses stability to an odd mode."""
+    """Coupling at which size 1 of (8) loses stability to an odd mode."""
 
     @property
     def gap(self) -> float:
-        """Largest difference between folds and bisection of runs."""
+        """Largest difference between the folds and the bisection of runs."""
         return max(abs(self.runs[n] - self.averaged[n]) for n in self.runs)
 
     @property
@@ -70,12 +71,12 @@ class Folds:
 
     @property
     def step(self) -> float:
-        """Step from size 3 to size 5 in (8)."""
+        """Difference between size 3 and size 5 in (8)."""
         return self.orbit[3] - self.orbit[5]
 
     @property
     def agree(self) -> bool:
-        """Whether bisection of runs confirms the folds within its brackets."""
+        """Whether the bisection of runs confirms the folds to within its brackets."""
         return self.gap <= self.run_error + 1e-8
 
 
@@ -111,7 +112,7 @@ def folds() -> Folds:
 
 @dataclass(frozen=True, kw_only=True)
 class Sweeps:
-    """Slow sweeps of c in the averaged chain, beside the folds."""
+    """Slow sweeps of c in the averaged chain, compared with the folds."""
 
     folds: Folds
     rates: tuple[float, ...]
@@ -122,12 +123,12 @@ class Sweeps:
 
     @property
     def late(self) -> dict[int, float]:
-        """How far the printed values lie above the folds of (8)."""
+        """Difference between the printed values and the folds of (8)."""
         return {n: float(text) - self.folds.orbit[n] for n, text in PRINTED.items()}
 
     @property
     def implied(self) -> dict[int, float]:
-        """Rate at which a sweep is late by that much: the delay is proportional to rate^(2/3)."""
+        """Sweep rate with a delay of this size; the delay is proportional to rate^(2/3)."""
         found = {}
         for n, late in self.late.items():
             slowest = self.escapes[n][-1] - self.folds.averaged[n]
@@ -136,7 +137,7 @@ class Sweeps:
 
     @property
     def ratio(self) -> float:
-        """Larger implied rate over the smaller one."""
+        """Ratio of the larger implied rate to the smaller one."""
         low, high = sorted(self.implied.values())
         return high / low if low else math.inf
 
@@ -160,7 +161,7 @@ def sweeps() -> Sweeps:
 
 
 def rule_values(e: Sweeps) -> Ruling:
-    """Rule: the digits must be right, or be those of sweeps at one rate."""
+    """Rule: the digits must be right, or be those of sweeps at a single rate."""
     if not e.folds.agree:
         return fails("folds and runs disagree.")
     if all(agrees(e.folds.orbit[n], text, e.folds.error) for n, text in PRINTED.items()):
@@ -175,7 +176,7 @@ def rule_values(e: Sweeps) -> Ruling:
 
 
 def draw_sweeps(e: Sweeps) -> tuple[Picture, ...]:
-    """Draw where slow sweeps escape against their rate, beside fold and printed value."""
+    """Draw the escape of slow sweeps against their rate, with fold and printed value."""
     figure, axes = new_axes(
         "column", height=2.9, xlabel="(dc/d(εt))$^{2/3}$", ylabel="coupling c at escape"
     )
@@ -202,7 +203,7 @@ def draw_values(e: Sweeps) -> tuple[Picture, ...]:
 
 
 def rule_order(e: Folds) -> Ruling:
-    """Rule: size 1 must end first and size 3 last, as the paper's start has them."""
+    """Rule: size 1 must end first and size 3 last, for the start of the paper."""
     larger = [c for n, c in e.orbit.items() if n != 1]
     if e.agree and e.orbit[1] < min(larger) and e.orbit[3] == max(larger):
         return holds()
@@ -210,7 +211,7 @@ def rule_order(e: Folds) -> Ruling:
 
 
 def rule_converged(e: Folds) -> Ruling:
-    """Rule: from size 5 on the values must be one to the paper's four decimals."""
+    """Rule: from size 5 on the values must agree to the paper's four decimals."""
     if e.agree and e.spread < CONVERGED and e.step > e.spread:
         return holds()
     return fails("the critical coupling still changes from size 5 on.")
@@ -218,7 +219,7 @@ def rule_converged(e: Folds) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class Ended:
-    """A breather followed in c until it ceases to exist."""
+    """A breather followed in c to the end of its existence."""
 
     c_end: float
     stable: tuple[tuple[float, float], ...]
@@ -227,27 +228,27 @@ class Ended:
 
 @dataclass(frozen=True, kw_only=True)
 class Nuclei:
-    """Every phase-locked breather of `RANGE`, and the family of `FAMILY`, followed to its end."""
+    """All phase-locked breathers of `RANGE`, and the family of `FAMILY`, followed to their ends."""
 
     branches: dict[int, tuple[Ended, ...]]
-    """By size, in the order in which they were found."""
+    """The breathers by size, in the order in which they were found."""
     growth_by_envelope: dict[int, float]
-    """Growth rate at c = 0.1 of the mirror-symmetric breather of odd sizes, by another solver."""
+    """Growth rate at c = 0.1 of the mirror-symmetric breathers of odd size, by another solver."""
     growth_here: dict[int, float]
     growth_mirrored: dict[int, float]
-    """The largest at `MIRRORED_AT` of sizes 3, 5, 7, against mirror-symmetric perturbations."""
+    """Largest growth at `MIRRORED_AT` for sizes 3, 5, 7, for mirror-symmetric perturbations."""
     orbit_growth: tuple[float, ...]
-    """In (8) at `ORBIT_AT`: growth rates of the breathers of size 6 that are stable there."""
+    """Growth rates in (8) at `ORBIT_AT` of the breathers of size 6 that are stable there."""
     orbit_end: float
-    """Where the last breather ends in (8)."""
+    """Coupling at which the last breather ends in (8)."""
     growth_left: tuple[float, ...]
-    """In (8): growth rates at c = 0.2011 of the breathers that still exist there."""
+    """Growth rates in (8) at c = 0.2011 of the breathers that still exist there."""
     seeded_runs: tuple[int, ...]
-    """Sites in the cycle at the end of runs at c = 0.2011 from nuclei of random phases."""
+    """Sites on the cycle at the end of runs at c = 0.2011 from nuclei of random phases."""
 
     @property
     def stable(self) -> dict[int, float]:
-        """Largest coupling at which a breather of a size is stable; sizes with none left out."""
+        """Largest coupling of a stable breather of each size; sizes without one are omitted."""
         ends = {
             n: max((high for each in found for _, high in each.stable), default=0.0)
             for n, found in self.branches.items()
@@ -274,7 +275,7 @@ class Nuclei:
 
     @property
     def slowest_left(self) -> float:
-        """Smallest growth rate in (8) at c = 0.2011; infinite where no breather exists there."""
+        """Smallest growth rate in (8) at c = 0.2011; infinite if no breather exists there."""
         return min(self.growth_left, default=math.inf)
 
     @property
@@ -344,7 +345,7 @@ def _orbit(branch: LockedBranch, c: float) -> tuple[System, BranchPoint]:
 
 
 def _orbit_growth(branches: tuple[LockedBranch, ...]) -> tuple[float, ...]:
-    """Return growth rates in (8) of stable breathers of six sites, by shooting and scipy."""
+    """Return growth rates in (8) of stable breathers of six sites, by shooting with scipy."""
     return tuple(
         _growth(_orbit(branch, ORBIT_AT)[1].u, ORBIT_AT)
         for branch in branches
@@ -388,7 +389,7 @@ def _seeded_runs() -> tuple[int, ...]:
 
 
 def rule_stable(e: Nuclei) -> Ruling:
-    """Rule: some breather of each larger odd size must be stable, against every perturbation."""
+    """Rule: some breather of each larger odd size must be stable against every perturbation."""
     if e.solvers_apart > SOLVERS or max(e.growth_mirrored.values()) > 0.0:
         return fails("breathers of larger odd sizes are unstable in the paper's own symmetry.")
     if set(e.odd_stable) >= {3, 5, 7}:
@@ -401,7 +402,7 @@ def rule_stable(e: Nuclei) -> Ruling:
 
 
 def rule_all_lost(e: Nuclei) -> Ruling:
-    """Ask: no breather may be stable at 0.2011, nor any run stay localised."""
+    """Rule: no breather may be stable at 0.2011, nor any run stay localised."""
     stable = e.last_stable[1] >= LAST or e.slowest_left <= 0.0
     if not stable and e.solvers_apart < SOLVERS and min(e.seeded_runs) > 8:
         return holds()
@@ -430,7 +431,7 @@ def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
 
 
 def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
-    """Draw where every breather ends, and over which range some are stable."""
+    """Draw where every breather ends, and the ranges in which some are stable."""
     figure, axes = new_axes("column", height=3.3, xlabel="nucleus size", ylabel="coupling c")
     every = [(n, each) for n, found in e.branches.items() for each in found]
     curves, blue = Curves(), COLOURS["blue"]

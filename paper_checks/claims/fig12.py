@@ -17,15 +17,16 @@ from verification.pictures.figures import new_panels, picture
 C = 0.6
 TIMES = (14000.0, 17000.0, 20000.0)
 SITES = 160
-"""The paper does not say how long its chain is; this one is longer than the front comes."""
+"""The paper does not state the length of its chain; this one is longer than the front's path."""
 BEYOND = 500.0
-"""Time run beyond the last of them, so that the front's place is known between two arrivals."""
+"""Time run beyond the last of these times, so that the front's position lies between two
+arrivals."""
 COMPARED = 8
 AGREE = 1e-2
-"""Arrival times by scipy at 1e-8 a step may be wrong by this; one passage takes some 140."""
+"""Largest error of arrival times by scipy at 1e-8 per step; one passage takes about 140."""
 STEADY, DELAY = 1e-3, 0.05
-"""In the velocity, and in the delays from site to site: the level is met at any phase of the
-ripple of O(ε) on the amplitude."""
+"""Tolerances of the velocity, and of the delays from site to site, which vary because the amplitude
+has a ripple of O(ε) and passes the level at any phase of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +37,7 @@ class Steady:
     delay: float
     """Mean delay from one site to the next, in the second half."""
     spread: float
-    """Spread of the delays over their mean."""
+    """Spread of the delays relative to their mean."""
     in_order: bool
     arrival_error: float
     gap: float
@@ -45,13 +46,13 @@ class Steady:
 
     @property
     def velocities(self) -> tuple[float, float]:
-        """v̂ from the first to the second, and to the third time."""
+        """v̂ from the first to the second and to the third time."""
         v = np.diff(self.places) / np.diff(TIMES) / EPS
         return float(v[0]), float(v[1])
 
 
 def steady() -> Steady:
-    """Run the chain from one displaced site, and time the front at every site."""
+    """Run the chain from one displaced site, and record the arrival of the front at every site."""
     from theory.chains.vdp import VdpChain
     from verification.references.passages import arrivals_of_chain
     from verification.runs.excite import excite
@@ -82,7 +83,7 @@ def steady() -> Steady:
 
 
 def rule_steady(e: Steady) -> Ruling:
-    """Rule: site after site, at one velocity between the three times."""
+    """Rule: site after site must join, at a single velocity between the three times."""
     even = abs(e.velocities[1] / e.velocities[0] - 1.0) < STEADY and e.spread < DELAY
     if e.in_order and even and e.gap < AGREE:
         return holds()

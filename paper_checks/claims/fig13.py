@@ -23,27 +23,29 @@ ETA = B / A**2
 AVERAGED = (0.115, 0.12, 0.135, 0.15, 0.175, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4, 2.0,
             3.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # fmt: skip
 FULL = (0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0)
-"""They contain every coupling that the paper names for (8)."""
+"""Couplings of (8), which include all those that the paper mentions."""
 CHECKED = (0.3, 0.6, 1.0)
-"""Couplings at which scipy's velocity is compared."""
+"""Couplings at which the velocity is compared with that by scipy."""
 MARK = 0.02
-"""Part of the largest velocity: about the size of a mark in a printed figure."""
+"""Fraction of the largest velocity: about the size of a mark in a printed figure."""
 LINEAR = 0.02
-"""In the exponent at c = 100, where the law for large c leaves 0.01."""
+"""Tolerance of the exponent at c = 100, where the law for large c still differs from one by
+0.01."""
 
 LAW_ETAS = (0.01, 0.03125, 0.08)
 LAW_COUPLINGS = (10.0, 30.0, 100.0, 300.0, 1000.0)
 LAW = 2e-3
-"""Between law and run, beyond the run's own error, from c = 100 on: the accuracy of the runs."""
+"""Largest difference between law and run beyond the error of the run, from c = 100 on: the accuracy
+of the runs."""
 ONE = 1.0
 BELTS, BELT_COUPLING = (1.2, 1.25), 0.3
 """Belt velocities of Model I on either side of the change of sign of its κ, and a strong coupling
-there."""
+at which they are compared."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AveragedScaling:
-    """v̂ against c, of the averaged chain and of (8)."""
+    """v̂ against c, for the averaged chain and for (8)."""
 
     c: tuple[float, ...]
     v: tuple[float, ...]
@@ -53,7 +55,7 @@ class AveragedScaling:
     full_error: tuple[float, ...]
     kappa: float
     gap: float
-    """Largest relative difference from scipy's velocities at `CHECKED`."""
+    """Largest relative difference from the velocities by scipy at `CHECKED`."""
 
     @property
     def line(self) -> tuple[float, float]:
@@ -63,18 +65,18 @@ class AveragedScaling:
 
     @property
     def residual(self) -> float:
-        """Largest residual of (8) over the largest velocity."""
+        """Largest residual of (8) relative to the largest velocity."""
         c, v = np.array(self.full_c), np.array(self.full_v)
         return float(np.abs(self.line[0] + self.line[1] * c - v).max() / v.max())
 
     @property
     def exponents(self) -> tuple[np.ndarray, np.ndarray]:
-        """Couplings between neighbours and d ln v̂/d ln c there, averaged chain."""
+        """Couplings between neighbours and d ln v̂/d ln c there, for the averaged chain."""
         return local_exponents(self.c, self.v)
 
     @property
     def exponent(self) -> float:
-        """The last of them."""
+        """The last of these exponents."""
         return float(self.exponents[1][-1])
 
     @property
@@ -96,7 +98,7 @@ def local_exponents(c: Sequence[float], v: Sequence[float]) -> tuple[np.ndarray,
 
 
 def _measured(fronts: Sequence[Front]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return the velocities and their errors; an `ArithmeticError` if one is missing."""
+    """Return the velocities and their errors; raise an `ArithmeticError` if one is missing."""
     at = [f"c = {each.chain.c:g}: {each.status}" for each in fronts]
     return (
         tuple(required(each.v, f"velocity at {a}") for a, each in zip(at, fronts, strict=True)),
@@ -136,7 +138,7 @@ def scaling() -> AveragedScaling:
 
 
 def rule_scaling(e: AveragedScaling) -> Ruling:
-    """Ask: a line in the range of the figure and an exponent of one in the end."""
+    """Rule: a line must fit in the range of the figure, and the exponent must tend to one."""
     straight = e.residual < MARK
     asymptotic = abs(e.exponent - 1.0) < LINEAR and abs(e.last[0] / e.last[1] - 1.0) < 1e-3
     if straight and asymptotic and e.gap < 1e-3:
@@ -173,24 +175,24 @@ def draw(e: AveragedScaling) -> tuple[Picture, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Law:
-    """One velocity law, v̂ = v_g/ε + κ(η) (|ω'''|/(6ε))^(1/3), against runs of (8)."""
+    """A single velocity law, v̂ = v_g/ε + κ(η) (|ω'''|/(6ε))^(1/3), compared with runs of (8)."""
 
     rows: tuple[tuple[float, float, float | None, float | None, float, float], ...]
     """η, c, v̂ of (8) if the run settled, its error, v̂ by the law, and v̂ of the fastest waves."""
     turning: float
     """η at which κ changes sign."""
     one: float
-    """v̂ at c = 1, a = 4, b = 0.5, ε = 0.01 to a part in 1e5."""
+    """v̂ at c = 1, a = 4, b = 0.5, ε = 0.01 to a relative accuracy of 1e-5."""
     one_error: float
     by_scipy: float
     """v̂ of (8) at η = 1/32, c = 100 by scipy on 160 sites."""
     belt: tuple[tuple[float, float, float, float], ...]
-    """v_d, v of Model I at c = 0.3 over that of its fastest waves, its error, and the same ratio of
+    """v_d, v of Model I at c = 0.3 relative to its fastest waves, its error, and the same ratio for
     its averaged chain at strong coupling."""
 
     @property
     def settled(self) -> list[tuple[float, float, float, float, float, float]]:
-        """Rows with a steady front."""
+        """The rows with a steady front."""
         return [
             (eta, c, v, required(error, f"error at c = {c:g}"), law, waves)
             for eta, c, v, error, law, waves in self.rows
@@ -199,19 +201,19 @@ class Law:
 
     @property
     def worst(self) -> float:
-        """Largest difference of law and run from c = 100 on, less the error of the run."""
+        """Largest difference between law and run from c = 100 on, minus the error of the run."""
         return max(
             (abs(v - law) - error) / v for _, c, v, error, law, _ in self.settled if c >= 100
         )
 
     @property
     def belt_agrees(self) -> bool:
-        """Whether the averaged cell of Model I says where its fronts outrun its waves."""
+        """Whether the averaged cell of Model I predicts where its fronts outrun its waves."""
         return all((ratio > 1.0) == (averaged > 1.0) for _, ratio, _, averaged in self.belt)
 
     @property
     def outrun(self) -> bool:
-        """Whether fronts outrun the waves exactly where κ > 0, at all settled rows."""
+        """Whether fronts outrun the waves exactly where κ > 0, for all settled rows."""
         return all((v > waves) == (eta < self.turning) for eta, _, v, _, _, waves in self.settled)
 
 
@@ -245,7 +247,7 @@ def velocity_law() -> Law:
 
 
 def _belt(v_d: float) -> tuple[float, float, float, float]:
-    """Measure the front of Model I, over its fastest waves, beside its averaged chain."""
+    """Measure the front of Model I relative to its fastest waves, and its averaged chain."""
     from paper_checks.claims._friction import chain_of
     from verification.fronts.measure import measure_front
     from verification.references.friction_cell import averaged_front
@@ -259,8 +261,8 @@ def _belt(v_d: float) -> tuple[float, float, float, float]:
 def fastest_waves(c: float) -> tuple[float, float]:
     """Return v_g/ε of the fastest linear wave of (8), and (|ω'''|/(6ε))^(1/3) there.
 
-    With ω² = 1 + 2εc(1 - cos k), differentiating ω ω' = εc sin k twice gives, where ω'' = 0,
-    ω ω''' = -εc sin k = -ω ω'.
+    With ω² = 1 + 2εc(1 - cos k), differentiating ω ω' = εc sin k twice gives, at ω'' = 0, ω ω''' =
+    -εc sin k = -ω ω'.
     """
     from verification.references.passages import wave_velocity
 
@@ -269,14 +271,14 @@ def fastest_waves(c: float) -> tuple[float, float]:
 
 
 def rule_law(e: Law) -> Ruling:
-    """Rule: the law must hold at every η from c = 100 on, and κ decide who is faster."""
+    """Rule: the law must hold at every η from c = 100 on, and κ > 0 where fronts are faster."""
     if e.worst < LAW and e.outrun and e.belt_agrees and len(e.settled) >= 10:
         return holds()
     return fails("runs leave the law for large c.")
 
 
 def draw_law(e: Law) -> tuple[Picture, ...]:
-    """Draw velocity over that of the fastest waves."""
+    """Draw the velocity relative to that of the fastest waves."""
     figure, axes = new_axes("column", height=2.7, xlabel="coupling c",
                             ylabel="front over fastest waves")  # fmt: skip
     fine, curves = np.geomspace(5.0, 1200.0, 80), Curves()

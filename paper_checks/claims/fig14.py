@@ -21,15 +21,15 @@ SHARES = (1.0, 2.5, 4.0)
 FULL = (0.005, 0.01, 0.02, 0.03, 0.05)
 ACCURACY = 1e-3
 AGREE = 2.0 * ACCURACY
-"""Two measured velocities, each known to this part of itself."""
+"""Largest difference between two measured velocities, each known to half this fraction."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Collapse:
-    """v̂ at c = 0.3 against η, of (8) with several a and of the averaged chain."""
+    """v̂ at c = 0.3 against η, for (8) with several a and for the averaged chain."""
 
     full: dict[float, tuple[float, ...]]
-    """v̂ of (8) at `FULL` by a."""
+    """v̂ of (8) at `FULL`, by a."""
     averaged: tuple[float, ...]
     """v̂ of (43) at `ETAS`, a = 1."""
     scipy: dict[float, tuple[float, ...]]
@@ -43,18 +43,18 @@ class Collapse:
 
     @property
     def scipy_apart(self) -> float:
-        """The same of scipy's velocities."""
+        """The same for the velocities by scipy."""
         table = np.array(list(self.scipy.values()))
         return float((np.ptp(table, axis=0) / table.mean(axis=0)).max())
 
     @property
     def fast_to(self) -> float:
-        """Largest η of `ETAS` at which the averaged front is as fast as its waves, v̂ = c."""
+        """Largest η in `ETAS` at which the averaged front is as fast as its waves, v̂ = c."""
         return max(eta for eta, v in zip(ETAS, self.averaged, strict=True) if v >= C)
 
     @property
     def varies(self) -> float:
-        """Largest over smallest velocity along the curve: what a collapse is measured against."""
+        """Ratio of largest to smallest velocity along the curve, the scale for a collapse."""
         return max(self.averaged) / min(self.averaged)
 
 
@@ -84,7 +84,7 @@ def collapse() -> Collapse:
 
 
 def rule_collapse(e: Collapse) -> Ruling:
-    """Rule: one curve, to the accuracy of the velocities, while η itself matters."""
+    """Rule: there must be a single curve, to within the errors, although η itself matters."""
     if e.apart < AGREE and e.scipy_apart < 1e-6 and e.varies > 2.0:
         return holds()
     return fails("sets of a and b of one η have different velocities.")

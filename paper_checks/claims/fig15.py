@@ -1,4 +1,4 @@
-"""Fig. 15: the map of states of the Van der Pol chain over (η, c), and its likeness to Fig. 5."""
+"""Fig. 15: the map of states of the Van der Pol chain over (η, c), and its similarity to Fig. 5."""
 
 from __future__ import annotations
 
@@ -20,23 +20,24 @@ if TYPE_CHECKING:
 
 ETAS = tuple(round(0.01 * n, 2) for n in range(1, 15))
 COUPLINGS = tuple(round(0.05 * n, 2) for n in range(1, 21))
-"""The paper's points cannot be read; these are those of the command below."""
+"""Couplings of the command below, since the points of the paper cannot be read."""
 LARGEST_SHARE = 0.1
-"""Share of points that may differ between (8) and its average: about one in ten is next to a
-boundary, and boundaries are displaced by O(ε_eff)."""
+"""Largest share of points that may differ between (8) and its average: about one point in ten is
+next to a boundary, and boundaries are displaced by O(ε_eff)."""
 CHECKED = ((0.03, 0.5), (0.05, 0.05), (0.13, 0.5))
-"""η and c of a front, a breather and the fixed point, run by scipy as well."""
+"""η and c of a front, a breather and the fixed point that are also run by scipy."""
 EMPTIED, EMPTIED_AT = 0.09, (0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1.0)
-"""η, beside the undecided points, and couplings at which a front fills the chain and is watched."""
+"""η, beside the undecided points, and couplings at which a front fills the chain and is
+monitored."""
 WATCHED = 1000.0
-"""Slow time for which it is watched: half of the end time of the map."""
+"""Slow time for which it is monitored: half of the end time of the map."""
 SCIPY_END = 60.0
-"""Slow time in which that front crosses the 16 sites twice, and rest is reached to 1e-12."""
+"""Slow time in which this front crosses the 16 sites twice, and rest is reached to 1e-12."""
 
 
 @lru_cache(maxsize=1)
 def labels_by_scipy() -> tuple[str, ...]:
-    """Run (8) by scipy at `CHECKED`, and count the sites that are on the cycle in the end."""
+    """Run (8) by scipy at `CHECKED`, and count the sites that are on the cycle at the end."""
     from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
     from verification.references.equations import full_rate
     from verification.references.pace import last_state
@@ -49,7 +50,7 @@ def labels_by_scipy() -> tuple[str, ...]:
         size = np.hypot(
             *np.split(last_state(full_rate(chain), SCIPY_END / chain.eps, start, 1e-6, 1e-8), 2)
         )
-        # Between the amplitudes of the two cycles wherever there are two; else above rest.
+        # Between the amplitudes of the two cycles if there are two, otherwise above rest.
         active = int(np.count_nonzero(size > np.sqrt(2.0 * chain.a / chain.b) / 2.0))
         names.append({0: "fixed point", chain.sites: "front"}.get(active, "breather"))
     return tuple(names)
@@ -63,13 +64,13 @@ class VdpStateMap(LabelledMap):
     """Labels at `CHECKED`."""
     same: int
     least: dict[float, int]
-    """Least number of sites on the cycle after the chain was filled, by coupling, at `EMPTIED`."""
+    """Smallest number of sites on the cycle after the chain filled, by coupling, at `EMPTIED`."""
     other_reading: int
-    """Points that keep their label with a = 4 held instead of b = 0.5, averaged."""
+    """Number of points that keep their label if a = 4 is held instead of b = 0.5, averaged."""
 
     @property
     def confirmed(self) -> bool:
-        """Whether the map has the labels that scipy's runs have."""
+        """Whether the map has the same labels as the runs by scipy."""
         return self.by_scipy == labels_at_checked(self.states)
 
     @property
@@ -89,7 +90,7 @@ def labels_at_checked(states: Table) -> tuple[str, ...]:
 
 
 def sequence(states: Table, name: str, value: float) -> tuple[str, ...]:
-    """Return the states met with growing c at one forcing, undecided points left out."""
+    """Return the states met with growing c at one forcing, without undecided points."""
     here = states[name] == value
     order = np.argsort(states["c"][here])
     labels = [x for x in states["label"][here][order].tolist() if x != "undecided"]
@@ -126,7 +127,7 @@ def state_map() -> VdpStateMap:
 
 
 def _least_after_filling(eta: float, c: float) -> int:
-    """Return how few sites are on the cycle after the front has filled the chain."""
+    """Return the smallest number of sites on the cycle after the front has filled the chain."""
     from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
     from verification.runs.excite import excite
     from verification.runs.simulate import simulate
@@ -142,7 +143,7 @@ def _least_after_filling(eta: float, c: float) -> int:
 
 
 def rule_map(e: VdpStateMap) -> Ruling:
-    """Rule: all three states must be met, few points be in none, and both equations agree."""
+    """Rule: all three states must occur, few points be undecided, and both equations agree."""
     three = all(e.counts.get(name, 0) for name in REGIONS)
     agreed = e.same >= (1.0 - LARGEST_SHARE) * e.points
     if three and agreed and e.confirmed and e.undecided <= FEW * e.points:
@@ -162,7 +163,7 @@ def draw(e: VdpStateMap) -> tuple[Picture, ...]:
 
 
 CORE = (("breather", "front"), ("breather", "fixed point"), ("fixed point",))
-"""What maps that look alike share, in the order of growing forcing."""
+"""What similar maps have in common, in order of growing forcing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,9 +173,9 @@ class Alike:
     one: frozenset[tuple[str, ...]]
     two: frozenset[tuple[str, ...]]
     first_at: dict[str, tuple[float, ...]]
-    """Smallest forcing at which each of `CORE` is met, by model."""
+    """Smallest forcing at which each of `CORE` occurs, by model."""
     confirmed: bool
-    """Whether the map of Model II has the labels that scipy's runs have."""
+    """Whether the map of Model II has the same labels as the runs by scipy."""
 
 
 def alike() -> Alike:
@@ -207,7 +208,7 @@ def alike() -> Alike:
 
 
 def rule_alike(e: Alike) -> Ruling:
-    """Rule: both maps must have the core sequences, in one order of growing forcing."""
+    """Rule: both maps must have the core sequences, in the same order of growing forcing."""
     shared = all(each in e.one and each in e.two for each in CORE)
     ordered = all(list(row) == sorted(row) for row in e.first_at.values())
     if shared and ordered and e.confirmed:

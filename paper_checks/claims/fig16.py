@@ -16,7 +16,8 @@ from verification.pictures.figures import COLOURS, new_axes, picture
 A, B, C = 4.0, 0.5, 0.5
 """Parameters of Fig. 16."""
 AGREE = 1e-8
-"""Between theory and chain: far above both errors, far below the margin of admissibility."""
+"""Largest difference between theory and chain: far above both errors, far below the margin of
+admissibility."""
 FAR = 25
 
 
@@ -101,7 +102,7 @@ def _agreed(e: ProfileValues) -> bool:
 
 
 def rule_admissible(e: ProfileValues) -> Ruling:
-    """Rule: (47) must hold for every ζ, and all three profiles be one."""
+    """Rule: (47) must hold for every ζ, and all three profiles must agree."""
     size = np.abs(e.phi)
     seen = bool(np.all(size[e.zeta < 0] > e.threshold) and np.all(size[e.zeta > 0] < e.threshold))
     if _agreed(e) and e.admissible and seen:
@@ -110,7 +111,7 @@ def rule_admissible(e: ProfileValues) -> Ruling:
 
 
 def rule_limits(e: ProfileValues) -> Ruling:
-    """Rule: both limits within the proven bounds, in theory and in the chain."""
+    """Rule: both limits must be within the proven bounds, in theory and in the chain."""
     near = e.behind <= e.bounds[0] + 1e-11 and e.ahead <= e.bounds[1] + 1e-11
     if _agreed(e) and near and e.chain_behind < AGREE:
         return holds()

@@ -1,4 +1,4 @@
-"""Fig. 17: front velocity against coupling in the simplified model, and what (54) and (47) say."""
+"""Fig. 17: front velocity against coupling in the simplified model, by (54) and (47)."""
 
 from __future__ import annotations
 
@@ -29,22 +29,22 @@ if TYPE_CHECKING:
 A, B = 4.0, 0.5
 ETA = B / A**2
 WINDOW = 0.05
-"""In the exponent: a tenth of the difference between linear and square root."""
+"""Tolerance of the exponent: a tenth of the difference between linear and square root."""
 AGREE = 1e-9
-"""In v: far above the uncertainty of a steady run."""
+"""Tolerance of v: far above the uncertainty of a steady run."""
 RUNS = (0.44, 0.46, 0.5, 0.7, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0)
 LAST = 1e4
 
 
 @dataclass(frozen=True, kw_only=True)
 class PiecewiseScaling:
-    """The fastest solution of (54) up to c = 10⁴, beside runs of the chain (44)."""
+    """The fastest solution of (54) up to c = 10⁴, and runs of the chain (44)."""
 
     c: tuple[float, ...]
     v: tuple[float, ...]
     exponent: tuple[float, ...]
     by_series: float
-    """The last exponent, from differences of the root series."""
+    """The last exponent, by finite differences of the root series."""
     limit: float
     """V of v̂ → V√c in closed form."""
     runs: tuple[FrontRun, ...]
@@ -57,7 +57,7 @@ class PiecewiseScaling:
     c_fold: float | None
     c_pin: float | None
     hysteresis: Hysteresis
-    """The chain with slowly falling coupling, and from rest, close to the thresholds."""
+    """The chain with slowly decreasing coupling, and from rest, close to the thresholds."""
 
     @property
     def last(self) -> float:
@@ -66,18 +66,18 @@ class PiecewiseScaling:
 
     @property
     def gap(self) -> float:
-        """Largest difference of a steady run from theory."""
+        """Largest difference between a steady run and theory."""
         pairs = zip(self.runs, self.theory, strict=True)
         return max(abs(required(run.v, "velocity") - v) for run, v in pairs if run.steady)
 
     @property
     def series_gap(self) -> float:
-        """Between the two exponents."""
+        """Difference between the two exponents."""
         return abs(self.last - self.by_series)
 
     @property
     def linear_range(self) -> tuple[float, float]:
-        """Couplings between which the exponent is within 0.1 of one, from the first."""
+        """Couplings between which the exponent is within 0.1 of one, beginning with the first."""
         chosen = [c for c, p in zip(self.c, self.exponent, strict=True) if abs(p - 1.0) < 0.1]
         return min(chosen), max(c for c in chosen if c < 5.0)
 
@@ -89,7 +89,7 @@ def scaling() -> PiecewiseScaling:
     from theory.piecewise.limits import strong_coupling_velocity
     from verification.piecewise.simulation import hysteresis, simulate_front
 
-    # Narrow resonance peaks lie between c = 3 and 100: many points there.
+    # Between c = 3 and 100 there are narrow resonance peaks, which need many points.
     grid = np.unique(np.concatenate([np.geomspace(0.46, 3.0, 60), np.geomspace(3.0, 100.0, 300),
                                      np.geomspace(100.0, LAST, 60)]))  # fmt: skip
     wide = trace_kinetic_relation(grid, ETA, admissibility=False)
@@ -116,7 +116,7 @@ def scaling() -> PiecewiseScaling:
 
 
 def _exponent_by_series(c: float, v: float) -> float:
-    """Return d ln v/d ln c = -|Σ|_{ln c}/|Σ|_{ln v} from differences of the root series."""
+    """Return d ln v/d ln c = -|Σ|_{ln c}/|Σ|_{ln v} by finite differences of the root series."""
     from theory.piecewise.sums.series import sum_by_roots
 
     def size(v_: float, c_: float) -> float:
@@ -129,7 +129,7 @@ def _exponent_by_series(c: float, v: float) -> float:
 
 
 def rule_scaling(e: PiecewiseScaling) -> Ruling:
-    """Rule: the exponent must be one in the end; both methods and the chain must agree."""
+    """Rule: the exponent must tend to one; both methods and the chain must agree."""
     if e.gap < AGREE and e.series_gap < 1e-5 and abs(e.last - 1.0) < WINDOW:
         return holds()
     return fails(
@@ -167,7 +167,7 @@ def draw_velocities(e: PiecewiseScaling) -> Picture:
 
 
 def draw_exponent(e: PiecewiseScaling) -> Picture:
-    """Draw the fastest solution up to c = 10⁴ beside the two laws, and the local exponent."""
+    """Draw the fastest solution up to c = 10⁴ with the two laws, and the local exponent."""
     c = np.array(e.c)
     curves = Curves({"fastest solution": {"c": c, "v": e.v, "exponent": e.exponent}})
     figure, (left, right) = new_panels(2, width="page", height=2.5)
@@ -202,7 +202,7 @@ class Implicit:
 
     @property
     def gap(self) -> float:
-        """Fastest solution against the chain started moving, at c = 0.445; ∞ if its front stops."""
+        """Fastest solution minus the chain started moving, at c = 0.445; ∞ if it stops."""
         return math.inf if self.moving is None else abs(self.moving - self.theory)
 
 
@@ -225,7 +225,7 @@ def implicit() -> Implicit:
 
 
 def rule_implicit(e: Implicit) -> Ruling:
-    """Rule: (54) must give the velocity of the moving chain, wherever the chain has one."""
+    """Rule: (54) must give the velocity of the moving chain wherever it has one."""
     if e.gap < AGREE and e.above >= 1:
         return holds()
     return fails("solutions of (54) are not the velocities of the chain.")
@@ -233,20 +233,20 @@ def rule_implicit(e: Implicit) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class AdmissibilityRuns:
-    """Steady fronts of the chain (44), which assumes nothing of (47), against solutions of (54)."""
+    """Steady fronts of the chain (44), which does not assume (47), and solutions of (54)."""
 
     rows: tuple[tuple[float, float, float], ...]
     """c, η and v̂ of every steady run."""
     nearest: tuple[float, ...]
     """Distance of each from the nearest admissible solution of (54)."""
     inadmissible: tuple[tuple[float, float, float], ...]
-    """c, η and v̂ of solutions that fail (47) at the same parameters."""
+    """c, η and v̂ of solutions that violate (47) at the same parameters."""
     reached: tuple[bool, ...]
-    """Whether any steady run moves at the velocity of one of those."""
+    """Whether any steady run moves at the velocity of one of these."""
 
     @property
     def gap(self) -> float:
-        """Largest of the distances."""
+        """Largest of these distances."""
         return max(self.nearest)
 
     @property
@@ -280,7 +280,7 @@ def admissibility() -> AdmissibilityRuns:
 
 
 def rule_admissibility(e: AdmissibilityRuns) -> Ruling:
-    """Ask: every steady front of the chain must be an admissible solution, and none another one."""
+    """Rule: every steady front must be an admissible solution of (54), and none another one."""
     if e.runs >= 5 and e.gap < AGREE and not any(e.reached):
         return holds()
     return fails("the chain has steady fronts that do not satisfy (47).")

@@ -1,4 +1,4 @@
-"""Fig. 18: front velocity against η in the simplified model, and what can be solved for it."""
+"""Fig. 18: front velocity against η in the simplified model, and the solution of (54) for it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ CROSSING = (0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221)
 
 @dataclass(frozen=True, kw_only=True)
 class VelocityAgreement:
-    """v̂ against η by (54), by runs of (44), and of the averaged chain (43)."""
+    """v̂ against η by (54), by runs of (44), and by the averaged chain (43)."""
 
     simplified: tuple[float, ...]
     averaged: tuple[float, ...]
@@ -50,20 +50,20 @@ class VelocityAgreement:
     near: PlottedSolutions
     """Every solution close to the thresholds."""
     moving: tuple[float | None, ...]
-    """v̂ of the chain at `CROSSING`, started on a moving front."""
+    """v̂ of the chain at `CROSSING`, started from a moving front."""
     resting: tuple[float | None, ...]
-    """v̂ of the chain there, started at rest."""
+    """v̂ of the chain there, started from rest."""
 
     @property
     def gap(self) -> float:
-        """Largest difference of a steady run of (44) from (54)."""
+        """Largest difference between a steady run of (44) and (54)."""
         found = dict(zip(ETAS, self.simplified, strict=True))
         steady = ((eta, required(run.v, "velocity")) for eta, run in self.runs if run.steady)
         return max(abs(v - found[eta]) for eta, v in steady)
 
     @property
     def slopes(self) -> str:
-        """D ln v̂/d ln η from one η to the next, by (43) and by (54)."""
+        """D ln v̂/d ln η between successive η, by (43) and by (54)."""
         rows = zip(pairwise(ETAS), pairwise(self.averaged), pairwise(self.simplified), strict=True)
         return ", ".join(
             f"{math.log(y / x) / math.log(high / low):.2f} and "
@@ -108,7 +108,7 @@ def alike() -> VelocityAgreement:
 
 
 def rule_alike(e: VelocityAgreement) -> Ruling:
-    """Rule: both velocities must fall with η, at every step."""
+    """Rule: both velocities must decrease with η, at every step."""
     falls = all(a > b for row in (e.simplified, e.averaged) for a, b in pairwise(row))
     if falls and e.gap < AGREE and e.scipy_gap < 1e-4:
         return holds()
@@ -116,7 +116,7 @@ def rule_alike(e: VelocityAgreement) -> Ruling:
 
 
 def draw(e: VelocityAgreement) -> tuple[Picture, ...]:
-    """Draw Fig. 18 with every solution, beside the averaged chain, and its end."""
+    """Draw Fig. 18 with every solution, the averaged chain, and the end of the curve."""
     figure, (left, right) = new_panels(2, width="page", height=2.7)
     curves = Curves(
         {
@@ -146,12 +146,12 @@ def draw(e: VelocityAgreement) -> tuple[Picture, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class AnySet:
-    """Whether (54) has a solution, and what the chain does, at several (c, η)."""
+    """Whether (54) has a solution, and the motion of the chain, at several (c, η)."""
 
     rows: tuple[tuple[float, float, int, float | None, str], ...]
     """c, η, number of solutions with v > 0, v̂ of the chain if steady, its status."""
     gap: float
-    """Retreating chain against |2 + Σ(v, c)| = 2r at v < 0."""
+    """Retreating chain compared with |2 + Σ(v, c)| = 2r at v < 0."""
 
     @property
     def words(self) -> str:
@@ -164,7 +164,7 @@ class AnySet:
 
 
 def any_set() -> AnySet:
-    """Solve (54) and run the chain where fronts advance, stand still and retreat."""
+    """Solve (54) and run the chain where fronts advance, are pinned, and retreat."""
     from theory.piecewise.kinetic_relation import kinetic_relation
     from verification.piecewise.simulation import simulate_front
 
@@ -180,7 +180,7 @@ def any_set() -> AnySet:
 
 
 def rule_any_set(e: AnySet) -> Ruling:
-    """Rule: each set must have a solution; where there is none the chain must not advance."""
+    """Rule: each set must have a solution; where it has none the chain must not advance."""
     advance = [n > 0 for _, _, n, _, _ in e.rows]
     moves = [v is not None and v > 0.0 for *_, v, _ in e.rows]
     if e.gap > AGREE or advance != moves:
@@ -196,7 +196,7 @@ def rule_any_set(e: AnySet) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class Explicit:
-    """Σ without a single root, and the velocity in its closed limits."""
+    """Σ without any root, and the velocity in its closed limits."""
 
     terms: int
     gap: float
@@ -204,10 +204,10 @@ class Explicit:
     strong: tuple[float, float]
     """v̂/√c at c = 10⁶ and its limit."""
     weak: float
-    """v̂ over √(c/(8r)) at η = 1e-12."""
+    """v̂ relative to √(c/(8r)) at η = 1e-12."""
     pin: float
     rest: float
-    """By how much (54) is off at v = 0.001 and the closed form of c_pin."""
+    """Residual of (54) at v = 0.001 and the closed form of c_pin."""
 
 
 def explicit() -> Explicit:
@@ -238,7 +238,7 @@ def explicit() -> Explicit:
 
 
 def rule_explicit(e: Explicit) -> Ruling:
-    """Rule: the sum must need no root, and the limits be explicit, for the reason to fail."""
+    """Rule: the reason fails if the sum needs no root and the limits are explicit."""
     if e.gap > e.bound:
         return fails("two integrals without roots differ.")
     near = max(abs(e.strong[0] / e.strong[1] - 1.0), abs(e.weak - 1.0), e.rest)

@@ -1,4 +1,4 @@
-"""What the text asserts about Model I beside its figures (introduction, sections 1.1 to 1.3)."""
+"""Statements of the text about Model I apart from its figures (introduction, sections 1.1-1.3)."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ if TYPE_CHECKING:
 EXACT = 1e-12
 """Rounding."""
 APART = 1e-3
-"""What a wrong reading must differ by, at least."""
+"""Smallest difference by which a wrong reading must be recognised."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """How far (1), scaled, is from (5): with the right symbol, and at least with the printed."""
+    """Difference between (1), scaled, and (5): for the right symbol, and at least as printed."""
 
     right: float
     printed: float
 
 
 def spring() -> Scales:
-    """Compare eigenfrequencies of (1), over ω_n, with those of (5) for c = η_c/k and c = η_c."""
+    """Compare eigenfrequencies of (1) over ω_n with those of (5) for c = η_c/k and c = η_c."""
     generator = np.random.default_rng(4)
     springs = 2.0 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1)
     springs[0, 0] = springs[-1, -1] = 1.0
@@ -49,7 +49,7 @@ def spring() -> Scales:
 
 
 def length() -> Scales:
-    """Scale a velocity by ω_n y_0 and by ω_n times another length, against a derivative by τ."""
+    """Scale a velocity by ω_n times y_0 or another length; compare with a derivative in τ."""
     generator = np.random.default_rng(5)
     gaps, others = [], []
     for omega, y_0, rate, other in generator.uniform(0.5, 3.0, (5, 4)):
@@ -61,14 +61,14 @@ def length() -> Scales:
 
 
 def rule_spring(e: Scales) -> Ruling:
-    """Rule: the spring of (1) must be η_c, as (1) prints it, and not c."""
+    """Rule: the coupling spring of (1) must be η_c, as printed in (1), and not c."""
     if e.right < EXACT and e.printed > APART:
         return corrected("the spring of (1) is $\\eta_c$, and $c = \\eta_c/k$ its scaled value.")
     return holds() if e.printed < EXACT else fails("neither symbol gives the scaled chain.")
 
 
 def rule_length(e: Scales) -> Ruling:
-    """Rule: the length must be y_0; the derivative is good to 1e-8."""
+    """Rule: the length must be y_0; the derivative is accurate to 1e-8."""
     if e.right < 1e-8 < e.printed:
         return corrected("$x_0$ is not defined and must be the $y_0$ of (4).")
     return holds() if e.printed < 1e-8 else fails("no length gives the scaled velocity.")
@@ -83,7 +83,7 @@ class UnbalancedForce:
 
 
 def ends() -> UnbalancedForce:
-    """Pull a uniform chain by free ends, and by (1) with missing neighbours at zero."""
+    """Compute the force for free ends, and for (1) with missing neighbours set to zero."""
     from theory.chains.ends import Ends
     from verification.references.equations import pull_matrix
 
@@ -121,7 +121,7 @@ def trapezoid() -> Trapezoid:
 
 
 def rule_trapezoid(e: Trapezoid) -> Ruling:
-    """Rule: the amplitude must be kept to rounding."""
+    """Rule: the amplitude must be preserved to within rounding."""
     return holds() if max(e.drift, e.factor) < 1e-10 else fails("the rule changes amplitudes.")
 
 
@@ -138,24 +138,24 @@ class Patterns:
 
     @property
     def kept(self) -> int:
-        """Patterns that persist at v_d = 1.25."""
+        """Number of patterns that persist at v_d = 1.25."""
         return sum(a == b for a, b in zip(self.late[BISTABLE], PATTERNS, strict=True))
 
     @property
     def ends(self) -> dict[float, int]:
-        """Different final patterns by belt velocity."""
+        """Number of different final patterns by belt velocity."""
         return {v: len(set(rows)) for v, rows in self.late.items()}
 
 
 def patterns() -> Patterns:
-    """Start several patterns at three belt velocities and see which sites stick late."""
+    """Start several patterns at three belt velocities and record which sites stick late."""
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration
 
     late: dict[float, tuple[tuple[int, ...], ...]] = {}
     for v_d in (SLOW, BISTABLE, FAST):
         chain, rows = chain_of(WEAK, SITES, v_d), []
-        source = chain_of(WEAK)  # the cycle of the bistable cell starts all of them
+        source = chain_of(WEAK)  # all runs start on the cycle of the bistable cell
         for excited in PATTERNS:
             run = FrictionIntegration(chain, excite(source, excited), tolerance=1e-9)
             run.advance_to(LATE)
@@ -167,7 +167,7 @@ def patterns() -> Patterns:
 
 
 def rule_patterns(e: Patterns) -> Ruling:
-    """Rule: all must persist where the cell is bistable, and must agree where it is not."""
+    """Rule: all must persist where the cell is bistable, and end alike where it is not."""
     one = e.ends[SLOW] == e.ends[FAST] == 1
     if e.kept == len(PATTERNS) and one and e.gap < APART:
         return holds()
@@ -175,37 +175,37 @@ def rule_patterns(e: Patterns) -> Ruling:
 
 
 FRICTION = (0.0079, 0.00796, 0.0085, 0.0095, 0.011)
-"""The single site in the bulk is lost at 0.00794 (fig04-bulk)."""
+"""Couplings around 0.00794, where the breather of a single site in the bulk ends (fig04-bulk)."""
 END, PAUSE, PUSH = 4000.0, 1000.0, 1e-3
 SMOOTH, SLOW_END = 0.203, 1200.0
-"""Coupling at which the single site of Model II, at the parameters of Fig. 11, gives way to a
-front (text-to-larger), and slow time in which that front fills 31 sites."""
+"""Coupling at which the single site of Model II, at the parameters of Fig. 11, gives way to a front
+(text-to-larger), and the slow time in which that front fills 31 sites."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Nucleation:
-    """What a single site of Model I ends as, by coupling."""
+    """Outcome for a single site of Model I, by coupling."""
 
     outcomes: dict[float, tuple[Evolution, ...]]
-    """By displacement of one neighbour."""
+    """By the displacement of one neighbour."""
     outward: tuple[bool, ...]
-    """Of each front, Model II's last: whether every site joins after the one nearer the nucleus."""
+    """For each front, that of Model II last: whether every site joins after its inner neighbour."""
     gap: float
 
     def words(self, push: float) -> str:
-        """Write the ends at `FRICTION` for one displacement."""
+        """Write the outcomes at `FRICTION` for one displacement."""
         pairs = zip(FRICTION, self.outcomes[push], strict=True)
         return ", ".join(f"{each.outcome.value} at {c:g}" for c, each in pairs)
 
     @property
     def ends(self) -> set[str]:
-        """All ends met."""
+        """All outcomes that occur."""
         return {each.outcome.value for row in self.outcomes.values() for each in row}
 
 
 @lru_cache(maxsize=1)
 def nucleation() -> Nucleation:
-    """Follow the single site through its loss, with and without mirror symmetry, in Model I.
+    """Follow the single site through the end of its breather in Model I, with and without symmetry.
 
     Model II is run at one coupling at which its single site gives way to a front.
     """
@@ -243,7 +243,7 @@ def nucleation() -> Nucleation:
 
 
 def _outward(arrivals: FloatArray, centre: int) -> bool:
-    """Return whether the sites that joined did so one after the other from the centre on."""
+    """Return whether the sites joined one after the other, outwards from the centre."""
     sides = arrivals[centre + 1 :], arrivals[:centre][::-1]
     reached = [int(np.count_nonzero(~np.isnan(side))) for side in sides]
     return min(reached) > 1 and all(
@@ -252,7 +252,7 @@ def _outward(arrivals: FloatArray, centre: int) -> bool:
 
 
 def rule_nucleation(e: Nucleation) -> Ruling:
-    """Rule: in both models the front must start at the nucleus and take in site after site."""
+    """Rule: in both models the front must start at the nucleus and advance site by site."""
     if {"held", "front"} <= e.ends and all(e.outward) and len(e.outward) > 2 and e.gap < APART:
         return holds()
     return fails("the front does not grow from the nucleus, site after site.")

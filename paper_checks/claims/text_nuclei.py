@@ -1,4 +1,4 @@
-"""What becomes of the breather of one particle as it is lost, Model II (section 2.2)."""
+"""The fate of the breather of one particle at the end of its existence, Model II (section 2.2)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from verification.breathers.outcome import FollowedNucleus
 
 CHAIN_SITES = 41
-"""Room for twenty new sites on each side: no stationary nucleus reaches the ends."""
+"""Length with room for twenty new sites on each side, so that no stationary nucleus reaches an
+end."""
 COUPLINGS = (0.19, 0.1913, 0.193, 0.195, 0.197, 0.199, 0.201, 0.203)
 NOISE, SEEDS = 1e-3, (1, 2)
 DRAWN = (0.193, 0.197, 0.199, 0.203)
@@ -25,20 +26,20 @@ DRAWN = (0.193, 0.197, 0.199, 0.203)
 
 @dataclass(frozen=True, kw_only=True)
 class ToLarger:
-    """What became of the nucleus by seed (None for exact mirror symmetry) and coupling."""
+    """Outcome for the nucleus by seed (None for exact mirror symmetry) and coupling."""
 
     ends: dict[int | None, dict[float, str]]
     sizes: dict[int | None, dict[float, int]]
     histories: dict[tuple[int | None, float], tuple[float, ...]]
-    """Sites that have joined, at 201 slow times to 1000."""
+    """Number of sites that have joined, at 201 slow times up to 1000."""
     confirmed: bool
-    """Whether runs at a hundred times the tolerance end alike."""
+    """Whether runs at a hundred times the tolerance have the same outcome."""
     gap: float
-    """Amplitudes of stationary nuclei against periodic orbits of their size."""
+    """Amplitudes of stationary nuclei compared with periodic orbits of their size."""
     ripple: float
 
     def words(self, seed: int | None) -> str:
-        """Write the ends by coupling, for one seed."""
+        """Write the outcomes by coupling, for one seed."""
         named = {"larger nucleus": "{} sites stationary", "creep": "{} sites, growing irregularly,"}
         return ", ".join(
             f"{named.get(end, end).format(self.sizes[seed][c])} at {c:g}"
@@ -46,7 +47,7 @@ class ToLarger:
         )
 
     def summary(self, seed: int | None) -> str:
-        """Write at which couplings larger nuclei are stationary, and where a front runs."""
+        """Write the couplings at which larger nuclei are stationary, and at which a front runs."""
         larger = [c for c, end in self.ends[seed].items() if end == "larger nucleus"]
         fronts = [c for c, end in self.ends[seed].items() if end == "front"]
         sizes = [self.sizes[seed][c] for c in larger]
@@ -61,17 +62,17 @@ class ToLarger:
 
     @property
     def noisy(self) -> str:
-        """With noise, in short."""
+        """The summary with noise."""
         return " or ".join(dict.fromkeys(self.summary(seed) for seed in SEEDS))
 
     @property
     def noisy_each(self) -> str:
-        """With noise, at each coupling."""
+        """The outcomes with noise, at each coupling."""
         return "; ".join(f"seed {seed}: {self.words(seed)}" for seed in SEEDS)
 
 
 def to_larger() -> ToLarger:
-    """Follow the single nucleus through its loss, with and without mirror symmetry."""
+    """Follow the single nucleus past the end of its breather, with and without symmetry."""
     from theory.chains.vdp import VdpChain
     from verification.breathers.outcome import distance_from_breather, follow_nucleus
 
@@ -100,14 +101,14 @@ def to_larger() -> ToLarger:
 
 
 def succession(ends: Mapping[float, str]) -> bool:
-    """Return whether larger nuclei are stationary at some couplings, and fronts run only above."""
+    """Return whether larger nuclei are stationary in some range, and fronts run only above it."""
     larger = [c for c, end in ends.items() if end == "larger nucleus"]
     run = [c for c, end in ends.items() if end == "front"]
     return bool(larger and run) and max(larger) < min(run)
 
 
 def rule_to_larger(e: ToLarger) -> Ruling:
-    """Rule: larger nuclei must be stationary before fronts run, and attractors: with noise too."""
+    """Rule: larger nuclei must be stationary before fronts run, also with noise (attractors)."""
     if not e.confirmed or e.gap > e.ripple or not succession(e.ends[None]):
         return fails("no larger nucleus is stationary between the single one and the front.")
     if all(succession(e.ends[seed]) for seed in SEEDS):

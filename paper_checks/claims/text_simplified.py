@@ -1,4 +1,4 @@
-"""What the text asserts about the simplified model beside its figures (section 2.3.2)."""
+"""Statements of the text about the simplified model apart from its figures (section 2.3.2)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ETA = B / A**2
 
 @dataclass(frozen=True, kw_only=True)
 class Gauge:
-    """y by (34) with ω = 1 and with ω = 1 + εc, after εt = 12."""
+    """y by (34) with ω = 1 and with ω = 1 + εc, at εt = 12."""
 
     gaps: tuple[float, ...]
     """Relative differences at ε = 0.02, 0.01, 0.005."""
@@ -30,7 +30,7 @@ class Gauge:
 
 
 def gauge() -> Gauge:
-    """Run (34) with both ω by scipy and compare what they say of y."""
+    """Run (34) with both values of ω by scipy and compare the resulting y."""
     from verification.references.pace import last_state
 
     sites, end, c = 6, 12.0, 0.5
@@ -66,22 +66,22 @@ def _rate_34(phi: np.ndarray, c: float, eps: float, omega: float) -> np.ndarray:
 
 
 def rule_gauge(e: Gauge) -> Ruling:
-    """Rule: the difference must be of the order of ε, as the error of averaging is."""
+    """Rule: the difference must be of order ε, like the error of averaging."""
     return holds() if e.order > 0.9 and e.gaps[1] < 0.1 else fails("ω = 1 changes the solution.")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibria:
-    """Equilibria and stitch of (44): what one site of it does from both sides of |φ_us|."""
+    """Equilibria of (44) and the motion of one of its sites from both sides of |φ_us|."""
 
     rest: float
-    """|φ| at T = 40 from just below |φ_us|, over |φ_s|."""
+    """|φ| at T = 40 from just below |φ_us|, relative to |φ_s|."""
     cycle: float
-    """|φ - φ_s| at T = 40 from just above, over |φ_s|."""
+    """|φ - φ_s| at T = 40 from just above, relative to |φ_s|."""
     rates: tuple[float, float]
     """Decay rates to both, per unit of slow time."""
     envelope_rates: tuple[float, float]
-    """The same of (43) about rest and in the amplitude of its cycle."""
+    """The same for (43), about rest and for the amplitude of its cycle."""
 
 
 def equilibria() -> Equilibria:
@@ -106,7 +106,7 @@ def equilibria() -> Equilibria:
 
 
 def rule_equilibria(e: Equilibria) -> Ruling:
-    """Rule: either side of |φ_us| must go to its own equilibrium, both stable in (43) as well."""
+    """Rule: each side of |φ_us| must lead to its own equilibrium, both also stable in (43)."""
     if max(e.rest, e.cycle) < 1e-6 and min(*e.rates, *e.envelope_rates) > 0.0:
         return holds()
     return fails("(44) is not bistable between 0 and φ_s.")
@@ -123,12 +123,12 @@ class ModelVelocities:
 
     @property
     def gap(self) -> float:
-        """Between (54) and the run of (44)."""
+        """Difference between (54) and the run of (44)."""
         return abs(self.kinetic - self.chain)
 
     @property
     def ratio(self) -> float:
-        """(43) over (54)."""
+        """Ratio of (43) to (54)."""
         return self.averaged / self.kinetic
 
 
@@ -150,7 +150,7 @@ def velocities() -> ModelVelocities:
 
 
 def rule_quantitative(e: ModelVelocities) -> Ruling:
-    """Rule: the two must differ by more than a tenth: what would count as a match."""
+    """Rule: the two must differ by more than a tenth, which would still count as a match."""
     if e.gap < 1e-8 and abs(e.ratio - 1.0) > 0.1:
         return holds()
     return fails("(54) matches the velocity of the averaged chain.")

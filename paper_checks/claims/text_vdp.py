@@ -1,4 +1,4 @@
-"""What the text asserts about Model II beside its figures (sections 2 to 2.3.1)."""
+"""Statements of the text about Model II apart from its figures (sections 2 to 2.3.1)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from paper_checks.ruling import corrected, fails, holds, partly
 from theory.arrays import FloatArray
 
 SETS = ((2.5, 0.5), (4.0, 0.5))
-"""The (a, b) of Figs. 7-11, and of Figs. 12, 13, 16, 17."""
+"""Values of (a, b) in Figs. 7-11, and in Figs. 12, 13, 16, 17."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,12 +24,12 @@ class Cells:
     """Fixed points of the return maps of one cell of either model, with their multipliers."""
 
     rest: tuple[float, ...]
-    """Multiplier of the rest state of (8), one a set of `SETS`."""
+    """Multiplier of the rest state of (8), for each of `SETS`."""
     inner: tuple[tuple[float, float], ...]
     """Amplitude and multiplier of the inner cycle."""
     outer: tuple[tuple[float, float], ...]
     predicted: float
-    """Largest relative distance of amplitudes from those of the averaged cell."""
+    """Largest relative difference of the amplitudes from those of the averaged cell."""
     friction_inner: tuple[float, float]
     """ẏ at the centre and multiplier of the unstable slip cycle of Model I at v_d = 1.25."""
     friction_inside: bool
@@ -53,7 +53,7 @@ def _trajectory(
 
 
 def _turn(a: float, b: float, height: float) -> float:
-    """Return the next largest y after one of the given height, for one cell of (8)."""
+    """Return the next maximum of y after one of the given height, for one cell of (8)."""
     from scipy.optimize import brentq
 
     from verification.references.equations import damping
@@ -87,7 +87,7 @@ def cells() -> Cells:
     belt, centre = CELL.v_d, CELL.steady_sliding
 
     def after(w: float, turns: int = 1) -> float:
-        """Return ẏ at the centre after some turns of slip."""
+        """Return ẏ at the centre after a number of turns of slip."""
         for _ in range(turns):
             run = _trajectory(slip_rate(belt), 7.5, [centre, w])
             w = float(run(brentq(lambda t, run=run: run(t)[0] - centre, 5.2, 7.4))[1])
@@ -107,7 +107,7 @@ def cells() -> Cells:
 
 
 def rule_cells(e: Cells) -> Ruling:
-    """Rule: in both: rest inside an unstable cycle inside a stable one."""
+    """Rule: in both models rest must lie inside an unstable cycle inside a stable one."""
     second = max(e.rest) < 1.0 and min(m for _, m in e.inner) > 1.0 > max(m for _, m in e.outer)
     first = e.friction_inner[1] > 1.0 and e.friction_inside and e.friction_outside and e.sticks
     if second and first and e.predicted < 0.05:
@@ -117,7 +117,7 @@ def rule_cells(e: Cells) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class Small:
-    """The number that governs averaging, and the ripple of the cycle, one a set of `SETS`."""
+    """The small parameter of averaging, and the ripple of the cycle, for each of `SETS`."""
 
     effective: tuple[float, ...]
     ripple: tuple[float, ...]
@@ -142,7 +142,7 @@ def small() -> Small:
                 y, w = x
                 return [w, -y - eps * w * damping(y, a, b)]
 
-            settle = 2.5 / eps  # the slower cycle forgets e^{-7} of its start
+            settle = 2.5 / eps  # on the slower cycle, deviations have decayed by e^{-7}
             high = math.sqrt(a / b * (1.0 + math.sqrt(1.0 - 8.0 * b / a**2)))
             run = solve_ivp(rate, (0.0, settle), [high, 0.0], method="DOP853", rtol=1e-9,
                             atol=1e-10,
@@ -158,7 +158,7 @@ def small() -> Small:
 
 
 def rule_small(e: Small) -> Ruling:
-    """Rule: the cycle must be a sinusoid to a tenth, and tend to one with ε."""
+    """Rule: the cycle must be a sinusoid to within a tenth, and approach one as ε decreases."""
     if max(e.ripple) < 0.1 and min(e.orders) > 0.8:
         return holds()
     return fails("at ε = 0.01 the cycle is far from a sinusoid.")
@@ -173,7 +173,7 @@ class Substitution:
 
 
 def substitution() -> Substitution:
-    """Look for the forcing of (15) in (10) and in (11), as printed."""
+    """Look for the forcing term of (15) in (10) and in (11), as printed."""
     import sympy as sp
 
     from derivations.judgement import printed
@@ -189,7 +189,7 @@ def substitution() -> Substitution:
 
 
 def rule_substitution(e: Substitution) -> Ruling:
-    """Rule: (15) must come from (10), as printed, or from (11)."""
+    """Rule: (15) must follow from (10) as printed, or from (11)."""
     if e.has_wave[10]:
         return holds()
     if e.has_wave[11] and e.has_wave[15] and e.same:
@@ -210,7 +210,7 @@ class Extraction:
 
     @property
     def gap(self) -> float:
-        """Nearest solution of the search to the closed branch."""
+        """Distance of the nearest solution of the search from the closed branch."""
         return min(math.hypot(a - self.alpha, z - self.decay) for a, z in self.found)
 
     @property
@@ -221,7 +221,7 @@ class Extraction:
 
 @lru_cache(maxsize=1)
 def extraction() -> Extraction:
-    """Solve (29) with (37) in closed form, and search at random as well."""
+    """Solve (29) with (37) in closed form, and also by a search from random starts."""
     from theory.averaged.breather import solve_breather
     from theory.chains.vdp import VdpChain
 
@@ -244,7 +244,7 @@ def rule_extraction(e: Extraction) -> Ruling:
 
 
 def rule_uniquely(e: Extraction) -> Ruling:
-    """Rule: there must be one solution with a decay."""
+    """Rule: there must be exactly one solution that decays."""
     if e.gap > 1e-8:
         return fails("(29) and (37) have no common solution.")
     if e.number == 1:
@@ -258,13 +258,13 @@ def rule_uniquely(e: Extraction) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class Unknowns:
-    """Which of R, k_1, ω_1 (26) as printed contains."""
+    """Which of R, k_1, ω_1 (26) contains as printed."""
 
     names: tuple[str, ...]
 
 
 def unknowns() -> Unknowns:
-    """Count the free symbols of (26) beside its parameters."""
+    """Count the free symbols of (26) other than its parameters."""
     from derivations.judgement import printed
 
     free = {str(symbol) for symbol in printed(26).expression.free_symbols} - {"a", "b", "c"}
@@ -281,13 +281,13 @@ class Displays:
     """Largest errors of formulas without a number, at random values."""
 
     wave: float
-    """sin(t̂ + k_2) in exponentials, before (21)."""
+    """sin(t̂ + k_2) written in exponentials, before (21)."""
     envelope: float
-    """Ψ_n = φ_n e^{iωt} put into (31): y and ẏ that belong together."""
+    """Ψ_n = φ_n e^{iωt} inserted into (31), with consistent y and ẏ."""
 
 
 def displays() -> Displays:
-    """Evaluate the displays and in-line formulas that have no number."""
+    """Evaluate displayed and in-line formulas that have no number."""
     t, k, w, e = np.random.default_rng(21).uniform(0.1, 3.0, (4, 50))
     wave = (np.exp(1j * k) * np.exp(1j * t) - np.exp(-1j * k) * np.exp(-1j * t)) / 2j - np.sin(
         t + k
@@ -307,7 +307,7 @@ def displays() -> Displays:
 
 
 def rule_displays(e: Displays) -> Ruling:
-    """Rule: all must hold: exactly, or to the error of a difference."""
+    """Rule: all must hold exactly, or to the error of a finite difference."""
     if e.wave < 1e-12 and e.envelope < 1e-8:
         return holds()
     return fails("a formula without a number does not hold.")

@@ -1,1 +1,1 @@
-"""What renders a run: the page and its parts, pictures, tables for the terminal."""
+"""Rendering of a run: the page and its parts, pictures, tables for the terminal."""

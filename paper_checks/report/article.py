@@ -1,8 +1,8 @@
-"""A replication article of two pages, as ReScience C asks for, written from ``report.json``.
+"""A two-page replication article, as required by ReScience C, written from ``report.json``.
 
-``metadata.yaml``, ``content.tex`` and ``bibliography.bib`` are what the journal's template takes;
-``article.tex`` sets the same text by itself. Counts, verdicts, reasons and errata are those of the
-report; nothing is typed here that a run finds.
+``metadata.yaml``, ``content.tex`` and ``bibliography.bib`` are the input of the journal's template;
+``article.tex`` typesets the same text independently. Counts, verdicts, reasons and errata are taken
+from the report; no result of a run is typed here.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from theory.parameters import ParameterError
 from verification.execution.files import write_text
 
 FILES = ("metadata.yaml", "content.tex", "bibliography.bib", "article.tex")
-"""What is written; beside this module stands a template of each."""
+"""Files that are written; a template of each is next to this module."""
 
 MAX_ROWS = 12
-"""Rows of a table, so that the article keeps to two pages."""
+"""Largest number of rows of a table, so that the article fits on two pages."""
 
 
 def article(report: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
@@ -32,14 +32,14 @@ def article(report: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
     Parameters
     ----------
     report : mapping
-        The content of ``report.json``, of a run of all claims.
+        The content of ``report.json`` from a run of all claims.
     folder : Path
-        Where; it is made if it is not there.
+        Folder for the files; created if it does not exist.
 
     Returns
     -------
     tuple of Path
-        The files.
+        The files written.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def _content(report: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _templates() -> Environment:
-    """Return an environment whose signs do not clash with those of LaTeX."""
+    """Return an environment whose delimiters do not clash with those of LaTeX."""
     made = Environment(
         variable_start_string="<<",
         variable_end_string=">>",

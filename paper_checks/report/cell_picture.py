@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def draw_bifurcation(axes: Axes, diagram: Bifurcation) -> None:
-    """Draw turning points of both cycles and steady sliding over the belt velocity."""
+    """Draw the turning points of both cycles, and steady sliding, against the belt velocity."""
     hopf = diagram.cell.hopf_velocity
     stable = diagram.v_d > hopf
     blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]

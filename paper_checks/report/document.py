@@ -1,4 +1,4 @@
-"""The report of a run: counts, headlines, provenance, and all of it as JSON."""
+"""The report of a run: counts, headlines, provenance, and its complete content as JSON."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ from verification.execution.metadata import now, this_machine
 from verification.pictures.figures import NAME
 
 FORMAT = 2
-"""Version of the JSON document; raised when a reader of the old one would break."""
+"""Version of the JSON document; raised when a change would break programs that read it."""
 
 PACKAGES = ("numpy", "scipy", "mpmath", "sympy", "numba", "matplotlib", "python-flint")
-"""Packages that a finding is made with."""
+"""Packages used in producing a finding."""
 
 Json = dict[str, object]
 
 
 @dataclass(frozen=True)
 class Report:
-    """All that the report shows.
+    """The complete content of the report.
 
     Attributes
     ----------
     outcomes : tuple of JudgedClaim
-        One a claim, in order.
+        One per claim, in order.
     seconds : float
         Wall-clock time of the run.
     available : int
-        How many claims there are, judged in this run or not.
+        Total number of claims, whether judged in this run or not.
     versions : mapping
         Versions by package; None for one that is not installed.
     source : str
@@ -47,9 +47,9 @@ class Report:
     machine : mapping
         Platform and number of cores.
     created : str
-        When the run ended, UTC.
+        Time at which the run ended, UTC.
     measurements : tuple of Section
-        Stored measurements that stand beside the claims.
+        Stored measurements shown beside the claims.
     """
 
     outcomes: tuple[JudgedClaim, ...]
@@ -63,23 +63,23 @@ class Report:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of claims by status, every status present."""
+        """Number of claims by status, including statuses that do not occur."""
         statuses = [outcome.status for outcome in self.outcomes]
         return {name: statuses.count(name) for name in (*map(slug, Verdict), FAILED)}
 
     @property
     def changed(self) -> tuple[JudgedClaim, ...]:
-        """Outcomes that differ from the record, failed ones included."""
+        """Outcomes that differ from the record, including failed ones."""
         return tuple(outcome for outcome in self.outcomes if outcome.changed)
 
     @property
     def stale(self) -> tuple[JudgedClaim, ...]:
-        """Outcomes that are stored findings of other code than that of this run."""
+        """Outcomes that are stored findings of code other than that of this run."""
         return tuple(outcome for outcome in self.outcomes if outcome.judgement.stale)
 
     @property
     def shared(self) -> float:
-        """Time of the work that several judges of this run share, all processes together."""
+        """Total time, over all processes, of the work shared by several judges of this run."""
         return sum(one.judgement.shared for one in self.outcomes if not one.judgement.stored)
 
     @cached_property
@@ -96,7 +96,7 @@ class Report:
 
     @cached_property
     def figures(self) -> Mapping[str, tuple[JudgedClaim, ...]]:
-        """The claims of each figure of the paper, by their module."""
+        """The claims of each figure of the paper, by module."""
         names = dict.fromkeys(one.entry.group for one in self.outcomes)
         return {
             name: tuple(one for one in self.outcomes if one.entry.group == name)
@@ -106,10 +106,10 @@ class Report:
 
     @cached_property
     def in_gallery(self) -> Mapping[str, str]:
-        """Pictures that stand for the figures of the paper in the gallery, with their modules.
+        """Pictures that represent the figures of the paper in the gallery, with their modules.
 
-        They are those whose caption begins with the number of the figure; where none does, the
-        first.
+        They are those whose caption begins with the number of the figure or, if there is none, the
+        first picture.
         """
         found: dict[str, str] = {}
         for group, outcomes in self.figures.items():
@@ -128,7 +128,7 @@ class Report:
 
     @property
     def errata(self) -> tuple[tuple[JudgedClaim, Erratum], ...]:
-        """What the findings of this report prove to be misprinted, ambiguous or inconsistent."""
+        """Lines that the findings prove to be misprinted, ambiguous or inconsistent."""
         return tuple(
             (outcome, outcome.finding.erratum)
             for outcome in self.outcomes
@@ -139,9 +139,9 @@ class Report:
     def headlines(self) -> tuple[JudgedClaim, ...]:
         """The three findings that a reader should see first.
 
-        Those with a headline of their own come first. Then come those that disagree with the paper,
-        by the weight of their claims, then by how much they disagree, then in the order of the
-        claims. As far as it goes, each is of another module.
+        Findings that have a headline come first, followed by those that disagree with the paper, in
+        order of the weight of their claims, then of the degree of disagreement, then of the claims.
+        As far as possible, each is from a different module.
         """
         found = [outcome for outcome in self.outcomes if outcome.finding is not None]
 
@@ -180,7 +180,7 @@ def make_report(
     source: str,
     measurements: Sequence[Section] = (),
 ) -> Report:
-    """Put the outcomes of a run together with the time and the machine."""
+    """Combine the outcomes of a run with its duration and the machine."""
     return Report(
         outcomes=_one_picture_a_name(outcomes),
         seconds=seconds,
@@ -194,7 +194,7 @@ def make_report(
 
 
 def to_json(report: Report) -> Json:
-    """Give the report as one JSON object; its schema is in ``docs/report_schema.md``."""
+    """Return the report as a JSON object; its schema is in ``docs/report_schema.md``."""
     return {
         "format": FORMAT,
         "created": report.created,
@@ -219,7 +219,7 @@ def to_json(report: Report) -> Json:
 
 
 def picture_files(report: Report) -> dict[str, str | bytes]:
-    """Give the content of each picture file and data file by file name."""
+    """Return the content of each picture file and data file by file name."""
     files: dict[str, str | bytes] = {}
     for outcome in report.outcomes:
         for picture in outcome.pictures:
@@ -232,16 +232,16 @@ def picture_files(report: Report) -> dict[str, str | bytes]:
 
 
 def pictures_listed(path: Path) -> set[str]:
-    """Give the names of the picture and data files that a written report says are beside it.
+    """Return the names of the picture and data files that belong to a written report.
 
-    Empty where there is no report, or none that can be read.
+    The set is empty if there is no report, or none that can be read.
     """
     try:
         claims = json.loads(path.read_text(encoding="utf-8"))["claims"]
         names = {one.get(kind) for claim in claims for one in claim["pictures"] for kind in _KINDS}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return set()
-    # A name with a folder in it was not written by a report.
+    # A report never writes a name that contains a folder.
     return {name for name in names if isinstance(name, str) and NAME.fullmatch(name)}
 
 
@@ -294,7 +294,7 @@ def _record(outcome: JudgedClaim, shown_by: Sequence[str]) -> Json:
 
 
 def _one_picture_a_name(outcomes: Sequence[JudgedClaim]) -> tuple[JudgedClaim, ...]:
-    """Fail a claim whose picture would overwrite another one; the same picture twice is fine."""
+    """Fail a claim whose picture would overwrite a different one; duplicates are allowed."""
     owners: dict[str, tuple[str, object]] = {}
     checked = []
     for outcome in outcomes:

@@ -1,4 +1,4 @@
-"""Which pictures show a claim: its own, or those of the claims about the same figure."""
+"""The pictures that illustrate a claim: its own, or those of claims about the same figure."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _FIGURES = re.compile(r"Figs?\.\s*(\d+)(?:\s+and\s+(\d+))?")
 
 
 def pictures_of(outcomes: Sequence[JudgedClaim]) -> Mapping[str, tuple[str, ...]]:
-    """Give the names of the pictures that show each claim, by its key.
+    """Return the names of the pictures that illustrate each claim, by its key.
 
-    A claim without pictures of its own is shown by those of its module, which is about one figure
-    of the paper, or else by those of the figures that its place names. Where there is none, the
-    tuple is empty.
+    A claim without pictures of its own is illustrated by those of its module, which concerns one
+    figure of the paper, or else by those of the figures that its place mentions. If there are none,
+    the tuple is empty.
     """
     own = {one.claim.key: _names(one) for one in outcomes}
     by_module: dict[str, tuple[str, ...]] = {}
@@ -33,7 +33,7 @@ def pictures_of(outcomes: Sequence[JudgedClaim]) -> Mapping[str, tuple[str, ...]
 
 
 def modules_named(place: str) -> tuple[str, ...]:
-    """Give the modules of the figures that a place names.
+    """Return the modules of the figures that a place mentions.
 
     Examples
     --------

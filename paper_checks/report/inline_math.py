@@ -1,7 +1,7 @@
-"""Typeset the mathematics in prose: formulas between dollar signs, and what is written plainly.
+"""Typeset the mathematics in prose: formulas between dollar signs, and plainly written symbols.
 
-Plainly written are subscripts and powers (``v_d``, ``e^{-2 i omega t}``, ``(φ*)^2``) and Greek
-letters by their names. Names of files and options, and words, stay as they are.
+Plainly written are subscripts and powers (``v_d``, ``e^{-2 i omega t}``, ``(φ*)^2``) and the names
+of Greek letters. Names of files and options, and words, are left unchanged.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ _INDEX = re.compile(r"_([A-Za-z]{2,})")
 
 
 def typeset(text: str) -> str:
-    """Return prose as HTML, its mathematics as MathML, all else escaped.
+    """Return prose as HTML, with its mathematics as MathML and everything else escaped.
 
-    What cannot be typeset is shown as it is written.
+    Mathematics that cannot be typeset is shown as it is written.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def typeset(text: str) -> str:
 
 
 def in_latex(text: str) -> str:
-    r"""Return prose as LaTeX, its mathematics as formulas, all else escaped.
+    r"""Return prose as LaTeX, with its mathematics as formulas and everything else escaped.
 
     Examples
     --------
@@ -97,7 +97,7 @@ def _formula(plain: str) -> str:
 
 
 def _latex(plain: str) -> str:
-    r"""Write in LaTeX what is written plainly.
+    r"""Convert plainly written mathematics to LaTeX.
 
     Examples
     --------

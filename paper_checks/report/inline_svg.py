@@ -1,4 +1,4 @@
-"""Put several SVG documents into one HTML page without their names getting in each other's way."""
+"""Insert several SVG documents into one HTML page without conflicts between their names."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from html import escape
 from paper_checks.report.safe_svg import safe_svg
 
 ENLARGE = 1.25
-"""Type that suits a printed column is small on a screen."""
+"""Magnification on screen, where type that suits a printed column is too small."""
 
 
 def width_of(svg: str) -> float | None:
-    """Width of a picture as drawn, in points; None if the document does not say."""
+    """Width of a picture as drawn, in points; None if the document does not state it."""
     root = re.search(r"<svg[^>]*>", svg)
     width = re.search(r'\swidth="([0-9.]+)(pt|px|)"', root.group()) if root else None
     if width is None:
@@ -23,8 +23,8 @@ def width_of(svg: str) -> float | None:
 def inline_svg(svg: str, prefix: str, title: str) -> str:
     """Turn an SVG document into an element of an HTML page.
 
-    An id is global in a page, and so is a style sheet; both are made the picture's own. What
-    only a file of its own needs (prologue, metadata) is dropped, and so are comments and whatever
+    Ids and style sheets are global in a page, so both are made specific to the picture. What only a
+    separate file needs (prologue, metadata) is dropped, and so are comments and everything that
     `paper_checks.report.safe_svg` does not list.
 
     Parameters
@@ -32,7 +32,7 @@ def inline_svg(svg: str, prefix: str, title: str) -> str:
     svg : str
         The document.
     prefix : str
-        Put before each id; unique in the page.
+        Prefix for each id; unique in the page.
     title : str
         Alternative text.
 
@@ -54,5 +54,5 @@ def inline_svg(svg: str, prefix: str, title: str) -> str:
         style = f' style="width: {width * ENLARGE:g}pt"'
         root, rest = body.split(">", 1)
         body = re.sub(r'\s(?:width|height)="[^"]*"', "", root) + ">" + rest
-    # A function, because a backslash in the caption must stay one.
+    # A function, because a backslash in the caption must be kept.
     return re.sub("^<svg", lambda _: f'<svg role="img" aria-label="{label}"{style}', body)

@@ -1,4 +1,4 @@
-"""Equations for the page: MathML, and long ones in parts between which a line may break."""
+"""Equations for the page: MathML, with long ones in parts between which a line may break."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from derivations.algebra.mathml import LatexError, as_text, mathml, mathml_eleme
 __all__ = ["LatexError", "formula", "mathml"]
 
 LONG = 40
-"""Characters of LaTeX beyond which a line of a phone, or of paper, may not hold the equation."""
+"""Number of characters of LaTeX above which an equation may not fit on a line of a phone or of
+paper."""
 WIDE = 40
-"""Nodes between brackets beyond which a line may break there as well."""
+"""Number of nodes between brackets above which a line may also break inside them."""
 _BREAKS = frozenset("+−=≈→≡⇔")
-"""A line may break before one of these."""
+"""Signs before which a line may break."""
 
 
 def formula(latex: str, *, block: bool = False) -> str:
-    """Return MathML as `breakable` does, or the LaTeX itself where it cannot be typeset."""
+    """Return MathML as `breakable` does, or the LaTeX itself if it cannot be typeset."""
     try:
         return breakable(latex, block=block)
     except LatexError:
@@ -26,7 +27,7 @@ def formula(latex: str, *, block: bool = False) -> str:
 
 
 def breakable(latex: str, *, block: bool = False) -> str:
-    """Return MathML; a long equation comes in parts between which a line may break.
+    """Return MathML, with a long equation divided into parts between which a line may break.
 
     Raises
     ------
@@ -40,7 +41,7 @@ def breakable(latex: str, *, block: bool = False) -> str:
 
 
 def _parts(root: Element) -> list[Element]:
-    """Cut an equation before signs that stand in no bracket, and after spaces."""
+    """Divide an equation before signs outside brackets, and after spaces."""
     nodes = _opened(root[0])
     parts = [Element("math")]
     depth, after_space = 0, False
@@ -59,9 +60,9 @@ def _parts(root: Element) -> list[Element]:
 
 
 def _opened(row: Element) -> list[Element]:
-    """Return the nodes of a row; brackets with more in them than a line holds are taken apart.
+    """Return the nodes of a row, with brackets opened whose content is longer than a line.
 
-    Such brackets are as high as a fraction: their content is cut, so they cannot grow with it.
+    Such brackets are as high as a fraction: they cannot adapt to their content once it is divided.
     """
     nodes: list[Element] = []
     for node in row:

@@ -1,8 +1,8 @@
-"""Measurements that the report shows beside the claims: speed, cost, extreme cases, work reduction.
+"""Measurements shown beside the claims: speed, cost, extreme cases, work reduction.
 
-They come from stored records, which the benchmarks and ``fronts stress --record`` write into
+They are read from stored records, which the benchmarks and ``fronts stress --record`` write into
 ``benchmarks/results`` of the source tree; nothing is measured for the report itself. An installed
-package has no records, and then no such section.
+package has no records, and then these sections are absent.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 
 Records = Mapping[str, Json]
 Columns = Mapping[str, Callable[..., str]]
-"""What makes each cell of a line, by the head of the column."""
+"""Functions that produce the cells of a row, by the heading of the column."""
 
 
 def stored_sections() -> tuple[Section, ...]:
-    """Read the sections for which there are records; none where there is no folder."""
+    """Read the sections for which there are records; none if the folder does not exist."""
     folder = RESULTS
     records = {path.stem: _read(path) for path in sorted(folder.glob("*.json"))}
     makers = (_speed, _first_calls, _defaults, _problems, _growth, _stability, _work_reduction)
@@ -39,7 +39,7 @@ def _read(path: Path) -> Json:
 def _section(
     key: str, title: str, lead: str, *, records: Records, lines: Iterable[object], columns: Columns
 ) -> Section:
-    """Return a table with one row for each line; its lead names the records that are stale."""
+    """Return a table with one row per line; its introduction names the stale records."""
     return Section(
         key,
         title,
@@ -51,7 +51,7 @@ def _section(
 
 
 def _known(value: float | None, spec: str, unit: str = "") -> str:
-    """Write a number; a dash for what is not known."""
+    """Write a number, or a dash if it is unknown."""
     return "-" if value is None else f"{value:{spec}}{unit}"
 
 
@@ -128,7 +128,7 @@ def _first_calls(records: Records, folder: Path) -> Section | None:
 
 
 def _defaults(records: Records, folder: Path) -> Section | None:
-    """Return where each default is the fastest, and why it is the default elsewhere."""
+    """Return where each default is the fastest, and why it is the default where it is not."""
     if "defaults" not in records:
         return None
     choices = records["defaults"]["choices"]
@@ -268,7 +268,7 @@ def _work_reduction(records: Records, folder: Path) -> Section | None:
 
 
 def _listed(sentences: Mapping[str, str]) -> str:
-    """Write what is said of each method; a dash where nothing is."""
+    """Write the remark on each method, or a dash if there are none."""
     return "; ".join(f"{by}: {said}" for by, said in sentences.items()) or "-"
 
 
@@ -290,7 +290,7 @@ def _rivals(beaten: Iterable[Json]) -> str:
 
 
 def _decades(errors: Iterable[float]) -> str:
-    """Write powers of ten, runs of neighbours as ranges.
+    """Write powers of ten, with consecutive ones as ranges.
 
     Examples
     --------

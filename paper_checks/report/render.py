@@ -1,7 +1,7 @@
-"""The report as HTML that needs nothing but itself: one page, and one of measurements.
+"""The report as self-contained HTML: the main page, and a page of measurements.
 
-The pages are templates of Jinja beside this module, ``index.html.j2`` and ``methods.html.j2``. What
-they are given as text is escaped; the filters here return HTML.
+The pages are Jinja templates next to this module, ``index.html.j2`` and ``methods.html.j2``. Text
+passed to them is escaped; the filters here return HTML.
 """
 
 from __future__ import annotations
@@ -28,23 +28,24 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
-"""The page itself forbids the browser every request, to the network or to other files, and every
-script; the report's page allows its own one, by its digest (`policy_for`)."""
+"""Content security policy: the page forbids the browser every request, to the network or to other
+files, and every script; the report's page allows its own script, by its digest (`policy_for`)."""
 
 DOCS = "../site/index.html"
-"""The documentation as ``make docs`` builds it, beside the report of ``make paper``."""
+"""The documentation as built by ``make docs``, relative to the report of ``make paper``."""
 
 MAX_NAMED = 5
-"""More changed verdicts than these are folded away, so that the first screen stays one."""
+"""Number of changed verdicts above which they are folded away, so that the first screen stays
+small."""
 
 WIDE = 300
-"""Pictures wider than this, in points, do not fit a phone."""
+"""Width in points above which a picture does not fit on a phone."""
 
 IN_ROW = 280
-"""Characters of LaTeX of an equation that a closed row has room for."""
+"""Number of characters of LaTeX of an equation that fit into a closed row."""
 
 STATUS = {slug(verdict): verdict.value for verdict in Verdict} | {FAILED: "judge failed"}
-"""Words for each status."""
+"""Text for each status."""
 
 
 @dataclass(frozen=True)
@@ -81,9 +82,9 @@ def measurements_page(report: Report) -> str:
 
 
 def policy_for(script: str) -> str:
-    """Return the content security policy of a page with one script, written on a line of its own.
+    """Return the content security policy of a page with one script, which is on lines of its own.
 
-    A handler in an attribute, and any other script, is not of this digest and does not run.
+    Any other script, and any handler in an attribute, does not match the digest and does not run.
     """
     digest = base64.b64encode(hashlib.sha256(f"\n{script}".encode()).digest()).decode()
     return f"{POLICY}; script-src 'sha256-{digest}'"
@@ -134,17 +135,17 @@ def _resource(name: str) -> str:
 
 
 def _markup(html: str) -> Markup:
-    """Mark text as HTML already, which is not escaped again."""
+    """Mark text as HTML, so that it is not escaped again."""
     from markupsafe import Markup
 
     return Markup(html)
 
 
 def _place(machine: Mapping[str, object]) -> str:
-    """Write what kind of machine it was."""
+    """Describe the kind of machine."""
     return f"{machine['system']} {machine['architecture']}, {machine['cores']} cores"
 
 
 def _versions(versions: Mapping[str, str | None]) -> str:
-    """Write packages with their versions, without those that are not installed."""
+    """List packages with their versions, without those that are not installed."""
     return ", ".join(f"{name} {version}" for name, version in versions.items() if version)

@@ -1,9 +1,9 @@
-"""Pictures of stored findings made harmless before they are shown: only what is listed here stays.
+"""Sanitise pictures of stored findings before they are shown: only what is listed here is kept.
 
-A finding that was stored is read from a file, and whoever can write that file chooses its pictures.
-The document is parsed and written anew from the elements and attributes below. Scripts, event
+A stored finding is read from a file, and whoever can write that file determines its pictures. The
+document is parsed and rewritten with the elements and attributes listed below. Scripts, event
 handlers, foreign content, animations, images and references to anything but the document itself are
-left out. The page's content security policy would stop a script as well; either is enough alone.
+removed. The page's content security policy would also stop a script; either measure suffices alone.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ ATTRIBUTES = frozenset(
     )
 )
 FUNCTIONS = frozenset(_NAMES.findall("translate scale rotate matrix skewX skewY rgb rgba url"))
-"""Functions that a value may call."""
+"""Functions that may occur in a value."""
 
 _STYLE_SHEET = re.compile(r"[\w\s*{}:;.,#-]*")
 
 
-@functools.lru_cache(maxsize=256)  # the judge, the files and each place of a page ask for it
+@functools.lru_cache(maxsize=256)  # needed by the judge, the files and each place of a page
 def safe_svg(svg: str) -> str:
-    """Return an SVG document with nothing in it but listed elements and attributes.
+    """Return an SVG document that contains only listed elements and attributes.
 
     Parameters
     ----------
     svg : str
-        The document. Entities and a document type are not read.
+        The document. Entities and a document type are not processed.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def safe_svg(svg: str) -> str:
     Raises
     ------
     ValueError
-        If it is no well-formed SVG document.
+        If it is not a well-formed SVG document.
 
     Examples
     --------
@@ -83,7 +83,7 @@ xmlns:xlink="http://www.w3.org/1999/xlink" width="8pt"><path id="a"/></svg>'
 
 
 def _with_namespaces(body: str) -> str:
-    """Return the document with its prefixes declared, as where it was cut out of a page."""
+    """Return the document with its namespace prefixes declared, as in the page it was cut from."""
     head, _, rest = body.partition(">")
     if "xmlns:xlink" not in head:
         head = head.replace("<svg", '<svg xmlns:xlink="http://www.w3.org/1999/xlink"', 1)
@@ -91,13 +91,13 @@ def _with_namespaces(body: str) -> str:
 
 
 def _local(element: ET.Element) -> str:
-    """Return the name of an element of SVG, or nothing for one of another language."""
+    """Return the name of an SVG element, or an empty text for one of another language."""
     tag = element.tag
     return tag.removeprefix(_SVG) if tag.startswith(_SVG) or "{" not in tag else ""
 
 
 def _written(element: ET.Element) -> Iterator[str]:
-    """Write an element and what is in it, if it is listed."""
+    """Write an element and its content, if the element is listed."""
     name = _local(element)
     if name not in ELEMENTS:
         return
@@ -120,8 +120,8 @@ def _written(element: ET.Element) -> Iterator[str]:
 
 
 def _harmless(value: str) -> bool:
-    """Return whether a value calls listed functions only, and refers to the document itself."""
-    if "\\" in value or "@" in value:  # escapes of style sheets could spell anything
+    """Return whether a value uses only listed functions and refers only to the document itself."""
+    if "\\" in value or "@" in value:  # escapes in style sheets could encode anything
         return False
     calls = re.findall(r"([\w-]*)\s*\(", value)
     addresses = re.findall(r"(?i)url\s*\(([^)]*)", value)

@@ -1,4 +1,4 @@
-"""A table of stored measurements, and where its numbers come from."""
+"""A table of stored measurements, and the origin of its numbers."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ WORDS = {
     "derivation": "Derivation of the averaged equations",
     "growth": "Cost as the work grows",
 }
-"""What the names of the records stand for."""
+"""Titles for the names of the records."""
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Where numbers come from: the command that gave them, when, and with what."""
+    """Origin of numbers: the command that produced them, the date, and the versions used."""
 
     command: str
     date: str
     machine: str
     stale: str = ""
-    """Why the numbers no longer are of the code that is here; empty if they are."""
+    """Why the numbers do not belong to the present code; empty if they do."""
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A setting of a method that gave no value, and why."""
+    """A setting of a method that gave no value, with the reason."""
 
     method: str
     problem: str
@@ -73,13 +73,13 @@ class Section:
     Attributes
     ----------
     key, title, lead : str
-        Name in addresses, heading, and what the table is.
+        Name in addresses, heading, and an introduction to the table.
     head : tuple of str
         Names of the columns.
     rows : tuple of tuple of str
         Cells.
     origins : tuple of Origin
-        Of the records it was read from.
+        Origins of the records from which the table was made.
     diagrams : tuple of Diagram
         Pictures below the table.
     """
@@ -93,7 +93,7 @@ class Section:
     diagrams: tuple[Diagram, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
-        """Give the table for JSON, without its pictures."""
+        """Return the table for JSON, without its pictures."""
         return {
             "key": self.key,
             "title": self.title,
@@ -104,7 +104,7 @@ class Section:
 
 
 def origin_of(record: Json) -> Origin:
-    """Return where a record comes from, with the versions it was measured with."""
+    """Return the origin of a record, with the versions used for the measurement."""
     machine = record["machine"]
     versions = ", ".join(
         f"{name} {version}"
@@ -116,7 +116,7 @@ def origin_of(record: Json) -> Origin:
 
 
 def warned(lead: str, records: Mapping[str, Json]) -> str:
-    """Add to a lead which of the records it was read from are stale, and why."""
+    """Add to an introduction which of the underlying records are stale, and why."""
     reasons: dict[str, list[str]] = {}
     for name, record in records.items():
         if why := staleness(record.get("code")):
@@ -125,9 +125,9 @@ def warned(lead: str, records: Mapping[str, Json]) -> str:
 
 
 def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
-    """Put failures with the same method and reason together: which settings they were, by both.
+    """Group failures by method and reason, and list the settings of each group.
 
-    Reasons are the same if they differ in numbers only; the first is given.
+    Reasons count as equal if they differ in numbers only; the first one is given.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
 
 
 def in_words(quantity: str) -> str:
-    """Name a measured quantity for a reader; one that is not known keeps its name.
+    """Return the title of a measured quantity; an unknown quantity keeps its name.
 
     Examples
     --------

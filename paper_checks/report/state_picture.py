@@ -1,4 +1,4 @@
-"""The picture of a state map in the paper's style: one mark a point, boundaries as lines."""
+"""The picture of a state map in the style of the paper: a mark per point, boundaries as lines."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MARKS: Mapping[str, tuple[str, str]] = {
     "fixed point": ("s", COLOURS["green"]),
     "undecided": ("x", "0.45"),
 }
-"""Mark and colour of each label; the shape alone tells them apart."""
+"""Mark and colour of each label; the shape alone is sufficient to distinguish them."""
 
 
 def draw_states(
@@ -34,28 +34,28 @@ def draw_states(
     names: Mapping[str, str] = MappingProxyType({}),
     lines: str = "boundary, bisected",
 ) -> dict[str, Mapping[str, Any]]:
-    """Draw a map, and the boundaries between the labels as contours; return what is drawn.
+    """Draw a map, with the boundaries between the labels as contours; return the data drawn.
 
     Parameters
     ----------
     axes : Axes
-        Where to draw.
+        Axes to draw on.
     states : Table
-        With a column ``label``.
+        The map, with a column ``label``.
     across, up : str
         Names of the columns on the two axes.
     boundary : Table, optional
-        Of ``verification.maps.boundary.Bisection`` over the same map.
+        Boundaries from ``verification.maps.boundary.Bisection`` over the same map.
     names : mapping of str to str, optional
-        Labels that the legend calls otherwise.
+        Names in the legend for labels that are renamed there.
     lines : str, optional
-        What the legend calls the boundaries.
+        Name of the boundaries in the legend.
 
     Returns
     -------
     dict
-        The columns of the states and of the contours, the pieces of which end in an empty row, for
-        `data_table.long_table`.
+        The columns of the states and of the contours, for `data_table.long_table`; each piece of a
+        contour ends in an empty row.
     """
     labels = states["label"]
     for label, (mark, colour) in MARKS.items():
@@ -84,10 +84,11 @@ def draw_states(
 
 
 def _contours(states: Table, across: str, up: str, boundary: Table) -> np.ndarray:
-    """Join the places where the label changes, cell by cell of the grid, to contours.
+    """Join the points at which the label changes, cell by cell of the grid, to contours.
 
-    Two changes on the edges of a cell are joined; three or four are joined with their mean, where
-    three regions meet. After each piece comes a row of NaN, at which Matplotlib lifts its pen.
+    Two changes on the edges of a cell are joined directly; three or four, where three regions meet,
+    are each joined to their mean. After each piece there is a row of NaN, at which Matplotlib
+    interrupts the line.
     """
     x, y = np.unique(states[across]), np.unique(states[up])
     cells: dict[tuple[int, int], list[tuple[float, float]]] = {}
@@ -117,7 +118,7 @@ def _before(ticks: np.ndarray, value: float) -> int:
 
 
 def _rim(states: Table, name: str) -> tuple[float, float]:
-    """Return limits just wide enough for marks at the rim of the grid, and not below zero."""
+    """Return limits just wide enough for the marks at the edge of the grid, and not below zero."""
     low, high = float(states[name].min()), float(states[name].max())
     beyond = 0.03 * (high - low) or 0.05 * abs(high) or 1.0
     return max(low - beyond, min(low, 0.0)), high + beyond

@@ -1,4 +1,4 @@
-"""Tables and times as text for the terminal."""
+"""Tables and durations as text for the terminal."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from paper_checks.discover import Entry
 from paper_checks.outcome import slug
 
 NARROWEST = 60
-"""Below this many columns a table cannot be read; lines wrap in the terminal instead."""
+"""Width in columns below which a table is unreadable; lines then wrap in the terminal instead."""
 
 
 def entries_as_text(entries: Sequence[Entry], width: int = 100) -> str:
-    """Give the table of claims that have not been judged."""
+    """Return the table of claims that have not been judged."""
     from rich.console import Console
     from rich.table import Table
 
@@ -32,7 +32,7 @@ def entries_as_text(entries: Sequence[Entry], width: int = 100) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Write a time for people.
+    """Write a duration in readable form.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The report as text for the terminal: ten lines for many claims, all of it for a few."""
+"""The report as text for the terminal: ten lines for many claims, in full for a few."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from paper_checks.report.document import Report
 from paper_checks.report.table import NARROWEST, duration
 
 FEW = 8
-"""Up to so many claims are shown whole."""
+"""Largest number of claims that are shown in full."""
 NAMED = 6
-"""So many keys are named; of more the rest is counted."""
+"""Largest number of keys that are listed; the rest is counted."""
 
 
 def report_as_text(report: Report, width: int = 100) -> str:
-    """Write counts, what differs from the record, what is stale, and three findings.
+    """Write the counts, changed verdicts, stale evidence, and three findings.
 
-    Few claims are shown whole instead.
+    A few claims are shown in full instead.
     """
     width = max(width, NARROWEST)
     lines = [_counts(report), _methods(report)]
@@ -104,7 +104,7 @@ def _whole(outcome: JudgedClaim, report: Report, width: int) -> str:
 
 
 def _origin(outcome: JudgedClaim) -> list[str]:
-    """Say when a stored finding was found, with what, whether it is stale, and how to recompute."""
+    """State the date and versions of a stored finding, whether it is stale, and its command."""
     judged = outcome.judgement
     origin = judged.provenance
     if origin is None:

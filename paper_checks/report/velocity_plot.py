@@ -1,4 +1,4 @@
-"""What pictures of front velocity have in common: branches of (54), thresholds, runs of the chain.
+"""Common parts of pictures of front velocity: branches of (54), thresholds, runs of the chain.
 
 Matplotlib and the theory are imported on first use, as in ``verification.pictures.figures``.
 """
@@ -27,7 +27,7 @@ class PlottedSolutions:
     admissible: tuple[bool, ...]
 
     def part(self, admissible: bool) -> tuple[list[float], list[float]]:
-        """Return abscissae and velocities of one kind."""
+        """Return the abscissae and velocities of the admissible, or of the other, solutions."""
         chosen = [
             (x, v)
             for x, v, kind in zip(self.x, self.v, self.admissible, strict=True)
@@ -36,13 +36,13 @@ class PlottedSolutions:
         return [x for x, _ in chosen], [v for _, v in chosen]
 
     def columns(self, x_name: str) -> dict[str, ArrayLike]:
-        """Return columns for the CSV file of the picture."""
+        """Return the columns for the CSV file of the picture."""
         kinds = ["yes" if kind else "no" for kind in self.admissible]
         return {x_name: self.x, "v": self.v, "admissible": kinds}
 
 
 def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> PlottedSolutions:
-    """Return every solution in the answers over c or η; one not judged counts as inadmissible."""
+    """Return every solution over c or η; one that was not judged counts as inadmissible."""
     rows = [
         (float(getattr(answer, over)), branch.v, branch.admissible is True)
         for answer in answers
@@ -53,14 +53,14 @@ def curve_of(answers: Sequence[KineticRelation], over: Literal["c", "eta"]) -> P
 
 
 def draw_curve(axes: Axes, curve: PlottedSolutions) -> None:
-    """Draw admissible solutions full, the others hollow."""
+    """Draw admissible solutions with filled marks, the others with hollow ones."""
     blue, red = COLOURS["blue"], COLOURS["vermilion"]
     axes.plot(*curve.part(True), "o", ms=1.8, color=blue, label="admissible")
     axes.plot(*curve.part(False), "o", ms=1.8, color=red, mfc="none", label="not admissible")
 
 
 def draw_thresholds(axes: Axes, values: Mapping[str, float | None], symbol: str) -> None:
-    """Draw a vertical line at each threshold that exists: the fold dashed, pinning full."""
+    """Draw a vertical line at each existing threshold: dashed for the fold, solid for pinning."""
     for name, value in values.items():
         if value is not None:
             axes.axvline(
@@ -73,6 +73,6 @@ def draw_thresholds(axes: Axes, values: Mapping[str, float | None], symbol: str)
 
 
 def draw_runs(axes: Axes, x: Sequence[float], v: ArrayLike, marker: str, label: str) -> None:
-    """Draw the velocities of runs of the chain; a pinned one has zero, None is not drawn."""
+    """Draw the velocities of runs of the chain, zero for a pinned one; None is not drawn."""
     colour = COLOURS["purple" if marker == "x" else "black"]
     axes.plot(x, v, marker, ms=4.5, mfc="none", color=colour, label=label)

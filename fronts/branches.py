@@ -288,9 +288,9 @@ def follow_breather(
                 eta=chain.eta,
                 error=float(fold.error),
                 place=place,
-                height=float(there.outward[0]),
+                height=height,
             )
-            for fold, there, place in found.folds
+            for fold, height, place in found.folds
         ),
     )
 

@@ -24,6 +24,7 @@ from verification.breathers.envelope import (
     solve_envelope_breather,
 )
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
+from verification.breathers.follow import follow
 from verification.breathers.orbits import Orbits, solve_orbit
 from verification.references.equations import (
     averaged_damping,
@@ -32,6 +33,7 @@ from verification.references.equations import (
     linearised_rate,
     pull,
 )
+from verification.references.precise_breather import locked_fold
 from verification.steppers.variational import integrate_chain, integrate_variations
 from verification.thresholds.threshold import threshold
 
@@ -262,6 +264,23 @@ def test_the_orbits_fold_tends_to_the_averaged_fold_at_first_order() -> None:
         assert fold is not None
         gaps.append(fold.parameter - limit.parameter)
     assert [math.log2(gaps[k] / gaps[k + 1]) for k in (0, 1)] == pytest.approx([1, 1], abs=0.05)
+
+
+@pytest.mark.parametrize("eta", [0.03125, 0.05])
+def test_at_a_fold_a_branch_has_the_amplitude_of_its_state_in_extended_precision(
+    eta: float,
+) -> None:
+    """It is known to the root of the error of the fold, whose state is a square away."""
+    branch = follow(AveragedChain(a=1.0, b=eta, c=0.0, sites=3), [0.02], nucleus=Nucleus(1))
+    ((fold, height, place),) = branch.folds
+    assert (place, len(branch.points)) == (1, 2)
+    near = solve_envelope_breather(
+        AveragedChain(a=1.0, b=eta, c=fold.parameter * (1.0 - 1e-6), sites=3), Nucleus(1)
+    )
+    exact = locked_fold(eta, fold.parameter, near.waves, float(near.unknowns[-1]))
+    assert abs(fold.parameter - float(exact.value[-1])) <= fold.error
+    true = math.hypot(float(exact.value[1]), float(exact.value[4]))
+    assert abs(height - true) < 10.0 * math.sqrt(fold.error)
 
 
 def test_multipliers_do_not_depend_on_the_length_of_the_chain() -> None:

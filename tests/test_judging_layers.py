@@ -1399,6 +1399,8 @@ def test_only_nuclei_in_phase_are_given_another_pattern() -> None:
     """A breather of three sites or more has quarter turns between them."""
     for kept in (Nucleus(1), Nucleus(2, "0"), Nucleus(3, "+-"), Nucleus(4, "x00")):
         assert breathers.with_pattern(kept, 31) == kept
+        at_edge = replace(kept, place=Place.EDGE)
+        assert breathers.with_pattern(at_edge, 31) == at_edge
     assert breathers.with_pattern(Nucleus(3, "00"), 31).pattern == "-+"
     with pytest.raises(ParameterError, match="at an edge"):
         breathers.with_pattern(Nucleus(3, "00", Place.EDGE), 31)

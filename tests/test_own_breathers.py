@@ -15,7 +15,7 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import own
 from verification.breathers.breather import breather
-from verification.breathers.orbits import STARTS
+from verification.breathers.orbits import STARTS, Orbits
 from verification.breathers.own import (
     OwnOrbits,
     _rate_of,
@@ -167,6 +167,44 @@ def test_an_orbit_has_more_steps_where_its_damping_is_stronger(eps: float) -> No
     # It is looked for at 200 phases, the nearest of which is 1/60 off, so that some is missed.
     assert OwnOrbits(chain, Nucleus(1)).count / 64 == pytest.approx(1.0 + stiffness, rel=0.02)
     assert OwnOrbits(chain, Nucleus(1)).count >= 64 * (1.0 + 0.999 * stiffness)
+
+
+def test_the_steps_of_an_orbit_are_counted_from_the_damping_along_it() -> None:
+    """Of a cell that turns twice as fast, whose velocities are twice as large as its places."""
+    chain = OscillatorChain(
+        damping="1 - 2.5*y**2 + 0.5*y**4", stiffness="4*y", c=0.1, eps=0.1, sites=3
+    )
+    y = np.linspace(0.0, chain.stable_amplitude, 1000)
+    stiffness = 0.1 * np.abs(1.0 - 2.5 * y**2 + 0.5 * y**4).max()
+    assert OwnOrbits(chain, Nucleus(1)).count / 64 == pytest.approx(1.0 + stiffness, rel=0.02)
+
+
+@pytest.mark.parametrize("centre", [0, 2])
+def test_an_orbit_begins_where_the_site_that_is_named_is_at_rest(centre: int) -> None:
+    u = np.append(np.random.default_rng(3).normal(size=6), 0.5)
+    value, slope, _ = Orbits(VdpChain(a=2.5, b=0.5, c=0.1, sites=3), Nucleus(1)).system(
+        centre=centre
+    )(u, 0.1)
+    assert value[-1] == u[centre]
+    assert slope[-1].tolist() == [float(k == centre) for k in range(7)]
+
+
+def test_orbits_are_of_at_most_a_hundred_and_one_sites() -> None:
+    own.check_orbits(OscillatorChain(**PAPER, c=0.1, sites=101))
+    with pytest.raises(
+        ParameterError, match=r"number of sites n = 102 .* at most 101 for an orbit"
+    ):
+        own.check_orbits(OscillatorChain(**PAPER, c=0.1, sites=102))
+
+
+@pytest.mark.parametrize("count", [5, 6, 7])
+def test_the_largest_displacement_is_that_of_all_harmonics_that_samples_hold(count: int) -> None:
+    def y(phase: np.ndarray) -> np.ndarray:
+        return np.asarray(0.3 + np.sin(phase) + 0.4 * np.cos(2.0 * phase + 0.5))
+
+    samples = y(2.0 * np.pi * np.arange(count) / count)[:, None]
+    true = np.abs(y(np.linspace(0.0, 2.0 * np.pi, 100001))).max()
+    assert largest_displacements(samples) == pytest.approx(true, rel=1e-8)
 
 
 def test_a_settled_nucleus_is_taken_as_its_centre_rises_through_rest() -> None:

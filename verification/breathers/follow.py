@@ -32,12 +32,13 @@ class FollowedBreather:
     ----------
     points : tuple of Breather
         A breather for each passage through each coupling; then the couplings without a breather.
-    folds : tuple of (Fold, Breather, int)
-        Folds where the branch turns back, the breather there, and the number of points before it.
+    folds : tuple of (Fold, float, int)
+        Folds where the branch turns back, the amplitude at the centre there, and the number of
+        points before it.
     """
 
     points: tuple[Breather, ...]
-    folds: tuple[tuple[Fold, Breather, int], ...]
+    folds: tuple[tuple[Fold, float, int], ...]
 
 
 def follow(
@@ -83,7 +84,8 @@ def follow(
     for number, fold in enumerate(branch.folds):
         there = BranchPoint(fold.u, fold.parameter, branch.points[fold.place].tangent, 0.0, 0.0, 0)
         place = sum(leg <= number for leg in legs)
-        turned.append((fold, family.measured(there, started), place))
+        # Of the errors stated there none holds: a fold is found to the square of what its state is.
+        turned.append((fold, float(family.measured(there, started).outward[0]), place))
     passed = {point.chain.c for point in points}
     end = (branch.fold.parameter, branch.fold.error) if branch.fold is not None else (None, None)
     points += [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import breather as breathers
 from verification.breathers import envelope, floquet, follow, orbits, outcome, run
+from verification.breathers import exponents as exponents_of
 from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
 from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
 from verification.breathers.orbits import Orbits
@@ -434,6 +436,19 @@ def test_split_by_reflection_or_not_the_same_exponents_are_found(nucleus: Nucleu
     assert abs(split.growth) > 1e-4  # not that of the phase
 
 
+@pytest.mark.parametrize(("part", "stable"), [(-1.0, True), (0.9, True), (1.1, False)])
+def test_what_grows_by_more_than_rounding_is_unstable(
+    part: float, stable: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of exponents 1e-9 a unit of slow time, of multipliers 1e-8: there it is divided by ε."""
+    chain = AVERAGED.replace(sites=2)
+    matrix = np.diag([0.0, part * 1e-9, -0.5, -0.4])
+    monkeypatch.setattr(exponents_of, "rotating_jacobian", lambda *_: matrix)
+    assert exponents(np.ones(2, complex), 0.1, chain).stable is stable
+    growing = np.diag([1.0, math.exp(0.01 * 6.0 * part * 1e-8), 0.5, 0.4])
+    assert floquet.floquet_multipliers(growing, 6.0, 0.01).stable is stable
+
+
 def test_only_what_is_its_own_mirror_image_is_split() -> None:
     family = RotatingWaves(AVERAGED, Nucleus(1))
     u = solve_envelope_breather(AVERAGED, Nucleus(1)).unknowns
@@ -679,6 +694,24 @@ def test_a_run_of_the_averaged_chain_ends_when_its_drift_is_small(
     noise = made.starts[0] - Nucleus(1).envelope(chain)
     parts = np.random.default_rng(0).normal(size=(2, 5))
     assert noise == pytest.approx(run.NOISE * (parts[0] + 1j * parts[1]), abs=1e-15)
+
+
+def test_a_run_has_the_same_noise_by_whichever_function_it_is_asked_for() -> None:
+    seeds = [
+        inspect.signature(each).parameters["seed"].default
+        for each in (breathers.breather, run.run_breather, run.run_averaged_breather)
+    ]
+    assert seeds == [0, 0, 0]
+
+
+def test_a_run_that_has_died_has_the_drift_of_its_last_block() -> None:
+    found = run._at_end(
+        CHAIN, Nucleus(1), BreatherStatus.SETTLED, [1e-3, 1e-5, 1e-9], waves=np.zeros(9, complex),
+        amplitudes=np.full(9, 0.99 * CHAIN.unstable_amplitude), frequency=1.0, elapsed=7.0,
+        started=0.0,
+    )  # fmt: skip
+    assert (found.status, found.drift, found.time) == (BreatherStatus.DIED, 1e-9, 7.0)
+    assert found.frequency is None
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ import pytest
 
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
 from verification.cells.friction import ROUND_OFF, _with_error
@@ -292,6 +292,8 @@ def test_the_parity_of_an_orbit_is_read_from_places_and_velocities(
     orbits = Orbits(VdpChain(a=4, b=0.5, c=0.6, sites=3), Nucleus(1))
     for state in (np.concatenate([y, v]), np.concatenate([v, y])):
         assert orbits._parity(sign * state) == parity
+        # At an edge a nucleus has no mirror image of its own, whatever its state.
+        assert replace(orbits, nucleus=Nucleus(1, place=Place.EDGE))._parity(state) == 0
 
 
 def test_of_several_seeds_the_range_of_escape_holds_every_one(

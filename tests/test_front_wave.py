@@ -492,6 +492,7 @@ def test_a_breather_is_followed_through_its_fold() -> None:
     (fold,) = branch.folds
     other = fr.threshold(fr.AveragedChain(a=a, b=b, c=0), method="envelope")
     assert abs(fold.c - other.c_crit) <= fold.error + other.error
+    assert (beyond.fold, beyond.fold_error) == (fold.c, fold.error)
     assert sheets[1].outward[0] > fold.height > sheets[2].outward[0]
 
 

@@ -179,6 +179,15 @@ def test_the_steps_of_an_orbit_are_counted_from_the_damping_along_it() -> None:
     assert OwnOrbits(chain, Nucleus(1)).count / 64 == pytest.approx(1.0 + stiffness, rel=0.02)
 
 
+def test_the_state_of_an_orbit_moves_as_its_chain_does() -> None:
+    state = np.random.default_rng(4).normal(size=6)
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 1.0 - 2.5 * y**2 + 0.5 * y**4, pull_matrix(3), c=0.3, eps=0.01
+    )
+    orbits = OwnOrbits(OscillatorChain(**PAPER, c=0.1, sites=3), Nucleus(1))
+    np.testing.assert_allclose(orbits.rate(0.3, state), rate(0.0, state), rtol=1e-13)
+
+
 @pytest.mark.parametrize("centre", [0, 2])
 def test_an_orbit_begins_where_the_site_that_is_named_is_at_rest(centre: int) -> None:
     u = np.append(np.random.default_rng(3).normal(size=6), 0.5)
@@ -187,6 +196,12 @@ def test_an_orbit_begins_where_the_site_that_is_named_is_at_rest(centre: int) ->
     )(u, 0.1)
     assert value[-1] == u[centre]
     assert slope[-1].tolist() == [float(k == centre) for k in range(7)]
+
+
+def test_along_a_circle_without_damping_an_orbit_has_the_fewest_steps() -> None:
+    """(y² + ẏ² - 1) ẏ is zero on the cycle."""
+    chain = OscillatorChain(damping="y**2 + v**2 - 1", c=0.1, eps=0.5, sites=3)
+    assert 64 <= OwnOrbits(chain, Nucleus(1)).count <= 65
 
 
 def test_orbits_are_of_at_most_a_hundred_and_one_sites() -> None:

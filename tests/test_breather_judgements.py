@@ -58,6 +58,20 @@ def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     assert found.wave_error == pytest.approx(9.0 + 0.125 + 2.0 * (1.0 + 4.5) * 0.0625)
 
 
+@pytest.mark.parametrize(("chain", "which"), [(CHAIN, "(8)"), (AVERAGED, "(43)")])
+def test_where_the_chain_itself_has_no_breather_the_error_of_another_is_unknown(
+    chain: Any, which: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    none = replace(_breather(BreatherMethod.ORBIT), status=BreatherStatus.NONE)
+    monkeypatch.setattr(breathers, "own_family", lambda *_: SimpleNamespace(solve=lambda: none))
+    own = _breather(
+        BreatherMethod.CLOSED_FORM, frequency=1.0, error=0.5, frequency_error=0.25, wave_error=0.5
+    )
+    found = breathers._compared(own, chain)
+    assert (found.error, found.frequency_error, found.wave_error) == (None, None, None)
+    assert found.error_unknown.startswith(f"{which} has no such ")
+
+
 def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -318,6 +332,27 @@ def test_eigenvalues_err_by_what_their_matrix_does(size: float) -> None:
         assert bound == pytest.approx(math.sqrt(delta * (2.0 * norm + delta)), rel=1e-6)
         moved = np.linalg.eigvals(block + np.array([[0.0, 0.0], [error, 0.0]]))
         assert np.abs(moved - size).max() <= bound
+
+
+@pytest.mark.parametrize("parity", [1, -1])
+def test_multipliers_of_either_parity_are_within_the_error_that_is_stated(parity: int) -> None:
+    """Those of odd modes, of vectors that nearly depend on one another, move by the root of it."""
+    even = np.array([[1.0, 0.0, 1.0], [0.0, math.sqrt(2.0), 0.0]]) / math.sqrt(2.0)
+    odd = np.array([[1.0, 0.0, -1.0]]) / math.sqrt(2.0)
+    both, error = np.kron(np.eye(2), np.vstack([even, odd])), 1e-6
+    matrix = np.diag([1.0, 0.5, 0.2, 0.4, 0.3, 0.2])
+    if parity == -1:  # that of the orbit is among its own
+        matrix[[0, 1], [0, 1]], matrix[2, 2], matrix[5, 5] = (0.5, 0.6), 1.0, 1.0
+    matrix[2, 5] = 100.0
+    moved = matrix.copy()
+    moved[5, 2] = error
+    true, off = (np.linalg.eigvals(each) for each in (matrix, moved))
+    found = floquet.floquet_multipliers(
+        both.T @ matrix @ both, 6.0, 0.01, parity=parity, error=error
+    )
+    assert sorted(found.values.real) == pytest.approx(sorted(true.real), abs=1e-6)
+    shift = max(float(np.abs(true - each).min()) for each in off)
+    assert 5e-3 < shift <= found.error
 
 
 def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
@@ -781,6 +816,38 @@ def test_a_run_of_the_chain_is_refused_where_its_step_is_too_long(
         run.run_breather(replace(CHAIN, eps=0.2), Nucleus(1))
     with pytest.raises(ParameterError, match=r"eps = 0\.2001 .* at most 0\.2 "):
         run.run_breather(replace(CHAIN, eps=0.2001), Nucleus(1))
+
+
+@pytest.mark.parametrize("eps", [1e-3, 0.1, 0.2])
+def test_a_run_has_more_steps_where_damping_is_stronger_up_to_a_bound(eps: float) -> None:
+    """max |1 - ay² + by⁴| on the stable cycle is (1 + 7s)/(1 - s), s² = 1 - 8η."""
+    s = math.sqrt(1.0 - 8.0 * CHAIN.eta)
+    stiffness = eps * (1.0 + 7.0 * s) / (1.0 - s)
+    assert (stiffness > 6.0) is (eps == 0.2)
+    steps = run._steps(replace(CHAIN, eps=eps))
+    assert steps == 20 + math.ceil(20.0 * min(stiffness, 6.0))
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_a_nucleus_that_was_followed_is_the_one_of_the_finer_run(
+    mirrored: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its outcome, its run and its symmetry; the other run confirms it, or does not."""
+    even, odd = np.array([[9.0, 9.0, 0.0], [1.0, 2.0, 1.0]]), np.array([[1.0] * 3, [1.0, 2.0, 3.0]])
+    made: list[Any] = []
+
+    def simulate(*_: object, tolerance: float, **__: object) -> Any:
+        psi = even if (tolerance < 1e-7) is mirrored else odd
+        made.append(SimpleNamespace(psi=psi, arrivals=np.zeros(3), tolerance=tolerance))
+        return made[-1]
+
+    ends = {True: SimpleNamespace(outcome="finer"), False: SimpleNamespace(outcome="coarser")}
+    monkeypatch.setattr(outcome, "simulate", simulate)
+    monkeypatch.setattr(outcome, "evolution_of", lambda each: ends[each is made[0]])
+    found = outcome.follow_nucleus(replace(CHAIN, sites=3), slow_time=5.0)
+    assert made[0].tolerance < made[1].tolerance
+    assert (found.run, found.evolution) == (made[0], ends[True])
+    assert (found.mirrored, found.confirmed, found.same_until) == (mirrored, False, 5.0)
 
 
 @pytest.mark.parametrize("size", [1, 3])

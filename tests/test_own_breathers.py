@@ -213,9 +213,14 @@ def test_orbits_are_of_at_most_a_hundred_and_one_sites() -> None:
 
 
 @pytest.mark.parametrize("count", [5, 6, 7])
-def test_the_largest_displacement_is_that_of_all_harmonics_that_samples_hold(count: int) -> None:
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_largest_displacement_is_that_of_all_harmonics_that_samples_hold(
+    count: int, side: float
+) -> None:
+    """To whichever side it is."""
+
     def y(phase: np.ndarray) -> np.ndarray:
-        return np.asarray(0.3 + np.sin(phase) + 0.4 * np.cos(2.0 * phase + 0.5))
+        return np.asarray(side * 0.3 + np.sin(phase) + 0.4 * np.cos(2.0 * phase + 0.5))
 
     samples = y(2.0 * np.pi * np.arange(count) / count)[:, None]
     true = np.abs(y(np.linspace(0.0, 2.0 * np.pi, 100001))).max()

@@ -4,14 +4,14 @@
 >>> fr.kinetic_relation(c=0.5, eta=0.03125).status.value
 'propagating'
 
-Each name is imported when it is first used, so that ``import fronts`` costs next to nothing.
-Chains (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`, and `OscillatorChain` for
-one of your own) are parameters that check
-themselves. Functions take a chain or numbers and return a result: a frozen dataclass with ``error``
-and ``status``, with ``to_dict()``, and where it can, ``plot()``, ``to_pandas()`` and
-``to_xarray()``. Bad input raises `ParameterError`, of derivations `DerivationInputError`, both a
-``ValueError``, which names the quantity, the value, the range and what to do. The command
-``fronts`` is these functions at the shell.
+Each name is imported when it is first used, so that ``import fronts`` takes almost no time.
+A chain (`VdpChain`, `AveragedChain`, `PiecewiseChain`, `FrictionChain`, or `OscillatorChain` for a
+user-defined one) is a set of parameters, which are checked on construction. Functions take a chain
+or numbers and return a result: a frozen dataclass with ``error``, ``status`` and ``to_dict()`` and,
+where applicable, ``plot()``, ``to_pandas()`` and ``to_xarray()``. Invalid input raises
+`ParameterError` or, in derivations, `DerivationInputError`; both are a ``ValueError`` whose message
+names the quantity, its value, the allowed range and the remedy. The command ``fronts`` provides the
+same functions in a shell.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 
 
 def _public_names() -> dict[str, str]:
-    """Return the names that are imported above and their modules, as they are written."""
+    """Return the names imported above and their modules, read from the source of this file."""
     tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
     block = next(node for node in tree.body if isinstance(node, ast.If))
     imports = (node for node in block.body if isinstance(node, ast.ImportFrom))
@@ -72,12 +72,12 @@ def _public_names() -> dict[str, str]:
 
 
 _HOMES = _public_names()
-"""Public name and the module that it comes from, imported when the name is first used."""
+"""The module of each public name, imported when the name is first used."""
 
 __all__ = [*_HOMES, "__version__"]  # noqa: PLE0604
 
 _PACKAGES = ("theory", "derivations", "verification", "paper_checks")
-"""The other packages of the toolkit, which stand beside this one."""
+"""The other packages of the toolkit, which are in the same folder as this one."""
 
 if not TYPE_CHECKING:
 
@@ -107,12 +107,12 @@ def _version() -> str:
 
 
 def _refuse_hidden() -> None:
-    """Refuse to start where a file of the user's would be imported in place of a package of ours.
+    """Refuse to start if a file of the user would be imported in place of a package of the toolkit.
 
     Raises
     ------
     ImportError
-        One sentence that names the file or folder.
+        If there is such a file or folder; the message names it in one sentence.
     """
     ours = Path(__file__).resolve().parents[1]
     for name in _PACKAGES:
@@ -127,7 +127,7 @@ def _refuse_hidden() -> None:
 
 
 def _place(name: str) -> Path | None:
-    """Return the folder of a package, or the file of a module, that an import would take."""
+    """Return the folder of the package, or the file of the module, that would be imported."""
     module = sys.modules.get(name)
     try:
         spec = module.__spec__ if module is not None else importlib.util.find_spec(name)

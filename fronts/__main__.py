@@ -4,7 +4,7 @@ import sys
 
 
 def main() -> int:
-    """Run the command; interrupted while it is still imported, it ends like one that runs."""
+    """Run the command; an interruption during its import ends it like one while it runs."""
     try:
         from fronts.cli import main as run
     except KeyboardInterrupt:

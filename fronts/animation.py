@@ -1,4 +1,4 @@
-"""A run as a film: amplitudes of a lattice in the plane, of a chain over its sites."""
+"""Films of simulations: amplitudes of a lattice in the plane, or of a chain over its sites."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ FORMATS = (".gif", ".mp4")
 def animate(
     run: Trajectory, path: Path | str, *, frames_per_second: float = 15.0, note: str = ""
 ) -> Path:
-    """Write a film of a run, one frame a sample.
+    """Write a film of a simulation, one frame per sample.
 
     Parameters
     ----------
     run : Trajectory
-        Of any chain.
+        A simulation of any chain.
     path : Path or str
-        Ends in .gif, or in .mp4, for which the program ffmpeg is needed.
+        Name of the file, ending in .gif or .mp4; for .mp4 the program ffmpeg is needed.
     frames_per_second : float, optional
-        From 1 to 60.
+        Number of frames per second, from 1 to 60.
     note : str, optional
-        What the file says of itself, as its comment.
+        Text that is stored in the file as its comment.
 
     Returns
     -------
     Path
-        The file.
+        The name of the file.
 
     Raises
     ------
     ParameterError
-        If the file has another ending.
+        If the name of the file has another ending.
     MissingPackageError
-        If there is no ffmpeg.
+        If ffmpeg is not installed.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def animate(
         show = snapshot(run, axes)
         axes.set_title("t")
         figure.draw_without_rendering()
-        figure.set_layout_engine(None)  # it takes longer than a frame, and is that of all frames
+        figure.set_layout_engine(None)  # the layout takes longer than a frame and never changes
         writer = _writer(animation, kind, frames_per_second, note)
         with writer.saving(figure, str(path), dpi=100):
             for at, time in enumerate(run.times):
@@ -90,7 +90,7 @@ def _writer(animation: Any, kind: str, frames_per_second: float, note: str) -> A
         return animation.FFMpegWriter(fps=frames_per_second, metadata={"comment": note})
 
     class Commented(animation.PillowWriter):  # type: ignore[misc]
-        """The writer of Matplotlib, which keeps no text of its own."""
+        """Matplotlib's writer, extended by a comment in the file."""
 
         def finish(self) -> None:
             self._frames[0].info["comment"] = note.encode()
@@ -100,16 +100,16 @@ def _writer(animation: Any, kind: str, frames_per_second: float, note: str) -> A
 
 
 def snapshot(run: Trajectory, axes: Axes, **style: Any) -> Callable[[int], None]:
-    """Draw the first sample of a run, and return what draws another one in its place.
+    """Draw the first sample of a simulation, and return a function that replaces it by another.
 
     Parameters
     ----------
     run : Trajectory
-        Of a lattice, whose sites are drawn where they are, or of a chain.
+        A simulation of a lattice, whose sites are drawn at their positions, or of a chain.
     axes : matplotlib.axes.Axes
-        Where.
+        Axes in which to draw.
     **style
-        For the picture.
+        Options passed on to Matplotlib.
     """
     amplitude = run.amplitude
     top = float(amplitude.max()) or 1.0

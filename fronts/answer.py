@@ -1,4 +1,4 @@
-"""What a subcommand returns: one payload for ``--json``, one text for people."""
+"""The answer of a subcommand: a payload for ``--json`` and a text for readers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class UsageError(ValueError):
     message : str
         One sentence.
     details : object
-        Of ``quantity``, ``value``, ``allowed``, ``remedy`` those that are known, for ``--json``.
+        Those of ``quantity``, ``value``, ``allowed`` and ``remedy`` that are known, for ``--json``.
     """
 
     def __init__(self, message: str, **details: object) -> None:
@@ -29,11 +29,12 @@ class Answer:
     Attributes
     ----------
     payload : mapping
-        Printed as one JSON object with ``--json``; finite numbers, strings, lists, null only.
+        Printed as one JSON object with ``--json``; contains only finite numbers, strings, lists
+        and null.
     text : str
-        Printed otherwise.
+        Printed without ``--json``.
     exit_code : int
-        0 unless the command found something that the caller must notice.
+        0 unless the command found something that needs attention.
     """
 
     payload: Mapping[str, object]

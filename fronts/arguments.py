@@ -1,4 +1,4 @@
-"""Options that several subcommands share: numbers, ranges ``low:high:count``, output files."""
+"""Readers of option values shared by several subcommands: numbers, ranges, files."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ MAX_EXCITED = 1_000_000
 
 
 class BadText(argparse.ArgumentTypeError):
-    """Text that cannot be the value of its option; ``fronts.cli`` adds the option's name.
+    """Raised for text that cannot be the value of an option; ``fronts.cli`` adds the option's name.
 
     Parameters
     ----------
     value : object
         The text.
     allowed : str
-        What is allowed, in words.
+        The allowed values, in words.
     remedy : str
-        What to do instead.
+        Advice on what to do instead.
     """
 
     def __init__(self, value: object, allowed: str, remedy: str) -> None:
@@ -35,9 +35,10 @@ class BadText(argparse.ArgumentTypeError):
 
 
 def with_values_joined(words: Sequence[str]) -> list[str]:
-    """Join an option and a value that begins with a minus, which ``argparse`` takes for an option.
+    """Join an option with a value that begins with a minus sign.
 
-    No options but ``-h`` and ``-o`` have a single minus.
+    Otherwise ``argparse`` would take the value for an option. The only options with a single minus
+    sign are ``-h`` and ``-o``.
 
     Examples
     --------
@@ -56,14 +57,14 @@ def with_values_joined(words: Sequence[str]) -> list[str]:
 
 
 def _read(kind: Callable[[str], Number], text: str) -> Number:
-    """Read a number; ValueError for what is none, and for 0_5, which Python would read as 5."""
+    """Read a number; raise ValueError for other text, and for 0_5, which Python would read as 5."""
     if "_" in text:
         raise ValueError(text)
     return kind(text)
 
 
 def real(text: str) -> float:
-    """Read one number; ranges and ``nan`` checks are left to the theory's own validation."""
+    """Read one number; its range, and NaN, are checked by the function that receives it."""
     try:
         return _read(float, text)
     except ValueError:
@@ -71,7 +72,7 @@ def real(text: str) -> float:
 
 
 def whole(text: str) -> int:
-    """Read one whole number; its range is left to the command.
+    """Read one whole number; its range is checked by the command.
 
     Examples
     --------
@@ -85,7 +86,7 @@ def whole(text: str) -> int:
 
 
 def real_or_range(text: str) -> float | tuple[float, float, int]:
-    """Read ``0.5`` or ``low:high:count``, which rises.
+    """Read a number, or an ascending range ``low:high:count``.
 
     Examples
     --------
@@ -122,7 +123,7 @@ def is_range(value: Any) -> bool:
 
 
 def values_of(given: tuple[float, float, int]) -> list[float]:
-    """Return the values of a range, without the rounding that 0.1 added thrice would show.
+    """Return the values of a range, rounded to 15 digits so that they print as decimals.
 
     Examples
     --------
@@ -190,13 +191,13 @@ def folder(text: str) -> Path:
 
 
 def decimal(text: str) -> str:
-    """Check that the text is a number and keep it as text, so that no digit is lost."""
+    """Check that the text is a number, and return it as text so that no digit is lost."""
     real(text)
     return text
 
 
 def check_writable(path: Path, suffixes: tuple[str, ...] = (), option: str = "--out") -> Path:
-    """Refuse early, before any work, a path that cannot be written.
+    """Refuse a path that cannot be written, before any work is done.
 
     Raises
     ------
@@ -224,7 +225,7 @@ def _unusable(option: str, path: Path, why: str, remedy: str) -> NoReturn:
 
 
 def same_file(one: Path, other: Path) -> bool:
-    """Return whether two names lead to one file, whether it exists or not.
+    """Return whether two names denote the same file, which need not exist.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""A command bound to the model that was named: the functions behind it, and their options.
+"""A command for a given model: the functions behind it, and their options.
 
-Options come from three places, in this order: the fields of the chain, those of a function that
-makes the start, and the parameters of the function that answers. Where two of them have one name,
-each is kept apart by a prefix.
+Options have three sources, in this order: the fields of the chain, the parameters of the function
+that prepares the initial state, and those of the function that computes the result. Prefixes
+distinguish parameters of the same name.
 """
 
 from __future__ import annotations
@@ -32,36 +32,36 @@ _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
 @dataclass(frozen=True)
 class Bound:
-    """A call with the model that was named, and what its options are read from."""
+    """The call of a command for a given model, and the sources of its options."""
 
     call: CommandCall
     model: str
 
     @property
     def function(self) -> Callable[..., Any]:
-        """What answers."""
+        """The function that computes the result."""
         return located(self.call.function)
 
     @property
     def filmed(self) -> bool:
-        """Whether it returns a run, of which there is a film."""
+        """Whether the result is a simulation, of which a film can be made."""
         return isinstance(self.call, RunCall)
 
     @property
     def chain(self) -> type[Chain] | None:
-        """Class of the chain, or of what the function takes in its place; None if nothing."""
+        """Class of the chain, or of the object that the function takes instead; None if neither."""
         if isinstance(self.call, Measurement) and self.call.cell:
             return located(self.call.cell)  # type: ignore[return-value]
         return models()[self.model] if self.model else None
 
     @property
     def fixed(self) -> Mapping[str, Any]:
-        """Fields of the chain that are no options."""
+        """Fields of the chain that are not options."""
         return self.call.fixed if isinstance(self.call, Measurement) else {}
 
     @property
     def axes(self) -> Mapping[str, tuple[float, float, int]]:
-        """Axes of a map by default."""
+        """Default axes of a map."""
         return self.call.axes if isinstance(self.call, Map) else {}
 
     @property
@@ -86,7 +86,7 @@ class Bound:
 
     @property
     def start(self) -> Group:
-        """Options of the function that makes the start."""
+        """Options of the function that prepares the initial state."""
         own = described(located(self.call.start)) if isinstance(self.call, RunCall) else ()
         return self._group("start.", own)
 
@@ -106,7 +106,7 @@ class Bound:
         return Group(prefix, shown, {"nucleus.size": 1, **self.call.presets}, ranged)
 
     def required(self) -> str:
-        """Return the options that must be given, as they are written."""
+        """Return the required options as text for an example."""
         free = {*self.axes, *(("a", "b") if self.takes_eta else ())}
         names = [
             option(each.name)
@@ -123,7 +123,7 @@ class Bound:
 
     @property
     def takes_eta(self) -> bool:
-        """Whether η may stand for a and b of the chain."""
+        """Whether η may be given in place of a and b of the chain."""
         names = {each.name for each in self.fields.parameters}
         return {"a", "b"} <= names and "eta" not in names
 
@@ -141,9 +141,9 @@ def models() -> dict[str, type[Chain]]:
 
 
 def models_of(command: Command) -> dict[str, CommandCall]:
-    """Return the calls of a command by model, those of further registered models included.
+    """Return the calls of a command by model, including those of further registered models.
 
-    A model without a number of sites is not among them: it is endless, and nothing runs it.
+    Models without a number of sites are excluded: they are infinite and cannot be simulated.
     """
     calls = {model: call for model, call in command.calls.items() if model != EVERY}
     if EVERY in command.calls:
@@ -157,13 +157,13 @@ def _has_sites(chain: type[Chain]) -> bool:
 
 
 def located(where: str) -> Callable[..., Any]:
-    """Return the function or class that ``module:name`` names."""
+    """Return the function or class that ``module:name`` denotes."""
     found: Callable[..., Any] = _named(where)
     return found
 
 
 def _pair(where: str) -> tuple[float, float]:
-    """Return the range that ``module:name`` names."""
+    """Return the range that ``module:name`` denotes."""
     found: tuple[float, float] = _named(where)
     return found
 
@@ -174,14 +174,14 @@ def _named(where: str) -> Any:
 
 
 def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
-    """Declare the options of a call, and those of files.
+    """Declare the options of a call, and those for output files.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        Where.
+        Parser that receives the options.
     bound : Bound
-        What.
+        The command for a given model.
     """
     if bound.fields.parameters:
         group = parser.add_argument_group("the chain")
@@ -195,9 +195,9 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         if from_file:
             group.add_argument("--model", dest="chain_file", type=Path, metavar="FILE",
                                default=argparse.SUPPRESS, help="a model file in TOML with these "
-                               "options; what is given beside it holds")  # fmt: skip
+                               "options; options given in addition take precedence")  # fmt: skip
         if eta:
-            words = "b/a^2, in place of a and b: a = 1 and b = eta are the same chain up to a scale"
+            words = "b/a^2, instead of a and b: the same chain, up to a scale, as a = 1 and b = eta"
             kind: Callable[[str], Any] = real
             if isinstance(bound.call, Map):
                 kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
@@ -212,5 +212,5 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
     if isinstance(bound.call, Measurement):
         parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
                             default=argparse.SUPPRESS, metavar="N",
-                            help="processes for a curve (default 1)")  # fmt: skip
+                            help="number of processes for a curve (default 1)")  # fmt: skip
     add_output_options(parser)

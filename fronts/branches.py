@@ -1,7 +1,7 @@
-"""Branches of solutions through their folds: fronts of (43) in c or in η, and breathers in c.
+"""Continuation of branches through their folds: fronts of (43) in c or η, and breathers in c.
 
-`fronts.follow_front` and `fronts.follow_breather`, and what the shell makes of ``--c low:high:n``
-and ``--eta low:high:n`` where the method is one that can be followed.
+The module contains `fronts.follow_front` and `fronts.follow_breather`, which the command line uses
+for ``--c low:high:n`` and ``--eta low:high:n`` where the method permits continuation.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class BranchFold(Result):
-    """Where a branch turns back.
+    """A fold, at which a branch turns back.
 
     Attributes
     ----------
     c, eta : float
         Coupling and η = b/a² of the fold, dimensionless.
     error : float
-        Bound on the error of that of them along which the branch was followed.
+        Bound on the error of c or η, whichever was varied along the branch.
     place : int
-        Points of the branch before it.
+        Number of points of the branch before the fold.
     height : float
-        Of breathers the amplitude at the centre; of fronts the velocity.
+        Amplitude at the centre for breathers; velocity for fronts.
     """
 
     c: float
@@ -49,23 +49,24 @@ class BranchFold(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class FollowedBranch(Curve):
-    """Solutions in order along a branch: at each value that was asked for, folds passed or not.
+    """Solutions in order along a branch, at each required value of the parameter.
 
     Attributes
     ----------
     along, values, points, seconds
-        As of `fronts.curves.Curve`; a value stands here once for each solution there.
+        As in `fronts.curves.Curve`; a value is repeated for each solution at it.
     folds : tuple of BranchFold
-        Where the branch turns back.
+        The folds of the branch.
     c_pin, c_pin_error : float or None
-        Of fronts along c: up to this fold of fronts at rest they are pinned, and its error.
+        For fronts along c: coupling of the fold of fronts at rest, up to which fronts are pinned,
+        and its error.
     eta_pin, eta_pin_error : float or None
-        Of fronts along η: from this fold of fronts at rest on they are pinned, and its error; None
-        if it is not from 1e-3 to 0.11.
+        For fronts along η: η of the fold of fronts at rest, from which on fronts are pinned, and
+        its error; None if it does not lie between 1e-3 and 0.11.
     square_root : float or None
-        Of fronts: the limit of v/√(c - c_pin), or of v/√(η_pin - η).
+        For fronts: the limit of v/√(c - c_pin), or of v/√(η_pin - η).
     kappa : float or None
-        Of fronts along c: v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling.
+        For fronts along c: κ in v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling.
     """
 
     folds: tuple[BranchFold, ...] = ()
@@ -77,7 +78,7 @@ class FollowedBranch(Curve):
     kappa: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the points, the folds, and of fronts the two ends of the branch."""
+        """Return the points, the folds and, for fronts, the ends of the branch."""
         found = super().to_dict() | {"folds": [fold.to_dict() for fold in self.folds]}
         names = ("c_pin", "c_pin_error", "eta_pin", "eta_pin_error", "square_root", "kappa")
         ends = {name: getattr(self, name) for name in names}
@@ -90,29 +91,29 @@ def follow_front(
     *,
     etas: Sequence[float] | FloatArray | None = None,
 ) -> FollowedBranch:
-    """Follow the front of (43) as a travelling wave through a range of c, or of η.
+    """Continue the front of (43), as a travelling wave, in c or in η.
 
     Parameters
     ----------
     chain : AveragedChain
-        a, b and c, of which those that vary are not used; nor is N.
+        The chain. Of a, b and c, those that vary are not used, and neither is N.
     couplings : array_like of float, shape (n,), optional
-        Where the front is computed, dimensionless, from 1e-6 to 1e3.
+        Couplings at which the front is computed, dimensionless, from 1e-6 to 1e3.
     etas : array_like of float, shape (n,), optional
-        In place of couplings: η = b/a², from 1e-3 to 0.11, of chains with this a.
+        Values of η = b/a², from 1e-3 to 0.11, in place of couplings; a is that of the chain.
 
     Returns
     -------
     FollowedBranch
-        Points are `Front`, from the largest value down, with v, its error, and in ``detail`` the
-        multipliers; v = 0 where the front is pinned.
+        The points are `Front` objects in descending order of the parameter, with the velocity v,
+        its error and, in ``detail``, the multipliers; v = 0 where the front is pinned.
 
     Raises
     ------
     ParameterError
-        If a coupling, or η, is out of range, or both are given.
+        If a coupling or an η is out of range, or if both are given.
     RunError
-        If a front is slower than 1e-3: within some 1e-5 of where it is pinned.
+        If a front is slower than 1e-3, which happens within about 1e-5 of pinning.
 
     References
     ----------
@@ -152,7 +153,7 @@ def _fronts(
     begin = perf_counter()
     ends, pinned = (_ends_in_c if along == "c" else _ends_in_eta)(chain, values)
     moving = [value for value in values if value not in pinned]
-    # From the largest value down: fronts rest at small c, and at large η.
+    # In descending order: fronts are pinned at small c, and at large η.
     before = 0 if along == "c" else len(pinned)
     folds: list[BranchFold] = []
     fronts: list[tuple[float, Front]] = []
@@ -203,11 +204,11 @@ def _ends_in_c(
 def _ends_in_eta(
     chain: AveragedChain, etas: Sequence[float]
 ) -> tuple[dict[str, float], list[float]]:
-    """Return the end of a branch in η, and those η at which fronts are pinned."""
+    """Return the end of a branch in η, and the η at which fronts are pinned."""
     from verification.fronts.resting import pinning_eta, static_fold
 
     pin = pinning_eta(chain.c)
-    if pin is None:  # c_pin rises with η: all rest or all travel
+    if pin is None:  # as c_pin rises with η, either all fronts are pinned or all travel
         return {}, list(etas) if chain.c <= static_fold(etas[0]).c else []
     ends = {"eta_pin": pin.eta, "eta_pin_error": pin.error, "square_root": pin.square_root}
     return ends, [eta for eta in etas if eta >= pin.eta]
@@ -221,28 +222,29 @@ def follow_breather(
     method: Literal["orbit", "envelope"] | None = None,
     folds: int = 1,
 ) -> FollowedBranch:
-    """Follow a breather in the coupling through its folds.
+    """Continue a breather in the coupling, through its folds.
 
     Parameters
     ----------
     chain : VdpChain or AveragedChain
-        a, b, ε, N and ends; its c is not used.
+        The chain, of which a, b, ε, N and the ends are used, but not c.
     couplings : array_like of float, shape (n,)
-        Where the breather is computed, dimensionless, positive.
+        Couplings at which the breather is computed, dimensionless, positive.
     nucleus : Nucleus, optional
-        Which sites oscillate, and with which phase steps.
+        The sites that oscillate, and their phase steps.
     method : {"orbit", "envelope"}, optional
-        The periodic orbit of (8), or the rotating solution of (43); by default that which solves
-        the chain itself.
+        The periodic orbit of (8), or the rotating solution of (43); by default the one that solves
+        the equation of the given chain.
     folds : int, optional
-        Folds that are passed, at most. The branch begins at the smallest coupling or just above,
-        and ends where it comes back to it, or at c = 2.
+        Largest number of folds that are passed. The branch begins at or just above the smallest
+        coupling, and ends where it returns to this coupling, or at c = 2.
 
     Returns
     -------
     FollowedBranch
-        Points are `Breather`, with multipliers: each coupling once on every sheet of the branch,
-        and at the end those where there is none. Solutions of (43) have the chain ``averaged()``.
+        The points are `Breather` objects with multipliers. Each coupling occurs once on every
+        sheet of the branch; couplings without a solution come last. The chain of solutions of (43)
+        is ``chain.averaged()``.
 
     Raises
     ------
@@ -298,7 +300,7 @@ def follow_breather(
 def front_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
 ) -> FollowedBranch | None:
-    """Return the branch of waves of (43) in c or η; None for runs, or along another parameter."""
+    """Return the branch of waves of (43) in c or η; None for other methods or parameters."""
     if options.get("method") != "wave":
         return None
     if along == "eta":
@@ -309,7 +311,7 @@ def front_branch(
 def breather_branch(
     chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
 ) -> FollowedBranch | None:
-    """Return the branch of solutions of the chain itself in c; None for another method."""
+    """Return the branch of breathers of the given chain in c; None for another method."""
     from verification.breathers.families import own_method
 
     if along != "c" or options.get("method") not in (None, own_method(chains[0]).value):

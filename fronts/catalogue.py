@@ -1,7 +1,7 @@
-"""The commands of ``fronts``: for each model the function of the library that answers.
+"""The commands of ``fronts``, with the function of the library that each calls for each model.
 
-A command is a line here. Its options, their help and their defaults are read off the function and
-the class of the chain (`fronts.signatures`); its answer is the function's result.
+Every command is one entry here. Its options, their help texts and their defaults are derived from
+the function and the class of the chain (`fronts.signatures`); its answer is the function's result.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from typing import Any
 
 @dataclass(frozen=True, kw_only=True)
 class CommandCall:
-    """A public function behind a command; this class itself is for those that take no chain.
+    """A public function behind a command; this base class is used if it takes no chain.
 
     Attributes
     ----------
     function : str
-        ``module:name``; imported when the command runs.
+        ``module:name`` of the function, which is imported when the command runs.
     presets : mapping
-        Defaults of this command: parameters that the library requires, or another default.
+        Defaults of this command for parameters that have none, or another one, in the library.
     hidden : tuple of str
-        Parameters that are no options, of the function or of the chain.
+        Parameters of the function or of the chain that are not options.
     ranges : mapping of str to str
-        ``module:NAME`` of the range that a field of the chain has in the function, where that is
-        narrower than its own.
+        ``module:NAME`` of the range that the function allows for a field of the chain, where it
+        is narrower than that of the field.
     """
 
     function: str
@@ -36,12 +36,12 @@ class CommandCall:
 
 @dataclass(frozen=True, kw_only=True)
 class RunCall(CommandCall):
-    """A run of a chain.
+    """A simulation of a chain.
 
     Attributes
     ----------
     start : str
-        ``module:name`` of the function that makes the parameter ``start`` from the chain; its own
+        ``module:name`` of the function that makes the argument ``start`` from the chain; its
         parameters are options too.
     """
 
@@ -51,13 +51,13 @@ class RunCall(CommandCall):
 
 @dataclass(frozen=True, kw_only=True)
 class Map(CommandCall):
-    """States of a chain over axes: parameters that are ranges.
+    """A map of the states of a chain over axes, which are the parameters given as ranges.
 
     Attributes
     ----------
     axes : mapping of str to (float, float, int)
-        Those that are ranges by default, while fewer than two others are given as ranges, in the
-        order of the table. Each further parameter that is given as a range is an axis too.
+        Parameters that are ranges by default, unless two others are given as ranges, in the order
+        of the table. Each further parameter given as a range is an axis too.
     """
 
     function: str = "fronts.maps:mapped"
@@ -66,23 +66,23 @@ class Map(CommandCall):
 
 @dataclass(frozen=True, kw_only=True)
 class Measurement(CommandCall):
-    """What is measured on a chain; one of its fields given as a range gives a curve.
+    """A measurement on a chain; if one of the chain's fields is a range, the result is a curve.
 
     Attributes
     ----------
     fixed : mapping
-        Fields of the chain that are no options, because the function does not depend on them.
+        Fields of the chain that are not options, because the function does not depend on them.
     cell : str
         ``module:Class`` of a cell that the function takes in place of a chain.
     curve : str
-        ``module:name`` of a function of the chains, the parameter in which they differ, and its
-        values, that gives a curve where there is a better way than point by point; None from it
-        means that there is not.
+        ``module:name`` of a function that computes a curve in a better way than point by point,
+        from the chains, the parameter in which they differ, and its values; it returns None where
+        there is no better way.
     only : mapping of str to tuple of str
-        Options that belong to some ``--method`` only.
+        Options that belong to certain values of ``--method`` only.
     sites : str
-        ``module:name`` of a function that gives the length of the chain from the size of the
-        nucleus, where it is not given.
+        ``module:name`` of a function that returns the default length of the chain for a given size
+        of the nucleus.
     """
 
     fixed: Mapping[str, Any] = field(default_factory=dict)
@@ -99,19 +99,20 @@ class Command:
     Attributes
     ----------
     line : str
-        What it answers, in one line.
+        Description in one line.
     examples : str
-        Command lines that work, shown by ``--help``.
-    calls : mapping of str to Call
-        By model; the key is empty where there is one only, and `EVERY` stands for each further
-        model that is registered in `theory.chains.chain.CHAINS`.
+        Working command lines, shown by ``--help``.
+    calls : mapping of str to CommandCall
+        The calls by model; the key is empty if there is only one, and `EVERY` stands for each
+        further model that is registered in `theory.chains.chain.CHAINS`.
     notes : str
-        What else ``--help`` says at its end.
+        Further text at the end of ``--help``.
     default : str
-        The model where none is named.
+        The model that is used if none is named.
     module : str
-        Of a command that computes no single `Result`: a module of `fronts.commands` with a function
-        of its name, whose signature and docstring are the options, and an ``EXAMPLE``.
+        For a command that does not compute a single `Result`: a module of `fronts.commands` with an
+        ``EXAMPLE`` and a function of the same name, from whose signature and docstring the options
+        are derived.
     """
 
     line: str
@@ -126,7 +127,7 @@ EVERY = "*"
 """Any further registered model with a number of sites."""
 
 ALIASES = {"envelope": "averaged"}
-"""Other names of models."""
+"""Alternative names of models."""
 
 _FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
 """Damping coefficients of Figs. 7-11."""
@@ -214,7 +215,7 @@ COMMANDS: dict[str, Command] = {
         calls={"": CommandCall(function="fronts.piecewise.profile:front_profile")},
     ),
     "front": Command(
-        line="velocity of a front, by direct simulation or as a wave (Eqs. 5, 8, 43, 44)",
+        line="velocity of a front, by simulation or as a travelling wave (Eqs. 5, 8, 43, 44)",
         examples="""
   fronts front piecewise --c 0.5 --eta 0.03125
   fronts front piecewise --c 0.44 --a 4 --b 0.5 --start resting --json
@@ -258,7 +259,7 @@ COMMANDS: dict[str, Command] = {
         },
     ),
     "simulate": Command(
-        line="a run of a chain from given sites, as numbers and as a picture (Eqs. 5, 8, 43)",
+        line="simulation of a chain with some sites excited initially (Eqs. 5, 8, 43)",
         examples="""
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.1 --excite 15 --t-end 2000
   fronts simulate vdp --n 31 --a 2.5 --b 0.5 --c 0.25 --excite 15 --t-end 20000 \\
@@ -277,7 +278,7 @@ COMMANDS: dict[str, Command] = {
         },
     ),
     "cell": Command(
-        line="what one oscillator alone can do: rest, cycles, basin (Fig. 2; Eqs. 2-8)",
+        line="rest state, cycles and basin of attraction of a single oscillator (Fig. 2; Eqs. 2-8)",
         examples="""
   fronts cell friction --v-d 1.25
   fronts cell friction --v-d 1.25 --xi 0 --json
@@ -286,9 +287,9 @@ COMMANDS: dict[str, Command] = {
   fronts cell averaged --a 2.5 --b 0.4:0.8:9
   fronts cell friction --law stribeck --v-s 0.3
   fronts cell chain --damping "y**2 - 1" --eps 1""",
-        notes="""In JSON null stands for what does not exist or is infinite; "status" says which.
-"basin" is the range of y that goes to rest when started with zero velocity: null if none does,
-[null, null] if all do.""",
+        notes="""In JSON, null means that a value does not exist or is infinite, as "status" says.
+"basin" is the range of y from which the cell comes to rest if it is released with zero velocity;
+it is null if there is no such y, and [null, null] if it comes to rest from every y.""",
         calls={
             "friction": Measurement(
                 function=_CELL,
@@ -310,11 +311,11 @@ COMMANDS: dict[str, Command] = {
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume
   fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --amplitudes --out map.zarr""",
-        notes="""A map is a plane: what has a range by default takes it only while fewer than
-two parameters are ranges; else v_d is 1.25, a and b replace eta, and c must be given.
-The paper does not say which of a and b is the same for all eta: b = 0.5 is held,
-unless --a or another --b is given. Beside a table OUT.csv stand
-OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the boundaries.""",
+        notes="""A map is a plane: a parameter with a default range takes it only if fewer than two
+others are given as ranges. Otherwise v_d is 1.25, a and b replace eta, and c must be given.
+The paper does not say whether a or b is kept constant while eta varies: here b = 0.5 is,
+unless --a or another --b is given. In addition to a table OUT.csv, the command writes
+OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the boundaries.""",
         calls={
             "vdp": replace(_VDP_MAP, ranges={"eps": "verification.maps.vdp_rules:EPS_RANGE"}),
             "averaged": _VDP_MAP,
@@ -326,7 +327,7 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
         },
     ),
     "breather": Command(
-        line="a localised oscillation of the Van der Pol chain, four ways (Eqs. 8-43)",
+        line="a localised oscillation of the Van der Pol chain, by four methods (Eqs. 8-43)",
         examples="""
   fronts breather --c 0.1
   fronts breather --c 0.1 --method all
@@ -376,23 +377,23 @@ OUT.csv.json, with its parameters and versions, and OUT-boundary.csv, the bounda
         },
     ),
     "derive": Command(
-        line="the derivation of every equation, checked, and of your own cell (Eqs. 1-54)",
+        line="checked derivations of all equations, and of your own cell (Eqs. 1-54)",
         module="derive",
     ),
     "stress": Command(
-        line="every quantity over all decades of its parameters, held against another method",
+        line="comparison of every quantity with another method over all parameter ranges",
         module="stress",
     ),
     "bench": Command(
-        line="error against run time beside peers, and how cost grows (source tree only)",
+        line="error versus run time, compared with other programs (source tree only)",
         module="bench",
     ),
     "explore": Command(
-        line="a page in the browser, on this machine, with sliders", module="explore"
+        line="an interactive page with sliders, in a browser on this machine", module="explore"
     ),
     "check": Command(line="the verdict on each claim of the paper", module="check"),
     "article": Command(
-        line="the replication article of two pages, from the report of a check", module="article"
+        line="a replication article of two pages, from the report of a check", module="article"
     ),
 }
 """Every command; the overview lists them in this order."""

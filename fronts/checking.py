@@ -1,7 +1,7 @@
 """Derivations, verdicts and the robustness table, from Python.
 
-The public functions `fronts.derivation`, `fronts.derive_cell`, `fronts.judge` and
-`fronts.robustness`. SymPy and the claims are imported when one is called.
+The module contains the public functions `fronts.derivation`, `fronts.derive_cell`, `fronts.judge`
+and `fronts.robustness`. SymPy and the claims are imported only when one of them is called.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class DerivedCell(Result):
-    """The averaged chain of oscillators of one's own.
+    """The averaged chain of user-defined oscillators.
 
     Attributes
     ----------
     envelope : Envelope
-        The averaged equation, with functions of it: ``compiled()``, ``kinetic_relation()``.
+        The averaged equation, with the methods ``compiled()`` and ``kinetic_relation()``.
     seconds : float
         Wall-clock time.
     """
@@ -44,22 +44,22 @@ class DerivedCell(Result):
 
     @property
     def equation(self) -> sp.Eq:
-        """The averaged equation of the chain for ``y = Im(phi e^{it})``; prime is d/d(eps t)."""
+        """The averaged equation of the chain, ``y = Im(phi e^{it})``; a prime means d/d(eps t)."""
         return self.envelope.equation
 
     @property
     def amplitude_equation(self) -> sp.Eq:
-        """The equation of the amplitude of one cell; prime is d/d(eps t)."""
+        """The amplitude equation of a single cell; a prime means d/d(eps t)."""
         return self.envelope.amplitude_equation
 
     @property
     def damping_mean(self) -> sp.Expr:
-        """H(s): the amplitude obeys ``r' = -(r/2) H(r^2)``."""
+        """H(s) in the amplitude equation ``r' = -(r/2) H(r^2)``."""
         return self.envelope.damping_mean
 
     @property
     def cycles(self) -> tuple[LimitCycle, ...]:
-        """All limit cycles, inner to outer, with their stability."""
+        """All limit cycles, from the innermost outwards, with their stability."""
         return self.envelope.cycles
 
     @property
@@ -68,7 +68,7 @@ class DerivedCell(Result):
         return self.envelope.ratio
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the equations, as SymPy reads them, and the cycles where their roots are known."""
+        """Return the equations in SymPy syntax, and the cycles if they have a closed form."""
         from derivations.algebra.errors import DerivationInputError
 
         try:
@@ -76,7 +76,7 @@ class DerivedCell(Result):
                 {"amplitude": str(cycle.amplitude), "stability": str(cycle.stability)}
                 for cycle in self.cycles
             ]
-        except DerivationInputError:  # letters whose roots have no closed form
+        except DerivationInputError:  # the roots have no closed form in terms of the symbols
             cycles = None
         return {
             "equation": str(self.equation),
@@ -89,17 +89,17 @@ class DerivedCell(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class DerivedEquations(Result):
-    """Steps of a derivation, each computed from its sources and with a check that can fail.
+    """The steps of a derivation, each computed from its sources and with a check that can fail.
 
-    It can be iterated over; a notebook shows operations, equations and checks. Where it is pickled,
-    what it is of is stored, and it is derived again.
+    Iteration yields the steps; a notebook shows operations, equations and checks. Pickling stores
+    only the arguments, and unpickling repeats the derivation.
 
     Attributes
     ----------
     of, order : int or str, int
-        What `derivation` was asked for.
+        The arguments of `derivation`.
     title : str
-        What is derived.
+        Title of the derivation.
     derivation : Derivation
         The steps as objects of the package ``derivations``.
     """
@@ -110,7 +110,7 @@ class DerivedEquations(Result):
     derivation: Derivation = field(metadata={"json": None})
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return how it is derived again: checks hold functions that have no name of their own."""
+        """Return the call that repeats the derivation, since checks contain unnamed functions."""
         return partial(derivation, order=self.order), (self.of,)
 
     @property
@@ -127,7 +127,7 @@ class DerivedEquations(Result):
         Returns
         -------
         tuple of Evidence
-            One a step.
+            One for each step.
 
         Raises
         ------
@@ -137,7 +137,7 @@ class DerivedEquations(Result):
         return self.derivation.verify()
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a step; the number is text, empty where a step has none."""
+        """Return one row per step; the number is text, empty if a step has none."""
         rows = self.to_dict()["steps"]
         table = {
             name: np.array([row[name] for row in rows])
@@ -146,7 +146,7 @@ class DerivedEquations(Result):
         return table | {"number": np.array([str(row["number"] or "") for row in rows])}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the steps, checked: operation, sources, equation, SymPy expression, LaTeX."""
+        """Return the checked steps: operation, sources, equation, SymPy expression, LaTeX."""
         from derivations.algebra.rendering import records
 
         return records(self.derivation)
@@ -160,12 +160,12 @@ class DerivedEquations(Result):
 
 @dataclass(frozen=True, kw_only=True)
 class Verdicts(Result):
-    """Verdicts on claims of the paper; it can be iterated over and indexed by position.
+    """Verdicts on claims of the paper; a sequence of outcomes.
 
     Attributes
     ----------
     outcomes : tuple of JudgedClaim
-        One a claim, in the order of the paper; each has ``claim``, ``judgement``, ``status``.
+        One for each claim, in the order of the paper, with ``claim``, ``judgement`` and ``status``.
     seconds : float
         Wall-clock time.
     """
@@ -183,7 +183,7 @@ class Verdicts(Result):
         return self.outcomes[place]
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a claim: key, place, verdict, the one on record, because, seconds."""
+        """Return one row per claim: key, place, verdict, whether it changed, reason, seconds."""
         rows = self.outcomes
         return {
             "key": np.array([each.claim.key for each in rows]),
@@ -204,12 +204,12 @@ class Verdicts(Result):
 
 
 def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:
-    """Return the derivation of an equation of the paper, or a derivation by its name.
+    """Return the derivation of an equation of the paper, or a derivation given by name.
 
     Parameters
     ----------
     of : int or str
-        Number of the equation, from 1 to 54; or a name that ``fronts derive`` lists.
+        Number of the equation, from 1 to 54; or a name listed by ``fronts derive``.
     order : int, optional
         Order in the small parameter, 1 or 2, where the derivation has both.
 
@@ -251,18 +251,18 @@ def derive_cell(
     coupling: str = "c",
     values: Mapping[str, float | str] | None = None,
 ) -> DerivedCell:
-    """Average a chain of your own oscillators ÿ + y + ε(...) = 0 with polynomial damping (Eq. 34).
+    """Average a chain of user-defined oscillators ÿ + y + ε(...) = 0 (cf. Eq. 34).
 
     Parameters
     ----------
     damping : str
-        h(y) of the term ε h(y) ẏ, a polynomial in y, as in ``"1 - a*y**2 + b*y**4"``.
+        Polynomial h(y) in the term ε h(y) ẏ, such as ``"1 - a*y**2 + b*y**4"``.
     stiffness : str, optional
-        g(y) of a further term ε g(y), a polynomial in y.
+        Polynomial g(y) in a further term ε g(y).
     coupling : str, optional
-        The coupling, a letter or an expression.
+        The coupling, a symbol or an expression.
     values : mapping of str to float or str, optional
-        Numbers for the letters.
+        Numerical values of symbols.
 
     Returns
     -------
@@ -302,16 +302,17 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     Parameters
     ----------
     *keys : str
-        Claims, as ``"fig17-linear"``, or modules of claims, as ``"fig17"``; all if none is given.
+        Claims, such as ``"fig17-linear"``, or modules of claims, such as ``"fig17"``; by default
+        all claims.
     workers : int, optional
-        Processes, from 1 to 256.
+        Number of processes, from 1 to 256.
     full : bool, optional
-        Compute everything: use no stored finding of the expensive claims.
+        Compute everything, without the stored findings of expensive claims.
 
     Returns
     -------
     Verdicts
-        One for each claim; see ``.claim`` and ``.judgement`` of each.
+        One outcome for each claim, with the attributes ``claim`` and ``judgement``.
 
     Raises
     ------
@@ -352,24 +353,24 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
 def robustness(
     quantities: Sequence[str] = (), *, points: int = 1000, seed: int = 0, workers: int | None = None
 ) -> Robustness:
-    """Hold every quantity against another method over all decades of its parameters.
+    """Compare every quantity with another method over all decades of its parameters.
 
     Parameters
     ----------
     quantities : sequence of str, optional
-        Only these; ``fronts stress --list`` names them.
+        Quantities to be tested, as listed by ``fronts stress --list``; by default all.
     points : int, optional
-        Points in all: test problems, corners of the ranges, and at random.
+        Total number of points: test problems, corners of the ranges, and random points.
     seed : int, optional
-        Of the points at random.
+        Seed of the random points.
     workers : int, optional
-        Processes; by default one a core.
+        Number of processes; by default one per core.
 
     Returns
     -------
     Robustness
-        Counts by quantity of what is right, refused, undecided, unchecked or wrong, and each wrong
-        point.
+        For each quantity, the numbers of points that are right, refused, undecided, unchecked or
+        wrong, and a list of the wrong points.
 
     Raises
     ------
@@ -386,6 +387,6 @@ def robustness(
     from verification.quantities.robustness import robustness as table
 
     if isinstance(quantities, str):
-        quantities = (quantities,)  # one name, and not its letters; an empty one is none
+        quantities = (quantities,)  # a single name, not a sequence of its characters
     need_instance("quantities", quantities, (Collection,), 'name them, as ["c-pin"]')
     return table(tuple(dict.fromkeys(quantities)), points, seed, workers=workers)

@@ -1,4 +1,4 @@
-"""The command ``fronts``: find the command and the model, import only those, print the answer."""
+"""The command ``fronts``: identify subcommand and model, import only these, print the answer."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class _Parser(argparse.ArgumentParser):
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
     def refuse(self, word: str, value: str) -> NoReturn:
-        """Refuse an option that this command and model do not have."""
+        """Refuse an option that does not exist for this command and model."""
         flag, _, joined = word.partition("=")
         model = self.prog.split()[2:]
         where = f"the model {model[0]}" if model else f"'{self.prog}'"
@@ -50,7 +50,7 @@ class _Parser(argparse.ArgumentParser):
         )
 
     def _close_to(self, flag: str) -> str:
-        """Return the options that a word may stand for: it begins them, or is one misspelt."""
+        """Return the options that may be meant: those that begin with ``flag``, or are similar."""
         import difflib
 
         every = [each for each in self._option_string_actions if each.startswith("--")]
@@ -58,7 +58,7 @@ class _Parser(argparse.ArgumentParser):
         return " or ".join(begun or difflib.get_close_matches(flag, every, n=1, cutoff=0.8))
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
-        """Return the options, or raise what names the option that cannot be read."""
+        """Return the options, or raise an error that names the option that cannot be read."""
         try:
             options, unknown = self.parse_known_args(with_values_joined(words))
             if unknown:
@@ -84,8 +84,8 @@ def _overview() -> str:
         "",
         *(f"  {name:<10} {command.line}" for name, command in COMMANDS.items()),
         "",
-        "Every command takes --json and then prints one JSON object. --version tells the version,",
-        "--print-completion bash (zsh, tcsh) the completion of this command for that shell.",
+        "With --json, every command prints one JSON object. --version prints the version, and",
+        "--print-completion bash (zsh, tcsh) prints the completion script for that shell.",
     ]
     return "\n".join(lines)
 
@@ -124,7 +124,7 @@ def _run(argv: Sequence[str]) -> int:
 def _chosen(
     name: str, command: Command, rest: Sequence[str]
 ) -> tuple[_Parser, Callable[[argparse.Namespace], Answer], list[str]]:
-    """Return the parser of a command and model, what carries it out, and the words left to read."""
+    """Return the parser of a command and model, the function to call, and the remaining words."""
     if command.module:
         return _of_its_own(name, command, rest)
     from fronts import derived
@@ -143,7 +143,7 @@ def _chosen(
 def _of_its_own(
     name: str, command: Command, rest: Sequence[str]
 ) -> tuple[_Parser, Callable[[argparse.Namespace], Answer], list[str]]:
-    """Return the parser of a function in `fronts.commands`, and what calls it."""
+    """Return the same for a command that is a function in `fronts.commands`."""
     from functools import partial
 
     from fronts.options import QUIET, options_of
@@ -174,7 +174,7 @@ def _own(command: Command) -> tuple[Any, Callable[..., Answer]]:
 
 
 def _examples(command: Command, model: str, required: str = "") -> str:
-    """Return the examples of a model; of one that has none of its own, ``required`` is one."""
+    """Return the examples for a model; if there are none, ``required`` serves as example."""
     every = command.examples.split("\n  fronts ")[1:]
     named = {each: each.split()[1] for each in every}
     shown = {model} if model != command.default else {model, *_not_models(command, named.values())}
@@ -190,7 +190,7 @@ def _not_models(command: Command, words: Iterable[str]) -> set[str]:
 def _model(
     name: str, command: Command, calls: Mapping[str, CommandCall], rest: Sequence[str]
 ) -> tuple[str, list[str]]:
-    """Return the model that is named first, or the default, and the words after it."""
+    """Return the model, named by the first word or the default, and the remaining words."""
     if "" in calls:
         return "", list(rest)
     known = ", ".join(calls)
@@ -218,7 +218,7 @@ def _model(
 def _renamed(
     model: str, rest: list[str], calls: Mapping[str, CommandCall], command: str
 ) -> tuple[str, list[str]]:
-    """Read ``vdp --model envelope`` as the model averaged, and ``vdp --model full`` as vdp."""
+    """Interpret ``vdp --model envelope`` as the model averaged, and ``vdp --model full`` as vdp."""
     for index, word in enumerate(rest):
         name, equals, value = word.partition("=")
         if model == "vdp" and name == "--model" and "averaged" in calls:
@@ -236,7 +236,7 @@ def _renamed(
 
 
 def new_parser(program: str, line: str, examples: str) -> _Parser:
-    """Return a parser with the options of every command."""
+    """Return a parser with the option ``--json``, which every command has."""
     parser = _Parser(
         prog=program,
         description=_sentence(line),
@@ -254,7 +254,7 @@ def _sentence(line: str) -> str:
 
 
 def _completion(words: Sequence[str]) -> str:
-    """Return the script that completes this command in a shell."""
+    """Return the script for the completion of this command in a shell."""
     try:
         import shtab
     except ModuleNotFoundError:
@@ -269,7 +269,7 @@ def _completion(words: Sequence[str]) -> str:
 
 
 def whole_parser() -> argparse.ArgumentParser:
-    """Return one parser with every command, model and option, as shell completion needs it."""
+    """Return one parser with all commands, models and options, for shell completion."""
     from fronts.bound import Bound, configure, models_of
     from fronts.options import options_of
 
@@ -290,7 +290,7 @@ def whole_parser() -> argparse.ArgumentParser:
 
 
 def _announce_compilation() -> None:
-    """Let a terminal show that the first run of a stepper compiles it."""
+    """Make a terminal show a message when a stepper is compiled on first use."""
     if sys.stderr is None or not sys.stderr.isatty():
         return
     import logging
@@ -304,7 +304,7 @@ def _announce_compilation() -> None:
 
 
 def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:
-    if sys.stderr is None:  # closed: the exit code must do
+    if sys.stderr is None:  # closed: the exit code must suffice
         return
     if as_json:
         print(json.dumps({"error": {"message": message, **details}}), file=sys.stderr)
@@ -315,12 +315,12 @@ def _complain(message: str, as_json: bool, details: dict[str, str]) -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code.
 
-    Exit code 0: done. 1: done, and the answer needs attention. 2: the input cannot be used;
+    Exit code 0: success. 1: success, but the answer needs attention. 2: the input cannot be used;
     one sentence says why. 3: a defect of the toolkit. 130: interrupted.
 
-    An error meant for the user is a ``UsageError``, an ``OSError`` on a file, one with the
-    attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, a ``PrecisionError``, a
-    ``RunError`` or a ``MissingPackageError``.
+    Errors that are shown to the user are ``UsageError``, ``OSError`` for a file, errors with the
+    attributes ``quantity``, ``value``, ``allowed`` and ``remedy``, ``PrecisionError``, ``RunError``
+    and ``MissingPackageError``.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in arguments
@@ -347,13 +347,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _said_to_the_user(error: Exception) -> str | None:
-    """Return the sentence of an error that the user can mend; None for a defect."""
+    """Return the message of an error that the user can correct; None for a defect."""
     if isinstance(error, MemoryError):
         return "memory ran out: ask for fewer sites, samples or points."
     if isinstance(error, UsageError) or hasattr(error, "remedy"):
         return str(error)
     if isinstance(error, OSError):
-        # Of a file only: what a file system says while writing is for the user to mend.
+        # Errors of files only; those of the file system while writing are for the user to correct.
         if error.filename is None and error.errno not in _OF_A_FILE:
             return None
         where = "" if error.filename is None else f" {error.filename}"
@@ -367,7 +367,7 @@ def _said_to_the_user(error: Exception) -> str | None:
 
 
 def _details(error: Exception) -> dict[str, str]:
-    """Return quantity, value, allowed and remedy of an error that has them."""
+    """Return quantity, value, allowed range and remedy of an error that has them."""
     if isinstance(error, UsageError):
         return error.details
     fields = ("quantity", "value", "allowed", "remedy")

@@ -1,4 +1,4 @@
-"""A curve: one function of a chain at many values of one parameter."""
+"""Curves: a function of a chain evaluated at many values of one parameter."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from theory.result import Result, is_cell, plain
 
 @dataclass(frozen=True, kw_only=True)
 class Refusal(Result):
-    """A point of a curve at which there is no answer.
+    """A point of a curve at which there is no result.
 
     Attributes
     ----------
     status : str
         ``refused``.
     reason : str
-        Why, in one sentence.
+        The reason, in one sentence.
     """
 
     status: str = "refused"
@@ -37,11 +37,11 @@ class Curve(Result):
     Attributes
     ----------
     along : str
-        The parameter.
+        Name of the parameter.
     values : ndarray, shape (n,)
-        Its values.
+        Values of the parameter.
     points : tuple of Result
-        What the function gives there; a `Refusal` where it cannot.
+        The result of the function at each value, or a `Refusal` where there is none.
     seconds : float
         Wall time.
     """
@@ -55,26 +55,26 @@ class Curve(Result):
 
     @property
     def needs_attention(self) -> bool:
-        """Whether a point has no answer."""
+        """Whether there is a point without a result."""
         return any(isinstance(point, Refusal) for point in self.points)
 
     @property
     def units(self) -> Mapping[str, str]:
-        """Those of the points."""
+        """Units of the entries of the points."""
         return {name: unit for point in self.points for name, unit in point.units.items()}
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a value: the parameter, then every number and word of the result there.
+        """Return one row per value: the parameter, then all numbers and words of the result there.
 
-        A result that holds several, one a method, has a row for each of them. Of a result that is
-        part of that of a point the columns have its name before theirs: ``stable_cycle_max``.
+        A result that contains several, one for each method, has a row for each of them. Columns of
+        a result that is part of another have its name as a prefix, as in ``stable_cycle_max``.
         """
         rows = [
             {**row, self.along: float(value)}
             for value, point in zip(self.values, self.points, strict=True)
             for row in point.rows()
         ]
-        # What is None at some points and a list, a mapping or a result at others has no column.
+        # An entry that is a list, a mapping or a result at some points has no column.
         listed = {name for row in rows for name, value in row.items() if not is_cell(value)}
         parts = {name for point in self.points for name in point.parts()}
         every = dict.fromkeys([self.along, *(name for row in rows for name in row)])
@@ -90,7 +90,7 @@ class Curve(Result):
         return table
 
     def to_dict(self) -> dict[str, Any]:
-        """Return ``along``, ``points`` (each with its value of the parameter) and ``seconds``."""
+        """Return ``along``, ``points`` (each with the value of the parameter) and ``seconds``."""
         points = [
             {self.along: float(value)} | point.to_dict()
             for value, point in zip(self.values, self.points, strict=True)
@@ -108,34 +108,34 @@ def curve(
     workers: int | None = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Curve:
-    """Compute a function of each chain.
+    """Evaluate a function for each of several chains.
 
     Parameters
     ----------
     function : callable
-        Of a chain and ``arguments``.
+        A function of a chain and ``arguments``.
     chains : sequence of Chain
         The chains.
     along : str
-        The parameter in which they differ.
+        The parameter in which the chains differ.
     values : sequence of float
-        Its values.
+        The values of this parameter.
     arguments : mapping
         Further arguments by name.
     workers : int, optional
-        Processes; by default this one alone, None for one a core.
+        Number of processes; by default 1, the present process; None for one per core.
     progress : callable, optional
         Called with the fraction done.
 
     Returns
     -------
     Curve
-        A point at which the function refuses its input, or cannot go on, is a `Refusal`.
+        Points at which the function refuses its input, or fails, are `Refusal` objects.
 
     Raises
     ------
     ParameterError
-        If it refuses every one of them.
+        If the function refuses all of the chains.
     """
     from verification.execution.pool import answers_in_order
 
@@ -143,7 +143,7 @@ def curve(
     task = _Task(function, dict(arguments))
     points = tuple(answers_in_order(task, chains, workers=workers, progress=progress))
     if all(isinstance(point, Refusal) for point in points):
-        # One sentence, as for a single point.
+        # Raises the same error as for a single point.
         function(chains[0], **arguments)
     return Curve(
         along=along,
@@ -155,7 +155,7 @@ def curve(
 
 @dataclass(frozen=True)
 class _Task:
-    """A function with its further arguments, for another process."""
+    """A function with its further arguments, which can be sent to another process."""
 
     function: Callable[..., Result]
     arguments: dict[str, Any]

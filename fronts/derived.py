@@ -1,4 +1,4 @@
-"""Carrying out a command that is derived from the library: the call that its options describe."""
+"""Execution of a command that is derived from the library: the call described by its options."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 
 
 def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answer:
-    """Call the function that is behind a command, and write the files that are asked for.
+    """Call the function behind a command, and write the requested files.
 
     Parameters
     ----------
     options : argparse.Namespace
         The options that were given; others are absent.
     bound : Bound
-        What to call.
+        The command for the given model.
     words : sequence of str
-        The command line, for the files.
+        The command line, which is recorded in the files.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
 def _computed(
     options: argparse.Namespace, bound: Bound, progress: Callable[[float], None]
 ) -> tuple[Result, dict[str, Any]]:
-    """Return the result, and the parameters that it was computed with, defaults included."""
+    """Return the result and the parameters of the computation, including defaults."""
     function, arguments = bound.function, bound.own.given(options)
     parameters = {**bound.own.defaults(), **arguments}
     takes = {each.name: each for each in described(function)}
@@ -128,7 +128,7 @@ def _check_picture(options: argparse.Namespace, function: Callable[..., Any]) ->
 
 
 def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:
-    """Return the fields, also those in a model file; refuse a required one that is nowhere."""
+    """Return the fields, including those of a model file; refuse if a required one is missing."""
     fields = {**bound.fixed, **bound.fields.given(options)}
     if not bound.takes_file:
         return fields
@@ -159,7 +159,7 @@ def _grid(
                 raise UsageError("--b is not allowed with --a while eta varies: give one of them.")
             chosen["held"] = "a" if "a" in fields else "b"
         fields = {"a": 4.0, "b": 0.5, **fields}  # the one that is not held follows from eta
-    # The first values stand for the others, which are checked point by point.
+    # The chain has the first values; the others are checked point by point.
     held = {name: values[0] for name, values in axes.items() if name != "eta"}
     chain = new_chain(**{**fields, **held})
     if getattr(options, "amplitudes", False) and not any(
@@ -168,16 +168,16 @@ def _grid(
         raise UsageError(
             "--amplitudes needs a file that keeps arrays: add --out map.zarr or --out map.npz."
         )
-    # A CSV comes first: the map refuses it, before any point, if it cannot keep what is asked for.
+    # A CSV file comes first: if it cannot store the amplitudes, the map refuses it at once.
     resumable = [each for end in (".csv", ".zarr") for each in options.out if each.suffix == end]
     return chain, {**chosen, "axes": axes, "out": resumable[0] if resumable else None}
 
 
 def _axes(bound: Bound, given: Mapping[str, Any]) -> dict[str, list[float]]:
-    """Return the axes of a map with their values: those by default in their order, then others.
+    """Return the axes of a map with their values: the default axes in their order, then others.
 
-    A map is a plane where not more is asked for: an axis by default has what is given for it, a
-    range or a number, or else its own range while fewer than two parameters are ranges.
+    A map is a plane unless more ranges are given. A default axis takes the range or number that is
+    given for it, or else its default range as long as fewer than two parameters are ranges.
     """
     ranges = [name for name, value in given.items() if is_range(value)]
     free = 2 - len(ranges)
@@ -208,7 +208,7 @@ def _along(
 
 
 def _varied(bound: Bound, along: str) -> str:
-    """Return the field in which the chains along a parameter differ: of η it is b."""
+    """Return the field in which the chains along a parameter differ, which is b for η."""
     return "b" if along == "eta" and bound.takes_eta else along
 
 
@@ -217,7 +217,7 @@ def _refuse_other_methods(
     parameters: Mapping[str, Any],
     options: argparse.Namespace,
 ) -> None:
-    """Refuse options of another ``--method`` than the one that was named."""
+    """Refuse options that belong to a ``--method`` other than the chosen one."""
     chosen = parameters.get("method")
     for name, methods in only.items():
         if hasattr(options, name) and chosen not in (*methods, "all"):
@@ -232,15 +232,15 @@ def _refuse_other_methods(
 
 
 def _parameters_of(chain: Any) -> dict[str, Any]:
-    """Return what a chain says of itself; the fields of a cell, which has cached values too."""
+    """Return the parameters of a chain, or the fields of a cell."""
     own = getattr(chain, "parameters", None)
     return dict(own()) if own is not None else dataclasses.asdict(chain)
 
 
 def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
-    """Return the fields with a and b from η, where that was given in their place.
+    """Return the fields, with a and b computed from η if η was given in their place.
 
-    A range of η stays a field of this name, with a = 1.
+    A range of η remains a field of this name, with a = 1.
     """
     if not bound.takes_eta:
         return fields
@@ -275,7 +275,7 @@ def _nucleus(given: Mapping[str, Any]) -> Any:
 
 
 def _range_of(arguments: Mapping[str, Any]) -> str | None:
-    """Return the name of what was given as a range, if anything was: one at most."""
+    """Return the name of the parameter that was given as a range, if any; refuse several."""
     ranges = [name for name, value in arguments.items() if is_range(value)]
     if len(ranges) > 1:
         names = " or for ".join(option(name) for name in ranges)
@@ -284,6 +284,6 @@ def _range_of(arguments: Mapping[str, Any]) -> str | None:
 
 
 def _arrays(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn a range into its values."""
+    """Return the arguments with a range replaced by its values."""
     along = _range_of(arguments)
     return {name: values_of(value) if name == along else value for name, value in arguments.items()}

@@ -1,13 +1,13 @@
-"""Results written to files: the formats, and what every file says of where it comes from.
+"""Results written to files: the formats, and the provenance that every file contains.
 
-A file carries the command, the parameters and the versions: as keys of a .json, as an array
-``provenance`` of a .npz and an attribute of a .zarr, as lines that begin with ``#`` at the end of a
-.csv, and in the metadata of a picture or film. No date is among them, so that the same command
-writes the same file.
+A file contains the command, the parameters and the versions: as keys of a .json file, as an array
+``provenance`` of a .npz file and an attribute of a .zarr file, as lines beginning with ``#`` at the
+end of a .csv file, and in the metadata of a picture or film. The date is not included, so that the
+same command writes the same file.
 
-The lines of a .csv stand at its end so that its first line has the names, as spreadsheets and
-``numpy.genfromtxt(path, delimiter=",", names=True)`` need it; ``pandas.read_csv(path,
-comment="#")`` takes them anywhere.
+In a .csv file these lines are at the end, so that the first line contains the names, as
+spreadsheets and ``numpy.genfromtxt(path, delimiter=",", names=True)`` require;
+``pandas.read_csv(path, comment="#")`` accepts them anywhere.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 PICTURES = (".png", ".svg", ".pdf")
 FILMS = (".gif", ".mp4")
 FORMATS = (".csv", ".json", ".npz", ".zarr", *PICTURES)
-"""Of every result; of a run there are films too."""
+"""Formats for every result; a simulation can be written as a film too."""
 
 _Mapping = Mapping[str, Any]
 
@@ -41,23 +41,23 @@ _Mapping = Mapping[str, Any]
 def check_files(
     paths: Sequence[tuple[Path, str]], filmed: bool, formats: Sequence[str] = FORMATS
 ) -> None:
-    """Refuse, before any work, files that cannot be written or are named twice.
+    """Refuse files that cannot be written or are named twice, before any work is done.
 
     Parameters
     ----------
     paths : sequence of (Path, str)
         The files, each with the option by which it was named.
     filmed : bool
-        Whether there will be a film of the result.
+        Whether the result can be written as a film.
     formats : sequence of str, optional
-        Endings that are allowed.
+        Allowed endings.
 
     Raises
     ------
     UsageError
-        If there is one.
+        If there is such a file.
     MissingPackageError
-        If one needs a package that is not installed.
+        If a file needs a package that is not installed.
     """
     seen: dict[Path, Path] = {}
     for path, option in paths:
@@ -70,12 +70,12 @@ def check_files(
 
 
 def check_pictured(out: Sequence[Path], function: Callable[..., Any]) -> None:
-    """Refuse, before any work, a picture of what a function returns, if there is none of it.
+    """Refuse a picture, before any work is done, if the result of a function cannot be drawn.
 
     Raises
     ------
     UsageError
-        If there is none.
+        If it cannot be drawn.
     """
     from fronts.pictures import need_picture
 
@@ -89,14 +89,14 @@ def check_pictured(out: Sequence[Path], function: Callable[..., Any]) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Listing(Result):
-    """What a command answers in rows.
+    """An answer of a command that consists of rows.
 
     Attributes
     ----------
     payload : mapping
-        The answer as JSON has it.
+        The answer as a JSON object.
     listed : sequence of mapping
-        One a row, all with the same names.
+        One mapping per row, all with the same names.
     """
 
     payload: Mapping[str, Any]
@@ -107,7 +107,7 @@ class Listing(Result):
         return dict(self.payload)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a row; what is no number or text is written as JSON."""
+        """Return the rows as a table; lists and mappings are written as JSON."""
         import numpy as np
 
         names = list(self.listed[0]) if self.listed else []
@@ -127,23 +127,24 @@ def write_result(
     parameters: Mapping[str, Any],
     payload: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write a result in the format that the file's ending names, whole or not at all.
+    """Write a result in the format given by the ending of the file, completely or not at all.
 
     Parameters
     ----------
     path : Path
-        Ends in one of `FORMATS`.
+        Name of the file, with an ending in `FORMATS`.
     result : Result
-        What to write.
+        The result.
     parameters : mapping
-        What was computed, with every default; it is written with the command line and the versions.
+        The parameters of the computation, including defaults; they are written together with the
+        command line and the versions.
     payload : mapping, optional
-        The result as a command answers it in JSON, where that says more than the result itself.
+        The answer of a command as JSON, if it contains more than the result itself.
 
     Raises
     ------
     UsageError
-        If there is no table or no picture of such a result.
+        If the result cannot be written as a table, or cannot be drawn.
     """
     writer = _WRITERS.get(path.suffix.lower(), _picture)
     provenance = {
@@ -176,7 +177,7 @@ def _csv(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[P
 
 
 def as_table(result: Result) -> dict[str, list[Any]]:
-    """Return a result as columns of Python values: its own table, or one row of its numbers.
+    """Return a result as columns of Python values: its table, or one row with its numbers.
 
     Examples
     --------
@@ -197,7 +198,7 @@ def _npz(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[P
     arrays: dict[str, Any] = {}
     if own is not None:
         arrays = own()
-    elif not result.is_curve:  # of a curve the columns hold what its points do
+    elif not result.is_curve:  # the columns of a curve contain the data of its points
         arrays = {
             each.name: getattr(result, each.name)
             for each in fields(result)  # type: ignore[arg-type]
@@ -224,7 +225,7 @@ def _zarr(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
 
 
 def _array(values: list[Any]) -> Any:
-    """Return a column as an array that needs no pickle: text where its values are not numbers."""
+    """Return a column as an array that can be stored without pickle: of numbers, or of text."""
     import numpy as np
 
     column = np.array(values)
@@ -240,7 +241,7 @@ def _picture(result: Result, payload: _Mapping, provenance: _Mapping) -> Callabl
 
     figure, axes = new_axes("page", height=3.6)
     result.plot(axes)
-    figure.set_layout_engine("compressed")  # no empty margin beside a lattice
+    figure.set_layout_engine("compressed")  # avoids an empty margin beside a lattice
     said = json.dumps(provenance)
 
     def write(path: Path) -> None:
@@ -267,7 +268,7 @@ def _film(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
 
 
 _NOTE = {"png": "Description", "svg": "Description", "pdf": "Subject"}
-"""Where each kind of picture keeps a text."""
+"""Name of the metadata entry for a text in each kind of picture."""
 
 _WRITERS: dict[str, Callable[[Result, _Mapping, _Mapping], Callable[[Path], None]]] = {
     ".json": _json,

@@ -1,4 +1,4 @@
-"""The start of a run, as the shell gives it: excited sites, how far, and noise."""
+"""The initial state of a simulation, from options: excited sites, displacement, and noise."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from verification.runs.excite import StartPoint, add_noise, excite
 
 @dataclass(frozen=True, kw_only=True)
 class InitialState:
-    """A start, and the parameters that it was made from, defaults included.
+    """An initial state, and the parameters from which it was made, including defaults.
 
     Attributes
     ----------
     state : ndarray, shape (2, N)
-        (y, w) of every site.
+        The state (y, w) of every site.
     parameters : mapping
         ``sites`` and their ``displacement``; ``perturbation`` and its ``seed`` if there is noise.
     """
@@ -38,34 +38,35 @@ def prepared(
     perturbation: float | None = None,
     seed: int | None = None,
 ) -> InitialState:
-    """Return a start with some sites excited, the others at rest, and noise on all.
+    """Return an initial state with some sites excited, the others at rest, and noise on all.
 
     Parameters
     ----------
     chain : Chain
-        Of a finite length.
+        A chain of finite length.
     sites : sequence of int, optional
-        Sites that are excited: 15, or 14,15,16, or 14:16; by default the middle one, of the
-        friction chain the first.
+        Excited sites: 15, or 14,15,16, or 14:16; by default the middle one or, for the friction
+        chain, the first.
     displacement : float, optional
-        How far; by default the excited state of one cell.
+        Displacement of the excited sites; by default that of the excited state of a single cell.
     start_point : StartPoint, optional
         Point of the cycle from which excited sites of the friction chain start, by default its
         maximum.
     perturbation : float, optional
-        Size of normal noise on every site, by default 0.
+        Standard deviation of normal noise on every site, by default 0.
     seed : int, optional
         Seed of the noise, by default 1.
 
     Returns
     -------
     InitialState
-        With the parameters that were chosen.
+        The state, and the parameters that were chosen.
 
     Raises
     ------
     ParameterError
-        If a value is out of range, or one says what another says or has no meaning without it.
+        If a value is out of range, is redundant because of another one, or requires another one
+        that is missing.
     """
     if start_point is not None and displacement is not None:
         raise ParameterError(

@@ -1,4 +1,4 @@
-"""What an interrupted command says of its work: where it is, and how to go on."""
+"""Messages of interrupted commands: where the work done so far is, and how to continue it."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 
 
 class Interrupted(KeyboardInterrupt):
-    """An interruption whose message says what is left of the work and how to go on."""
+    """An interruption whose message says what has been saved and how to continue."""
 
 
 @contextmanager
 def resumable(said: Callable[[], str]) -> Iterator[None]:
-    """Let an interruption inside say what is left of the work; an empty text says that nothing is.
+    """Give interruptions inside the context the message ``said()``, empty if nothing was saved.
 
     Examples
     --------
@@ -26,14 +26,14 @@ def resumable(said: Callable[[], str]) -> Iterator[None]:
     """
     try:
         yield
-    except Interrupted:  # what was interrupted inside has said it
+    except Interrupted:  # an inner context has given it a message
         raise
     except KeyboardInterrupt:
         raise Interrupted(said()) from None
 
 
 def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
-    """Let an interruption of sweeps into these tables name the files that are left."""
+    """Make an interruption of sweeps into these tables name the files that have been saved."""
 
     def said() -> str:
         from verification.execution.sweep import part_path
@@ -46,7 +46,7 @@ def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
 
 
 def resumable_run(checkpoint: Path | None) -> AbstractContextManager[None]:
-    """Let an interruption of a run name its checkpoint, if it has been written."""
+    """Make an interruption of a simulation name its checkpoint, if it has been written."""
 
     def said() -> str:
         if checkpoint is None or not checkpoint.exists():

@@ -1,4 +1,4 @@
-"""A map of states as ``fronts map`` makes it: resumable, and of (8) compared with the average."""
+"""The map of states behind ``fronts map``: resumable and, for (8), compared with the average."""
 
 from __future__ import annotations
 
@@ -47,41 +47,41 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
     Parameters
     ----------
     chain : Chain
-        What is the same everywhere.
+        The chain with the parameters that do not vary.
     axes : mapping of str to sequence of float
-        Values of one or two parameters.
+        Values of one or more parameters.
     nucleus : Nucleus, optional
         Excited sites; by default those of the paper's figure.
     displacement : float, optional
-        Of the excited sites; by default 6 of a Van der Pol chain, else the excited state of one
-        cell.
+        Displacement of the excited sites; by default 6 for a Van der Pol chain, otherwise that of
+        the excited state of a single cell.
     start_point : StartPoint, optional
         Point of the cycle from which excited sites of the friction chain start.
     end : float, optional
-        End time; a label found after half of it does not count (2000 in slow time eps t, of the
-        friction chain 20000 in tau).
+        End time; a state that is found only after half of it does not count (default 2000 in slow
+        time eps t, for the friction chain 20000 in tau).
     refine : float, optional
-        Bisect boundaries to this part of the grid's spacing; 0 leaves them.
+        Bisect boundaries down to this fraction of the grid spacing; 0 for no bisection.
     workers : int, optional
-        Processes, by default one a core, of the averaged chain 1.
+        Number of processes; by default one per core, for the averaged chain 1.
     scheduler : str, optional
         Address of a dask scheduler, as in tcp://host:8786, whose workers compute the points.
     out : Path, optional
         Table that can be resumed.
     resume : bool, optional
-        Go on from OUT.part, which a killed run has left beside --out.
+        Continue from OUT.part, which an interrupted run has left beside --out.
     held : str, optional
-        Which of a and b is the same for all η.
+        Which of a and b is kept constant while η varies.
     amplitudes : bool, optional
-        Keep the amplitude of every site at the end of each run, too: an array a point, for a file
-        that ends in .zarr or .npz.
+        Store the amplitude of every site at the end of each run too, as one array per point; needs
+        a file that ends in .zarr or .npz.
     progress : callable, optional
         Called with the fraction done.
 
     Returns
     -------
     StateMap
-        Of (8) with the comparison with the averaged chain.
+        The map; for (8) it includes a comparison with the averaged chain.
 
     Raises
     ------
@@ -140,6 +140,6 @@ def _check_resumption(out: Path | None, resume: bool) -> None:
     from verification.execution.sweep import part_path
 
     part = part_path(boundary_path(out))
-    # Before the map overwrites what an interrupted run has finished.
+    # checked before the map overwrites the results of an interrupted run
     if part.exists() and not resume:
         raise UsageError(f"{part} is left by an interrupted run: --resume it, or remove it.")

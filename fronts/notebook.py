@@ -1,4 +1,4 @@
-"""Results in a notebook: tables in HTML."""
+"""Display of results in a notebook, as HTML tables."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from html import escape
 from theory.result import Result, records, shown_names, summary
 
 _MAX_ROWS = 10
-"""Rows of a table within the table of a result."""
+"""Largest number of rows of a table within the table of a result."""
 
 
 def as_html(result: Result) -> str:
-    """Return a result as a table of two columns; what it holds in its turn is a table in it.
+    """Return a result as a table of two columns; results that it contains are nested tables.
 
-    A curve has its points, which are the rows of `Result.columns`, in a table below.
+    The points of a curve, which are the rows of `Result.columns`, follow in a table below.
 
     Examples
     --------
@@ -40,7 +40,7 @@ def as_html(result: Result) -> str:
 
 
 def _cell(name: str, value: object) -> str:
-    """Return a value as HTML: dataclasses of one kind as a table, words as they are."""
+    """Return a value as HTML: dataclasses of one class as a table, text unchanged."""
     held = records(value)
     if held:
         first = held[0]
@@ -53,7 +53,7 @@ def _cell(name: str, value: object) -> str:
 
 
 def _rows(names: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Return a table with a head, the first rows, and how many more there are."""
+    """Return a table with a header, the first rows, and the number of remaining rows."""
     shown = [
         [_word(name, value) for name, value in zip(names, row, strict=True)]
         for row in rows[:_MAX_ROWS]
@@ -67,14 +67,14 @@ def _rows(names: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 
 def _word(name: str, value: object) -> str:
-    """Return a value as text; what a row lacks (None; NaN in a column of numbers) is empty."""
+    """Return a value as text; missing values (None, or NaN in a column of numbers) are empty."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     return value if isinstance(value, str) else _number(name, value)
 
 
 def _number(name: str, value: object) -> str:
-    """Return a value in full, but errors and run times with the digits that mean something."""
+    """Return a value with all digits, but errors and run times with two significant digits."""
     if isinstance(value, float) and (name == "seconds" or name.endswith("error")):
         return f"{value:.2g}"
     return summary(value)

@@ -1,4 +1,4 @@
-"""What became of the nucleus in a run of a Van der Pol chain, beside the run."""
+"""The evolution of the nucleus in a simulation of a Van der Pol chain."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 
 
 def evolution_in_time(run: Trajectory) -> dict[str, Any]:
-    """Return the entry ``nucleus`` of a run that has one: how it ended, and its sizes, in time t.
+    """Return the entry ``nucleus`` for a simulation: its outcome and its sizes, in time t.
 
     Parameters
     ----------
     run : Trajectory
-        Of any chain.
+        A simulation of any chain.
 
     Returns
     -------
     dict
-        Empty where the notion has no meaning: without two cycles, or on a ring.
+        Empty where a nucleus is not defined: if the cell does not have two cycles, or on a ring.
     """
     chain = run.chain
     if not isinstance(chain, VanDerPolChain) or not chain.bistable or chain.ends is not Ends.FREE:

@@ -33,15 +33,15 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
     "out": ("--out", "-o"),
     "listing": ("--list",),
 }
-"""Options whose names are not their parameter's, and the other names that are understood."""
+"""Names of options that differ from those of their parameters, and alternative names."""
 
 INTERNAL = frozenset(
     {"progress", "executor", "chain", "nucleus", "times", "estimate_error", "budget", "held", "out"}
 )
-"""Parameters that are no options: no shell can give them, or the command line sets them itself."""
+"""Parameters that are not options: they cannot be given as text, or the command sets them."""
 
 QUIET = "quiet"
-"""Parameter of a function of `fronts.commands` that is set by ``--json``."""
+"""Parameter of functions in `fronts.commands` that is set by ``--json``."""
 
 Folder: TypeAlias = Path
 """Annotation of a parameter that is a folder."""
@@ -60,7 +60,7 @@ _READERS: Mapping[str, Any] = {
 
 
 def option(name: str) -> str:
-    """Return how a parameter is written at the shell.
+    """Return the name of the option for a parameter.
 
     Examples
     --------
@@ -72,20 +72,20 @@ def option(name: str) -> str:
 
 @dataclass(frozen=True)
 class Group:
-    """Options that belong together: the fields of a chain, the parameters of a function.
+    """A group of options: the fields of a chain, or the parameters of a function.
 
     Attributes
     ----------
     prefix : str
-        Before each name in the namespace, so that two groups may have the same name.
-    parameters : tuple of Described
-        Those that a shell can give.
+        Prefix of each name in the namespace, so that groups may have names in common.
+    every : tuple of Described
+        All parameters, including those that are not options.
     presets : mapping
-        Defaults of this command, for parameters that have none of their own or another one.
+        Defaults of this command, for parameters that have none or another one.
     ranged : bool
         Whether a number may also be a range ``low:high:count``.
     internal : frozenset of str
-        Parameters that are no options.
+        Parameters that are not options.
     """
 
     prefix: str
@@ -96,7 +96,7 @@ class Group:
 
     @property
     def parameters(self) -> tuple[Described, ...]:
-        """Those that a shell can give: of a simple kind."""
+        """Parameters that are options: those of a kind that can be read from text."""
         return tuple(
             each
             for each in self.every
@@ -111,17 +111,17 @@ class Group:
     ) -> None:
         """Declare one option for each parameter.
 
-        An option that is not given is absent from the namespace, so that the library's own default
-        holds.
+        An option that is not given is absent from the namespace, so that the default of the library
+        applies.
 
         Parameters
         ----------
         parser : argparse.ArgumentParser or a group of it
-            Where.
+            Parser or group that receives the options.
         not_required : iterable of str, optional
-            Parameters that may be absent though they have no default.
+            Parameters that may be absent although they have no default.
         said : mapping of str to str, optional
-            Defaults in words, of those that depend on others.
+            Descriptions of those defaults that depend on other parameters.
         """
         for each in self.parameters:
             default = said.get(each.name, self._default(each))
@@ -154,7 +154,7 @@ class Group:
         return self._default(each) is REQUIRED
 
     def given(self, options: argparse.Namespace) -> dict[str, Any]:
-        """Return what was given or is set by the command, as the library takes it."""
+        """Return the values that were given, or preset by the command, as library arguments."""
         found = {}
         for each in self.parameters:
             if hasattr(options, self.prefix + each.name):
@@ -165,7 +165,7 @@ class Group:
         return found
 
     def call(self, function: Callable[..., Any], options: argparse.Namespace) -> Any:
-        """Call the function whose parameters these are with what was given."""
+        """Call the function whose parameters these are with the given values."""
         given = self.given(options)
         words: list[Any] = []
         for each in self.parameters:
@@ -175,7 +175,7 @@ class Group:
         return function(*words, **given)
 
     def defaults(self) -> dict[str, Any]:
-        """Return the defaults, where there are any."""
+        """Return the defaults of the parameters that have one."""
         found = {each.name: self._default(each) for each in self.parameters}
         return {
             name: value
@@ -193,19 +193,19 @@ def options_of(function: Callable[..., Any]) -> Group:
 
 
 def refuse_beside(question: str, **given: Any) -> None:
-    """Refuse the options that have no meaning beside a question that was asked.
+    """Refuse options that have no meaning together with another one.
 
     Parameters
     ----------
     question : str
-        Which one, and what it does not do, as in ``"--list judges nothing"``.
+        The other option, and what it does not do, as in ``"--list judges nothing"``.
     **given
-        The options by their parameters; None, False and () are absent.
+        The values by parameter; None, False and () mean that an option is absent.
 
     Raises
     ------
     UsageError
-        If one was given.
+        If such an option was given.
     """
     named = {option(name): each for name, each in given.items() if each not in (None, False, ())}
     if named:

@@ -1,6 +1,6 @@
-"""The files that a command writes beside its answer: options, checks, and what each says of itself.
+"""The files that a command writes in addition to its answer: options and checks.
 
-`fronts.files` has the formats; it is imported only where a file is named.
+`fronts.files` contains the formats; it is imported only if a file is named.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from theory.result import Result
 
 MAX_LINES = 40
-"""Lines of an answer that are shown beside a file that has it."""
+"""Largest number of lines of an answer that are shown in full if it is written to a file too."""
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
-    """Declare the files that every command can write."""
+    """Declare the option for the files that every command can write."""
     group = parser.add_argument_group("files")
     group.add_argument(
         "-o", "--out", "--picture",
         dest="out", type=Path, action=_Files, default=[], metavar="FILE",
-        help="write the result to a file ending in .csv, .json, .npz, .zarr, .png, .svg or .pdf, "
-        "a run also as a film in .gif or .mp4; repeat it for several. Each holds the command, the "
-        "parameters and the versions",
+        help="write the result to a file ending in .csv, .json, .npz, .zarr, .png, .svg or .pdf; "
+        "a simulation also as a film in .gif or .mp4; may be repeated. Each file contains the "
+        "command, the parameters and the versions",
     )  # fmt: skip
 
 
 class _Files(argparse.Action):
-    """Collect files, and the option by which each was named, for what is said of it."""
+    """Collect files, and the option by which each was named, for error messages."""
 
     def __call__(
         self,
@@ -50,19 +50,19 @@ class _Files(argparse.Action):
 
 
 def check_output(options: argparse.Namespace, filmed: bool) -> None:
-    """Refuse, before any work, files that cannot be written or are named twice.
+    """Refuse files that cannot be written or are named twice, before any work is done.
 
     Parameters
     ----------
     options : argparse.Namespace
-        What was given; perhaps a ``checkpoint``.
+        The options, which may include a ``checkpoint``.
     filmed : bool
-        Whether there will be a film of the result.
+        Whether the result can be written as a film.
 
     Raises
     ------
     UsageError
-        If there is one.
+        If there is such a file.
     """
     named, checkpoint = getattr(options, "named", ()), getattr(options, "checkpoint", None)
     if named:
@@ -86,30 +86,30 @@ def write_output(
     out : sequence of Path
         The files.
     result, parameters
-        What was found, with what.
+        The result, and the parameters of the computation.
     payload : mapping
-        The result as the command answers it in JSON; it may say more than the result itself.
+        The answer of the command as JSON; it may contain more than the result itself.
     """
     from fronts.files import write_result
 
     for path in out:
-        if path != parameters.get("out"):  # what can be resumed has been written
+        if path != parameters.get("out"):  # the resumable table has been written already
             write_result(path, result, parameters, payload)
 
 
 def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, Any]) -> Answer:
-    """Write an answer to a file, with the command line and the parameters; return what is said.
+    """Write an answer to a file, with the command line and the parameters; return what to print.
 
     Parameters
     ----------
     answer : Answer
-        What to write.
+        The answer.
     rows : str
-        Its entry that is a list with one mapping a row.
+        Name of its entry that is a list with one mapping per row.
     out : Path
-        Ends in .csv, .json or .npz.
+        Name of the file, ending in .csv, .json or .npz.
     parameters : mapping
-        What was asked.
+        The parameters of the command.
     """
     from fronts.files import Listing, write_result
 
@@ -119,15 +119,15 @@ def with_table(answer: Answer, rows: str, out: Path, parameters: Mapping[str, An
 
 
 def beside_files(text: str, out: Sequence[Path]) -> str:
-    """Return what is said of a result that was written to files: a long text in short."""
+    """Return the text to print for a result that was written to files, shortened if it is long."""
     lines = text.splitlines()
-    if len(lines) > MAX_LINES:  # the files have them all
+    if len(lines) > MAX_LINES:  # the files contain all lines
         text = "\n".join([*lines[:3], "…", *lines[-2:]])
     return f"{text}\nwritten to {' and '.join(str(path) for path in out)}"
 
 
 def command_line(words: Sequence[str]) -> str:
-    """Return a command line without what says where its answer goes.
+    """Return a command line without the options that say where its answer goes.
 
     Examples
     --------

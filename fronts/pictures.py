@@ -1,7 +1,7 @@
-"""One picture for each kind of result, entered under the name of its class.
+"""One picture for each class of results, registered under the name of the class.
 
-A new picture is a function ``(result, axes, **style)`` and one line in `DRAWINGS`. The axes come
-in empty; the function labels them. Matplotlib is imported by the caller.
+A new picture requires a function ``(result, axes, **style)`` and one line in `DRAWINGS`. The
+function receives empty axes and labels them. Matplotlib is imported by the caller.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-"""Of Okabe and Ito's palette, distinguishable for colour-blind readers."""
+"""Colours of the palette of Okabe and Ito, which colour-blind readers can distinguish."""
 
 
 def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
@@ -27,11 +27,11 @@ def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
     Parameters
     ----------
     result : Result
-        What to draw.
+        The result.
     axes : matplotlib.axes.Axes, optional
-        Where; by default new axes.
+        Axes in which to draw; by default new ones.
     **style
-        For the lines of the picture.
+        Options passed on to Matplotlib for the lines of the picture.
 
     Returns
     -------
@@ -40,7 +40,7 @@ def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
     Raises
     ------
     TypeError
-        If there is no picture of such a result.
+        If results of this class cannot be drawn.
     """
     names = [each.__name__ for each in type(result).__mro__]
     need_picture(names)
@@ -54,12 +54,12 @@ def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
 
 
 def need_picture(names: Sequence[str]) -> None:
-    """Refuse a result of a class, or of one of some classes, none of which has a picture.
+    """Refuse classes of results none of which has a picture.
 
     Raises
     ------
     TypeError
-        Which names the first of them.
+        If none has a picture; the message names the first class.
     """
     if DRAWINGS.keys().isdisjoint(names):
         raise TypeError(f"there is no picture of {names[0]}: its numbers are in a .json file.")
@@ -146,9 +146,9 @@ def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _curve(result: Any, axes: Axes, **style: Any) -> None:
-    """Draw what the points of a curve are about: their cycles, or the first of `CURVES`.
+    """Draw the main quantity of the points of a curve: their cycles, or the first of `CURVES`.
 
-    Of several methods each has a line of its own.
+    If there are several methods, each has a line of its own.
     """
     table = result.columns()
     if "stable_cycle_max" in table:
@@ -174,7 +174,7 @@ def _curve(result: Any, axes: Axes, **style: Any) -> None:
 def _cycles(
     table: Mapping[str, np.ndarray], along: str, axes: Axes, style: Mapping[str, Any]
 ) -> None:
-    """Draw between which y the two cycles of a cell swing, as far as they exist."""
+    """Draw the turning points of the two cycles of a cell, as far as they exist."""
     for name, look in (
         ("stable", {"color": BLUE}),
         ("unstable", {"color": VERMILION, "ls": "--"}),
@@ -189,7 +189,7 @@ def _cycles(
 
 
 def _branch(result: Any, axes: Axes, **style: Any) -> None:
-    """Draw a branch: solid where it is stable, dashed where it is not; folds are marked."""
+    """Draw a branch: solid where it is stable, dashed where it is unstable; mark its folds."""
     table = result.columns()
     name = next(each for each in BRANCHES if each in table)
     words = [point.to_dict().get("stable") is not False for point in result.points]
@@ -304,10 +304,10 @@ def _state_map(result: Any, axes: Axes, **style: Any) -> None:
 
 
 CURVES = ("v", "c_crit", "centre", "effective_damping")
-"""What is drawn over the parameter of a curve."""
+"""Quantities that are drawn as functions of the parameter of a curve."""
 
 BRANCHES = ("v", "centre")
-"""What is drawn over the coupling along a branch."""
+"""Quantities that are drawn as functions of the parameter along a branch."""
 
 LABELS = {
     "c": "coupling c",
@@ -334,4 +334,4 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "Breather": _breather,
     "BreatherComparison": _breathers,
 }
-"""Class of result and the function that draws it."""
+"""The function that draws results of each class, by the name of the class."""

@@ -1,6 +1,6 @@
-"""What a public function or a parameter class says of itself: names, kinds, defaults, help.
+"""Descriptions of the parameters of functions and classes: names, kinds, defaults, help texts.
 
-The command line has no list of options of its own: it reads the signature and the numpy docstring.
+The command line has no list of options of its own; it reads signatures and numpy docstrings.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from enum import Enum
 from typing import Any
 
 REQUIRED = inspect.Parameter.empty
-"""Default of a parameter that has none."""
+"""Value that marks a parameter without a default."""
 
 _ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :(?: (.*))?)?$")
 
@@ -32,15 +32,16 @@ class Described:
     kind : str
         One of ``float``, ``numbers`` (a number or an array), ``decimal`` (a number kept as text),
         ``int``, ``str``, ``bool``, ``path``, ``folder``, ``sites``, ``choice``, ``strings``, or the
-        name of the class. A field may name it in its metadata (``theory.chains.chain.parameter``).
+        name of the class. The metadata of a field may specify it
+        (``theory.chains.chain.parameter``).
     default : object
-        `REQUIRED` if it has none.
+        Default, or `REQUIRED` if there is none.
     help : str
-        What its docstring or its metadata say, in one paragraph.
+        Description in the docstring or the metadata, as one paragraph.
     choices : tuple of str
-        Values of a ``choice``.
+        Allowed values of a ``choice``.
     make : callable or None
-        From a choice to the value that is passed on.
+        Function that converts a choice to the value that is passed on.
     positional : bool
         Whether it is given without its name: before a ``/`` in the signature, or after a ``*``.
     """
@@ -55,12 +56,12 @@ class Described:
 
 
 def described(what: Callable[..., Any]) -> tuple[Described, ...]:
-    """Return the parameters of a function, or the fields of a dataclass that a user may give.
+    """Return the parameters of a function, or the fields of a dataclass that a user may set.
 
     Parameters
     ----------
     what : callable
-        With a numpy docstring: its sections Parameters or Attributes are the help.
+        A function or class whose numpy docstring describes them under Parameters or Attributes.
 
     Returns
     -------

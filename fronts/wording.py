@@ -1,4 +1,4 @@
-"""Results for people at a terminal: the entries of ``--json`` by their names."""
+"""Display of results in a terminal: the entries of ``--json`` by name."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ from typing import Any
 from theory.result import Result
 
 WIDTH = 100
-"""Letters of a line; the columns of a wider table follow below, so that none is broken."""
+"""Largest number of characters of a line; a wider table is split into several below each other."""
 
 MAX_VALUES = 8
-"""Of a longer list these are printed, and how many there are."""
+"""Number of values that are printed of a longer list, followed by their total number."""
 
 _MAIN = ("v", "c_crit", "re", "im", "centre", "neighbour")
-"""Entries whose error is called ``error`` or ``radius`` where there is no ``<entry>_error``."""
+"""Entries whose error is called ``error`` or ``radius`` if there is no ``<entry>_error``."""
 
 _JUDGED = ("stable", "admissible")
-"""Entries of which None says that they were not decided."""
+"""Entries for which None means that they were not decided."""
 
 _LAST = ("method", "terms", "steps", "counts", "seconds")
-"""Entries on how the result was found; they follow those on what it is."""
+"""Entries on how the result was obtained, which are printed last."""
 
 _DIGITS, _IN_LISTS, _BESIDE = 10, 7, 8
-"""Significant digits of a number of which no error is known, of one in a list, and at most of one
-in a table that is not what its rows are about."""
+"""Significant digits of a number without a known error, of a number in a list, and, at most, of a
+number in a table that is not its main quantity."""
 
 
 def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
-    """Return what the command line prints of a result.
+    """Return the text that the command line prints for a result.
 
-    The status comes first, with its sentence or its reason; then a line for each value, with its
-    error, and a table for each list of rows. What is None has no line.
+    The status comes first, with its sentence or its reason; then follow a line for each value, with
+    its error, and a table for each list of rows. Values that are None are omitted.
 
     Parameters
     ----------
     result : Result
         The result.
     payload : mapping, optional
-        The entries, by default those of ``result.to_dict()``.
+        The entries; by default those of ``result.to_dict()``.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
 
 
 def _judged(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row that says of an admissible front where its stability was not decided."""
+    """Return a row that says so if the stability of an admissible front was not decided."""
     undecided = row.get("admissible") and row.get("stable", True) is None
     return {**row, "stable": "not decided"} if undecided else dict(row)
 
@@ -91,14 +91,14 @@ def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str
         elif name not in beside:
             error = entries.get(error_name(name, entries))
             if not isinstance(error, float):
-                error = None  # beside digits that are text it is text, with a line of its own
+                error = None  # the error of a value given as text has its own line
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
             unit = f" {units[name]}" if name in units else ""
             yield f"{name:<{width}}  {_text(name, value, error)}{unit}{uncertain}"
 
 
 def error_name(name: str, entries: Mapping[str, Any]) -> str:
-    """Return the name of the entry that is the error of another; empty if there is none.
+    """Return the name of the entry with the error of another one; empty if there is none.
 
     Examples
     --------
@@ -112,10 +112,10 @@ def error_name(name: str, entries: Mapping[str, Any]) -> str:
 def table_lines(
     rows: Sequence[Mapping[str, Any]], units: Mapping[str, str] | None = None
 ) -> Iterator[str]:
-    r"""Yield rows of the same names as a table, or as several where it would be too wide.
+    r"""Yield the lines of a table of rows, or of several tables where one would be too wide.
 
-    What does not exist is a dash; what is a list or a mapping itself has no column, nor has the
-    error of a number beside it, which the digits of that number show.
+    Missing values are shown as a dash. There is no column for lists and mappings, nor for the error
+    of a number in another column, since the digits of that number show it.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def _empty(value: Any) -> bool:
 
 
 def _rows(value: Any) -> list[dict[str, Any]]:
-    """Return what is a table: a list of mappings, or mappings by name."""
+    """Return the rows of a value that is a table: a list of mappings, or mappings by name."""
     if isinstance(value, dict) and all(isinstance(each, dict) for each in value.values()):
         return [
             each if name in each.values() else {"": name, **each} for name, each in value.items()
@@ -172,10 +172,10 @@ def _rows(value: Any) -> list[dict[str, Any]]:
 
 
 def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGITS) -> str:
-    """Return a value in one line.
+    """Return a value on one line.
 
-    A number with an error has at most fifteen digits, and none that the error may change by more
-    than one; without, so many as are said. An error itself has two.
+    A number with an error has at most fifteen digits, and only those that the error changes by at
+    most one. A number without a known error has ``digits`` digits, and an error has two.
 
     Examples
     --------
@@ -201,7 +201,7 @@ def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGI
 
 
 def _number(name: str, value: float, error: float | None, digits: int) -> str:
-    if name in ("lower", "upper"):  # rounded, an enclosure would be none
+    if name in ("lower", "upper"):  # a rounded enclosure would not be an enclosure
         return repr(value)
     if name.endswith(("error", "radius", "residual")):
         return f"{value:.1e}"

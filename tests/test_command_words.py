@@ -149,7 +149,7 @@ def test_help_without_a_model_shows_examples_of_the_first(capsys: Capture, comma
 def test_help_ends_with_what_is_noted_of_the_command(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["map", "friction", "--help"])
-    assert "Beside a table OUT.csv stand" in capsys.readouterr().out.split("examples:")[1]
+    assert "In addition to a table OUT.csv" in capsys.readouterr().out.split("examples:")[1]
 
 
 def _helps(parser: Any) -> Iterator[str]:

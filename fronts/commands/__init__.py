@@ -1,1 +1,1 @@
-"""One subcommand a file: ``configure`` its options, ``run`` it, return an ``Answer``."""
+"""One module per subcommand, with a function of the same name that returns an ``Answer``."""

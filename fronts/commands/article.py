@@ -1,4 +1,4 @@
-"""``fronts article``: the replication article of two pages, from the report of a run."""
+"""``fronts article``: a replication article of two pages, from the report of a check."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from fronts.options import Folder
 EXAMPLE = """examples:
   fronts article --report report --out article   metadata.yaml, content.tex and the rest
 
-The report is that of all claims, as 'fronts check --out report' writes it.
+The report must contain all claims, as written by 'fronts check --out report'.
 
-The files are those of ReScience C; 'pdflatex article.tex' sets them without its template."""
+The files are those required by ReScience C; 'pdflatex article.tex' works without its template."""
 
 
 def article(*, report: Folder = Path("report"), out: Folder = Path("article")) -> Answer:
@@ -22,9 +22,9 @@ def article(*, report: Folder = Path("report"), out: Folder = Path("article")) -
     Parameters
     ----------
     report : folder, optional
-        What 'fronts check --out' has written.
+        Folder written by 'fronts check --out'.
     out : folder, optional
-        Where the article is written.
+        Folder in which the article is written.
     """
     from paper_checks.report.article import article as written_from
 

@@ -1,4 +1,4 @@
-"""``fronts bench``: measured error against run time, and how cost grows; needs the source tree."""
+"""``fronts bench``: measured error versus run time, and growth of cost; needs the source tree."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from benchmarks.work_precision import WorkPrecision
 
 EXAMPLE = """examples:
-  fronts bench --list                     the quantities, their test problems and default methods
-  fronts bench roots velocity --quick     two of them, within half a minute
-  fronts bench growth                     time and memory against sites, digits, 1/v, points
-  fronts bench --defaults                 is each default the fastest? from the stored records
-  fronts bench                            everything, into benchmarks/results
+  fronts bench --list                     list quantities, test problems and default methods
+  fronts bench roots velocity --quick     measure two of them, within half a minute
+  fronts bench growth                     time and memory versus sites, digits, 1/v, points
+  fronts bench --defaults                 check in the stored records that defaults are fastest
+  fronts bench                            measure everything, into benchmarks/results
 
-Run it on a quiet machine. Peers that are not installed are listed as failures; 'pip install
-.[bench]' in the source tree installs them."""
+Run it on an otherwise idle machine. Other programs that are not installed are listed as failures;
+'pip install .[bench]' in the source tree installs them."""
 
 GROWTH = "growth"
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,23 +35,23 @@ def bench(
     defaults: bool = False,
     out: Folder | None = None,
 ) -> Answer:
-    """List, judge the defaults, or measure.
+    """List the quantities, judge the default methods, or measure.
 
     Parameters
     ----------
     *quantity : str
-        Only these; growth is one of them.
+        Quantities to be measured, or growth; by default all.
     quick : bool, optional
-        Fewer settings; nothing written unless --out is given.
+        Use fewer settings, and write nothing unless --out is given.
     listing : bool, optional
-        List the quantities, measure none.
+        List the quantities without measuring.
     defaults : bool, optional
         Judge the default methods by the stored records.
     out : folder, optional
         Folder of the records (benchmarks/results).
     """
     for limit in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(limit, "1")  # one core for everyone, before NumPy is imported
+        os.environ.setdefault(limit, "1")  # one core for all, before NumPy is imported
     need_source_tree(ROOT)
     from benchmarks.registry import chosen
     from benchmarks.work_precision import RESULTS
@@ -86,7 +86,7 @@ def need_source_tree(root: Path) -> None:
     Raises
     ------
     UsageError
-        If they are not there, as in an installed wheel.
+        If they do not exist, as in an installed wheel.
     """
     if not (root / "benchmarks" / "work_precision.py").is_file():
         raise UsageError(

@@ -42,20 +42,20 @@ from verification.execution.store import Store
 
 EXAMPLE = """\
 examples:
-  fronts check                           every claim: counts and headlines
+  fronts check                           all claims: counts and headlines
   fronts check fig17 --out report        the claims of one module, with report/index.html
-  fronts check --verdict not-reproduced  the claims with that verdict on record
-  fronts check --out report --resume     go on with an interrupted run
-  fronts check --full --jobs 2           compute the expensive claims as well
+  fronts check --verdict not-reproduced  the claims with this recorded verdict
+  fronts check --out report --resume     continue an interrupted run
+  fronts check --full --jobs 2           compute the expensive claims too
   fronts check --record --jobs 2         renew the stored findings whose code has changed
 
-exit code: 0 when every verdict is as recorded, 1 when one changed, 2 for unusable input"""
+exit code: 0 if every verdict is as recorded, 1 if a verdict has changed, 2 for invalid input"""
 
 STORE = ".evidence.sqlite"
-"""What a run into a folder has judged so far."""
+"""File in the folder of a report that stores the evidence found so far."""
 MAX_WORKERS = 256
 TABLES = (".csv", ".json", ".npz")
-"""Files of verdicts, where no folder of a report is asked for."""
+"""Endings of files for the verdicts, as an alternative to a folder for the report."""
 
 
 def check(
@@ -69,28 +69,28 @@ def check(
     listing: bool = False,
     quiet: bool = False,
 ) -> Answer:
-    """Judge the chosen claims; write the report if asked to.
+    """Judge the chosen claims, and write the report if requested.
 
     Parameters
     ----------
     *key : str
         A claim or a module of claims.
     verdict : str, optional
-        Only claims with this verdict on record: reproduced, corrected, partial, not-reproduced,
+        Only claims with this recorded verdict: reproduced, corrected, partial, not-reproduced,
         untestable.
     out : folder, optional
-        Write the report here; or the verdicts to a file ending in .csv, .json or .npz.
+        Folder for the report; or a file ending in .csv, .json or .npz for the verdicts.
     workers : int, optional
-        Processes (default 1: claims about run times are judged undisturbed).
+        Number of processes (default 1, so that claims about run times are judged undisturbed).
     resume : bool, optional
-        Use evidence that an earlier run of the same code kept in DIR.
+        Use the evidence that an earlier run of the same code has stored in DIR.
     full : bool, optional
-        Compute everything: use no finding that comes with the toolkit.
+        Compute everything, without the stored findings that come with the toolkit.
     record : bool, optional
-        Compute the expensive claims whose stored finding is missing or stale, with --full all of
-        them, and store what is found with the toolkit.
+        Compute the expensive claims whose stored finding is missing or stale, or with --full all
+        of them, and store the findings in the toolkit.
     listing : bool, optional
-        List the claims, judge none.
+        List the claims without judging them.
     quiet : bool, optional
         Show progress in a terminal only.
     """
@@ -136,7 +136,7 @@ def _judged(
     shipped: Shipped | None,
     quiet: bool,
 ) -> Report:
-    """Judge claims, keep their evidence in the folder as they end, and return the report."""
+    """Judge claims, storing the evidence of each in the folder, and return the report."""
     versions, source = installed_versions(PACKAGES), digest_of_packages(_sources())
     start = time.perf_counter()
     shown = Progress("claims", steps=len(entries), at_once=jobs, quiet=quiet)
@@ -152,7 +152,7 @@ def _judged(
     identity = {"source": source, "versions": versions}
     with (
         resumable(said),
-        # What another code or version has found is computed anew, and not refused.
+        # Evidence of another code or version is computed anew instead of being refused.
         Store(folder / STORE, identity, resume=resume, replace=True)
         if folder
         else nullcontext() as store,
@@ -168,7 +168,7 @@ def _judged(
             progress=_Reporter(shown),
         )
     seconds = time.perf_counter() - start
-    # What writes the report imports SymPy and the chains; judging does not.
+    # Imported late, since the report imports SymPy and the chains, which judging does not need.
     from paper_checks.report.measurements import stored_sections
 
     measurements = stored_sections() if len(entries) == len(every) else ()
@@ -244,7 +244,7 @@ def _listing(entries: Sequence[discover.Entry], width: int) -> Answer:
 
 
 def _checked_folder(folder: Path | None, resume: bool) -> Path | None:
-    """Make the folder of the report and make sure, before any work, that it takes files."""
+    """Create the folder of the report and check, before any work, that files can be written."""
     if folder is None:
         if resume:
             raise UsageError("--resume needs --out DIR, the folder of the interrupted run.")
@@ -261,7 +261,7 @@ def _checked_folder(folder: Path | None, resume: bool) -> Path | None:
 
 
 def _write(folder: Path, report: Report, payload: dict[str, object]) -> int:
-    """Write the report; remove what an earlier report left here, and return how much."""
+    """Write the report, remove files of an earlier report, and return the number removed."""
     from paper_checks.report.render import measurements_page, page
 
     document = json.dumps(payload, indent=2, ensure_ascii=False, allow_nan=False)
@@ -292,7 +292,7 @@ def _record(shipped: Shipped, report: Report) -> str:
         for outcome in report.outcomes
         if outcome.claim.expensive and outcome.finding and not outcome.judgement.stored
     ]
-    # Claims that share evidence were judged together, and the first took its time.
+    # Claims with common evidence were judged together; the time is recorded with the first.
     first = {shipped.path(each.claim.evidence): each for each in reversed(found)}
     try:
         for outcome in first.values():

@@ -1,6 +1,6 @@
 """``fronts derive``: derivations step by step, the verdict on each equation, and other chains.
 
-SymPy is imported only when something is derived; the listing must stay fast.
+SymPy is imported only when something is derived, so that the listing remains fast.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 
 EXAMPLE = """examples:
   fronts derive                                         list the derivations
-  fronts derive multiple-scales --order 2               one of them, to second order
+  fronts derive multiple-scales --order 2               one derivation, to second order
   fronts derive multiple-scales --damping "1 - a*y**2 + b*y**6" --stiffness "g*y**3"
   fronts derive averaging --weights "1, w"              with springs to the second neighbours
-  fronts derive --equation 34                           one equation, its check and its verdict
+  fronts derive --equation 34                           one equation with check and verdict
   fronts derive linearisation --format latex --out jacobian.tex
   fronts derive all                                     the verdict on each of Eqs. 1-54
   fronts derive --graph --out equations.svg             which equation follows from which
   fronts derive cell --damping "1 - a*y**2 + b*y**4" --value a=4 --value b=0.5 --order 2"""
 
 TABLES = (".csv", ".npz")
-"""Files of rows: steps, equations or derivations; the text goes to any other."""
+"""Endings of files with rows (steps, equations or derivations); other files contain the text."""
 
 
 def derive(  # noqa: PLR0913  (options of a command, by name)
@@ -55,24 +55,24 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
     no_front: bool = False,
     quiet: bool = False,
 ) -> Answer:
-    """List the derivations, or derive, check and show what is asked for.
+    """List the derivations; or derive, check and show equations.
 
     Parameters
     ----------
     name : str, optional
         Friction, multiple-scales, averaging, linearisation, piecewise-front, second-order, all, or
-        cell; or the number of one equation, as by --equation.
+        cell; or the number of an equation, as with --equation.
     order : int, optional
-        1 or 2, the power of eps.
+        Order in eps, 1 or 2.
     equation : int, optional
-        Only this equation.
+        Number of a single equation.
     format : str, optional
-        Of the text.
+        Format of the text.
     graph : bool, optional
         Draw which equation follows from which, as SVG.
     out : Path, optional
-        Write the text to a file; rows to one ending in .csv or .npz, the whole answer with its
-        command and versions to one in .json.
+        File for the text; a file ending in .csv or .npz receives the rows, and one ending in .json
+        the whole answer with its command and versions.
     damping : str, optional
         Polynomial h(y) of another cell.
     stiffness : str, optional
@@ -82,11 +82,11 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
     weights : str, optional
         Weights of the springs to nearest, second … neighbours.
     value : sequence of str, optional
-        A number for a letter of the chain, as in a=4; repeat for more.
+        Value of a symbol of the chain, as in a=4; may be repeated.
     no_front : bool, optional
-        Of a cell only the averaged equation and its cycles.
+        For a cell, derive only the averaged equation and its cycles.
     quiet : bool, optional
-        The answer is printed as JSON.
+        Whether the answer is printed as JSON.
     """
     if name is not None and name.isdecimal():
         if equation is not None:
@@ -123,7 +123,7 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
 
 @dataclass(frozen=True, kw_only=True)
 class _Cell:
-    """Another chain, as the options describe it; what is absent is as in Eq. (8)."""
+    """Another chain, described by options; the rest is as in Eq. (8)."""
 
     damping: str | None
     stiffness: str | None
@@ -133,7 +133,7 @@ class _Cell:
 
     @property
     def given(self) -> bool:
-        """Whether any of its options was given."""
+        """Whether any of these options was given."""
         return any(vars(self).values())
 
     def model(self) -> ChainModel:
@@ -146,7 +146,7 @@ class _Cell:
 
 
 def _written(answer: Answer, out: Path, asked: Mapping[str, Any], form: str) -> Answer:
-    """Write the text to a file; rows, or the whole answer, where the file's ending asks for it."""
+    """Write the text, the rows or the whole answer to a file, depending on its ending."""
     ending = out.suffix.lower()
     if ending in TABLES or (ending == ".json" and form == "text"):
         rows = next((name for name in _ROWS if name in answer.payload), None)
@@ -158,7 +158,7 @@ def _written(answer: Answer, out: Path, asked: Mapping[str, Any], form: str) -> 
 
 
 _ROWS = ("steps", "equations", "derivations")
-"""What is a row of each answer."""
+"""Entries of an answer that are lists of rows."""
 
 
 def _write(path: Path, words: str) -> None:
@@ -198,7 +198,7 @@ def _one(
         return _shown(derivation, form)
     single = derivation.only(equation)
     answer = _shown(single, form)
-    if model is not None:  # print says nothing about another chain
+    if model is not None:  # the paper says nothing about another chain
         return answer
     from derivations.judgement import judge, printed
 

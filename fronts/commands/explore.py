@@ -1,4 +1,4 @@
-"""``fronts explore``: a page in the browser, on this machine, in which parameters are sliders."""
+"""``fronts explore``: a page with sliders for the parameters, in a browser on this machine."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ EXAMPLE = """examples:
   fronts explore
   fronts explore --port 5006 --no-browser
 
-The page is served to this machine only, at 127.0.0.1, until Ctrl-C or until the shell ends that
-started it. It needs the extra explore: pip install "excitation-fronts[explore]"."""
+The page is served to this machine only, at 127.0.0.1, until Ctrl-C is pressed or the shell that
+started it ends. It needs the extra explore: pip install "excitation-fronts[explore]"."""
 
 
 def explore(*, port: int = 0, no_browser: bool = False) -> Answer:
@@ -22,9 +22,9 @@ def explore(*, port: int = 0, no_browser: bool = False) -> Answer:
     Parameters
     ----------
     port : int, optional
-        Of 127.0.0.1; 0 for a free one.
+        Port of 127.0.0.1; 0 for any free port.
     no_browser : bool, optional
-        Open no browser.
+        Do not open a browser.
     """
     port = count_within("--port", port, 0, 65535)
     try:

@@ -1,4 +1,4 @@
-"""``fronts stress``: every quantity over all decades of its parameters, held against another."""
+"""``fronts stress``: comparison of every quantity with another method over all decades."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ EXAMPLE = """examples:
   fronts stress --work-reduction --record
   fronts stress --list
 
-Every quantity is tried at test problems, at the corners of its parameters and at random, one point
-in twenty with a value that is not allowed. Points are divided by the shares that --list names, at
-least twelve a quantity: those whose references are costly get fewer.
+Every quantity is evaluated at test problems, at the corners of its parameter range and at random
+points; one point in twenty has a value that is not allowed. The points are distributed according to
+the shares shown by --list, with at least twelve for each quantity: quantities with an expensive
+reference have smaller shares.
 
 Exit code 1: a stated error was exceeded, or a point gave NaN, crashed or was too slow."""
 
 _MAX_SHOWN = 20
 RESUMABLE = (".csv", ".npz", ".zarr")
-"""Tables with every point, which a killed run leaves to go on from."""
+"""Endings of tables with every point, from which an interrupted run can be resumed."""
 ROBUSTNESS_CODE = ("verification.quantities.robustness", "verification.quantities.registry")
 REDUCTION_CODE = ("verification.work_reduction.table",)
 
@@ -51,28 +52,28 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
     work_reduction: bool = False,
     quiet: bool = False,
 ) -> Answer:
-    """Try the points, list the quantities, or measure the work reductions.
+    """Evaluate the points, list the quantities, or measure the work reductions.
 
     Parameters
     ----------
     quantity : sequence of str, optional
-        Only this one; may be repeated.
+        Test this quantity only; may be repeated.
     points : int, optional
-        In all (default 1000).
+        Total number of points (default 1000).
     seed : int, optional
-        Of the points at random (default 0).
+        Seed of the random points (default 0).
     out : Path, optional
-        Write every point to a .csv, .npz or .zarr file, the counts to one in .json.
+        File for all points, ending in .csv, .npz or .zarr, or for the counts, ending in .json.
     workers : int, optional
-        Processes (default: one a core).
+        Number of processes (default: one per core).
     resume : bool, optional
-        Go on from OUT.part, which a killed run has left.
+        Continue from OUT.part, which an interrupted run has left.
     listing : bool, optional
-        List the quantities, try nothing.
+        List the quantities without evaluating anything.
     record : bool, optional
-        Keep the result for the report (in the source tree).
+        Store the result for the report (in the source tree).
     work_reduction : bool, optional
-        What is truncated or not computed, and the gain.
+        Show what is truncated or not computed, and the gain.
     quiet : bool, optional
         Show progress in a terminal only.
     """
@@ -104,7 +105,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
 
     with resumable_tables(table), Progress("stress", quiet=quiet) as live:
         found = robustness(
-            tuple(dict.fromkeys(quantity)),  # named twice is tried once
+            tuple(dict.fromkeys(quantity)),  # without duplicates
             points,
             seed,
             out=table,
@@ -124,7 +125,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
 
 
 def _checked_table(out: Path | None, resume: bool, workers: int | None) -> Path | None:
-    """Refuse, before any work, what cannot be; return the table of points that can be resumed."""
+    """Check the options before any work; return the file for the points, if it is resumable."""
     if out is not None:
         check_files([(out, "--out")], filmed=False, formats=(*RESUMABLE, ".json"))
     table = out if out is not None and out.suffix.lower() in RESUMABLE else None
@@ -151,7 +152,7 @@ def _payload(found: Robustness, seed: int) -> dict[str, object]:
 
 
 def _store(name: str, payload: dict[str, object], command: str, modules: tuple[str, ...]) -> None:
-    """Store a result where the report finds it, with a digest of the code that it is of."""
+    """Store a result where the report finds it, with a digest of the code that was measured."""
     from fronts.commands.bench import ROOT
 
     metadata = Metadata(command=command, code=Code.of(modules))

@@ -1,12 +1,13 @@
-"""``fronts explore``: a page in the browser in which the parameters are sliders.
+"""``fronts explore``: a page in the browser with sliders for the parameters.
 
-`fronts.explore.calls` says which calls of the public functions make the pictures; what the page
-shows as Python is the text of these same calls. `fronts.explore.page` draws and serves them.
+`fronts.explore.calls` defines the calls of public functions from which the pictures are made; the
+Python code shown on the page is the text of the same calls. `fronts.explore.page` draws the
+pictures and serves the page.
 
-The page is made with Panel. Of marimo and Panel, both install offline and serve everything that a
-page needs themselves. In marimo a slider runs cells of a notebook again, and a picture that has
-changed is sent and laid out whole; with Panel the plots are Bokeh's, drawn by the browser, and a
-slider sends the numbers that have changed, so that zoom and hover stay and Matplotlib is not called
-at all. Panel is also a library beside others: the page is an ordinary module that the type checker
-reads, where a marimo notebook is a file of its own format.
+The page is made with Panel. Marimo and Panel both install offline and serve all resources that a
+page needs. In marimo a slider runs notebook cells again, and a changed picture is sent and laid out
+as a whole. With Panel the plots are drawn by Bokeh in the browser, and moving a slider sends only
+the numbers that have changed, so that zoom and hover persist and Matplotlib is not called at all.
+Moreover, Panel is an ordinary library: the page is a Python module that the type checker can read,
+whereas a marimo notebook is a file in its own format.
 """

@@ -1,4 +1,4 @@
-"""The calls behind the explorer's pictures: carried out by the page, and shown as Python.
+"""The calls behind the pictures of the explorer, which the page executes and shows as Python.
 
 Examples
 --------
@@ -18,27 +18,30 @@ from typing import Any
 import fronts as fr
 
 SITES = 41
-"""Sites of the chain that is run."""
+"""Number of sites of the simulated chain."""
 
 AROUND = 4
-"""Sites on each side of the nucleus of the breather, fewer than elsewhere: the last one, where the
-amplitude is a thousandth, changes by a hundredth of that and the centre by 1e-9, which no picture
-shows, and a periodic orbit takes half the time."""
+"""Number of sites on each side of the nucleus of the breather.
+
+It is smaller than elsewhere, since a periodic orbit then takes half the time. The relative change
+of the last site, where the amplitude is 0.001, is 0.01, and the centre changes by 1e-9, which is
+not visible in a picture.
+"""
 
 SLOW_TIME = 80.0
-"""How long it is run, in slow time εt."""
+"""Duration of the simulation, in slow time εt."""
 
 PICTURE = 1e-6
-"""Tolerance of the run: its amplitudes are off by 1e-5, which no picture shows."""
+"""Tolerance of the simulation; the error of the amplitudes, 1e-5, is not visible in a picture."""
 
 MODELS = {"averaged": "AveragedChain", "vdp": "VdpChain"}
-"""Models of the chain that is run and of the breather; the kinetic relation is that of (44)."""
+"""Models of the simulated chain and of the breather; the kinetic relation is that of (44)."""
 
 SLOW = ("curve", "states")
-"""Calls that take longer than an update: once for each η, and once."""
+"""Calls that take longer than an update: one is made for each η, the other only once."""
 
 REFUSALS = (fr.ParameterError, fr.RunError, fr.PrecisionError)
-"""What a function raises where there is nothing to show; the message is a sentence."""
+"""Errors that a function raises if there is nothing to show; the message is a sentence."""
 
 
 @dataclass(frozen=True)
@@ -66,18 +69,18 @@ class Steps:
 
 @dataclass(frozen=True)
 class PendingCall:
-    """A call of a public function, not yet carried out.
+    """A call of a public function that has not been executed yet.
 
     Attributes
     ----------
     function : str
         A public name of `fronts`.
     arguments : tuple
-        Arguments by position; a `PendingCall` or a `Steps` is carried out first.
+        Positional arguments; a `PendingCall` or a `Steps` object is executed first.
     options : tuple of (str, object)
-        Arguments by name.
+        Keyword arguments.
     name : str
-        The variable that holds the result where the call is an argument of another.
+        Name of the variable for the result, if the call is an argument of another one.
     """
 
     function: str
@@ -86,7 +89,7 @@ class PendingCall:
     name: str = ""
 
     def run(self) -> Any:
-        """Return the result; it raises what the function raises."""
+        """Execute the call and return the result; errors of the function are passed on."""
         function = getattr(fr, self.function)
         options = {name: _carried_out(each) for name, each in self.options}
         return function(*map(_carried_out, self.arguments), **options)
@@ -109,7 +112,7 @@ def _call(function: str, *arguments: Any, **options: Any) -> PendingCall:
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What the controls of the page say; nothing is checked here, the functions do it.
+    """The settings of the page's controls; they are checked by the functions, not here.
 
     Attributes
     ----------
@@ -118,13 +121,13 @@ class Settings:
     eta : float
         η = b/a², dimensionless.
     a, b : float or None
-        Damping coefficients; by default 1 and η, other ones only rescale the amplitude.
+        Damping coefficients; by default 1 and η, since others only rescale the amplitude.
     eps : float
         Small parameter ε of (8), dimensionless.
     model : str
-        One of `MODELS`.
+        One of the keys of `MODELS`.
     nucleus : int
-        Number of sites that are excited, in phase, in the middle of the chain.
+        Number of sites excited in phase in the middle of the chain.
     """
 
     c: float = 0.5
@@ -137,16 +140,16 @@ class Settings:
 
 
 def calls(settings: Settings) -> dict[str, PendingCall]:
-    """Return the calls behind the pictures, the quick ones first.
+    """Return the calls behind the pictures, the fast ones first.
 
     Parameters
     ----------
     settings : Settings
-        What the controls say.
+        The settings of the controls.
 
     Returns
     -------
-    dict of str to Call
+    dict of str to PendingCall
         ``point``, ``profile``, ``run``, ``breather``, ``curve``, ``states``.
     """
     c, eta, size = settings.c, settings.eta, settings.nucleus
@@ -178,10 +181,10 @@ def calls(settings: Settings) -> dict[str, PendingCall]:
 
 
 def _breather(settings: Settings) -> PendingCall:
-    """Return the call for the breather: of (8) a periodic orbit, where there may be one.
+    """Return the call for the breather; for (8) it is a periodic orbit, where one may exist.
 
-    That there is none is known from the fold of its branch, which takes (43) a tenth of the time;
-    its coupling differs from that of (8) by O(ε).
+    Where no breather exists is known from the fold of its branch for (43), which takes a tenth of
+    the time; the coupling of this fold differs from that for (8) by O(ε).
     """
     size = settings.nucleus
     around = _chain(settings, size + 2 * AROUND, "around")
@@ -203,7 +206,7 @@ def _chain(settings: Settings, sites: int, name: str) -> PendingCall:
 
 @lru_cache(maxsize=256)
 def outcome(call: PendingCall) -> Any:
-    """Return the result of a call, or the sentence with which it is refused."""
+    """Return the result of a call, or the message with which it is refused."""
     try:
         return call.run()
     except REFUSALS as refusal:
@@ -211,9 +214,9 @@ def outcome(call: PendingCall) -> Any:
 
 
 def script(settings: Settings) -> str:
-    """Return a Python program that makes the pictures, each into a file.
+    """Return a Python program that writes each picture to a file.
 
-    What is refused stands in it as a comment, with its sentence.
+    A call that is refused is replaced by a comment with the message.
 
     Examples
     --------

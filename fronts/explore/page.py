@@ -1,4 +1,4 @@
-"""The explorer's page: its controls, its pictures, and the server on this machine alone."""
+"""The page of the explorer: its controls, its pictures, and the local server."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ const y = new Float64Array(sites);
 for (let n = 0; n < sites; n++) y[n] = image[n * samples + at];
 line.data = {x: line.data.x, y: y};
 """
-"""Show the sample of the next time; this runs in the browser."""
+"""JavaScript, run in the browser, that shows the next sample in time."""
 
 
 class Controls:
-    """The sliders and choices, and the settings that they say."""
+    """The sliders and menus of the page, and the settings that they represent."""
 
     def __init__(self) -> None:
         slider = pn.widgets.EditableFloatSlider
@@ -67,8 +67,8 @@ class Controls:
         self.damping = pn.widgets.Select(
             name="Damping by", options={"η": False, "a and b": True}, **look
         )
-        # What is typed may lie beyond a slider, and is then refused by the functions; the fixed
-        # bounds keep out what they allow but would compute for minutes.
+        # A typed value may lie outside the slider's range; if it is not allowed, the functions
+        # refuse it. The fixed bounds exclude allowed values for which they would take minutes.
         self.c = slider(
             name="coupling c", start=0.02, end=2.0, step=0.01, value=0.5, fixed_end=20.0,
             format="0.00[000]", **look,
@@ -105,7 +105,7 @@ class Controls:
         self.eta.visible = not event.new
 
     def settings(self) -> Settings:
-        """Return what they say."""
+        """Return the current settings."""
         said = {
             "c": float(self.c.value), "eps": float(self.eps.value), "model": self.model.value,
             "nucleus": self.nucleus.value,
@@ -117,11 +117,11 @@ class Controls:
 
 
 class ExplorerPage:
-    """One reader's page.
+    """The page of one reader.
 
-    Calls are carried out in one thread, settings that are no longer current are skipped, and each
-    picture is shown as soon as its calls are done: the page is at most one update behind a slider
-    that is dragged.
+    Calls are executed in one thread, settings that are no longer current are skipped, and each
+    picture is shown as soon as its calls are done. While a slider is dragged, the page is at most
+    one update behind.
     """
 
     def __init__(self) -> None:
@@ -151,14 +151,14 @@ class ExplorerPage:
         self.document.js_on_event(DocumentReady, ticking)
 
     def follow(self) -> None:
-        """Show what the controls say now."""
+        """Update the page to the current settings of the controls."""
         settings = self.controls.settings()
         if settings != self.current:
             self.current, self.begun = settings, perf_counter()
             self.worker.submit(self._work, settings)
 
     def _work(self, settings: Settings) -> None:
-        """Carry out the calls; those of several updates only while they are current."""
+        """Execute the calls, skipping slow ones whose settings are no longer current."""
         found: dict[str, Any] = {}
         try:
             for name, call in calls(settings).items():
@@ -184,7 +184,7 @@ class ExplorerPage:
                     each.show(settings, found)
             if newest == "breather":
                 spent = f"; updated in {1e3 * (perf_counter() - self.begun):.0f} ms"
-                first = not self.status.object  # that one waits for compiled code to be loaded
+                first = not self.status.object  # the first one includes loading compiled code
                 self.status.object = f"η = {settings.eta:.6g}{'' if first else spent}"
             self.document.unhold()
 
@@ -216,21 +216,21 @@ class ExplorerPage:
 
 
 def serve(port: int, ready: Callable[[str], None], *, show: bool) -> None:
-    """Serve the page until it is interrupted or the process that started this one has ended.
+    """Serve the page until the process is interrupted or its parent process has ended.
 
     Parameters
     ----------
     port : int
-        Of 127.0.0.1; 0 takes a free one.
+        Port of 127.0.0.1; 0 for any free port.
     ready : callable
-        Called with the address once the page is there.
+        Called with the address once the page is available.
     show : bool
-        Whether to open the browser.
+        Whether to open a browser.
 
     Raises
     ------
     OSError
-        If the port is taken.
+        If the port is in use.
     """
     pn.extension(raw_css=[PAGE])
     server = pn.io.server.get_server(

@@ -1,7 +1,7 @@
-"""The six pictures of the explorer: each draws results into a figure of Bokeh.
+"""The six pictures of the explorer, each of which draws results into a Bokeh figure.
 
-A new picture derives from `ExplorerPicture`, says which calls it needs, and is entered in
-`PICTURES`.
+A new picture is a class derived from `ExplorerPicture` that names the calls it needs; it must be
+added to `PICTURES`.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ HEIGHT = 265
 
 
 class ExplorerPicture:
-    """A figure with a caption, in whose place a sentence stands where a call is refused.
+    """A figure with a caption, both replaced by a sentence if a call is refused.
 
     Attributes
     ----------
     name, title : str
-        For the page.
+        Name and title on the page.
     needs : tuple of str
         Names of the calls without which there is nothing to draw.
     also : tuple of str
-        Names of calls whose results it draws too, once they are there.
+        Names of further calls, whose results are drawn once they are available.
     x, y : str
         Labels of the axes.
     """
@@ -64,15 +64,15 @@ class ExplorerPicture:
                           label_text_font_size="12px", glyph_height=14)  # fmt: skip
 
     def prepare(self) -> None:
-        """Put glyphs into the figure; their sources are empty."""
+        """Add glyphs with empty data sources to the figure."""
         raise NotImplementedError
 
     def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
-        """Draw results, and return the caption."""
+        """Draw the results, and return the caption."""
         raise NotImplementedError
 
     def show(self, settings: Settings, found: Mapping[str, Any]) -> None:
-        """Draw what there is, or say the sentence with which it is refused."""
+        """Draw the available results, or show the message with which a call is refused."""
         if any(name not in found for name in self.needs):
             return
         refused = self.refused(found)
@@ -83,11 +83,11 @@ class ExplorerPicture:
         self.figure.visible = self.caption.visible = not refused
 
     def refused(self, found: Mapping[str, Any]) -> str:
-        """Return the sentence with which a call is refused, or nothing."""
+        """Return the message with which a call is refused, or an empty string."""
         return next((found[name] for name in self.needs if isinstance(found[name], str)), "")
 
     def source(self, name: str, *columns: str) -> ColumnDataSource:
-        """Return an empty source of these columns."""
+        """Return an empty data source with these columns."""
         return ColumnDataSource({each: [] for each in columns or ("x", "y")}, name=name)
 
     def line(self, dimension: str, **look: Any) -> Span:
@@ -98,7 +98,7 @@ class ExplorerPicture:
 
 
 class KineticPicture(ExplorerPicture):
-    """Every velocity over the coupling at this η, and those at this coupling."""
+    """All velocities versus coupling at the current η, and those at the current coupling."""
 
     name, title = "kinetic", "Kinetic relation (54)"
     needs, also = ("point",), ("curve",)
@@ -106,7 +106,7 @@ class KineticPicture(ExplorerPicture):
     KINDS = ((True, "admissible", BLUE), (False, "not admissible", VERMILION))
 
     def prepare(self) -> None:
-        """Two kinds of points, the point itself, and the coupling."""
+        """Add two kinds of points, the current point, and a line at the coupling."""
         self.curve = {}
         for kind, label, colour in self.KINDS:
             self.curve[kind] = self.source(f"curve-{kind}")
@@ -118,14 +118,14 @@ class KineticPicture(ExplorerPicture):
         self.here = self.line("height", name="here")
 
     def refused(self, found: Mapping[str, Any]) -> str:
-        """Return also what is said where a front of (44) does not exist at any coupling."""
+        """Return the message, also if fronts of (44) do not travel at any coupling."""
         refused = super().refused(found)
         if not refused and found["point"].c_pin is None and not found["point"].branches:
             return f"No front travels: {found['point'].reason}"
         return refused
 
     def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
-        """Draw the relation."""
+        """Draw the kinetic relation."""
         answer, curve = found["point"], found.get("curve")
         self.here.location = answer.c
         self.point.data = {
@@ -157,7 +157,7 @@ class ProfilePicture(ExplorerPicture):
     x, y = "ζ (sites)", "φ/φₛ"
 
     def prepare(self) -> None:
-        """Modulus, real and imaginary part, and the threshold."""
+        """Add modulus, real and imaginary part, and the threshold."""
         self.shape = self.source("shape", "x", "modulus", "re", "im")
         for part, label, colour, dash in (
             ("modulus", "|φ|", BLUE, "solid"),
@@ -179,7 +179,7 @@ class ProfilePicture(ExplorerPicture):
 
 
 class StatesPicture(ExplorerPicture):
-    """The plane of η and c: states of the averaged chain, thresholds of (44), and the place."""
+    """The plane of η and c with the states of the averaged chain and the current point."""
 
     name, title = "states", "Place in the map"
     needs, also = ("point",), ("states",)
@@ -191,7 +191,7 @@ class StatesPicture(ExplorerPicture):
     }
 
     def prepare(self) -> None:
-        """Squares of the map, and the place."""
+        """Add the squares of the map, and the current point."""
         self.squares = {}
         for state, colour in self.COLOURS.items():
             self.squares[state] = self.source(f"state-{state}")
@@ -202,7 +202,7 @@ class StatesPicture(ExplorerPicture):
                             fill_color=BLUE)  # fmt: skip
 
     def draw(self, settings: Settings, found: Mapping[str, Any]) -> str:
-        """Draw the map and the place in it."""
+        """Draw the map and the current point."""
         self.place.data = {"x": [settings.eta], "y": [settings.c]}
         states = found.get("states")
         if states is None:
@@ -216,7 +216,7 @@ class StatesPicture(ExplorerPicture):
 
 
 class RunPicture(ExplorerPicture):
-    """Amplitudes of the chain over time and site, and the time that is shown beside."""
+    """Amplitudes of the chain over time and site, with a line at the time of the next picture."""
 
     name, title = "run", "The chain in space and time"
     needs = ("run",)
@@ -226,7 +226,7 @@ class RunPicture(ExplorerPicture):
     }  # fmt: skip
 
     def prepare(self) -> None:
-        """Put in the image and the line of time."""
+        """Add the image, and the line at the current time."""
         self.image = self.source("picture", "image")
         self.colours = LinearColorMapper(palette="Cividis256", low=0.0, high=1.0)
         self.figure.image("image", x=0.0, y=0.5, dw=SLOW_TIME, dh=SITES, source=self.image,
@@ -244,7 +244,7 @@ class RunPicture(ExplorerPicture):
 
 
 class NowPicture(ExplorerPicture):
-    """Amplitudes of the chain at the time shown, beside those of the breather."""
+    """Amplitudes of the chain at the current time, together with those of the breather."""
 
     name, title = "amplitudes", "Amplitudes at that time"
     needs, also = ("run",), ("breather",)
@@ -252,7 +252,7 @@ class NowPicture(ExplorerPicture):
     options: ClassVar[Mapping[str, Any]] = {"y_range": (0.0, 1.0)}
 
     def prepare(self) -> None:
-        """Put in the line that runs, the breather, and the two cycles of one cell."""
+        """Add the animated line, the breather, and the two cycles of a single cell."""
         self.chain = self.source("chain")
         self.breather = self.source("breather")
         self.figure.line("x", "y", source=self.chain, color=BLUE, line_width=1.5,
@@ -287,14 +287,14 @@ class MultipliersPicture(ExplorerPicture):
     }  # fmt: skip
 
     def prepare(self) -> None:
-        """Put in the circle and the points."""
+        """Add the circle and the points."""
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         self.figure.line(np.cos(turn), np.sin(turn), color=GREY)
         self.points = self.source("multipliers-points")
         self.figure.scatter("x", "y", source=self.points, color=BLUE, size=7, fill_alpha=0.25)
 
     def refused(self, found: Mapping[str, Any]) -> str:
-        """Return also what is said where there is no breather."""
+        """Return the message, also if there is no breather."""
         refused = super().refused(found)
         if not refused and found["breather"].multipliers is None:
             fold = found["breather"].fold
@@ -320,4 +320,4 @@ class MultipliersPicture(ExplorerPicture):
 PICTURES = (
     KineticPicture, ProfilePicture, StatesPicture, RunPicture, NowPicture, MultipliersPicture,
 )  # fmt: skip
-"""In the order of the page."""
+"""The pictures in their order on the page."""

@@ -1,8 +1,9 @@
-"""How long the explorer takes for an update: ``python -m fronts.explore.update_time``.
+"""Time that the explorer takes for an update: ``python -m fronts.explore.update_time``.
 
-An update computes what the page shows anew when the coupling has moved: the point on the curve, the
-shape of the front, the run of the chain and the breather with its multipliers. The curve and the
-map are left out, which are computed once for each η, and once. Seconds are those of the processor.
+An update computes what changes on the page when the coupling is varied: the point on the curve, the
+shape of the front, the simulation of the chain, and the breather with its multipliers. The curve,
+which is computed once for each η, and the map, which is computed only once, are not included. Times
+are processor times.
 """
 
 from __future__ import annotations
@@ -19,22 +20,22 @@ from verification.execution.metadata import Code, Metadata
 from verification.execution.record import Record
 
 COUPLINGS = tuple(round(0.01 * n, 2) for n in (*range(1, 26), *range(30, 101, 5)))
-"""Dense where there is a breather, and beside its fold."""
+"""Couplings of the measurement, dense where there is a breather and near its fold."""
 PACKAGES = (*SOURCES, "fronts")
 RECORD = Path(__file__).parents[2] / "benchmarks" / "results" / "explorer.json"
-"""In the source tree."""
+"""File for the record, in the source tree."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class UpdateTime:
-    """Processor time of an update, over couplings that the page has not shown yet.
+    """Processor time of an update, for couplings that the page has not shown before.
 
     Attributes
     ----------
     median_ms, largest_ms : float
-        Milliseconds.
+        Median and largest time, in milliseconds.
     slowest_c : float
-        The coupling that took longest.
+        Coupling at which the update took longest.
     """
 
     median_ms: float
@@ -43,7 +44,7 @@ class UpdateTime:
 
 
 def measure(model: str, couplings: tuple[float, ...] = COUPLINGS) -> UpdateTime:
-    """Measure the updates of one model of the chain, after two that compile.
+    """Measure updates for one model of the chain, after two updates that compile the code.
 
     Examples
     --------
@@ -69,7 +70,7 @@ def _seconds_of_update(settings: Settings) -> float:
 
 
 def main() -> None:
-    """Measure, say it, and store it if asked to."""
+    """Measure the times, print them, and store them if requested."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--record", action="store_true", help=f"into {RECORD.name}")
     options = parser.parse_args()

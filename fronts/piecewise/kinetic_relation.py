@@ -1,4 +1,4 @@
-"""The kinetic relation of the piecewise-linear chain, at numbers and along curves (Eq. 54)."""
+"""The kinetic relation of the piecewise-linear chain, at points and along curves (Eq. 54)."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from theory.result import Result
 from verification.execution.progress import ProgressCallback, of_part
 
 Numbers: TypeAlias = float | Sequence[float] | FloatArray
-"""A number or a one-dimensional array of them."""
+"""A number or a one-dimensional array of numbers."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class KineticCurve(Result):
-    """Every velocity along a line in the plane of coupling and η.
+    """All velocities along a line in the plane of coupling and η.
 
     Attributes
     ----------
     along : str
-        ``c`` or ``eta``: what varies.
+        The parameter that varies, ``c`` or ``eta``.
     points : tuple of KineticRelation
-        The answers, in the order of the values.
+        The results, in the order of the values.
     seconds : float
         Wall time.
     """
@@ -45,11 +45,11 @@ class KineticCurve(Result):
 
     @property
     def stability_shown(self) -> bool:
-        """Whether the stability of its fronts was asked for."""
+        """Whether the stability of the fronts was requested."""
         return any(point.limit_shown for point in self.points)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a branch, and one without a velocity where there is none."""
+        """Return one row per branch, and one without a velocity where there is no branch."""
         tables = [point.columns() for point in self.points]
         return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
@@ -73,31 +73,31 @@ def kinetic_relation(
     eta : float or array_like of float, shape (n,), optional
         η = b/a², dimensionless, positive; two limit cycles exist below 1/8.
     a, b : float, optional
-        Damping coefficients of (8), dimensionless; both, in place of eta.
+        Damping coefficients of (8), dimensionless; both must be given, in place of eta.
     stability : bool, optional
-        Also decide the linear stability of each admissible front along a curve, and where the
-        fastest one first loses it (``c_stable``), which takes longer. Of single numbers the
-        stability is always given, without ``c_stable``. At strong coupling (c of 1000, say) it
-        may be not decided, because its series is too long.
+        Determine the linear stability of each admissible front along a curve too, and the coupling
+        at which the fastest front first loses stability (``c_stable``); this takes longer. For
+        single numbers the stability is always determined, without ``c_stable``. At strong coupling
+        (such as c = 1000) stability may remain undecided, because its series is too long.
     certify : bool, optional
         Prove the velocities, their number and the thresholds in ball arithmetic; needs the extra
-        certify (python-flint). What could not be proven is named in ``unproven``.
+        certify (python-flint). Parts that could not be proven are named in ``unproven``.
     progress : callable, optional
-        Called with the fraction done, now and then.
+        Called from time to time with the fraction done.
 
     Returns
     -------
     KineticRelation or KineticCurve
-        A curve where c or eta is an array: its ``points`` are what single numbers give, with every
-        branch. With ``certify``, a `theory.piecewise.certified_relation.CertifiedRelation`. A
-        pinned front and η ≥ 1/8 are answers, not errors; see ``status``.
+        A curve if c or eta is an array; its ``points`` are the results for single numbers, with
+        all branches. With ``certify``, a `theory.piecewise.certified_relation.CertifiedRelation`.
+        A pinned front, or η ≥ 1/8, is not an error; see ``status``.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range, or η is given twice or not at all.
     MissingPackageError
-        If certify is asked for and python-flint is not installed.
+        If ``certify`` is true and python-flint is not installed.
 
     References
     ----------
@@ -118,7 +118,7 @@ def kinetic_relation(
     c_ = real_array("coupling c", c)
     _check_curve(c_, np.asarray(eta_))
     begin = perf_counter()
-    # Beside a proof the search takes no time.
+    # Compared with a proof, the search takes no time.
     answers = trace_kinetic_relation(c_, eta_, progress=None if certify else progress)
     single = c_.ndim == 0 and np.ndim(eta_) == 0
     if stability or single:
@@ -138,7 +138,7 @@ def kinetic_relation(
 
 
 def _check_curve(c: FloatArray, eta: FloatArray) -> None:
-    """Refuse arrays that are no curve along one of the two parameters."""
+    """Refuse arrays that do not form a curve along one of the two parameters."""
     for quantity, values in (("coupling c", c), ("eta", eta)):
         if not values.size:
             raise ParameterError(quantity, "[]", "one number or more", "give at least one")
@@ -159,7 +159,7 @@ def _with_stability(answer: KineticRelation, limit: bool) -> KineticRelation:
 
 
 def damping_ratio(eta: Any, a: float | None, b: float | None) -> Any:
-    """Return η as it was given, or from a and b."""
+    """Return η, given as such or by a and b."""
     if eta is not None:
         if a is not None or b is not None:
             raise ParameterError("eta", eta, "absent beside a and b", "give one of them")

@@ -28,17 +28,17 @@ class FrontProfile(Result):
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
-        ζ of the violation nearest 0.
+        Position ζ of the violation of (47) nearest 0, in sites; None if there is none.
     threshold : float
-        |φ_us|/|φ_s|.
+        The threshold |φ_us|/|φ_s|.
     zeta : ndarray of float, shape (n,)
-        Positions, site - vT, in sites.
+        Positions ζ = site - vT, in sites.
     phi : ndarray of complex, shape (n,)
         φ(ζ)/φ_s, dimensionless.
     error : float
         Bound on the error of every value.
     points : int
-        Points of the quadrature.
+        Number of quadrature points.
     """
 
     derived = ("re", "im")
@@ -66,7 +66,7 @@ class FrontProfile(Result):
         return self.phi.imag
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a position."""
+        """Return one row per position."""
         return {
             "zeta": self.zeta,
             "re_phi": self.phi.real,
@@ -95,9 +95,9 @@ def front_profile(
     eta : float, optional
         η = b/a², dimensionless; two limit cycles exist below 1/8.
     a, b : float, optional
-        Damping coefficients of (8), dimensionless; both, in place of eta.
+        Damping coefficients of (8), dimensionless; both must be given, in place of eta.
     branch : int, optional
-        Which solution, 1 the slowest; by default the fastest admissible.
+        Number of the solution in ascending order of v; by default the fastest admissible one.
     low : float, optional
         First position ζ, in sites.
     high : float, optional
@@ -108,14 +108,14 @@ def front_profile(
     Returns
     -------
     FrontProfile
-        Positions, values, and the front that they are of.
+        Positions, values, and the velocity and admissibility of the front.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range, or there is no such branch.
     RunError
-        If no front travels there.
+        If no front travels at these parameters.
     PrecisionError
         If more than two million points of quadrature would be needed (v or c above some 10⁴).
 
@@ -150,7 +150,7 @@ def front_profile(
     if chosen.v > 0:
         shape = shape_of(zeta, chosen.v, answer.c)
         phi = shape.phi
-    else:  # a retreating front is 1 - φ(-ζ) of the advancing one
+    else:  # a retreating front is 1 - φ(-ζ), where φ is the advancing one
         shape = shape_of(-zeta, -chosen.v, answer.c)
         phi = 1.0 - shape.phi
     return FrontProfile(

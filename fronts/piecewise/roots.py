@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _MAX_ROOTS = 100_000
 _MAX_DIGITS_OF_ROOTS = 10_000_000
-"""Roots times digits in one half-plane, beyond double precision: some minutes."""
+"""Largest product of the numbers of roots and digits in one half-plane: a few minutes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,13 +28,13 @@ class Root(Result):
     Attributes
     ----------
     label : int
-        The strip that holds it and no other.
+        Number of the strip that contains this root and no other.
     re, im : float or str
-        Its parts, per site; strings of decimals beyond 15 digits.
+        Real and imaginary part, per site; decimal strings if more than 15 digits are required.
     residual : float
         |L(k)|, dimensionless.
     radius : float
-        The true root lies within this distance, rounding included.
+        Bound on the distance from the true root, rounding included.
     """
 
     label: int
@@ -53,9 +53,9 @@ class Roots(Result):
     upper, lower : tuple of Root
         Roots above and below the real axis, ascending in |k|.
     counted : int
-        Their number by the argument principle, which knows nothing of labels.
+        Number of roots by the argument principle, which does not use labels.
     certified : bool
-        Whether every radius and the number are proved in ball arithmetic.
+        Whether all radii and the number are proven in ball arithmetic.
     """
 
     upper: tuple[Root, ...]
@@ -64,7 +64,7 @@ class Roots(Result):
     certified: bool
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return one row a root, the upper half-plane first."""
+        """Return one row per root, the upper half-plane first."""
         both = [*self.upper, *self.lower]
         names = ["upper"] * len(self.upper) + ["lower"] * len(self.lower)
         return {"half_plane": np.array(names)} | {
@@ -88,32 +88,32 @@ def roots(
     Parameters
     ----------
     v : float or str
-        Front velocity v̂ > 0, dimensionless; a string is read as a decimal, digit for digit, a float
-        is the binary number that it is.
+        Front velocity v̂ > 0, dimensionless; a string is read as a decimal with all its digits, a
+        float is the exact binary number.
     c : float or str
-        Coupling c > 0, dimensionless, read as v is.
+        Coupling c > 0, dimensionless; read in the same way as v.
     count : int, optional
-        The roots nearest 0, so many in each half-plane; 10 where extent is not given either.
+        Number of roots nearest 0 in each half-plane; 10 if extent is not given either.
     extent : float, optional
-        Every root with |Re k| up to this, in place of count.
+        Largest |Re k| of the roots, in place of count.
     digits : int, optional
-        Required digits, from 1 to 2000; beside certify at most 15.
+        Required digits, from 1 to 2000; with certify at most 15.
     certify : bool, optional
         Enclose and count the roots in ball arithmetic; needs the extra certify (python-flint).
     progress : callable, optional
-        Called with the fraction done, where digits are many.
+        Called with the fraction done, if more than 15 digits are required.
 
     Returns
     -------
     Roots
-        Both half-planes, with labels that never change and a radius about each root.
+        The roots in both half-planes, each with a permanent label and a radius.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range, or count and extent are both given.
     MissingPackageError
-        If certify is asked for and python-flint is not installed.
+        If ``certify`` is true and python-flint is not installed.
     RunError
         If a root could not be enclosed.
 
@@ -164,7 +164,7 @@ def roots(
 
 
 def _counted(v: float, c: float, found: RootSet, upper: bool) -> int:
-    """Count the roots by the argument principle, in a box about exactly these strips."""
+    """Count the roots by the argument principle, in a box around these strips."""
     from theory.piecewise.root_count import count_in_strips
 
     if found.labels.size == 0:
@@ -174,9 +174,9 @@ def _counted(v: float, c: float, found: RootSet, upper: bool) -> int:
 
 
 def _of_decimals(v: float | str, c: float | str, found: RootSet) -> RootSet:
-    """Return the same roots, with what rounding decimals to doubles has moved them by.
+    """Return the same roots with radii that include the rounding of v and c to doubles.
 
-    dk/dv = -k/(v + c sin k) and dk/dc = -2 sin²(k/2)/(v + c sin k).
+    It is based on dk/dv = -k/(v + c sin k) and dk/dc = -2 sin²(k/2)/(v + c sin k).
     """
     from fractions import Fraction
 
@@ -184,7 +184,7 @@ def _of_decimals(v: float | str, c: float | str, found: RootSet) -> RootSet:
     moved = [abs(float(Fraction(text) - Fraction(float(text)))) for text in (v, c)]
     slope = np.abs(v_ + c_ * np.sin(found.k))
     by_v, by_c = np.abs(found.k) / slope, 2.0 * np.abs(np.sin(0.5 * found.k)) ** 2 / slope
-    # Half as much again for what is beyond the first order.
+    # The factor 1.5 accounts for higher orders.
     radius = found.radius + 1.5 * (by_v * moved[0] + by_c * moved[1])
     return replace(found, radius=radius)
 
@@ -228,7 +228,7 @@ def _in_decimals(
             progress(done / found.labels.size)
             (k,) = precise_roots(v, c, found.labels[done : done + 1], upper, digits)
             residual = abs(mp.mpf(0.5) - 2j * c_ * mp.sin(k / 2) ** 2 - 1j * v_ * k)
-            printed = abs(k) * mp.mpf(10) ** (1 - digits)  # what printing so many digits costs
+            printed = abs(k) * mp.mpf(10) ** (1 - digits)  # error of printing ``digits`` digits
             radius = 2 * residual / abs(v_ + c_ * mp.sin(k)) + printed
             rows.append(
                 Root(
@@ -236,7 +236,7 @@ def _in_decimals(
                     re=mp.nstr(k.real, digits),
                     im=mp.nstr(k.imag, digits),
                     residual=float(residual),
-                    radius=math.nextafter(float(radius), math.inf),  # of 400 digits it is no zero
+                    radius=math.nextafter(float(radius), math.inf),  # not zero even for 400 digits
                 )
             )
     return tuple(rows)

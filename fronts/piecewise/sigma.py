@@ -24,29 +24,29 @@ def sigma(
     Parameters
     ----------
     v : float or str
-        Front velocity v̂ > 0, dimensionless; a string is read as a decimal, digit for digit.
+        Front velocity v̂ > 0, dimensionless; a string is read as a decimal with all its digits.
     c : float or str
-        Coupling c > 0, dimensionless; a string is read as a decimal, digit for digit.
+        Coupling c > 0, dimensionless; a string is read as a decimal with all its digits.
     method : {"integral", "series", "bessel", "quadrature", "certified"}, optional
-        Integral: one integral over a period, trapezoidal rule; series: the printed series over the
-        roots, its tail summed; bessel: a series of Bessel functions; quadrature: adaptive
-        quadrature on the real line; these two work in double precision. Certified: the integral in
-        ball arithmetic, whose error is proven (needs the extra certify).
+        Integral: an integral over one period, by the trapezoidal rule; series: the printed series
+        over the roots, with its tail summed; bessel: a series of Bessel functions, in double
+        precision; quadrature: adaptive quadrature on the real line, in double precision; certified:
+        the integral in ball arithmetic, with a proven error (needs the extra certify).
     digits : int, optional
         Required digits after the point, from 1 to 2000.
 
     Returns
     -------
     KineticSum
-        ``value``, its ``error`` bound, ``terms``, ``method``, ``seconds``; beyond 15 digits the
-        value is one of mpmath.
+        ``value``, its ``error`` bound, ``terms``, ``method`` and ``seconds``; beyond 15 digits the
+        value is an mpmath number.
 
     Raises
     ------
     ParameterError
-        If a parameter is out of range, or so many digits are beyond the method.
+        If a parameter is out of range, or the method never reaches this number of digits.
     PrecisionError
-        If the method cannot reach so many digits at these parameters.
+        If the method cannot reach this number of digits at these parameters.
 
     References
     ----------
@@ -118,7 +118,7 @@ def _certified_sum(v: float | str, c: float | str, digits: int) -> KineticSum:
 
 
 def _rounded(found: KineticSum) -> KineticSum:
-    """Return a precise sum in double precision, the rounding in its error."""
+    """Return a precise sum rounded to double precision; its error includes the rounding."""
     value = complex(found.value)
     error = float(found.error) + abs(value) * np.finfo(float).eps
     return replace(found, value=value, error=float(error), digits=DOUBLE)

@@ -1,4 +1,4 @@
-"""The front of the piecewise-linear chain by direct simulation, as the shell asks for it."""
+"""The front of the piecewise-linear chain by direct simulation, for the command line."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ def piecewise_front(
     accuracy: float = 1e-12,
     max_sites: int = 1000,
 ) -> Front:
-    """Return the front of (44), moved exactly from switching to switching.
+    """Return the front of (44), integrated exactly from one switching to the next.
 
     Parameters
     ----------
     chain : PiecewiseChain
-        Coupling and η.
+        The chain.
     start : {"moving", "resting", "step"}, optional
-        Moving: a travelling wave, near the fastest that fits; resting: the static front; step:
-        phi = 1 up to site 0 and 0 beyond.
+        Initial state. Moving: a travelling wave, close to the fastest possible one; resting: the
+        static front; step: phi = 1 up to site 0 and 0 beyond.
     start_v : float, optional
-        Velocity of a moving start, negative to retreat.
+        Velocity of a moving initial state; negative for a retreating front.
     accuracy : float, optional
-        Relative spread of the period at which the motion counts as steady.
+        Relative spread of the period below which the motion counts as steady.
     max_sites : int, optional
-        Most sites that the front may pass, at least 80.
+        Largest number of sites that the front may pass, at least 80.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""Error against run time, beside peers, in one process; run with ``fronts bench``."""
+"""Error versus run time, compared with other programs in one process; see ``fronts bench``."""

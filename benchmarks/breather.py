@@ -1,14 +1,15 @@
-"""A breather of the chain (8): amplitudes and frequency, by solving for it and by waiting for it.
+"""A breather of the chain (8): amplitudes and frequency, by a solver and by a long run.
 
-One site excited. The error is the largest of max |y_n| over the sites and of the frequency.
-Ours are Newton's method on the averaged chain, whose error is of order ε whatever it costs,
-shooting with variational equations, and a long run. A user would pick scipy: ``root`` on the flow
-of ``solve_ivp``, started from the averaged breather, or ``solve_ivp`` for a long time. Ours are
-held against scipy's shooting at 1e-13, scipy's against our shooting with twice the steps;
-``agreement`` is how far these two are apart: some 1e-9, because ours reads the largest displacement
-off a parabola through three samples; states and periods agree to 1e-12. What shooting claims is of
-state and period, what the long run claims is of what has not settled yet. The averaged breather is
-exact for another equation, and claims nothing about (8).
+One site is excited. The error is the largest of the errors of max |y_n| over the sites and of the
+frequency. Our methods are Newton's method on the averaged chain, whose error is of order ε whatever
+it costs, shooting with variational equations, and a long run. A user would otherwise choose scipy:
+``root`` on the flow of ``solve_ivp``, started from the averaged breather, or ``solve_ivp`` for a
+long time. Our methods are compared with scipy's shooting at 1e-13, and scipy's methods with our
+shooting with twice the steps. ``agreement`` is the difference between these two references: about
+1e-9, because ours reads the largest displacement off a parabola through three samples; states and
+periods agree to 1e-12. The error that shooting states is that of state and period; the error that
+the long run states measures how far it has not yet settled. The averaged breather is exact for
+another equation, and states no error with respect to (8).
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ _SAMPLES = 256
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods."""
+    """Return the settings of all methods, compared with the two references."""
     chain = problem.vdp_chain()
     theirs = by_scipy(chain, 1e-11 if quick else 1e-13)
     ours = by_shooting(chain, 2 * steps_for(chain))
@@ -84,12 +85,12 @@ def by_shooting(chain: VdpChain, steps: int) -> FloatArray:
 
 
 def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
-    """Return the same by ``scipy.optimize.root`` on the flow of ``solve_ivp``.
+    """Return the same as `by_shooting`, by ``scipy.optimize.root`` on the flow of ``solve_ivp``.
 
     Raises
     ------
     ArithmeticError
-        If either gives up.
+        If either of the two fails.
     """
     from scipy.integrate import solve_ivp
     from scipy.optimize import root
@@ -106,8 +107,8 @@ def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
     def system(u: FloatArray) -> FloatArray:
         return np.append(flow(u) - u[:-1], u[centre])
 
-    # The flow contracts by parts in a hundred a period, so that the step of the finite differences
-    # must stand far above its error.
+    # The flow contracts by only a few per cent per period, so the step of the finite differences
+    # must be far larger than the error of the flow.
     found = root(system, orbit_guess(chain, Nucleus(1)), tol=tolerance,
                  options={"eps": math.sqrt(tolerance)})  # fmt: skip
     if float(np.abs(found.fun).max()) > 1e3 * tolerance:
@@ -118,9 +119,9 @@ def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
 
 
 def _peaks(y: FloatArray) -> FloatArray:
-    """Return max |y_n| of one period of samples, shape (N, samples), by trigonometric sums.
+    """Return max |y_n| from samples of one period, shape (N, samples), by trigonometric sums.
 
-    From the largest sample, Newton's method on the derivative.
+    Newton's method, started at the largest sample, finds the zero of the derivative.
     """
     size = y.shape[1]
     terms = np.fft.rfft(y, axis=1)[:, : size // 2] / size
@@ -160,7 +161,7 @@ def _root(chain: VdpChain, tolerance: float) -> MethodAnswer:
 
 
 def _long(chain: VdpChain, end: float, tolerance: float) -> MethodAnswer:
-    """Wait until slow time ``end``, then take the last period between two rising zeros."""
+    """Run to slow time ``end``, then measure one period between two upward zero crossings."""
     from scipy.integrate import solve_ivp
 
     rate = full_rate(chain)
@@ -186,7 +187,7 @@ def _long(chain: VdpChain, end: float, tolerance: float) -> MethodAnswer:
 
 @dataclass(frozen=True)
 class _Rising:
-    """An event of ``solve_ivp``: y of a site passes zero upwards."""
+    """An event of ``solve_ivp``: y of a site crosses zero upwards."""
 
     site: int
     direction: float = 1.0
@@ -196,7 +197,7 @@ class _Rising:
 
 
 def _first(method: str) -> object:
-    """Return a breather of the first test problem, compared with nothing."""
+    """Return a breather of the first test problem, without comparing it."""
     chain = timed("breather")[0].vdp_chain()
     return by_scipy(chain, 1e-6) if method == ROOT else by_shooting(chain, steps_for(chain))
 

@@ -1,12 +1,12 @@
-"""The Van der Pol chain, error against run time beside peers.
+"""The Van der Pol chain: error versus run time, compared with other programs.
 
-The first site on its cycle, the others at rest. The default stepper (Runge-Kutta of order 8, an
-active window of the sites that move) beside its slower rivals, which are fixed steps, Taylor
-series and a splitting, and beside scipy, jitcode and heyoka, whose compile time stands apart. The
-error is the largest of y and ẏ at the end, against our Taylor series at 1e-14, which is itself
-compared with scipy's DOP853 at 1e-13. Then: how the cost of a front grows with its path, the map of
-Fig. 15, and the thresholds of Fig. 11. Times are processor seconds, but for the map, where they are
-wall seconds.
+The first site starts on its cycle, the others at rest. The default stepper (Runge-Kutta of order
+8 with an active window of the moving sites) is compared with its slower rivals, which are fixed
+steps, Taylor series and a splitting, and with scipy, jitcode and heyoka, whose compile time is
+reported separately. The error is the largest error of y and ẏ at the end, with respect to our
+Taylor series at 1e-14, which is itself compared with scipy's DOP853 at 1e-13. Three whole tasks
+follow: how the cost of a front grows with its path, the map of Fig. 15, and the thresholds of
+Fig. 11. Times are seconds of processor time, except for the map, where they are wall-clock seconds.
 """
 
 from __future__ import annotations
@@ -46,22 +46,22 @@ from verification.steppers.active import FREE
 from verification.steppers.friction_series import taylor_order
 
 Solve = Callable[[float], FloatArray]
-"""From a tolerance to the final (y, ẏ)."""
+"""Maps a tolerance to the final (y, ẏ)."""
 Forces = Callable[[Any, Any], list[Any]]
-"""From the y and the ẏ, symbols of a peer, to the accelerations."""
+"""Maps y and ẏ, given as symbols of another program, to the accelerations."""
 
 OURS, SERIES = "Runge-Kutta 8 (default)", "Taylor series"
 STATED = "Runge-Kutta 8, error stated"
 FIXED8, FIXED4, SPLIT = "Runge-Kutta 8, fixed", "Runge-Kutta 4, fixed", "splitting SABA4"
 LOW, HIGH = 1e-9, 1e-3
-"""Errors between which speed was promised."""
+"""Range of errors for which a speed was promised."""
 TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(6, 25))
-"""1e-3 to 1e-12, by half decades, for all with a tolerance."""
+"""Tolerances of all methods that have one: 1e-3 to 1e-12, in half decades."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrajectoryTask:
-    """A trajectory: of which chain, from where (y, ẏ), until when."""
+    """A trajectory: the chain, the initial (y, ẏ), and the end time."""
 
     chain: VdpChain
     start: FloatArray
@@ -69,12 +69,12 @@ class TrajectoryTask:
 
     @property
     def parameters(self) -> FloatArray:
-        """As the splitting and the Taylor series want them."""
+        """The parameters as the splitting and the Taylor series take them: a, b, c, ε."""
         return np.array([self.chain.a, self.chain.b, self.chain.c, self.chain.eps])
 
 
 def task_of(problem: Problem) -> TrajectoryTask:
-    """Return the trajectory of a test problem: the first site on its cycle."""
+    """Return the trajectory of a test problem, with the first site on its cycle."""
     chain = problem.vdp_chain()
     start = np.zeros(2 * chain.sites)
     start[0] = chain.stable_amplitude
@@ -82,11 +82,11 @@ def task_of(problem: Problem) -> TrajectoryTask:
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods."""
+    """Return the settings of all methods and the agreement of the two references."""
     task = task_of(problem)
     true = by_series(task, 1e-14)
     apart = float(np.abs(scipy_solver(task, "DOP853")(1e-13) - true).max())
-    # What only shows that stiffness makes it worse is measured at fewer settings.
+    # Problems that only show the effect of stiffness are measured at fewer settings.
     few = quick or "ordinary" not in problem.tags
     peers, missing = _peers(task, true, few, report)
     return Prepared(agreement=apart, settings=[*_ours(task, true, few), *peers], failures=missing)
@@ -116,7 +116,7 @@ def _ours(task: TrajectoryTask, true: FloatArray, few: bool) -> list[Setting]:
 def _peers(
     task: TrajectoryTask, true: FloatArray, few: bool, report: Report
 ) -> tuple[list[Setting], list[tuple[str, str, str]]]:
-    """Return the peers at every tolerance, and those that are not there or do not compile."""
+    """Return the other programs at every tolerance, and those missing or failing to compile."""
     settings: list[Setting] = []
     missing: list[tuple[str, str, str]] = []
     tolerances = TOLERANCES[2:11:8] if few else TOLERANCES
@@ -125,7 +125,7 @@ def _peers(
         report(f"compiling {name}, {knob}")
         try:
             solve = build()
-        except Exception as error:  # whatever a peer raises is its result
+        except Exception as error:  # whatever another program raises is its result
             missing.append((name, knob, str(error)[:160]))
             return
         for tolerance in some:
@@ -163,7 +163,7 @@ def ours(task: TrajectoryTask, tolerance: float) -> FloatArray:
 
 
 def _stated(task: TrajectoryTask, tolerance: float) -> MethodAnswer:
-    """Return the final state with its error: the run as a user asks for it."""
+    """Return the final state with its error, from a run such as a user would start."""
     run = simulate(task.chain, excite(task.chain, [1]), task.end, tolerance=tolerance, samples=2)
     return MethodAnswer(value=run.states[-1].ravel(), claimed=run.error)
 
@@ -193,7 +193,7 @@ SCIPY: tuple[ScipyMethod, ...] = ("DOP853", "LSODA")
 
 
 def scipy_solver(task: TrajectoryTask, method: ScipyMethod) -> Solve:
-    """Return ``solve_ivp`` with one of its methods."""
+    """Return a solver that calls ``solve_ivp`` with one of its methods."""
     rate = full_rate(task.chain)
 
     def solve(tolerance: float) -> FloatArray:
@@ -205,7 +205,7 @@ def scipy_solver(task: TrajectoryTask, method: ScipyMethod) -> Solve:
 
 
 def _forces(chain: VdpChain, y: Any, w: Any) -> list[Any]:
-    """Return the accelerations in the symbols of a peer."""
+    """Return the accelerations in the symbols of another program."""
     found = []
     for i in range(chain.sites):
         square = y[i] ** 2
@@ -225,13 +225,13 @@ def jitcode_solver(task: TrajectoryTask, method: str) -> Solve:
 def heyoka_solver(task: TrajectoryTask, tolerance: float) -> Solve:
     """Return heyoka's Taylor integrator at one tolerance, compiled.
 
-    The whole step unrolled: slower to compile than compact mode, and twice as fast.
+    The whole step is unrolled, which compiles more slowly than compact mode and runs twice as fast.
     """
     return compiled_by_heyoka(partial(_forces, task.chain), task.start, task.end, tolerance)
 
 
 def compiled_by_jitcode(forces: Forces, start: FloatArray, end: float, method: str) -> Solve:
-    """Return an integrator of jitcode for accelerations, from (y, ẏ) at 0 until a time."""
+    """Return jitcode's integrator for given accelerations, from (y, ẏ) at 0 to an end time."""
     from jitcode import jitcode
     from jitcode import y as state
 
@@ -251,7 +251,7 @@ def compiled_by_jitcode(forces: Forces, start: FloatArray, end: float, method: s
 def compiled_by_heyoka(
     forces: Forces, start: FloatArray, end: float, tolerance: float, *, compact: bool = False
 ) -> Solve:
-    """Return heyoka's Taylor integrator for accelerations, from (y, ẏ) at 0 until a time."""
+    """Return heyoka's Taylor integrator for accelerations, from (y, ẏ) at 0 to an end time."""
     import heyoka
 
     n = start.size // 2
@@ -270,13 +270,13 @@ def compiled_by_heyoka(
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
-    """Return how the default stepper compares at the ordinary problem, and whole tasks."""
+    """Return comparisons of the default stepper at the ordinary problem, and whole tasks."""
     ordinary = timed("chain")[0].name
     return (*ratio_targets([p for p in points if p.problem == ordinary]), *_tasks(quick, report))
 
 
 def ratio_targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
-    """Return the least factors, at equal error, by which the default stepper beats the others."""
+    """Return the least factors by which the default is faster than the others at equal error."""
     default = [point for point in points if point.method == OURS]
     rows = []
     for names, limit in (
@@ -307,7 +307,7 @@ def ratio_targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
 
 
 def _tasks(quick: bool, report: Report) -> list[Target]:
-    """Measure whole tasks: a front over longer and longer chains, the map, the thresholds."""
+    """Measure whole tasks: a front on chains of growing length, the map, the thresholds."""
     report("measuring whole tasks ...")
     rows = [_front_cost((100, 200, 400) if quick else (100, 300, 1000, 3000))]
     if not quick:
@@ -367,7 +367,7 @@ def _thresholds() -> Target:
 
 
 def _first(method: str) -> FloatArray:
-    """Integrate the ordinary problem; the first call compiles whatever has to be compiled."""
+    """Integrate the ordinary problem; the first call includes all compilation."""
     return _solver(method)(1e-8)
 
 

@@ -1,11 +1,12 @@
-"""Is the default method the right one? Read from the records, decade of error by decade.
+"""Whether the default method is the fastest, read from the records for each decade of error.
 
-For each error 10^-k that a user is likely to ask for, every method takes its fastest setting whose
-true error is no larger. The default should then be the fastest; where another one is, by more than
-a tenth, the table says which and by what factor. Errors below what the references are apart are
-left out: they are not known. Variants of the default, and methods that solve another problem, are
-no rivals; the latter are named with what they solve. For each rival that is faster the table says
-why the default is the default all the same.
+For each error 10^-k that a user is likely to require, every method is given its fastest setting
+whose true error is no larger. The default should then be the fastest; where another method is
+faster by more than a tenth, the table names it and gives the factor. Errors smaller than the
+difference of the two references are left out, since they are not known. Variants of the default
+and methods that solve another problem do not count as rivals; the latter are listed with the
+problem that they solve. For each rival that is faster, the table states why the default is
+nevertheless the default.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from verification.quantities.quantity import Quantity
 NO_REASON = "no reason is given: the default is to be changed"
 
 NOISE = 1.1
-"""A factor of time below which two methods count as equally fast."""
+"""Ratio of run times below which two methods count as equally fast."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,12 @@ class Beaten:
     Attributes
     ----------
     error : float
-        The error asked for.
+        The required error.
     by : str
-        The fastest method there.
+        The fastest method at this error.
     factor : float or None
-        Time of the default over its time; None where the default does not get so far.
+        Run time of the default divided by that of ``by``; None where the default does not reach
+        this error.
     """
 
     error: float
@@ -54,19 +56,20 @@ class Choice:
     Attributes
     ----------
     quantity, problem, default : str
-        What, where, which.
+        The quantity, the test problem and the default method.
     recorded : str
         Date of the record.
     fastest : tuple of float
-        Errors asked for at which no other method is faster.
+        Required errors at which no other method is faster.
     beaten : tuple of Beaten
-        The others.
+        The required errors at which another method is faster.
     reasons : mapping of str to str
-        For each rival that is faster somewhere, why the default is the default all the same.
+        For each rival that is faster at some error, why the default is nevertheless the default.
     others : mapping of str to str
-        Methods of the record that are no rivals because they solve another problem, and which.
+        Methods of the record that are not rivals because they solve another problem, each with
+        that problem.
     stale : str
-        Why the record no longer counts; empty if it does.
+        Why the record is out of date; empty if it is not.
     """
 
     quantity: str
@@ -81,17 +84,17 @@ class Choice:
 
     @property
     def lower_envelope(self) -> bool:
-        """Whether the default is the fastest at every useful error that any method reaches."""
+        """Whether the default is the fastest at every useful error that some method reaches."""
         return not self.beaten and bool(self.fastest)
 
 
 def choices(benchmark: WorkPrecision, quantity: Quantity, record: BenchmarkRecord) -> list[Choice]:
-    """Return one choice a test problem.
+    """Return one `Choice` for each test problem.
 
     Raises
     ------
     ValueError
-        If the record does not hold the default method at a test problem.
+        If the record lacks the default method at a test problem.
     """
     rows, default = [], quantity.default
     stale = staleness(record.code)
@@ -138,7 +141,7 @@ def decades(low: float, high: float) -> list[float]:
 
 
 def fastest_within(points: Iterable[WorkPoint], error: float) -> dict[str, float]:
-    """Return the least time of each method with a setting that is so exact."""
+    """Return the least time of each method among its settings within the given error."""
     best: dict[str, float] = {}
     for point in points:
         if point.error <= error:
@@ -149,7 +152,7 @@ def fastest_within(points: Iterable[WorkPoint], error: float) -> dict[str, float
 def stored_choices(
     benchmarks: Sequence[WorkPrecision], folder: Path
 ) -> tuple[list[Choice], list[str]]:
-    """Return the choices from the records of a folder, and the names of those without a record."""
+    """Return the choices from a folder's records, and the benchmarks that have no record there."""
     rows: list[Choice] = []
     missing = []
     for benchmark in benchmarks:
@@ -178,12 +181,12 @@ def write_choices(rows: Sequence[Choice], path: Path) -> None:
 
 
 def as_text(rows: Sequence[Choice]) -> str:
-    """Return the table as text: one line a problem, and one for each method that beats the default.
+    """Return the table as text: a line for each problem and for each method that is faster.
 
     Examples
     --------
     >>> print(as_text([Choice("sum", "s", "m", "today", (1e-2,), (Beaten(1e-3, "n", 2.0),))]))
-    quantity     problem                        default                       is the fastest
+    quantity     problem                      default                       is the fastest
     sum          s                            m                             at 1 of 2 errors: 1e-02
                      n is faster: 1e-03 (2.0 times)
     """
@@ -213,7 +216,7 @@ def as_text(rows: Sequence[Choice]) -> str:
 
 
 def span(errors: Sequence[float]) -> str:
-    """Return the ends of a row of errors, or all of them where one is left out.
+    """Return the first and last of consecutive decades, or all errors if a decade is missing.
 
     Examples
     --------

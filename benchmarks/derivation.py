@@ -1,14 +1,15 @@
-"""Time to the modulation equations of one cell, beside OSCILATE and ``asymptotics``.
+"""Time to derive the modulation equations of one cell, compared with OSCILATE and ``asymptotics``.
 
-The claim: second order for the cell of Eq. (8), with symbols, takes milliseconds and is right.
-Each contender runs in a process of its own with a time limit; import time is not counted, and
-seconds are those of the wall. The error is
+The claim is that the derivation to second order for the cell of Eq. (8), with symbolic parameters,
+takes milliseconds and is correct. Each program runs in a process of its own with a time limit;
+import time is not counted, and times are wall-clock seconds. The error is
 
-- at first order, the mean damping, by direct sampling of the cell, at the amplitudes found,
-- at second order, the shift of the frequency against a true periodic orbit at small eps.
+- at first order, the mean damping at the amplitudes found, by direct sampling of the cell,
+- at second order, the error of the frequency shift with respect to a true periodic orbit at small
+  eps.
 
-A contender in whose modulation equation a drive at the linear frequency does not enter is listed as
-a failure, whatever its error.
+A program whose modulation equation does not contain a drive at the linear frequency is listed as a
+failure, whatever its error.
 """
 
 from __future__ import annotations
@@ -135,11 +136,11 @@ CONTENDERS = {
     "OSCILATE": (OSCILATE, "oscilate", 1),
     "asymptotics": (ASYMPTOTICS, "asymptotics", 1),
 }
-"""Program, package, and repetitions (the peers take too long for more than one)."""
+"""Program, package and repetitions of each contender (one where a program takes too long)."""
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return how well the reference is known, and every contender in a process of its own."""
+    """Return how well the reference is known, and the settings of every contender."""
     order = int(problem["order"])
     settings = [
         Setting(
@@ -161,7 +162,7 @@ def _derived(name: str, order: int, limit: float, repeats: int | None) -> Method
 
 
 def program_of(name: str) -> str:
-    """Return a contender's program with the numbers of the test problem."""
+    """Return a contender's program with the parameter values of the test problem."""
     return CONTENDERS[name][0].replace("VALUE_A", repr(A)).replace("VALUE_B", repr(B))
 
 
@@ -171,7 +172,7 @@ def answers(name: str, order: int, limit: float, repeats: int | None) -> list[di
     Raises
     ------
     ModuleNotFoundError, ArithmeticError, TimeoutError
-        If it is not installed, stopped with an error, or gave no answer within ``limit`` seconds.
+        If it is not installed, stops with an error, or gives no answer within ``limit`` seconds.
     """
     _, package, most = CONTENDERS[name]
     program = program_of(name)
@@ -193,12 +194,12 @@ def answers(name: str, order: int, limit: float, repeats: int | None) -> list[di
 
 
 def judged(found: dict[str, Any], order: int) -> float:
-    """Return the error of what was derived.
+    """Return the error of the derived equation.
 
     Raises
     ------
     ArithmeticError
-        If there are not two cycles, or no shift of the frequency.
+        If it does not have two cycles, or gives no shift of the frequency.
     """
     if order == 1:
         error = cycles_error(found["rate"])
@@ -213,8 +214,9 @@ def judged(found: dict[str, Any], order: int) -> float:
 def reference_apart(order: int) -> float:
     """Return how well the reference itself is known.
 
-    First order: the change of the sampled damping when the amplitude moves by rounding. Second: the
-    change of the shift, which is taken at a finite eps, when eps is halved.
+    At first order, this is the change of the sampled damping when the amplitude changes by a
+    rounding error; at second order, the change of the shift, which is measured at a finite eps,
+    when eps is halved.
     """
     if order == 1:
         return float(np.finfo(float).eps)
@@ -231,7 +233,7 @@ def installed(package: str | None) -> str | None:
 
 
 def cycles_error(rate: str) -> float:
-    """Return the largest mean damping, by sampling, at the zeros of a contender's rate."""
+    """Return the largest sampled mean damping at the zeros of a contender's growth rate."""
     import sympy as sp
 
     r = sp.Symbol("r", positive=True)
@@ -244,7 +246,7 @@ def cycles_error(rate: str) -> float:
 
 
 def shift_error(shift: str) -> float:
-    """Return the difference from the frequency of the true outer cycle, over eps squared."""
+    """Return the error of the frequency of the outer cycle, divided by eps squared."""
     import sympy as sp
 
     r = sp.Symbol("r", positive=True)
@@ -258,7 +260,7 @@ def outer_amplitude() -> float:
 
 
 def measured_shift(eps: float) -> float:
-    """Return (frequency - 1)/eps² of the true outer cycle."""
+    """Return (frequency - 1)/eps² of the true outer cycle, which is computed numerically."""
     start = outer_amplitude() * np.sin(2 * np.pi * np.arange(61) / 61)[None, :]
     _, frequency = orbit(start, 1.0, paper_numbers(A, B, eps=eps))
     return float((frequency - 1) / eps**2)

@@ -1,4 +1,4 @@
-"""Error against run time, a panel a test problem, a line a method; the numbers beside it as CSV."""
+"""Diagrams of error versus run time, a panel per test problem, a line per method, with CSV data."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 _PALE = 0.35
 _SHORT = 24
-"""Characters of a label of which two fit side by side."""
+"""Largest length, in characters, of labels of which two fit side by side."""
 _STRIP = 0.02
-"""Half the width of the strip for errors too small to draw, as a part of the axis."""
+"""Half the width of the strip for errors too small to plot, as a fraction of the axis."""
 
 
 def draw(name: str, points: Sequence[WorkPoint], style: Style, folder: Path) -> None:
@@ -78,7 +78,7 @@ def write_picture(
 
 
 def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
-    """Draw each method: a line through the settings that none of its own beats, the others pale."""
+    """Draw a line through the settings of each method that are worth choosing, the others pale."""
     axes.set(xscale="log", yscale="log")
     pale = False
     for number, (method, (colour, marker)) in enumerate(style.methods.items()):
@@ -89,7 +89,7 @@ def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
                     [max(point.error, style.floor) for point in some],
                     [point.seconds for point in some],
                     color=COLOURS[colour], marker=marker, linestyle=line, alpha=alpha, label=label,
-                    ms=5.5 if number == 0 else 3.5,  # the first stays visible under another
+                    ms=5.5 if number == 0 else 3.5,  # the first stays visible below another
                 )  # fmt: skip
         pale = pale or bool(rest)
     if pale:
@@ -113,7 +113,7 @@ def _panel(axes: Axes, points: Sequence[WorkPoint], style: Style) -> None:
 
 
 def whole_decades(values: Sequence[float]) -> tuple[float, float]:
-    """Return powers of ten with room around values above zero, one decade at least.
+    """Return powers of ten that enclose positive values with a margin, at least one decade apart.
 
     Examples
     --------
@@ -131,7 +131,7 @@ def whole_decades(values: Sequence[float]) -> tuple[float, float]:
 
 
 def plain_decades(axes: Axes) -> None:
-    """Label a few powers of ten on both axes, and nothing between them."""
+    """Label a few powers of ten on both axes, without minor labels."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     for axis, most in ((axes.xaxis, 7), (axes.yaxis, 6)):
@@ -141,7 +141,7 @@ def plain_decades(axes: Axes) -> None:
 
 
 def worth_choosing(points: Sequence[WorkPoint]) -> tuple[list[WorkPoint], list[WorkPoint]]:
-    """Return the points that no other beats in both time and error, by error, and the rest."""
+    """Return the points that no other point beats in both time and error, by error; the rest."""
     best: list[WorkPoint] = []
     rest: list[WorkPoint] = []
     for point in sorted(points, key=lambda p: (p.seconds, p.error)):

@@ -1,8 +1,9 @@
-"""The first call of a method: in a process of its own, with nothing compiled before.
+"""Time of the first call of a method, in a new process and without compiled code.
 
-numba keeps compiled code on disk; each method gets an empty folder for it (NUMBA_CACHE_DIR), so
-that the first process compiles and a second one loads. Peers that compile (jitcode, heyoka) do so
-in every process. Seconds are those of the wall, because compilers run in processes of their own.
+numba stores compiled code on disk; each method gets an empty folder for it (NUMBA_CACHE_DIR), so
+that the first process compiles and a second one loads. Other programs that compile (jitcode,
+heyoka) do so in every process. Times are wall-clock seconds, because compilers run in processes of
+their own.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 240.0
-"""Seconds that one process may take."""
+"""Time limit of one process, in seconds."""
 
 
 def first_calls(benchmark: WorkPrecision, report: Report) -> tuple[FirstCall, ...]:
-    """Return the first calls of the default and of each peer; a failure says why."""
+    """Return the first calls of the default and of each other program, or why one failed."""
     done = []
     for method in benchmark.first:
         report(f"{benchmark.name}: first call of {method}")
@@ -63,7 +64,7 @@ def _in_a_process(module: str, method: str, cache: str, limit: float, calls: int
 
 
 def _times(module: str, method: str, calls: int) -> list[float]:
-    """Return seconds of each of so many calls, the benchmark's own imports apart."""
+    """Return the times of successive calls in one process, without the benchmark's own imports."""
     call = importlib.import_module(module).BENCHMARK.first[method]
     times = []
     for _ in range(calls):

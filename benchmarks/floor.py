@@ -1,15 +1,15 @@
-"""Run time beside the floor: operations counted, times what the machine takes for such operations.
+"""Run time compared with a floor: the number of operations times the machine's time for each.
 
-What a compiled loop computes is plain Python, so that it can be run with numbers that count what is
-done to them. The rates are those of compiled loops over numbers in the first-level cache: of
-multiply-adds, each of them two operations, and of divisions. A floor says what arithmetic alone
-would cost in such a loop; the rest is loads and stores, the choice of steps, and operations that
-wait for one another.
+The body of a compiled loop is plain Python, so it can be run with numbers that count the operations
+applied to them. The rates are those of compiled loops over numbers in the first-level cache: of
+multiply-adds, each of which is two operations, and of divisions. The floor is the cost of the
+arithmetic alone in such a loop; the rest of the run time is loads and stores, the choice of steps,
+and operations that wait for one another.
 
-Of an event-driven run of (5) the arithmetic of the series is counted; the search for events is what
-stands above it. There is no row for roots, where nearly all that is done is complex logarithms and
-square roots of the C library, nor for derivations, whose work is on symbols: additions and products
-say nothing about either.
+For an event-driven run of (5), only the arithmetic of the series is counted; the search for events
+makes the run time exceed it. There is no row for roots, where nearly all of the work is complex
+logarithms and square roots of the C library, nor for derivations, whose work is symbolic: the
+number of additions and products says nothing about either.
 """
 
 from __future__ import annotations
@@ -56,23 +56,23 @@ class Operations:
     divisions: float = 0.0
 
     def __mul__(self, times: float) -> Operations:
-        """Return so many times these operations."""
+        """Return the operations of this number of repetitions."""
         return Operations(self.simple * times, self.divisions * times)
 
     def __add__(self, other: Operations) -> Operations:
-        """Return both together."""
+        """Return the sum of both counts."""
         return Operations(self.simple + other.simple, self.divisions + other.divisions)
 
 
 class Counting:
-    """A real or complex number that counts the real operations done to it.
+    """A real or complex number that counts the real operations applied to it.
 
     Parameters
     ----------
     value : float or complex
         The number.
     done : Operations
-        Where it counts; numbers of one count share it.
+        The count that it increases; numbers that are counted together share it.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Counting:
         return Counting(value, self.done)
 
     def _with(self, other: Counting | complex) -> tuple[complex, int]:
-        """Return the other number, and how many of the two are complex."""
+        """Return the value of the other number, and how many of the two are complex."""
         value = other.value if isinstance(other, Counting) else other
         return value, isinstance(self.value, complex) + isinstance(value, complex)
 
@@ -119,7 +119,7 @@ class Counting:
         return self._after(other / self.value, 0, 1)
 
     def __neg__(self) -> Counting:
-        return Counting(-self.value, self.done)  # folded into the sum that it stands in
+        return Counting(-self.value, self.done)  # free: part of the sum in which it occurs
 
     def __abs__(self) -> Counting:
         return Counting(abs(self.value), self.done)
@@ -134,11 +134,11 @@ class Counting:
         return -self + other
 
     def __float__(self) -> float:
-        """Return the value, as an exponential asks for it, which is not counted."""
+        """Return the value, which an exponential needs; neither is counted."""
         return float(self.value.real)
 
     def rint(self) -> Counting:
-        """Return the nearest whole number, as numpy.rint asks for it."""
+        """Return the nearest integer; called by numpy.rint."""
         return self._after(float(np.rint(self.value.real)), 1)
 
     def conjugate(self) -> Counting:
@@ -157,7 +157,7 @@ class Counting:
 
 
 def of_site_step(chain: VanDerPolChain) -> Operations:
-    """Return what one step of DOP853 does to one site: right-hand sides, stages, two errors.
+    """Return the operations of one step of DOP853 per site: right-hand sides, stages, two errors.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def of_site_step(chain: VanDerPolChain) -> Operations:
 
 
 def of_site_series(chain: FrictionChain, order: int) -> Operations:
-    """Return what the coefficients of one new series of one site of (5) take.
+    """Return the operations for the coefficients of one new series of one site of (5).
 
     Examples
     --------
@@ -193,12 +193,12 @@ def of_site_series(chain: FrictionChain, order: int) -> Operations:
 
 
 def of_sums(v: np.ndarray, c: np.ndarray, tolerance: float) -> Operations:
-    """Return what the points of the trapezoidal rule do, for a batch of Σ without derivatives.
+    """Return the operations at the points of the trapezoidal rule, for Σ without derivatives.
 
     Parameters
     ----------
     v, c : ndarray, shape (n,)
-        Velocities and couplings at which no root is taken away.
+        Velocities and couplings for which the rule subtracts no root.
     tolerance : float
         Required truncation error.
     """
@@ -221,9 +221,9 @@ def of_sums(v: np.ndarray, c: np.ndarray, tolerance: float) -> Operations:
 
 @lru_cache(maxsize=1)
 def rates() -> tuple[float, float]:
-    """Return multiply-adds, counted as two, and divisions of this machine, per second.
+    """Return this machine's rates of multiply-adds, counted as two operations, and of divisions.
 
-    The best of a few trials.
+    Both are per second, the best of a few trials.
     """
 
     @njit(error_model="numpy", fastmath={"contract"})
@@ -245,7 +245,7 @@ def rates() -> tuple[float, float]:
     found = []
     for loop, each in ((multiply_add, 2.0 * _DEPTH), (divide, 1.0)):
         call = partial(loop, x, y, _PASSES)
-        call()  # compiled before it is timed
+        call()  # compiles before the timing starts
         best = least_seconds(call, 5)
         found.append(each * _LENGTH * _PASSES / best)
     return found[0], found[1]
@@ -253,18 +253,18 @@ def rates() -> tuple[float, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """Run time beside its floor.
+    """A run time and its floor.
 
     Attributes
     ----------
     name : str
         What is computed.
     operations, divisions : float
-        Counted, divisions apart.
+        Numbers of simple operations (without divisions) and of divisions.
     seconds : float
         Least processor time of a few calls.
     floor : float
-        Seconds that the operations take at the machine's rates.
+        Time, in seconds, that the operations take at the machine's rates.
     """
 
     name: str
@@ -275,7 +275,7 @@ class Floor:
 
     @property
     def ratio(self) -> float:
-        """Run time over floor."""
+        """Run time divided by its floor."""
         return self.seconds / self.floor
 
 
@@ -307,18 +307,18 @@ def measure(quick: bool, report: Report) -> list[Floor]:
 
 
 def _run(name: str, chain: VanDerPolChain, end: float, repeats: int) -> Floor:
-    """Measure a run in which all sites move from the start."""
+    """Measure a run in which all sites move from the beginning."""
     start = excite(chain, range(1, chain.sites + 1)) * np.linspace(0.5, 1.0, chain.sites)
 
     def run() -> Any:
         return simulate(chain, start, end, samples=2, estimate_error=False)
 
-    site_steps = run().counts["site_steps"]  # compiled here, before it is timed
+    site_steps = run().counts["site_steps"]  # compiles here, before the timing
     return _row(name, of_site_step(chain) * site_steps, least_seconds(run, repeats))
 
 
 def _event_run(chain: FrictionChain, end: float, repeats: int) -> Floor:
-    """Measure a run in which all sites start at random, as far from each other as the cycle."""
+    """Measure a run from random positions of all sites, spread over the extent of the cycle."""
     rng, n = np.random.default_rng(1), chain.sites
     start = np.array([rng.uniform(-1.0, 2.0, n), rng.uniform(-1.0, 1.0, n)])
 

@@ -1,10 +1,10 @@
-"""The friction chain by three families, error against run time.
+"""The friction chain by three families of methods: error versus run time.
 
-The first site excited. Event-exact Taylor steps; the switch model of the paper, fixed and adaptive;
-regularised friction through scipy's LSODA, Radau and BDF. The error is the largest of y over 201
-times and all sites, against the event-exact run at 1e-13, which is itself compared with scipy's
-DOP853 with events: the record states by how much they differ. Times are seconds of processor time,
-one thread each.
+The first site is excited. The methods are Taylor steps with exact events; the switch model of the
+paper, with fixed and with adaptive steps; and regularised friction with scipy's LSODA, Radau and
+BDF. The error is the largest error of y over 201 times and all sites, with respect to the
+event-exact run at 1e-13, which is itself compared with scipy's DOP853 with events; the record
+states by how much they differ. Times are seconds of processor time, with one thread each.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from verification.runs.simulate import simulate
 
 SAMPLES = 201
 GARBAGE = 0.1
-"""An error beyond this is no answer: the amplitude of the cycle is 1.4."""
+"""Error above which a result counts as useless: the amplitude of the cycle is 1.4."""
 
 EXACT, FIXED, ADAPTIVE = "event-exact", "switch, fixed steps", "switch, adaptive"
 STATED = "event-exact, error stated"
@@ -46,7 +46,7 @@ BAND = 1e-4
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods."""
+    """Return the settings of all methods and the agreement of the two references."""
     chain, end = chain_of(problem), problem["t"]
     start = excite(chain, [1])
     true = simulate(chain, start, end, tolerance=1e-13, samples=SAMPLES, logged_events=10_000)
@@ -54,7 +54,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     if len(second.log) != true.event_count:
         raise ArithmeticError("the two references do not have the same events")
     report(f"the second reference took {second.seconds:.3g} s")
-    # What only shows that stiffness makes it worse is measured at fewer settings.
+    # Problems that only show the effect of stiffness are measured at fewer settings.
     few = quick or "ordinary" not in problem.tags
     settings = [
         Setting(method=name, knob=knob, evaluate=call, reference=true.y, peer="scipy" in name)
@@ -125,10 +125,10 @@ def _regularised(
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
-    """Return the least factor, at equal error, by which the event-exact run beats scipy.
+    """Return the least factor by which the event-exact run is faster than scipy at equal error.
 
-    At every error that scipy reaches, short of garbage, its fastest setting that is as exact is
-    compared with our fastest setting that is at least as exact.
+    At every error that scipy reaches, except errors above `GARBAGE`, its fastest setting with that
+    error is compared with our fastest setting that is at least as accurate.
     """
     ordinary = timed("friction")[0].name
     points = [point for point in points if point.problem == ordinary]
@@ -152,7 +152,7 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[T
 
 
 def _first(method: str) -> MethodAnswer:
-    """Run a tenth of the ordinary problem."""
+    """Run the first tenth of the ordinary problem."""
     problem = timed("friction")[0]
     chain = chain_of(problem)
     start, end = excite(chain, [1]), 0.1 * problem["t"]

@@ -1,18 +1,19 @@
-"""Velocity of a front of the averaged chain (43), where eps = 0, and of the chain (8).
+"""Velocity of a front of the averaged chain (43), denoted by eps = 0, and of the chain (8).
 
-Ours measures on a window that moves with the front and says how uncertain v is; of (43) it also
-solves for the wave itself. A user would hand
-a chain to scipy's DOP853 and time the sites: (43) reduced to real amplitudes by its phases of a
-quarter turn a site, or (8) as it stands. Regression over the second half of the sites gives v.
+Our method measures v on a window that moves with the front and states the uncertainty of v; for
+(43) it can also solve for the travelling wave itself. A user would otherwise integrate a chain with
+scipy's DOP853 and time the arrivals at the sites: for (43) reduced to real amplitudes by its phase
+of a quarter turn per site, or for (8) as it is. A regression over the second half of the sites
+gives v.
 
-The reference is v̂ from a smooth average of the intervals (weights e^{-1/s(1-s)}, which makes the
-ripple of the arrivals of (8) fall faster than any power of the length). scipy gives it on one
-length; as what is left of the start falls off more slowly than the ripple, the difference that a
-chain four times as long makes is added from our stepper, which agrees with scipy's on that one
-length. ``agreement`` is how far the two steppers are apart on the same length, plus the change from
-twice that length to four times it; errors below it mean nothing and are not compared. Of (43) the
-reference is scipy's wave on a grid along it, which no arrivals limit, and ``agreement`` what
-another grid changes.
+For (8) the reference is v̂ from a smooth average of the intervals (weights e^{-1/s(1-s)}, with
+which the ripple of the arrivals of (8) decreases faster than any power of the length). scipy gives
+it for one length. The effect of the initial state decreases more slowly than the ripple; therefore
+the change of v̂ on a chain four times as long is added from our stepper, which agrees with scipy's
+for that one length. ``agreement`` is the difference of the two steppers for the same length, plus
+the change of v̂ from twice that length to four times that length; errors below it mean nothing and
+are not compared. For (43) the reference is scipy's solution for the wave on a grid, whose error
+arrivals do not limit, and ``agreement`` is its change on another grid.
 """
 
 from __future__ import annotations
@@ -53,11 +54,11 @@ OURS, WAVE, REDUCED, WHOLE, SHORTCUT = (
 )  # fmt: skip
 FILLED, MARGIN = 24, 8
 _LENGTHS, _TOLERANCES = (96, 160), (1e-6, 1e-10)
-"""Sites and tolerances of scipy's runs for the references of (8), quick and full."""
+"""Sites and tolerances of scipy's runs for the references of (8), in a quick and a full run."""
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return the velocity of reference, how well it is known, and all methods."""
+    """Return the settings of all methods, and how well the reference velocity is known."""
     if isinstance(chain_of(problem), AveragedChain):
         coarse, fine = (float(front_velocity(problem.c, problem["eta"], m)) for m in (80, 112))
         settings = [*_ours(problem, fine), *_peers(problem, fine)]
@@ -99,7 +100,7 @@ def _peers(problem: Problem, true: float) -> Iterator[Setting]:
 
 
 def chain_of(problem: Problem, sites: int = 32) -> VdpChain | AveragedChain:
-    """Return the chain of a problem: eps = 0 stands for the averaged one."""
+    """Return the chain of a problem; eps = 0 denotes the averaged chain."""
     chain = problem.vdp_chain(sites)
     return chain if problem["eps"] else chain.averaged()
 
@@ -117,7 +118,7 @@ def _wave(chain: Chain) -> MethodAnswer:
 
 
 def _averaged(problem: Problem, tolerance: float, accuracy: float) -> MethodAnswer:
-    """Return v of the averaged chain, whose claim is not about (8)."""
+    """Return v of the averaged chain; its stated error, which does not concern (8), is left out."""
     return MethodAnswer(value=_measured(chain_of(problem).averaged(), tolerance, accuracy).value)
 
 
@@ -128,7 +129,7 @@ def _timed(problem: Problem, sites: int, tolerance: float) -> MethodAnswer:
 
 
 def by_us(problem: Problem, sites: int, tolerance: float) -> FloatArray:
-    """Return slow times at which sites beyond the start are reached, by our stepper."""
+    """Return the slow times of arrival at the sites beyond those excited, by our stepper."""
     chain = chain_of(problem, sites)
     end = 1.2 * sites / (1.1 * chain.c) / chain.eps
     run = simulate(
@@ -142,7 +143,7 @@ def by_us(problem: Problem, sites: int, tolerance: float) -> FloatArray:
 
 
 def by_scipy(problem: Problem, sites: int, tolerance: float) -> FloatArray:
-    """Return the same by scipy's DOP853."""
+    """Return the same as `by_us`, by scipy's DOP853."""
     chain = problem.vdp_chain(sites)
     level, filled = chain.unstable_amplitude, chain.stable_amplitude
     if isinstance(chain_of(problem), AveragedChain):
@@ -165,7 +166,7 @@ def _arrivals(
     tolerance: float,
     amplitude: Callable[[FloatArray], FloatArray],
 ) -> FloatArray:
-    """Step until all sites but the last eight have been reached, and locate each in its step."""
+    """Step until all but the last eight sites have been reached; locate arrivals within steps."""
     from scipy.integrate import DOP853
 
     solver = DOP853(rate, 0.0, start, np.inf, rtol=tolerance, atol=tolerance)
@@ -184,7 +185,7 @@ def _crossing(
     site: int,
     level: float,
 ) -> float:
-    """Return when a site passed the level within the last step."""
+    """Return the time within the last step at which a site passed the level."""
     from scipy.optimize import brentq
 
     inside = solver.dense_output()
@@ -198,7 +199,7 @@ def _crossing(
 
 
 def smooth_velocity(arrivals: FloatArray) -> float:
-    """Return v̂ from the intervals beyond the first third, in a smooth average."""
+    """Return v̂ from a smooth average of the intervals beyond the first third."""
     intervals = np.diff(arrivals)[arrivals.size // 3 :]
     place = (np.arange(intervals.size) + 0.5) / intervals.size
     weights = np.exp(-1.0 / (place * (1.0 - place)))

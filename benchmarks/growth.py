@@ -1,10 +1,10 @@
-"""How time and memory grow: with sites, digits, 1/v, points of a map and workers.
+"""Growth of run time and memory with sites, digits, 1/v, points of a map and workers.
 
-Each kind of work is run at growing sizes; the exponent is the slope of log time against log size
-over the larger half, where the cost that does not grow matters least. It stands beside the exponent
-that the method should have. Memory is the peak of what Python and NumPy allocated in this
-process; tracing slows many small numbers down, so that it is measured where the work takes less
-than seconds, and not of workers.
+Each kind of work is run at increasing sizes; the exponent is the slope of log time versus log size
+over the larger half of the sizes, where a constant cost matters least. It is listed with the
+exponent that the method should have. Memory is the peak allocated by Python and NumPy in this
+process; tracing slows down work on many small objects, so memory is measured only for work that
+takes less than `TRACED` seconds, and not for workers.
 """
 
 from __future__ import annotations
@@ -25,29 +25,29 @@ from verification.execution.files import write_json
 from verification.execution.metadata import Code, Metadata, installed_versions
 
 CLOSE = 0.2
-"""Fitted and expected exponents this near need no remark: a fit is no better."""
+"""Difference of fitted and expected exponents that needs no remark: fits are no more accurate."""
 TRACED = 1.5
-"""Seconds: longer work is not done again to trace its memory."""
+"""Longest work, in seconds, that is repeated in order to trace its memory."""
 
 
 @dataclass(frozen=True)
 class Growth:
-    """What one kind of work cost.
+    """The cost of one kind of work at increasing sizes.
 
     Attributes
     ----------
     name, size_name, why : str
-        As of the work.
+        As in :class:`benchmarks.growth_work.Work`.
     remark : str
-        Why the fitted exponent is not the expected one; empty where it is.
+        Why the fitted exponent differs from the expected one; empty where it does not.
     sizes, seconds, megabytes : tuple of float
         Size, least time, peak memory (nan where it is not measured).
     exponent, memory_exponent : float
-        Fitted over the larger half.
+        Exponents of time and memory fitted over the larger half of the sizes.
     expected : float or None
-        Of time.
+        Expected exponent of time.
     wall : bool
-        Whether the times are those of the wall.
+        Whether times are wall-clock times.
     """
 
     name: str
@@ -69,7 +69,7 @@ def measure(quick: bool, report: Report) -> list[Growth]:
     for work in WORKS:
         report(f"growth: {work.name}")
         sizes = work.quick if quick else work.full
-        work.work(sizes[0])  # compiled and imported before anything is timed
+        work.work(sizes[0])  # compiles and imports before the timing
         costs = [cost(work, size) for size in sizes]
         half = slice(min(len(sizes) // 2, len(sizes) - 2), None)
         seconds, memory = ([row[i] for row in costs] for i in (0, 1))
@@ -84,7 +84,7 @@ def measure(quick: bool, report: Report) -> list[Growth]:
 
 
 def remark_on(work: Work, fitted: float) -> str:
-    """Return why the fitted exponent is another one than expected; empty where it is not.
+    """Return why the fitted exponent differs from the expected one; empty where it does not.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def cost(work: Work, size: float) -> tuple[float, float]:
 def least_seconds(
     work: Callable[[], object], repeats: int, clock: Callable[[], float] = process_time
 ) -> float:
-    """Return the least time of so many calls; of one where that takes more than two seconds."""
+    """Return the least time of repeated calls, or of one call if it takes more than two seconds."""
     best = math.inf
     for turn in range(repeats):
         begin = clock()
@@ -126,7 +126,7 @@ def least_seconds(
 
 
 def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
-    """Return the slope of log cost against log size, by least squares.
+    """Return the slope of log cost versus log size, by least squares.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
 
 
 def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
-    """Return the table for JSON; what is not a number is null."""
+    """Return the table for JSON; values that are not finite are null."""
     metadata = Metadata(
         command=command,
         versions=installed_versions(PACKAGES),

@@ -1,4 +1,4 @@
-"""Time and memory against the size of the work: a panel a kind of size, a line a work."""
+"""Diagrams of time and memory versus size: a panel per kind of size, a line per kind of work."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 MARKS = (("o", "blue"), ("s", "vermilion"), ("^", "green"), ("D", "purple"), ("v", "orange"))
 
 Line = Mapping[str, Any]
-"""A line of the record: name, sizes, seconds, megabytes (None or nan where not measured), ..."""
+"""A row of the record: name, sizes, seconds, megabytes (None or nan where not measured), ..."""
 
 
 def draw_growth(lines: Sequence[Line], folder: Path) -> None:
-    """Write ``growth.svg`` and ``growth.csv``; the slope expected is drawn beside the fit.
+    """Write ``growth.svg`` and ``growth.csv``; the expected slope of time is drawn as well.
 
     Parameters
     ----------
     lines : sequence of mapping
-        As in ``growth.json``.
+        Rows as in ``growth.json``.
     folder : Path
-        Where to.
+        Folder of the two files.
     """
     panels = [
         (kind, quantity, chosen)
@@ -63,7 +63,7 @@ def draw_growth(lines: Sequence[Line], folder: Path) -> None:
 
 
 def _panel(axes: Axes, lines: Sequence[Line], quantity: str) -> None:
-    """Draw each line with its fit in the legend, and dashed what its time should do."""
+    """Draw each row, with its fitted exponent in the legend and its expected time dashed."""
     axes.set(xscale="log", yscale="log")
     for line, (mark, colour) in zip(lines, MARKS, strict=False):
         known = [row for row in zip(line["sizes"], line[quantity], strict=True) if _known(row[1])]

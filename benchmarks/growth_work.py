@@ -1,4 +1,4 @@
-"""The kinds of work whose cost is measured as they grow, with the exponents they should have."""
+"""The kinds of work whose cost is measured at increasing sizes, with the expected exponents."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ class Work:
     Attributes
     ----------
     name, size_name : str
-        What is done, and what its size is.
+        What is done, and what its size denotes.
     work : callable
-        Do it at a size.
+        Function of the size that does the work.
     quick, full : tuple of float
-        Sizes, ascending.
+        Sizes in a quick and in a full run, ascending.
     expected : float or None
-        Exponent of time that the method should have, None if none follows from it.
+        Exponent of time that the method should have; None if none follows from the method.
     why : str
-        Where that comes from.
+        Reason for the expected exponent.
     remark : str
-        Why the fitted exponent is another one, where it is.
+        Why the fitted exponent differs from it, where it does.
     repeats : int
-        The least of so many times counts.
+        Number of calls of which the least time counts.
     wall : bool
-        Time by the clock on the wall, for work of several processes.
+        Whether wall-clock time is measured, for work in several processes.
     """
 
     name: str
@@ -83,7 +83,7 @@ def friction_front(sites: float) -> object:
 
 
 def friction_sites(sites: float) -> object:
-    """Step sites that start at random to τ = 20."""
+    """Integrate a chain from random initial positions to τ = 20."""
     from theory.chains.friction import FrictionChain
     from verification.runs.simulate import simulate
 
@@ -111,7 +111,7 @@ def slow_sum(inverse: float) -> object:
 
 
 def slow_front(inverse: float) -> object:
-    """Solve for every v with |Σ| = its value at v = 1/inverse."""
+    """Solve for every v at which |Σ| equals its value at v = 1/inverse."""
     from theory.piecewise.branch_search import all_velocities
     from theory.piecewise.sums.integral import sum_by_integral
 
@@ -208,4 +208,4 @@ WORKS = (
         "each worker takes a second to start, and the cores share their memory",
     ),
 )  # fmt: skip
-"""Every kind of work."""
+"""All kinds of work."""

@@ -1,15 +1,15 @@
-"""The map of states of Fig. 15: where its boundary of fronts lies, and at what cost.
+"""The map of states of Fig. 15: the boundary of fronts, and the cost of finding it.
 
-The value is the coupling c above which the start of Fig. 15 sends a front, at one η, by bisection
-of the states; the error is the distance in c from the true boundary. A bisection claims half of its
-last interval. Ours steps until a state is certain, by (8) or by the averaged chain. A user would
-hand (8) to scipy's DOP853 until a fixed time and look whether the far end is above the unstable
-cycle; beside the boundary no fixed time is enough.
+The value is the coupling c above which the initial state of Fig. 15 produces a front, at one η, by
+bisection of the states; the error is the distance in c from the true boundary. A bisection states
+half of its last interval as its error. Our methods integrate (8) or the averaged chain until the
+state is certain. A user would otherwise integrate (8) with scipy's DOP853 to a fixed time and check
+whether the far end is above the unstable cycle; close to the boundary no fixed time is long enough.
 
-The boundary of reference is ours at 1e-11, to 1e-5; scipy's, run until the far end is
-reached or the wait is far beyond the decision, confirms that there is no front at five per cent
-less and one at five per cent more: ``agreement`` is these five per cent. Seconds are processor
-seconds a boundary.
+The reference boundary is ours at tolerance 1e-11, to 1e-5. scipy, run until the far end is reached
+or until long after the state is decided, confirms that there is no front at a coupling five per
+cent smaller and that there is one at a coupling five per cent larger: ``agreement`` is these five
+per cent. Times are seconds of processor time per boundary.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ from verification.references.pace import last_state
 FULL, AVERAGED = "label sweep, (8)", "label sweep, averaged"
 PEER = "scipy until a fixed time"
 STEPS = 10
-"""Bisections: the interval becomes a thousandth of the first one."""
+"""Number of bisections, which reduce the interval to a thousandth of its initial length."""
 MARGIN = 0.05
-"""The boundary of reference is confirmed to this part of itself."""
+"""Relative distance to which the reference boundary is confirmed."""
 LONG = 600.0
-"""Slow time of that: five per cent above the boundary the front is through the chain by then."""
+"""Slow time of that confirmation, by which a front at c above by MARGIN has crossed the chain."""
 
 Sends = Callable[[float], bool]
-"""Whether there is a front at this coupling."""
+"""Whether there is a front at the given coupling."""
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return the boundary of reference, how well it is confirmed, and all methods."""
+    """Return the settings of all methods, and how well the reference boundary is confirmed."""
     eta, low, high = (problem[name] for name in ("eta", "low", "high"))
     task = StateTask(chain=FIGURE_15, tolerance=1e-8 if quick else 1e-11, perturbation=0.0)
     true, _ = boundary(partial(by_us, task, eta), low, high, STEPS if quick else STEPS + 6)
@@ -81,7 +81,7 @@ def _peers(problem: Problem, true: float) -> Iterator[Setting]:
 
 
 def _bisected(problem: Problem, sends: Sends, claims: bool) -> MethodAnswer:
-    """Return the boundary; half of the last interval is a claim only where states are certain."""
+    """Return the boundary, with half of the last interval as its error if states are certain."""
     found, half = boundary(sends, problem["low"], problem["high"], STEPS)
     return MethodAnswer(value=found, claimed=half if claims else None)
 
@@ -123,12 +123,12 @@ def by_scipy(eta: float, end: float, tolerance: float, c: float) -> bool:
 
 
 def confirmed(eta: float, c: float) -> float:
-    """Return to what distance in c scipy confirms a boundary.
+    """Return the distance in c to which scipy confirms a boundary.
 
     Raises
     ------
     ArithmeticError
-        If it does not.
+        If scipy does not confirm it.
     """
     if reaches_the_end(eta, c * (1.0 - MARGIN)) or not reaches_the_end(eta, c * (1.0 + MARGIN)):
         raise ArithmeticError(f"scipy does not confirm a boundary of fronts at c = {c:g}")
@@ -151,7 +151,7 @@ def reaches_the_end(eta: float, c: float) -> bool:
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Target]:
-    """Return boundaries a second of each setting."""
+    """Return the number of boundaries per second for each setting."""
     return [
         Target(
             ", ".join((point.method, point.knob, point.problem)), 1.0 / point.seconds,

@@ -1,10 +1,10 @@
 """Floquet multipliers of a breather of (8), Eqs. 39-42, at a given orbit.
 
-The error is the largest over all multipliers, each with its partner in the reference. Ours is a
-Taylor series of the flow and of all its derivatives at once. A user would take differences of
-scipy's flow, or hand the variational equations (42) to ``solve_ivp``. Ours is held against those
-variational equations at 1e-13, scipy's against ours with many steps; ``agreement`` is how far these
-two are apart.
+The error is the largest over all multipliers, each compared with its partner in the reference. Our
+method is a Taylor series of the flow and of all its derivatives at once. A user would otherwise
+take finite differences of scipy's flow, or pass the variational equations (42) to ``solve_ivp``.
+Our method is compared with those variational equations at 1e-13, and scipy's methods with ours with
+many steps; ``agreement`` is the difference of these two references.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ DIFFERENCES, EQUATIONS = "differences of scipy's flow", "scipy on the variationa
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods, at the orbit of the problem."""
+    """Return the settings of all methods at the problem's orbit, with the references' agreement."""
     chain = problem.vdp_chain()
     orbit = solve_orbit(chain, Nucleus(1))
     here = (chain, orbit.state, orbit.period)
@@ -87,7 +87,7 @@ def _multipliers(monodromy: FloatArray) -> MethodAnswer:
 
 
 def _stated(chain: VdpChain, state: FloatArray, period: float, steps: int) -> MethodAnswer:
-    """Return them with the claim of the matrix: its change when the steps are halved."""
+    """Return them with the error stated for the matrix: its change when the steps are halved."""
     coarse, fine = (integrate_variations(chain, state, period, n) for n in (steps, 2 * steps))
     change = float(np.abs(fine.monodromy - coarse.monodromy).max())
     found = floquet_multipliers(fine.monodromy, period, chain.eps, parity=0, error=change)
@@ -111,7 +111,7 @@ def by_differences(
 def by_equations(
     chain: VdpChain, state: FloatArray, period: float, tolerance: float
 ) -> MethodAnswer:
-    """Return the multipliers by (42) and ``solve_ivp``."""
+    """Return the multipliers by the variational equations (42) and ``solve_ivp``."""
     size = state.size
     start = np.column_stack([state, np.eye(size)]).ravel()
     rate = variational_rate(chain)
@@ -120,7 +120,7 @@ def by_equations(
 
 
 def largest_distance(found: ComplexArray, true: ComplexArray) -> float:
-    """Return the largest distance between partners, paired so that the sum of all is least."""
+    """Return the largest distance between partners, paired for the least total distance."""
     from scipy.optimize import linear_sum_assignment
 
     table = np.abs(found[:, None] - true[None, :])

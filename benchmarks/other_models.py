@@ -1,8 +1,9 @@
-"""All derivations, with all checks, of random chains: ``python -m benchmarks.other_models``.
+"""All derivations, with all checks, for random chains: ``python -m benchmarks.other_models``.
 
-A derivation is a function of its model, and its checks have to fit any: rates, couplings and
-amplitudes of any size, letters as well as numbers, springs to further neighbours, stiffness of the
-cell. What a model cannot have, as a front without two cycles, is refused in a sentence.
+A derivation is a function of its model, and its checks must hold for any model: with rates,
+couplings and amplitudes of any size, symbols as well as numbers, springs to further neighbours, and
+a nonlinear stiffness of the cell. A result that a model does not have, such as a front without two
+cycles, is refused with a sentence.
 """
 
 from __future__ import annotations
@@ -32,16 +33,16 @@ _HALF, _TENTH = sp.Rational(1, 2), sp.Rational(1, 10)
 
 @dataclass(frozen=True, kw_only=True)
 class ModelFinding:
-    """What came of one derivation.
+    """The outcome of a derivation that failed or refused the model.
 
     Attributes
     ----------
     derivation : str
-        Its name.
+        Name of the derivation.
     said : str
-        The step that fails and what its check says; or why the model is refused.
+        The step that fails and the message of its check, or why the model is refused.
     fails : bool
-        Whether this is a fault and no refusal.
+        Whether this is a failure rather than a refusal.
     """
 
     derivation: str
@@ -50,7 +51,7 @@ class ModelFinding:
 
 
 def random_model(seed: int) -> ChainModel:
-    """Return a chain with random powers, coefficients, letters, springs and coupling.
+    """Return a chain with random powers, coefficients, symbols, springs and coupling.
 
     Examples
     --------
@@ -89,7 +90,7 @@ def random_model(seed: int) -> ChainModel:
 
 
 def findings(model: ChainModel) -> Iterator[ModelFinding]:
-    """Yield the first check of each derivation that fails, refusals, and errors besides."""
+    """Yield the first failing check of each derivation, its refusal, or any other error."""
     for name in WITH_MODEL:
         try:
             for step, evidence in load(name, model=model).examined():

@@ -1,10 +1,11 @@
-"""Chains of one's own beside heyoka and jitcode, which take symbolic systems, at equal error.
+"""User-defined chains, compared with heyoka and jitcode (for symbolic systems) at equal error.
 
-Two problems to t = 200: 31 Duffing-Van der Pol cells, each with another a, with springs to second
-neighbours; and a square lattice of 100 x 100 cells, of which nine are excited. Ours is the default
-stepper, all sites stepped; compile times stand apart. The error is the largest of y and ẏ at the
-end against scipy's DOP853 at 1e-13 with the equation written a second time. Then: seconds a step
-and bytes a site of a million sites. Times are processor seconds.
+There are two problems to t = 200: 31 Duffing-Van der Pol cells with different a and springs to
+second neighbours, and a square lattice of 100 x 100 cells, of which nine are excited. Our method is
+the default stepper with all sites active; compile times are reported separately. The error is the
+largest error of y and ẏ at the end, with respect to scipy's DOP853 at 1e-13 with the equation
+written a second time. In addition, the time per step and the bytes per site are measured for a
+million sites. Times are seconds of processor time.
 """
 
 from __future__ import annotations
@@ -42,16 +43,16 @@ from verification.runs.smooth_integration import SmoothIntegration
 
 STATED, HEYOKA, JITCODE = "Runge-Kutta 8, error stated", "heyoka", "jitcode dop853"
 LOW, HIGH = 1e-10, 1e-3
-"""Errors between which speed was promised."""
+"""Range of errors for which a speed was promised."""
 TOLERANCES = tuple(10.0**-k for k in range(4, 13))
 BUILD_LIMIT = 900
-"""Seconds of the wall after which a peer's compilation is given up."""
+"""Wall-clock seconds after which the compilation of another program is given up."""
 MANY = 1000
-"""Sites from which on peers compile in pieces and are tried at few tolerances."""
+"""Least number of sites for which other programs compile in parts and few tolerances are used."""
 
 
 def start_of(chain: OscillatorChain) -> FloatArray:
-    """Return the start: three sites in a row excited, or three rows of three."""
+    """Return the initial state: three adjacent sites excited, or a block of three by three."""
     rows, columns = chain.shape or (1, chain.sites)
     middle = (rows // 2) * columns + columns // 2
     across = (-columns, 0, columns) if rows > 1 else (0,)
@@ -59,7 +60,7 @@ def start_of(chain: OscillatorChain) -> FloatArray:
 
 
 def ours(chain: OscillatorChain, end: float, tolerance: float) -> FloatArray:
-    """Return the final state of the default stepper, all sites stepped."""
+    """Return the final state of the default stepper with all sites active."""
     run = SmoothIntegration(
         chain, start_of(chain), [0.0, end], tolerance=tolerance, level=1e9, active_window=False
     )
@@ -70,13 +71,13 @@ def ours(chain: OscillatorChain, end: float, tolerance: float) -> FloatArray:
 
 
 def _stated(chain: OscillatorChain, end: float, tolerance: float) -> MethodAnswer:
-    """Return the final state with its error: the run as a user asks for it."""
+    """Return the final state with its error, from a run such as a user would start."""
     run = simulate(chain, start_of(chain), end, tolerance=tolerance, samples=2, active_window=False)
     return MethodAnswer(value=run.states[-1].ravel(), claimed=run.error)
 
 
 def _forces(chain: OscillatorChain, y: Any, w: Any) -> list[Any]:
-    """Return the accelerations in the symbols of a peer."""
+    """Return the accelerations in the symbols of another program."""
     a = np.broadcast_to(np.asarray(chain.site_values["a"]), chain.sites)
     k, links, found = chain.values.get("k", 0.0), chain.links, []
     for n in range(chain.sites):
@@ -93,7 +94,7 @@ def _forces(chain: OscillatorChain, y: Any, w: Any) -> list[Any]:
 
 
 def _heyoka(chain: OscillatorChain, end: float, tolerance: float) -> Solve:
-    """Return heyoka's Taylor integrator, compiled; in compact mode where there are many sites."""
+    """Return heyoka's Taylor integrator, compiled, in compact mode if there are many sites."""
     start, compact = start_of(chain).ravel(), chain.sites >= MANY
     return compiled_by_heyoka(partial(_forces, chain), start, end, tolerance, compact=compact)
 
@@ -104,7 +105,7 @@ def _jitcode(chain: OscillatorChain, end: float, _: float) -> Solve:
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods."""
+    """Return the settings of all methods, and how well the reference is known."""
     chain, end = chain_of(problem.values), problem["t"]
     report(f"scipy, {chain.sites} sites")
     times = np.array([0.0, end])
@@ -125,7 +126,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
         try:
             with time_limit(BUILD_LIMIT):
                 solve = build()
-        except Exception as error:  # whatever a peer raises is its result
+        except Exception as error:  # whatever another program raises is its result
             missing.append((method, f"tolerance {tolerances[0]:.0e}", str(error)[:160]))
             continue
         rows += [(method, each, partial(_value, solve, each)) for each in tolerances]
@@ -144,14 +145,14 @@ def _value(solve: Solve, tolerance: float) -> MethodAnswer:
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
-    """Return how the default compares with each peer, and what a million sites cost."""
+    """Return comparisons of the default with other programs, and the cost of a million sites."""
     rows = [_ratio(points, problem.name, peer)
             for problem in timed("own-chain") for peer in (HEYOKA, JITCODE)]  # fmt: skip
     return tuple(rows) if quick else (*rows, *_million(report))
 
 
 def _ratio(points: Sequence[WorkPoint], problem: str, peer: str) -> Target:
-    """Return the least factor by which the default beats a peer at equal error."""
+    """Return the least factor by which the default is faster than a peer at equal error."""
     here = [point for point in points if point.problem == problem]
     own, others = ([p for p in here if p.method == method] for method in (OURS, peer))
     least = least_factor(own, others, LOW, HIGH)
@@ -167,7 +168,7 @@ def _ratio(points: Sequence[WorkPoint], problem: str, peer: str) -> Target:
 
 
 def _million(report: Report) -> tuple[Target, Target]:
-    """Return the seconds a step and the bytes a site of a square lattice of 1000 x 1000."""
+    """Return seconds per step and bytes per site for a square lattice of 1000 x 1000 sites."""
     steps = 20
     report("stepping a million sites")
     chain = chain_of({**timed("own-chain")[-1].values, "rows": 1000, "sites": 1_000_000})
@@ -187,7 +188,7 @@ def _million(report: Report) -> tuple[Target, Target]:
 
 
 def _first(method: str) -> FloatArray:
-    """Integrate the first problem; the first call compiles whatever has to be compiled."""
+    """Integrate the first problem; the first call includes all compilation."""
     return _solver(method)(1e-8)
 
 

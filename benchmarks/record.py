@@ -1,4 +1,4 @@
-"""What a benchmark leaves behind: points of error against run time, failures, targets, the machine.
+"""The record of a benchmark: points of error versus run time, failures, targets, the machine.
 
 Errors are absolute and dimensionless. Times are processor seconds, so that other work on a shared
 machine does not count, or wall-clock seconds where a record says so.
@@ -23,24 +23,25 @@ PACKAGES = (
 
 @dataclass(frozen=True)
 class WorkPoint:
-    """One method at one setting: what it cost and how wrong it was.
+    """The cost and the error of one method at one setting.
 
     Attributes
     ----------
     quantity, problem, method, knob : str
-        What was computed, at which test problem, how, and the setting that trades error for time.
+        The quantity, the test problem, the method, and the setting that trades error for time.
     error : float
         Distance from the reference.
     claimed : float or None
-        The bound or estimate that the method itself gave; None where it gives none.
+        The error bound or estimate that the method itself states; None where it states none.
     first_seconds : float
-        First call in this process, per evaluation; imports and caches may be warm from other knobs.
+        Time of the first call in this process, per evaluation; modules and caches may already have
+        been loaded by other settings.
     seconds : float
-        Median over the repeated calls, per evaluation.
+        Median time of the repeated calls, per evaluation.
     repeats : int
-        Repeated calls, the first not counted.
+        Number of repeated calls, without the first.
     warning : str
-        What the method warned of on the first call; empty if nothing.
+        Warning of the method on the first call; empty if there was none.
     """
 
     quantity: str
@@ -57,7 +58,7 @@ class WorkPoint:
 
 @dataclass(frozen=True)
 class BenchmarkFailure:
-    """One method that gave no value at one setting, and why."""
+    """A method that gave no value at a setting, and the reason."""
 
     quantity: str
     problem: str
@@ -68,20 +69,20 @@ class BenchmarkFailure:
 
 @dataclass(frozen=True)
 class FirstCall:
-    """What a method costs before it gives its first value, in a process of its own.
+    """The time until a method gives its first value, in a process of its own.
 
     Attributes
     ----------
     method : str
-        Name.
+        Name of the method.
     cold : float or None
-        Seconds of the first call where nothing was compiled before; None if it failed.
+        Seconds of the first call when nothing has been compiled before; None if it failed.
     loaded : float or None
-        The same in the next process, which finds what the first one compiled.
+        The same in the next process, which loads what the first one compiled.
     again : float or None
-        Seconds of the second call there.
+        Seconds of the second call in that process.
     reason : str
-        Why it failed; empty if it did not.
+        Why the method failed; empty if it did not.
     """
 
     method: str
@@ -93,22 +94,22 @@ class FirstCall:
 
 @dataclass(frozen=True)
 class Target:
-    """A speed that was promised beside the speed that was measured.
+    """A promised speed and the measured one.
 
     Attributes
     ----------
     claim : str
         What is measured, in words.
     measured : float or None
-        None where it could not be measured; ``detail`` says why.
+        The measured value; None where it could not be measured, for the reason in ``detail``.
     relation : {"at least", "below", "no target"}
-        How it must compare with ``limit``.
+        How the measured value must compare with ``limit``.
     limit : float or None
         The target.
     unit : str
-        Of both.
+        Unit of both.
     detail : str
-        What was done, and the numbers behind the ratio.
+        How it was measured, and the numbers from which a ratio was formed.
     """
 
     claim: str
@@ -137,20 +138,20 @@ class BenchmarkRecord:
     Attributes
     ----------
     command : str
-        What was typed.
+        The command line.
     date : str
         UTC, ISO 8601.
     machine, versions : mapping
-        Where it ran and with what (`verification.execution.metadata`).
+        The machine and the versions of the packages (`verification.execution.metadata`).
     agreement : mapping of str to float
         For each test problem, the distance between the two references that share no code.
     points, failures, targets
         The measurements.
     first_calls : tuple of FirstCall
-        Compilation and first calls; empty in a quick run.
+        Times of first calls, with compilation; empty in a quick run.
     code : mapping or None
-        Which code was measured (`verification.execution.metadata.Code`); None in a record that does
-        not say.
+        The measured code (`verification.execution.metadata.Code`); None in a record that does not
+        state it.
     """
 
     command: str
@@ -175,7 +176,7 @@ def record_of(
     first_calls: Sequence[FirstCall] = (),
     code: Mapping[str, object] | None = None,
 ) -> BenchmarkRecord:
-    """Return the record of a run that has just ended here."""
+    """Return the record of a run that has just ended on this machine."""
     return BenchmarkRecord(
         command, now(), this_machine(), installed_versions(PACKAGES), agreement, tuple(points),
         tuple(failures), tuple(targets), tuple(first_calls), code,
@@ -183,7 +184,7 @@ def record_of(
 
 
 def as_payload(record: BenchmarkRecord) -> dict[str, Any]:
-    """Return a record for JSON, each target with its verdict."""
+    """Return a record for JSON, with the verdict on each target."""
     payload = asdict(record)
     for row, target in zip(payload["targets"], record.targets, strict=True):
         row["verdict"] = target.verdict
@@ -196,7 +197,7 @@ def write_record(record: BenchmarkRecord, path: Path) -> None:
 
 
 def read_record(path: Path) -> BenchmarkRecord:
-    """Read what :func:`write_record` wrote."""
+    """Read a record written by :func:`write_record`."""
     payload = json.loads(path.read_text(encoding="utf-8"))
     for row in payload["targets"]:
         del row["verdict"]

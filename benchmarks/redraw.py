@@ -12,7 +12,7 @@ from benchmarks.work_precision import RESULTS
 
 
 def redraw() -> None:
-    """Draw every diagram for which there is a record; nothing is measured."""
+    """Draw every diagram for which there is a record, without measuring anything."""
     for benchmark in all_benchmarks():
         path = RESULTS / f"{benchmark.name}.json"
         if path.is_file():

@@ -1,7 +1,7 @@
-"""Which benchmarks there are, the quantity of each, and a whole measurement.
+"""The list of benchmarks, the quantity of each, and a complete measurement.
 
-Apart from ``work_precision``: the record of a benchmark depends on the code that it measures, and
-not on that of all others.
+This is separate from ``work_precision`` so that the record of a benchmark depends on the code that
+it measures and not on that of all other benchmarks.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ def quantity_of(benchmark: WorkPrecision) -> Quantity:
 
 @functools.cache
 def all_benchmarks() -> tuple[WorkPrecision, ...]:
-    """Return every benchmark of this folder, by name.
+    """Return all benchmarks of this folder, sorted by name.
 
     Raises
     ------
     ValueError
-        If two have the same name.
+        If two benchmarks have the same name.
     """
     found: list[WorkPrecision] = list(exposed("benchmarks", "BENCHMARK").values())
     check_distinct("benchmarks", (benchmark.name for benchmark in found))
@@ -40,12 +40,12 @@ def all_benchmarks() -> tuple[WorkPrecision, ...]:
 
 
 def chosen(names: Sequence[str]) -> tuple[WorkPrecision, ...]:
-    """Return the benchmarks named, or all if none is.
+    """Return the named benchmarks, or all if no name is given.
 
     Raises
     ------
     ParameterError
-        If there is none of that name.
+        If there is no benchmark of a given name.
     """
     known = {benchmark.name: benchmark for benchmark in all_benchmarks()}
     for name in names:
@@ -56,8 +56,8 @@ def chosen(names: Sequence[str]) -> tuple[WorkPrecision, ...]:
 
 
 def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> BenchmarkRecord:
-    """Return the record of a benchmark; a quick one is without first calls."""
-    code = asdict(Code.of([benchmark.module, *benchmark.code]))  # as it is at the start
+    """Measure a benchmark and return its record; a quick one has no first calls."""
+    code = asdict(Code.of([benchmark.module, *benchmark.code]))  # as it is before the measurement
     points: list[WorkPoint] = []
     failures: list[BenchmarkFailure] = []
     agreement: dict[str, float] = {}

@@ -1,11 +1,11 @@
-"""Labelled roots of Eq. (50) beside the root finders a user has: which are found, and how exactly.
+"""Labelled roots of Eq. (50), compared with other root finders: completeness and accuracy.
 
-Required are the roots of the labels -20 … 20 above the axis; the error is the largest of them. A
-method that leaves some out is a failure, and the failure says how many. The reference is mpmath's
-``findroot`` (secants) at 40 digits, started at our roots; the number of roots is certain
-from the winding of L, which knows nothing of labels. ``agreement`` is how far our roots at 50
-digits are from it. Peers are cxroots in a box, and scipy's and mpmath's local methods from guesses
-spread evenly over the box.
+The roots with labels -20 … 20 above the axis are required; the error is the largest error among
+them. A method that misses roots is a failure, and the failure says how many it misses. The
+reference is mpmath's ``findroot`` (secant method) at 40 digits, started at our roots; the number of
+roots is certain from the winding number of L, which does not depend on labels. ``agreement`` is the
+distance of our roots at 50 digits from the reference. The other programs are cxroots in a box, and
+scipy's and mpmath's local methods from guesses spread evenly over the box.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ DOUBLE, PRECISE, CERTIFIED = "labelled roots", "labelled roots, many digits", "c
 CONTOUR, NEWTON, FINDROOT = "cxroots", "scipy newton from guesses", "mpmath findroot from guesses"
 _DIGITS = 40
 _SAME = 1e-3
-"""A root counts as found if something is so near to it, relative to its size."""
+"""Relative distance from a returned value within which a root counts as found."""
 
 
 class MissedRootsError(ArithmeticError):
-    """A method that left roots out."""
+    """A method missed roots."""
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return the roots by mpmath, how far ours at 50 digits are from them, and all methods."""
+    """Return the settings of all methods, and how well the reference roots are known."""
     v, c = problem.v, problem.c
     true, apart = reference(v, c)
     settings = [
@@ -59,12 +59,12 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
 
 
 def reference(v: float, c: float) -> tuple[list[Any], float]:
-    """Return the roots by mpmath, and how far ours at 50 digits are from them.
+    """Return the roots by mpmath, and the distance of ours at 50 digits from them.
 
     Raises
     ------
     ArithmeticError
-        If there are not as many as the winding number says.
+        If their number is not the winding number.
     """
     start = labelled_roots(v, c, LABELS, upper=True).k
     with mp.workdps(_DIGITS):
@@ -86,7 +86,7 @@ def _exact_dispersion(v: float, c: float) -> Any:
 
 
 def _methods(v: float, c: float) -> Iterator[tuple[str, str, Any, bool, bool]]:
-    """Yield method, setting, how to evaluate it, whether it is quick, whether it is a peer."""
+    """Yield the method, its setting, the call, whether it is quick, and whether it is a peer."""
     yield DOUBLE, "as it is", partial(_double, v, c), True, False
     for digits in (20, 30, 35):
         yield PRECISE, f"{digits} digits", partial(_precise, v, c, digits), True, False
@@ -166,7 +166,7 @@ def largest_error(found: Sequence[Any], true: Sequence[Any]) -> float:
     Raises
     ------
     MissedRootsError
-        If there is none near a true root.
+        If no root is found near a true root.
     """
     found = [k for k in found if np.isfinite(complex(k))]
     rough = np.array([complex(k) for k in found] or [np.inf])

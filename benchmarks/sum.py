@@ -1,9 +1,10 @@
-"""Σ(v, c) of Eq. (53): our methods, what a user would otherwise pick, and the speeds promised.
+"""Σ(v, c) of Eq. (53): our methods, what a user would otherwise choose, and the promised speeds.
 
-Methods built on the integral over k are held against the series over the roots at 60 digits, and
-the other way round. Peers are one call of ``scipy.integrate.quad``, and cxroots (argument
-principle, subdivided boxes, Newton), an optional extra, which is given the derivative, and a box
-known to hold the roots of consecutive labels and no others.
+Methods based on the integral over k are compared with the series over the roots at 60 digits, and
+methods based on the series with the integral. The other programs are one call of
+``scipy.integrate.quad``, and cxroots (argument principle, subdivided boxes, Newton), an optional
+extra, which is given the derivative and a box known to contain the roots of consecutive labels and
+no others.
 """
 
 from __future__ import annotations
@@ -60,11 +61,11 @@ _ROOT = Path(__file__).resolve().parent.parent
 
 
 class MissedRootError(ArithmeticError):
-    """A root finder that did not return one root a strip."""
+    """A root finder did not return exactly one root per strip."""
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods."""
+    """Return the settings of all methods and the agreement of the two references."""
     v, c = problem.v, problem.c
     series, integral = sum_by_roots(v, c, DIGITS).value, precise_sum_by_integral(v, c, DIGITS).value
     settings = [*_integrals(v, c, series), *_series(v, c, integral), *_peers(v, c, integral)]
@@ -142,13 +143,13 @@ def _ours(
 
 
 def _batch(v: float, c: float, tolerance: float = 1e-12) -> MethodAnswer:
-    """Return Σ(v, c), the first of a batch whose velocities go up by one per cent."""
+    """Return Σ(v, c), the first value of a batch whose velocities span one per cent."""
     many = sums(v * np.geomspace(1.0, 1.01, BATCH_SIZE), c, tolerance)
     return MethodAnswer(value=complex(many.value[0]), claimed=float(many.error[0]))
 
 
 def _cut_off(v: float, c: float, count: int) -> MethodAnswer:
-    """Return the printed series as it stands, over ``count`` roots about the origin; no bound."""
+    """Return the printed series over ``count`` roots about the origin, without an error bound."""
     labels = np.arange(count) - count // 2
     k = labelled_roots(v, c, labels, upper=True).k
     return MethodAnswer(value=complex(np.sum(1.0 / (-1j * k * (v + c * np.sin(k))))))
@@ -164,16 +165,16 @@ def _by_contour(
 ) -> MethodAnswer:
     """Return Σ from the roots that cxroots finds in the strips -reach … reach above the axis.
 
-    With ``tail`` the terms beyond are added by the Euler–Maclaurin tail of
-    ``theory.piecewise.sums.series``, here also at labels nearer to the singularities than that
-    module would dare; hence no bound is claimed. ``options`` are handed to cxroots; M = 2, at most
-    two roots a box, is the fastest found for it, and romb the one that bears roots near the edge of
-    the box.
+    With ``tail``, the terms beyond are added by the Euler–Maclaurin tail of
+    ``theory.piecewise.sums.series``, here also at labels closer to the singularities than that
+    module allows; hence no bound is stated. ``options`` are passed to cxroots: M = 2, at most two
+    roots per box, is the fastest choice found, and romb is the quadrature that tolerates roots near
+    the edge of the box.
 
     Raises
     ------
     MissedRootError
-        If there is not one root a strip.
+        If cxroots does not return exactly one root per strip.
     """
     from cxroots import Rectangle
 
@@ -193,7 +194,7 @@ def _by_contour(
     terms = 1.0 / (k * slope(k))
     if not tail:
         return MethodAnswer(value=complex(np.sum(terms)))
-    terms = np.where(np.abs(labels) == reach, 0.5 * terms, terms)  # the tail holds the other half
+    terms = np.where(np.abs(labels) == reach, 0.5 * terms, terms)  # the tail has the other half
     with mp.workdps(_TAIL_DIGITS + 15):
         whole = RootSeries(mp.mpf(v), mp.mpf(c), 1)
         rest = [tail_sum(whole, side * reach, side, _MAX_TAIL_TERMS) for side in (-1, 1)]
@@ -201,7 +202,7 @@ def _by_contour(
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
-    """Return the speeds promised for the piecewise-linear front, each measured."""
+    """Return the speeds promised for the piecewise-linear front, with their measurements."""
     report("promised speeds")
     problems = dict.fromkeys(point.problem for point in points)
     ratios = [row for problem in problems for row in ratio_targets(points, problem)]
@@ -227,17 +228,17 @@ _LABELS = np.arange(-1000, 1000)
 
 
 def ratio_targets(points: Sequence[WorkPoint], problem: str) -> tuple[Target, ...]:
-    """Return how much faster the integral is than the peers at equal error.
+    """Return the factor by which the integral is faster than other programs at equal error.
 
-    For each setting of a peer, ours is the fastest setting with no more error; the smallest ratio
-    over the peer's settings is the one reported. The promise spoke of arrays; what one call gains
-    stands beside it.
+    Each setting of another program is compared with our fastest setting whose error is no larger;
+    the smallest ratio over its settings is reported. The promise concerned arrays; the ratio for a
+    single call is reported as well.
     """
     rows = []
     here = [point for point in points if point.problem == problem]
     for name, limit in ((QUAD, 200.0), (WITH_TAIL, 1e4), (WITHOUT_TAIL, 1e4)):
         peers = [point for point in here if point.method == name]
-        for ours in (BATCH, ONE_CALL) if peers else ():  # a peer that failed is listed there
+        for ours in (BATCH, ONE_CALL) if peers else ():  # failed ones are listed as such
             claim = f"{ours}, against {name}, {problem} problem, equal error"
             least = least_factor([p for p in here if p.method == ours], peers, 0.0, math.inf)
             detail = f"ours never reached the error of {name}"
@@ -257,7 +258,7 @@ Relation = Literal["at least", "below", "no target"]
 
 
 def _batch_target(quick: bool) -> Target:
-    """Return evaluations of Σ a second at 1e-12 for random v, c from 0.3 to 3."""
+    """Return evaluations of Σ per second, at tolerance 1e-12, for random v, c from 0.3 to 3."""
     random = np.random.default_rng(_SEED)
     v, c = np.exp(random.uniform(np.log(0.3), np.log(3.0), (2, MANY)))
     cpu, start = process_time(), perf_counter()
@@ -277,9 +278,10 @@ def _batch_target(quick: bool) -> Target:
 
 
 def _corners(repeats: int) -> Target:
-    """Return the worst cost along the velocities of fronts, over that of an ordinary one.
+    """Return the largest cost at velocities of fronts, divided by that at an ordinary velocity.
 
-    v within a factor of three of V√c for V = 1, c from 1e-8 to 1e8; the same number of values each.
+    The velocities v are within a factor of three of V√c with V = 1, for c from 1e-8 to 1e8, and
+    the number of values is the same for each c.
     """
     spread = np.geomspace(1.0 / 3.0, 3.0, MANY)
     near = 0.3 * np.geomspace(0.9, 1.1, spread.size)
@@ -301,7 +303,7 @@ def _corners(repeats: int) -> Target:
 
 
 def _one_call(repeats: int) -> Target:
-    """Return the time of one value by the plain rules, no compiler loaded for it."""
+    """Return the time of one value by the plain rules, for which numba is not loaded."""
     worst = 0.0
     for v, c in ((3.0, 0.3), (1.0, 1.0), (0.3, 0.5), (1.0, 2.5), (10.0, 100.0), (1e4, 1e8)):
         _, seconds = _timed(partial(sum_by_integral, v, c, 1e-12), repeats)
@@ -388,7 +390,7 @@ def _timed_target(
 
 
 def _timed(call: Callable[[], Any], repeats: int) -> tuple[float, float]:
-    """Return seconds of the first call, and the median of ``repeats`` more."""
+    """Return the time of the first call, and the median time of ``repeats`` more, in seconds."""
     times = []
     for _ in range(repeats + 1):
         start = perf_counter()

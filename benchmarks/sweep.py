@@ -1,11 +1,11 @@
-"""What a sweep costs beside its points: ``python -m benchmarks.sweep``.
+"""The overhead of a sweep in addition to the work at its points: ``python -m benchmarks.sweep``.
 
-A map of 10⁵ points of the averaged chain, on two workers and into a file, as `fronts map` makes it.
-Held against a bare loop: the same task, called at every so many of the same points, in one process,
-with nothing kept. Seconds are those of the processor, of this process and of its workers; memory is
-the growth of this process's largest resident size, from the end of a small map to the end of the
-large one. What the sweep itself takes for a point is measured with a task that returns at once, of
-the same columns.
+A map of 10⁵ points of the averaged chain is computed by two workers and written to a file, as by
+`fronts map`. It is compared with a bare loop: the same task, called for every `LOOP_STRIDE`-th of
+the same points in one process, without keeping the results. Times are seconds of processor time of
+this process and its workers; memory is the growth of this process's largest resident size from the
+end of a small map to the end of the large one. The sweep's own time per point is measured with a
+task that returns immediately, with the same columns.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from verification.maps.vdp_rules import FIGURE_15
 POINTS = 100_000
 WORKERS = 2
 LOOP_STRIDE = 20
-"""The bare loop goes through one point in so many."""
+"""The bare loop takes one of this number of points."""
 RECORD = Path(__file__).parent / "results" / "sweep.json"
 TASK = StateTask(chain=FIGURE_15.averaged(), perturbation=0.0)
 _UNIT = 1024 if sys.platform != "darwin" else 1
@@ -43,25 +43,25 @@ _UNIT = 1024 if sys.platform != "darwin" else 1
 
 @dataclass(frozen=True, kw_only=True)
 class SweepCost:
-    """What was measured, over the number of points.
+    """The measured cost of a map per point.
 
     Attributes
     ----------
     points, workers : int
-        Of the map.
+        Numbers of points and of workers of the map.
     loop_us : float
-        Microseconds of the bare loop for a point.
+        Time of the bare loop per point, in microseconds.
     map_us : float
-        Microseconds of the map for a point, of all processes.
+        Time of the map per point, of all processes, in microseconds.
     own_us : float
-        Microseconds of the sweep itself for a point, of all processes, by the task that returns at
-        once.
+        The sweep's own time per point, of all processes, in microseconds, measured with the task
+        that returns immediately.
     growth : float
-        Bytes of memory for a point by which this process grew.
+        Growth of this process's memory per point, in bytes.
     wall_seconds : float
-        Of the map.
+        Wall-clock time of the map.
     different : int
-        Points of the bare loop at which the map has another row.
+        Number of points of the bare loop whose row differs from that of the map.
     """
 
     points: int
@@ -75,13 +75,13 @@ class SweepCost:
 
 
 def row_without_work(point: Point) -> dict[str, Cell]:
-    """Return a row like that of a map, of no work."""
+    """Return a row like that of a map, without computing anything."""
     label = "front" if point["c"] > point["eta"] else "breather"  # type: ignore[operator]
     return {"label": label, "why": "decided", "time": point["c"], "above": 3, "steps": 7}
 
 
 def grid_of_figure_15(points: int) -> Grid:
-    """Return so many points, nearly, of the plane of Fig. 15.
+    """Return a grid of about this number of points in the plane of Fig. 15.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def grid_of_figure_15(points: int) -> Grid:
 
 
 def measure(points: int = POINTS, workers: int = WORKERS) -> SweepCost:
-    """Measure a map of so many points.
+    """Measure a map of about this number of points.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def measure(points: int = POINTS, workers: int = WORKERS) -> SweepCost:
 
 
 def _timed_sweep(task: object, grid: Grid, workers: int) -> tuple[Table, float]:
-    """Return the table and the seconds of all processes; the workers have ended by then."""
+    """Return the table and the processor time of all processes, after the workers have ended."""
     with tempfile.TemporaryDirectory() as folder:
         begin = _processor_seconds()
         table = sweep(task, grid, workers=workers, out=Path(folder, "map.csv"))  # type: ignore[arg-type]
@@ -164,7 +164,7 @@ def in_words(cost: SweepCost) -> str:
 
 
 def main() -> None:
-    """Measure, say it, and store it if asked to."""
+    """Measure, print the result, and store it if requested."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--points", type=int, default=POINTS)
     parser.add_argument("--workers", type=int, default=WORKERS)

@@ -29,7 +29,7 @@ def _points(run: BenchmarkRecord) -> Iterator[str]:
         )
         for point in (each for each in run.points if each.problem == problem):
             claimed = "-" if point.claimed is None else f"{point.claimed:.1e}"
-            # The reference itself is known to within the agreement only.
+            # The reference itself is known only to within the agreement.
             beyond = point.claimed is not None and (
                 point.error > point.claimed + run.agreement[problem]
             )

@@ -1,10 +1,11 @@
-"""The front velocity v̂(c, η) of Eq. (54) beside what a user would put together for one branch.
+"""The front velocity v̂(c, η) of Eq. (54), compared with what a user would write for one branch.
 
-The value is the fastest branch. scipy's ``brentq`` over ``quad`` and over the printed series cut
-off, and mpmath's ``findroot`` over the series with its tail, are given an interval that holds this
-root and no other, or a start near it; ours are given nothing and return every branch. The
-references are the two 30-digit evaluations of Σ, each with a secant of mpmath; methods on the
-integral are held against the series and the other way round.
+The value is the velocity of the fastest branch. scipy's ``brentq`` with ``quad`` or with the
+truncated printed series, and mpmath's ``findroot`` with the series and its tail, are given an
+interval that contains this root and no other, or an initial value near it; our methods are given
+nothing and return every branch. The references are the two evaluations of Σ to 30 digits, each
+with mpmath's secant method; methods based on the integral are compared with the series, and
+methods based on the series with the integral.
 """
 
 from __future__ import annotations
@@ -41,11 +42,11 @@ DIGITS = 30
 MANY = 100
 
 Interval = tuple[float, float, float]
-"""Two ends, and a start near the root between them."""
+"""The two ends of an interval, and an initial value near the root between them."""
 
 
 def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
-    """Return both references and all methods."""
+    """Return the settings of all methods and the agreement of the two references."""
     c, eta = problem.c, problem["eta"]
     bracket = interval(c, eta)
     by_series, by_integral = references(c, eta, bracket)
@@ -54,7 +55,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
 
 
 def interval(c: float, eta: float) -> Interval:
-    """Return an interval with the fastest branch and no other one, and a start near it."""
+    """Return an interval with the fastest branch and no other, and an initial value near it."""
     found = kinetic_relation(c, eta).branches
     fastest = found[-1].v
     low = 0.5 * fastest if len(found) == 1 else 0.5 * (found[-2].v + fastest)
@@ -118,7 +119,7 @@ def _relation(c: float, eta: float) -> MethodAnswer:
 
 
 def _batch(c: float, eta: float) -> MethodAnswer:
-    """Return the first of many couplings that go up by one per cent."""
+    """Return v at the first coupling of a batch that spans one per cent."""
     branch = trace_kinetic_relation(c * np.geomspace(1.0, 1.01, MANY), eta)[0].branches[-1]
     return MethodAnswer(value=branch.v, claimed=branch.error)
 

@@ -1,9 +1,9 @@
-"""Error against run time: the one engine that measures methods and peers at test problems.
+"""Error versus run time: the engine that measures our and other methods at test problems.
 
-A file of this folder that exposes ``BENCHMARK``, a :class:`WorkPrecision`, adds the benchmark of a
-quantity of ``verification.quantities``. Methods take turns in one process, which spreads a slow
-minute of a shared machine over all of them alike; a time is the median of the repeated calls in
-processor seconds, and the first call stands apart.
+A file of this folder that defines ``BENCHMARK``, a :class:`WorkPrecision`, adds the benchmark of a
+quantity of ``verification.quantities``. Methods take turns in one process, so that a slow minute of
+a shared machine affects all of them equally. A time is the median over the repeated calls, in
+seconds of processor time; the first call is reported separately.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 RESULTS = Path(__file__).resolve().parent / "results"
 
 Report = Callable[[str], None]
-"""Progress callback: called with what is being done."""
+"""Progress callback, called with a description of the current step."""
 
 _COMPARED_DIGITS = 80
 _MAX_REASON = 160
@@ -37,18 +37,18 @@ _MAX_REASON = 160
 
 @dataclass(frozen=True, kw_only=True)
 class MethodAnswer:
-    """What one call of a method gave.
+    """The result of one call of a method.
 
     Attributes
     ----------
     value : object
-        A number, an array, or what the ``error`` of the benchmark compares.
+        A number, an array, or an object that the ``error`` of the benchmark compares.
     claimed : float or None
         The error bound that the method itself states; None where it states none.
     seconds : tuple of float
-        Of each call, where the method is timed in processes of its own; else empty.
+        Time of each call, if the method is timed in processes of its own; otherwise empty.
     defect : str
-        What is wrong with it beside its error; listed as a failure.
+        What is wrong with the value apart from its error; listed as a failure.
     """
 
     value: Any
@@ -64,17 +64,17 @@ class Setting:
     Attributes
     ----------
     method, knob : str
-        Its name, and the setting that trades error for time.
+        Name of the method, and the setting that trades error for time.
     evaluate : callable
-        Compute it, all of it, from plain numbers.
+        Function that does the complete computation from plain numbers.
     reference : object
         The true value, from a method that shares no code with this one.
     batch : int
-        Evaluations in one call; times are divided by it.
+        Number of evaluations in one call, by which times are divided.
     quick : bool
-        Whether a quick run includes it.
+        Whether a quick run includes this setting.
     peer : bool
-        Not ours.
+        Whether the method is that of another program.
     """
 
     method: str
@@ -93,13 +93,15 @@ class Effort:
     Attributes
     ----------
     seconds : float
-        Of repeated calls for each setting, if that gives between ``least`` and ``most``.
+        Total time of the repeated calls for each setting, provided that their number is between
+        ``least`` and ``most``.
     least, most : int
-        Repeated calls. One whose first call took longer than ``once_from`` is repeated once.
+        Least and largest number of repeated calls. A call that first takes longer than
+        ``once_from`` is repeated once.
     once_from : float
-        Seconds.
+        Time of a first call, in seconds.
     limit : float
-        Seconds after which a single call is given up.
+        Time, in seconds, after which a single call is given up.
     """
 
     seconds: float = 1.0
@@ -109,7 +111,7 @@ class Effort:
     limit: float = 60.0
 
     def repeats(self, first: float) -> int:
-        """Return the number of repeated calls after a first call of that many seconds."""
+        """Return the number of repeated calls after a first call that took ``first`` seconds."""
         if first > self.once_from:
             return 1
         return int(min(self.most, max(self.least, self.seconds / max(first, 1e-9))))
@@ -117,16 +119,16 @@ class Effort:
 
 @dataclass(frozen=True, kw_only=True)
 class Prepared:
-    """One test problem made ready to be measured.
+    """One test problem that is ready for measurement.
 
     Attributes
     ----------
     agreement : float
         Distance between the two references that share no code.
     settings : sequence of Setting
-        Every method at every setting.
+        All methods at all their settings.
     failures : sequence of (str, str, str)
-        Method, setting and reason of what could not be made ready.
+        Method, setting and reason for each setting that could not be prepared.
     """
 
     agreement: float
@@ -141,13 +143,13 @@ class Style:
     Attributes
     ----------
     xlabel, ylabel, caption : str
-        Texts.
+        Labels of the axes, and the caption.
     methods : mapping of str to (str, str)
         Colour and marker of each method.
     garbage : float
-        Error beyond which a result is no answer.
+        Error above which a result counts as useless.
     floor : float
-        Errors below, and those of zero, are drawn there, in a strip that says so.
+        Error at which smaller errors, including zero, are drawn, in a labelled strip.
     """
 
     xlabel: str
@@ -159,7 +161,7 @@ class Style:
 
 
 def distance(value: Any, reference: Any) -> float:
-    """Return the largest |value - reference|; of numbers subtracted in 80 digits.
+    """Return the largest |value - reference|; single numbers are subtracted with 80 digits.
 
     Raises
     ------
@@ -184,13 +186,13 @@ def distance(value: Any, reference: Any) -> float:
 
 
 def no_targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> Sequence[Target]:
-    """Return nothing: no speed was promised."""
+    """Return no targets: no speed was promised."""
     return ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class WorkPrecision:
-    """The benchmark of one quantity: its methods and peers.
+    """The benchmark of one quantity: our methods and those of other programs.
 
     Name, default method, useful errors, test problems and references are those of the quantity of
     that name in the registry (``benchmarks.registry.quantity_of``).
@@ -198,29 +200,30 @@ class WorkPrecision:
     Attributes
     ----------
     name : str
-        Of the quantity; the record is ``<name>.json``.
+        Name of the quantity; the record is ``<name>.json``.
     prepare : callable
-        From (problem, quick, report) to references and settings.
+        Maps (problem, quick, report) to a :class:`Prepared`: references and settings.
     style : Style
         How the diagram is drawn; it names every method.
     error : callable
-        From a value and its reference to the error; an exception is a failure of the method.
+        Maps a value and its reference to the error; an exception is a failure of the method.
     effort, quick_effort : Effort
-        How long to measure: within 3 minutes and within 20 s for all settings.
+        How long to measure: within 3 minutes, or 20 s in a quick run, for all settings.
     quick_problems : int
-        How many test problems a quick run takes.
+        Number of test problems in a quick run.
     targets : callable
-        From (points, quick, report) to speeds that were promised.
+        Maps (points, quick, report) to the promised speeds.
     variants : tuple of str
-        The default in other dress, such as one call in place of a batch: drawn, and no rivals.
+        Variants of the default, such as one call instead of a batch; drawn, but not rivals.
     others : mapping of str to str
-        Methods that solve another problem, and which: drawn, and no rivals.
+        Methods that solve another problem, each with that problem; drawn, but not rivals.
     reasons : mapping of str to str
-        Rivals that are faster somewhere, and why the default is the default all the same.
+        Rivals that are faster at some error, and why the default is nevertheless the default.
     first : mapping of str to callable
-        One first call of the default and of each peer, for a process of its own; imports inside.
+        A first call of the default and of each other program, made in a new process; the callable
+        does the imports.
     code : tuple of str
-        Modules that are measured and that the benchmark does not import itself.
+        Modules that are measured but not imported by the benchmark itself.
     """
 
     name: str
@@ -239,7 +242,7 @@ class WorkPrecision:
 
     @property
     def module(self) -> str:
-        """Dotted name of the module that measures it."""
+        """Dotted name of the module that defines the benchmark."""
         return self.prepare.__module__
 
 
@@ -252,20 +255,20 @@ def measure_side_by_side(
     clock: Callable[[], float] = process_time,
     error: Callable[[Any, Any], float] = distance,
 ) -> tuple[tuple[WorkPoint, ...], tuple[BenchmarkFailure, ...]]:
-    """Return one point for each setting that gave a value, one failure for each that did not.
+    """Return one point for each setting that gave a value, and one failure for each other setting.
 
     Parameters
     ----------
     quantity, problem : str
-        What is computed and where; copied into the points.
+        Names of the quantity and of the test problem, which are copied into the points.
     settings : sequence of Setting
-        In the order in which they take turns.
+        The settings, in the order in which they take turns.
     effort : Effort
         How long to measure.
     clock : callable
-        Time in seconds.
+        Returns the time in seconds.
     error : callable
-        From a value and its reference to the error.
+        Maps a value and its reference to the error.
     """
     failures: list[BenchmarkFailure] = []
     running: list[tuple[Setting, MethodAnswer, float, float, str, list[float]]] = []
@@ -273,7 +276,7 @@ def measure_side_by_side(
         try:
             answer, first, warned = _first_call(each, effort.limit, clock)
             off = error(answer.value, each.reference)
-        except Exception as reason:  # whatever a peer raises is its result
+        except Exception as reason:  # whatever another program raises is its result
             text = _short(f"{type(reason).__name__}: {reason}")
             failures.append(BenchmarkFailure(quantity, problem, each.method, each.knob, text))
             continue
@@ -322,10 +325,11 @@ def _short(text: str) -> str:
 def least_factor(
     ours: Sequence[WorkPoint], peers: Sequence[WorkPoint], low: float, high: float
 ) -> tuple[float, WorkPoint, WorkPoint] | None:
-    """Return the least factor of time by which ours beat the peers at equal error, and where.
+    """Return the least factor by which our methods are faster than others at equal error.
 
-    Each peer with an error from ``low`` to ``high`` is compared with the fastest of ours that is
-    at least as exact: factor, the peer, ours. None if no pair can be compared.
+    Each point of another program with an error from ``low`` to ``high`` is compared with our
+    fastest point that is at least as accurate. The result is the factor, the other point and ours,
+    or None if no pair can be compared.
     """
     factors = []
     for peer in peers:

@@ -1,1 +1,1 @@
-"""Where each formula comes from, step by step in SymPy. Never imports ``theory``."""
+"""The derivation of each formula, step by step in SymPy. Never imports ``theory``."""

@@ -1,4 +1,4 @@
-"""The model that the derivations of part 2 start from: a chain of self-excited oscillators."""
+"""The model from which the derivations of part 2 start: a chain of self-excited oscillators."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class ChainModel:
     stiffness : mapping of int to Expr
         Coefficient of each power of y in g; empty for none.
     coupling : Expr
-        The coupling; 0 for an isolated cell. Its limits and thresholds are derived where it is a
-        multiple of the letter c.
+        The coupling; 0 for an isolated cell. The limits and thresholds in c are derived only if it
+        is a multiple of the symbol c.
     weights : tuple of Expr
-        Weight w_j of the springs to the j-th neighbours, from the nearest on.
+        Weight w_j of the springs to the j-th neighbours, beginning with the nearest.
 
     Raises
     ------
@@ -65,29 +65,29 @@ class ChainModel:
 
     @property
     def reach(self) -> int:
-        """How many neighbours on either side are coupled to a site."""
+        """Number of neighbours on either side that are coupled to a site."""
         return len(self.weights)
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
-        """The symbols of the coefficients, sorted by name."""
+        """The symbols in the coefficients, sorted by name."""
         values = [*self.damping.values(), *self.stiffness.values(), self.coupling, *self.weights]
         found = set().union(*(sp.sympify(value).free_symbols for value in values))
         return tuple(sorted(found, key=lambda symbol: symbol.name))
 
     @property
     def is_scaled_by_c(self) -> bool:
-        """Whether the coupling is a multiple of the letter c."""
+        """Whether the coupling is a multiple of the symbol c."""
         return self.coupling != 0 and not (self.coupling / c).has(c)
 
     @property
     def nearest_pull(self) -> bool:
-        """Whether a site is joined to its nearest neighbours alone, and these pull it back."""
+        """Whether only nearest neighbours are coupled, by springs that pull a site back."""
         return self.reach == 1 and bool(self.coupling.is_positive)
 
     @property
     def total_coupling(self) -> sp.Expr:
-        """``c Σ_j w_j``, the coupling times the number of springs on a side, by weight."""
+        """``c Σ_j w_j``: the coupling times the weighted number of springs on one side."""
         return self.coupling * sum(self.weights, sp.S.Zero)
 
     def damping_of(self, displacement: sp.Expr) -> sp.Expr:

@@ -1,6 +1,6 @@
 """The chain in plain numbers, for checks: forces written as springs and dampers, without SymPy.
 
-Nothing here uses the symbolic form of the equations; only the coefficients are read off the model.
+The symbolic form of the equations is not used; only the coefficients are taken from the model.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from derivations.symbols import epsilon
 
 @dataclass(frozen=True)
 class ChainNumbers:
-    """One chain with numbers for its coefficients.
+    """One chain with numerical coefficients.
 
     Attributes
     ----------
     damping, stiffness : tuple of float
-        Coefficients of h and g from power 0 on.
+        Coefficients of h and g, beginning with power 0.
     springs : tuple of float
         Spring constants c w_j to the j-th neighbours.
     eps : number
         The small parameter.
     values : mapping of Symbol to float
-        The same numbers by symbol, with eps.
+        The same numbers by symbol, including eps.
     """
 
     damping: tuple[float, ...]
@@ -43,7 +43,7 @@ class ChainNumbers:
 
     @property
     def reach(self) -> int:
-        """Neighbours on either side."""
+        """Number of coupled neighbours on either side."""
         return len(self.springs)
 
     @property
@@ -56,7 +56,7 @@ class ChainNumbers:
         return rate * _horner(self.damping, y) + _horner(self.stiffness, y)
 
     def tension(self, field: Mapping[int, Any], at: int = 0) -> Any:
-        """Pull of the springs on a site: differences to the right minus differences to the left."""
+        """Pull of the springs on a site: differences to the right minus those to the left."""
         total: Any = 0
         for j, spring in enumerate(self.springs, start=1):
             right, left = field[at + j] - field[at], field[at] - field[at - j]
@@ -64,7 +64,7 @@ class ChainNumbers:
         return total
 
     def rest(self, field: Mapping[int, Any], rate: Any, at: int = 0) -> Any:
-        """Return what (8) says besides y'' at a site: ``y - eps tension + eps force``."""
+        """Return all terms of (8) other than y'' at a site: ``y - eps tension + eps force``."""
         own = field[at]
         return own + self.eps * (self.force(own, rate) - self.tension(field, at))
 
@@ -84,9 +84,9 @@ class ChainNumbers:
         return fast_average(sampled, samples=128)
 
     def cell_rate(self, size: float, frequency: float = 1.0) -> complex:
-        """``dphi/dt / phi`` of a cell with frozen neighbours at rest removed: damping and detuning.
+        """``dphi/dt / phi`` of an isolated cell at ``phi = size``: damping and detuning.
 
-        At ``phi = size`` without springs.
+        The springs, and hence the effect of neighbours at rest, are removed.
         """
         alone = ChainNumbers(self.damping, self.stiffness, (), self.eps, self.values)
         return alone.averaged_rate({0: complex(size)}, frequency) / size
@@ -94,9 +94,9 @@ class ChainNumbers:
     def cycles(self) -> Any:
         """Amplitudes at which a cell neither gains nor loses energy over a period, inner first.
 
-        The growth rate is a polynomial in the square of the amplitude. As many sampled values as
-        it has coefficients give its zeros, and a step of Newton's method on a sampled value their
-        last digits. A double zero is listed twice, to half the digits.
+        The growth rate is a polynomial in the square of the amplitude. Its zeros are obtained from
+        as many sampled values as it has coefficients, and their last digits by a Newton step on
+        sampled values. A double zero is listed twice, to half the digits.
         """
         degree = (len(self.damping) - 1) // 2
         squares = np.linspace(0.2, 4, degree + 1)
@@ -119,7 +119,7 @@ def _horner(coefficients: tuple[float, ...], y: Any) -> Any:
 
 
 def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> ChainNumbers:
-    """Return the chain with given values of its symbols."""
+    """Return the chain with given values for its symbols."""
 
     def number(expression: sp.Expr) -> float:
         exact = sp.sympify(expression)
@@ -139,7 +139,7 @@ def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> 
 def drawn(model: ChainModel, rng: random.Random) -> ChainNumbers:
     """Return the chain with random numbers for its symbols.
 
-    Between 0.2 and 1.5, so that no power of an amplitude of order one dwarfs the others.
+    They lie between 0.2 and 1.5, so that no power of an amplitude of order one dominates.
     """
     values = {symbol: rng.uniform(0.2, 1.5) for symbol in model.parameters}
     return numbers_of(model, values, rng.uniform(0.1, 0.5))

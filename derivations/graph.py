@@ -1,4 +1,4 @@
-"""The graph of equations: which follows from which, from the models to (54), and its picture."""
+"""The graph of equations, from the models to (54): which follows from which, and its picture."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ COLOURS = {
     Kind.ANSATZ: ("#cc79a7", "ansatz"),
     Kind.DERIVED: ("#009e73", "derived"),
 }
-"""Fill and legend of each kind (Okabe and Ito's colours)."""
+"""Fill colour and legend of each kind (Okabe and Ito's colours)."""
 
 _COLUMN, _ROW, _WIDTH, _HEIGHT = 78, 34, 46, 22
 
 
 def key_of(step: Step) -> str:
-    """Return what identifies a step: its number, else its name."""
+    """Return the identifier of a step: its number, otherwise its name."""
     return str(step.number) if step.number is not None else step.name
 
 
 @dataclass(frozen=True, kw_only=True)
 class Graph:
-    """Steps and what each follows from.
+    """Steps, and the steps from which each follows.
 
     Attributes
     ----------
     steps : mapping of str to Step
-        By `key_of`.
+        The steps by `key_of`.
     sources : mapping of str to tuple of str
-        Keys that each follows from directly.
+        Keys of the steps from which each follows directly.
     """
 
     steps: Mapping[str, Step]
     sources: Mapping[str, tuple[str, ...]]
 
     def numbered(self) -> dict[str, tuple[str, ...]]:
-        """Return for each numbered equation the numbered or given steps that it follows from."""
+        """Return for each numbered equation the numbered or given steps from which it follows."""
         return {key: tuple(sorted(self._visible(key), key=_order))
                 for key, step in self.steps.items() if step.number is not None}  # fmt: skip
 
@@ -56,7 +56,7 @@ class Graph:
 
 
 def graph_of(derivations: Iterable[Derivation]) -> Graph:
-    """Return the graph of some derivations with all that they follow from.
+    """Return the graph of some derivations, with everything from which they follow.
 
     Raises
     ------
@@ -82,10 +82,10 @@ def _order(key: str) -> tuple[int, str]:
 
 
 def svg(derivations: Iterable[Derivation]) -> str:
-    """Draw the numbered equations and the unnumbered assumptions that they follow from.
+    """Draw the numbered equations and the unnumbered assumptions from which they follow.
 
-    Each derivation has a band of its own. Within it each column is one step further from what is
-    given; arrows run from left to right. An arrow that a longer way already implies is left out.
+    Each derivation has a band of its own, in which each column is one step further from what is
+    given; arrows run from left to right. An arrow implied by a longer path is omitted.
     """
     made = tuple(derivations)
     graph = graph_of(made)
@@ -114,7 +114,7 @@ def svg(derivations: Iterable[Derivation]) -> str:
 
 
 def _reduced(numbered: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
-    """Leave out edges that a longer way implies; add what is only a source."""
+    """Omit edges implied by a longer path; add keys that are only sources."""
     edges = dict(numbered)
     for source in dict.fromkeys(source for found in numbered.values() for source in found):
         edges.setdefault(source, ())
@@ -141,7 +141,7 @@ def _columns(edges: Mapping[str, tuple[str, ...]]) -> dict[str, int]:
 
     for key in edges:
         column(key)
-    # What is given stands just before its first use.
+    # What is given is placed just before its first use.
     for key in edges:
         users = [found[target] for target, sources in edges.items() if key in sources]
         if not edges[key] and users:
@@ -153,9 +153,9 @@ def _bands(
     derivations: tuple[Derivation, ...], edges: Mapping[str, tuple[str, ...]],
     columns: Mapping[str, int],
 ) -> tuple[dict[str, tuple[int, float]], list[tuple[float, str]]]:  # fmt: skip
-    """Place each key in its column, in the band of the first derivation that has it.
+    """Place each key in its column, in the band of the first derivation that contains it.
 
-    What the derivations take from elsewhere has a band of its own, above theirs.
+    Sources that the derivations take from elsewhere have a band of their own, above the others.
     """
     places: dict[str, tuple[int, float]] = {}
     titles: list[tuple[float, str]] = []

@@ -1,8 +1,8 @@
-"""The transcription of the paper's displayed equations: what a `PrintedEquation` is.
+"""The transcription of the paper's displayed equations, as defined by `PrintedEquation`.
 
-Each folder of this package has its own ``printed.py`` with the equations it derives. An equation
-stands there once as LaTeX, which is shown to people, and once as an expression, which is computed
-with; a test reads the LaTeX and proves the two equal.
+Each folder of this package has its own ``printed.py`` with the equations it derives. Each equation
+is given once as LaTeX, for display, and once as an expression, for computation; a test reads the
+LaTeX and proves the two equal.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class EquationVerdict(StrEnum):
 
 @dataclass(frozen=True)
 class EquationReading:
-    """One way to read an ambiguous equation, or what another place asks of an inconsistent one.
+    """A reading of an ambiguous equation, or what another passage requires of an inconsistent one.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class EquationReading:
     equation : Basic
         The equation in this reading.
     check : callable or None
-        Judges it; None for the check of the derived step.
+        Check for this reading; None for the check of the derived step.
     holds : bool
         Whether it is expected to pass.
     implies : str
@@ -62,21 +62,21 @@ class PrintedEquation:
     latex : str
         As printed.
     expression : Basic
-        The same as a live object: an ``Eq``, an inequality, a ``Tuple`` of them, or an expression.
+        The same as an object: an ``Eq``, an inequality, a ``Tuple`` of these, or an expression.
     verdict : EquationVerdict
-        On record; `derivations.judgement.judge` must find it again.
+        The recorded verdict, which `derivations.judgement.judge` must confirm.
     note : str
-        Why, in a sentence or two.
+        The reason, in a sentence or two.
     affects : str
-        What later in the paper hangs on it; empty for nothing.
+        What depends on it later in the paper; empty if nothing does.
     readings : tuple of EquationReading
-        For an ambiguous equation. For an inconsistent one: what another place makes of it, which
-        fails, and the form that does not.
+        For an ambiguous equation, its readings. For an inconsistent one: the form that another
+        passage implies, which fails, and the form that holds.
     slip : (Basic, Basic, Basic) or None
-        For a misprint of one term: as printed, as it should be, and the equation with that change
-        alone, which must be the derived one.
+        For a misprint of one term: the term as printed, the correct term, and the equation with
+        only this term changed, which must be the derived one.
     amendments : tuple of (str, str)
-        Tokens of the LaTeX as printed, each with what must stand in its place.
+        Tokens of the printed LaTeX, each with its replacement.
     """
 
     number: int
@@ -91,12 +91,12 @@ class PrintedEquation:
 
     @property
     def amended_latex(self) -> str | None:
-        """The LaTeX with the wrong tokens exchanged; None where no token is on record.
+        """The LaTeX with the wrong tokens replaced; None if there are none on record.
 
         Raises
         ------
         ValueError
-            If print does not have exactly once what is to be exchanged.
+            If a token to be replaced does not occur exactly once in print.
         """
         if not self.amendments:
             return None

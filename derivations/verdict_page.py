@@ -1,4 +1,4 @@
-"""The page of verdicts on the printed equations, as Markdown: `docs/derivations.md`."""
+"""The Markdown page of verdicts on the printed equations: `docs/derivations.md`."""
 
 from __future__ import annotations
 
@@ -66,12 +66,12 @@ evaluated as code.
 
 
 def page(report: EquationReport) -> str:
-    """Return the page.
+    """Return the page as Markdown.
 
     Parameters
     ----------
     report : EquationReport
-        Of all derivations.
+        The report on all derivations.
     """
     lines = ["| | verdict | kind | follows from | note |", "|---|---|---|---|---|"]
     lines += [_row(found) for found in report.judgements]

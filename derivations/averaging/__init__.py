@@ -1,1 +1,1 @@
-"""Averaging of the chain and its decaying solution, Eqs. (31)-(38) and (43); cells of any kind."""
+"""Averaging of the chain and its decaying solution, Eqs. (31)-(38) and (43), for any cell."""

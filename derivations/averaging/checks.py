@@ -1,6 +1,6 @@
-"""What Eqs. (31)-(38) and (43) are held against: Eq. (8) itself, averaged by equal samples in time.
+"""Checks of Eqs. (31)-(38) and (43) by averaging Eq. (8) itself over equal samples in time.
 
-Nothing here is symbolic; only the coefficients of the chain are taken from its model.
+No symbolic computation is used; only the coefficients of the chain are taken from its model.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ _DIRECT = "Eq. (8) averaged by direct sampling"
 
 
 def wave_residual(field: dict[int, Any], rate: Any, p: ChainNumbers, w: float) -> Any:
-    """Eq. (8) for Ψ = y' + i ω y at the sites of ``field``; ``rate`` is dΨ/dt at the middle one.
+    """Evaluate Eq. (8) for Ψ = y' + i ω y at the sites of ``field``.
 
-    The imaginary part of the rate is ω y' for a true motion; another one enters as it stands.
+    ``rate`` is dΨ/dt at the middle site. Its imaginary part is ω y' for a true motion; any other
+    value is used as it stands.
     """
     places = {at: value.imag / w for at, value in field.items()}
     velocity = field[0].real
@@ -36,7 +37,7 @@ def wave_residual(field: dict[int, Any], rate: Any, p: ChainNumbers, w: float) -
 
 
 def rotating_residual(field: dict[int, complex], rate: complex, p: ChainNumbers, w: float) -> Any:
-    """(33) as a function of time at frozen φ and φ'."""
+    """Evaluate (33) as a function of time at frozen φ and φ'."""
 
     def at(when: Any) -> Any:
         turn = np.exp(1j * w * when)
@@ -48,13 +49,13 @@ def rotating_residual(field: dict[int, complex], rate: complex, p: ChainNumbers,
 
 
 def direct_average(field: dict[int, complex], rate: complex, p: ChainNumbers, w: float) -> complex:
-    """Return the mean of (33) over a period 2π/ω, by direct sampling."""
+    """Return the mean of (33) over a period 2π/ω by direct sampling."""
     at = rotating_residual(field, rate, p, w)
     return fast_average(lambda phase: at(phase / w), samples=128)
 
 
 class AveragingChecks:
-    """The checks of the derivation for one chain; each judges any equation in a step's place.
+    """The checks of the derivation for one chain; each can judge any equation in place of a step's.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ class AveragingChecks:
 
     @equals("Ψ = y' + iωy", parts=3)
     def complex_variable(self, rng: random.Random) -> Point:
-        """Draw place, velocity and acceleration of a site."""
+        """Draw position, velocity and acceleration of a site."""
         w = rng.uniform(0.8, 1.3)
         place, rate, second = (rng.uniform(-1, 1) for _ in range(3))
         return {omega: w, y(n, t).diff(t, 2): second, y(n, t).diff(t): rate, y(n, t): place,
@@ -91,7 +92,7 @@ class AveragingChecks:
 
     @equals("a turning frame")
     def envelope(self, rng: random.Random) -> Point:
-        """Turn φ by ωt."""
+        """Rotate φ by ωt."""
         w, when, size = rng.uniform(0.8, 1.3), rng.uniform(0, 6), self._field(rng)[0]
         turned = size * complex(math.cos(w * when), math.sin(w * when))
         return {omega: w, t: when, phi(n, t): size, psi(n, t): turned}
@@ -144,14 +145,14 @@ class AveragingChecks:
         self, wave: dict[Any, Any], p: ChainNumbers, w: float, *, turning: float = 0.0,
         scale: float = 1.0,
     ) -> complex:  # fmt: skip
-        """Return the direct average over φ_n, for amplitude ``scale`` times the one of the wave."""
+        """Return the direct average over φ_n, for ``scale`` times the wave's amplitude."""
         step = cmath.exp(complex(wave[k_1], wave[k_2]))
         field = {at: scale * wave[alpha_0] * step ** (wave[n] + at) for at in self.sites}
         return complex(direct_average(field, 1j * turning * field[0], p, w) / field[0])
 
     @equals(_DIRECT)
     def balance(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a wave that decays, at one site."""
+        """Draw a decaying wave, at one site."""
         wave, _, _ = self._wave_numbers(rng)
         p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
         return {**p.values, **wave, omega: w}, [self._wave_average(wave, p, w)]
@@ -174,24 +175,24 @@ class AveragingChecks:
 
     @equals(_DIRECT)
     def real_part(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw the same wave, its amplitude at the site named by its square."""
+        """Draw the same wave, with its amplitude at the site given by its square."""
         point, references = self._parts(rng, displacement=False)
         size = point[alpha_0] ** 2 * math.exp(2 * point[k_1] * point[n])
         return {**point, square: size}, references[:1]
 
     def _detuning(self, size: float, p: ChainNumbers) -> float:
-        """ω_1 of a cell of amplitude ``size`` with neighbours at rest, by sampling."""
+        """Return ω_1 of a cell of amplitude ``size`` with neighbours at rest, by sampling."""
         return float(p.cell_rate(size).imag / p.eps + sum(p.springs))
 
     @equals("the cell alone, averaged")
     def frequency(self, rng: random.Random) -> Point:
-        """Draw a cell whose neighbours rest."""
+        """Draw a cell with its neighbours at rest."""
         p, size = drawn(self.model, rng), rng.uniform(0.5, 2)
         w = 1 + p.eps * self._detuning(size, p)
         return {**p.values, alpha_0: size, R: size / 2, omega: w, omega_1: (w - 1) / p.eps}
 
     def _factors(self, wave: dict[Any, Any], p: ChainNumbers, w: float) -> tuple[float, float]:
-        """Factors of sin k_2 and cos k_2 in the real and imaginary part of the average."""
+        """Return the factors of sin k_2 and cos k_2 in the two parts of the average."""
         up, down = math.exp(wave[k_1]), math.exp(-wave[k_1])
         half = p.eps * p.springs[0] / (2 * w)
         return half * (down - up), half * (up + down)
@@ -207,7 +208,7 @@ class AveragingChecks:
 
     @equals(_DIRECT, parts=2)
     def phases(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Divide the parts as in `isolated`, at the frequency of a cell of that amplitude."""
+        """Divide the parts as in `isolated`, at the frequency of a cell of this amplitude."""
         return self._phases(rng, displacement=False)
 
     @equals(_DIRECT + ", with α_0 the amplitude of y", parts=2)
@@ -231,9 +232,9 @@ class AveragingChecks:
         return {**p.values, **wave}, wave, p
 
     def _in_limit(self, wave: dict[Any, Any], p: ChainNumbers) -> tuple[float, float]:
-        """Real and imaginary part of the average at ω = 1 over the factors of sine and cosine.
+        """Return the parts of the average at ω = 1, divided by the factors of sine and cosine.
 
-        A motion at frequency 1 + ε ω_1 turns φ of frequency 1 at ε ω_1.
+        In a motion at frequency 1 + ε ω_1, the φ of frequency 1 rotates at ε ω_1.
         """
         turning = p.eps * self._detuning(wave[alpha_0], p)
         found = self._wave_average(wave, p, 1.0, turning=turning)
@@ -242,18 +243,18 @@ class AveragingChecks:
 
     @equals(_DIRECT + " at ω = 1", parts=2)
     def limit(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a wave at ε = 0, by its frequency of first order."""
+        """Draw a wave at ε = 0, with its frequency to first order."""
         point, wave, p = self._limit_numbers(rng)
         return point, list(self._in_limit(wave, p))
 
     @equals(_DIRECT + " at ω = 1")
     def swapped(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take the first of the parts, its sides exchanged."""
+        """Take the first of the parts, with its sides exchanged."""
         point, wave, p = self._limit_numbers(rng)
         return point, [-self._in_limit(wave, p)[0]]
 
     def _zeros(self, wave: dict[Any, Any], p: ChainNumbers) -> list[float]:
-        """Zeros in k_2, from -π to π, of the imaginary part in the limit."""
+        """Return the zeros in k_2, from -π to π, of the imaginary part in the limit."""
 
         def imaginary(turn: float) -> float:
             return self._in_limit({**wave, k_2: turn}, p)[1]
@@ -269,7 +270,7 @@ class AveragingChecks:
     ) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers, list[float]]:
         for tried in range(60):
             point, wave, p = self._limit_numbers(rng)
-            # The smaller the wave, the less does the cell detune it: it has zeros beside ±π/2.
+            # The smaller the wave, the less the cell detunes it, so that there are zeros near ±π/2.
             size = {alpha_0: 0.9**tried * wave[alpha_0]}
             zeros = self._zeros(wave | size, p)
             if zeros:
@@ -277,7 +278,7 @@ class AveragingChecks:
         raise ArithmeticError("no parameters were found at which the phase step is real")
 
     def branches(self, candidate: sp.Basic) -> Evidence:
-        """Find every zero of the imaginary part by sampling, and every one among the branches."""
+        """Find all zeros of the imaginary part by sampling, and each of them among the branches."""
         rng, worst = random.Random(20), 0.0
         for _ in range(3):
             point, _, _, zeros = self._with_zeros(rng)
@@ -342,14 +343,14 @@ class AveragingChecks:
             return {**p.values, **values, omega: w, divided: table[0]}
 
         what = f"the averaged damping at {count} amplitudes, sampled"
-        # Of odd powers nothing is left on average: the difference of sampled zeros is rounding.
+        # Odd powers have no average, and then the difference of the sampled values is rounding.
         return equals(what, tolerance=1e-8, floor=1e-3)(draw)
 
     # Phase steps of -π/2.
 
     @equals("a quarter turn a site")
     def turned(self, rng: random.Random) -> Point:
-        """Turn a real amplitude by -π/2 a site, and all by the shift in frequency."""
+        """Rotate a real amplitude by -π/2 per site, and all sites by the shift in frequency."""
         p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
         size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
         spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
@@ -357,7 +358,7 @@ class AveragingChecks:
                 phi(n, t): size * (-1j) ** place * spin}  # fmt: skip
 
     def _quarter_turns(self, sizes: dict[int, complex], p: ChainNumbers, centre: bool) -> complex:
-        """Return r' of the middle site for amplitudes in phase steps of -π/2."""
+        """Return r' of the middle site for amplitudes with phase steps of -π/2."""
         phases = {at: (-1j) ** (abs(at) if centre else at) for at in sizes}
         field = {at: size * phases[at] for at, size in sizes.items()}
         spin = 1j * p.eps * sum(p.springs)
@@ -365,7 +366,7 @@ class AveragingChecks:
 
     @equals(_DIRECT)
     def quarter_turn(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw amplitudes in phase steps of -π/2, away from site 0."""
+        """Draw amplitudes with phase steps of -π/2, away from site 0."""
         p, sizes = drawn(self.model, rng), self._field(rng)
         moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, r(n, t).diff(t): moving, n: 2, t: rng.uniform(0, 3)}
@@ -374,7 +375,7 @@ class AveragingChecks:
 
     @equals(_DIRECT)
     def quarter_turn_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw the same about site 0, from which phases fall on both sides."""
+        """Draw the same about site 0, from which phases decrease on both sides."""
         p, sizes = drawn(self.model, rng), self._field(rng)
         sizes |= {-at: sizes[at] for at in range(1, p.reach + 1)}
         moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
@@ -384,7 +385,7 @@ class AveragingChecks:
 
     @equals(_DIRECT)
     def averaged_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw an envelope that is the same on both sides of site 0."""
+        """Draw an envelope that is symmetric about site 0."""
         _, field, rate, p = self._frozen(rng)
         field |= {-at: field[at] for at in range(1, p.reach + 1)}
         point = {**p.values, phi(0, t).diff(t): rate}
@@ -399,7 +400,7 @@ class AveragingChecks:
 
     @equals(_DIRECT + " at vanishing amplitude", tolerance=1e-7)
     def tail(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Average at an amplitude so small that only the linear terms count."""
+        """Average at an amplitude so small that only the linear terms matter."""
         wave, step, _ = self._wave_numbers(rng)
         p, small = drawn(self.model, rng), 1e-5
         sizes = {at: complex(small * abs(step) ** at) for at in self.sites}

@@ -1,4 +1,4 @@
-"""Limit cycles of an averaged cell: all of them, how changes of them grow, the ratio of two."""
+"""Limit cycles of an averaged cell: amplitudes, growth rates of perturbations, and their ratio."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class LimitCycle:
     amplitude : Expr
         Amplitude of y (dimensionless).
     exponent : Expr
-        Growth rate of a small change of the amplitude, a unit of ``eps t``.
+        Growth rate of a small change of the amplitude, per unit of ``eps t``.
     stability : str or None
-        ``stable``, ``unstable`` or ``half-stable``; None where it hangs on symbols.
+        ``stable``, ``unstable`` or ``half-stable``; None if it depends on symbols.
     multiplicity : int
-        Of the root; above 1 the cycle sits on a fold.
+        Multiplicity of the root; if above 1, the cycle lies on a fold.
     """
 
     amplitude: sp.Expr
@@ -46,7 +46,7 @@ def damping_mean(amplitude: sp.Basic) -> sp.Expr:
 
 @lru_cache(maxsize=32)
 def limit_cycles(damping_mean: sp.Expr) -> tuple[LimitCycle, ...]:
-    """Return all limit cycles, inner to outer, with their stability.
+    """Return all limit cycles from the inner to the outer, with their stability.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _symbolic_cycles(damping_mean: sp.Expr) -> tuple[LimitCycle, ...]:
         )  # fmt: skip
     if polynomial.degree() == 2:
         top, middle, low = polynomial.all_coeffs()
-        # Positive top coefficient: the minus sign belongs to the inner cycle.
+        # For a positive leading coefficient the minus sign belongs to the inner cycle.
         spread = sp.sqrt(sp.factor(middle**2 - 4 * top * low))
         roots = [(-middle + sign * spread) / (2 * top) for sign in (-1, 1)]
     else:
@@ -97,7 +97,7 @@ def _symbolic_cycles(damping_mean: sp.Expr) -> tuple[LimitCycle, ...]:
 
 
 def _in_lowest_powers(damping_mean: sp.Expr) -> tuple[sp.Poly, int]:
-    """Return H as a polynomial of the power of s in which its degree is lowest, and that power."""
+    """Return H as a polynomial in the power of s for which its degree is lowest, and that power."""
     powers = [power for (power,) in sp.Poly(damping_mean, square).monoms()]
     common = gcd(*powers) or 1
     return sp.Poly(damping_mean.subs(square, sp.root(square, common)), square), common
@@ -118,7 +118,7 @@ def _sign_between(polynomial: sp.Poly, low: sp.Expr, high: sp.Expr) -> int:
 
 
 def why_not_bistable(damping_mean: sp.Expr, cycles: tuple[LimitCycle, ...]) -> str | None:
-    """Return why a cell has not two cycles, the inner one unstable, around a stable rest state."""
+    """Return why a cell lacks two cycles, the inner one unstable, around a stable rest state."""
     if len(cycles) != 2:
         return f"this one has {len(cycles)} limit cycle{'s' * (len(cycles) != 1)}"
     if cycles[0].stability is None:
@@ -143,12 +143,12 @@ def ratio_of_cycles(
     cycles : tuple of LimitCycle
         Its zeros.
     damping : mapping of int to Expr
-        h(y), for the message.
+        h(y), for the error message.
 
     Raises
     ------
     DerivationInputError
-        If the cell is not of that kind.
+        If the cell is not of this kind.
     """
     why = why_not_bistable(damping_mean, cycles)
     if why is not None:
@@ -165,20 +165,20 @@ def ratio_of_cycles(
 
 
 def shown(powers: Mapping[int, sp.Expr]) -> str:
-    """Return a polynomial in y, given by the coefficient of each power, as text."""
+    """Return a polynomial in y, given by its coefficients, as text."""
     y = sp.Symbol("y")
     return str(sum((value * y**power for power, value in powers.items()), sp.Integer(0)))
 
 
 @dataclass(frozen=True)
 class FindCycles(Operation):
-    """All amplitudes at which the amplitude of a cell stays constant.
+    """Find all nonzero amplitudes at which the amplitude of a cell stays constant.
 
     Attributes
     ----------
     names : tuple of Expr
-        What the unstable and the stable of two cycles are called, whose squares are written down;
-        empty for any number of cycles, ``r_1``, ``r_2``, …
+        Names of the unstable and the stable one of two cycles, for whose squares the result is
+        written; empty for any number of cycles, ``r_1``, ``r_2``, …
     """
 
     phrase: ClassVar[str] = (
@@ -187,7 +187,7 @@ class FindCycles(Operation):
     names: tuple[sp.Expr, ...] = ()
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``r_1 = …``, or ``name² = …``, inner to outer."""
+        """Return ``r_1 = …``, or ``name² = …``, from the inner to the outer cycle."""
         (amplitude,) = sources
         mean = damping_mean(amplitude)
         cycles = limit_cycles(mean)
@@ -203,16 +203,16 @@ class FindCycles(Operation):
 
 @dataclass(frozen=True)
 class GrowthRates(Operation):
-    """Growth rate of a small change of the amplitude of each cycle.
+    """Find the growth rate of a small change of the amplitude of each cycle.
 
-    The sources are the rate of the amplitude and the cycles, given by amplitudes or their squares.
+    The sources are the rate of the amplitude, and the cycles, given by amplitudes or their squares.
 
     Attributes
     ----------
     unit : Expr
         Unit of the rates.
     names : tuple of Expr
-        What they are called; empty for ``lambda_1``, ``lambda_2``, …
+        Names of the rates; empty for ``lambda_1``, ``lambda_2``, …
     """
 
     phrase: ClassVar[str] = "linearise {first} about {others}"
@@ -231,7 +231,7 @@ class GrowthRates(Operation):
 
 @dataclass(frozen=True)
 class RatioOfCycles(Operation):
-    """Ratio of the unstable to the stable cycle of a cell with two of them."""
+    """Divide the unstable by the stable cycle of a cell that has two cycles."""
 
     phrase: ClassVar[str] = "divide the unstable by the stable cycle of {sources}"
 
@@ -249,7 +249,7 @@ class RatioOfAmplitudes(Operation):
     Attributes
     ----------
     factor : int
-        What the ratio is multiplied by on both sides.
+        Factor by which both sides are multiplied.
     """
 
     phrase: ClassVar[str] = "divide the inner by the outer amplitude of {sources}"

@@ -1,4 +1,4 @@
-"""How the paper prints what occurs in (31)-(38) and (43)."""
+"""Notation of the paper in (31)-(38) and (43)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SITES = {"n": n, "n+1": n + 1, "n-1": n - 1}
 
 
 def notation(number: int) -> Notation:
-    """Return what the names of an equation stand for; the same in all of them.
+    """Return the meaning of the names in an equation, which is the same in all of them.
 
     Parameters
     ----------

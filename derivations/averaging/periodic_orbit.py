@@ -1,8 +1,8 @@
-"""True periodic orbits of the cell and of the chain, by collocation in time.
+"""Exact periodic orbits of the cell and of the chain, by collocation in time.
 
-They know nothing of small eps and judge every prediction of the second order. Newton's method on
-equally spaced samples of one period; derivatives are spectral, so the error is rounding once the
-samples resolve the orbit. Dimensionless.
+They do not use that eps is small and test every prediction of the second order. Newton's method is
+applied to equally spaced samples of one period, with spectral derivatives, so that the error is
+that of rounding once the samples resolve the orbit. All quantities are dimensionless.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from derivations.chain_numbers import ChainNumbers
 
 
 def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> tuple[Any, float]:
-    """Find a periodic orbit of (8) on a half chain, mirrored at site 0 and ending in rest.
+    """Find a periodic orbit of (8) on a half chain, mirrored at site 0 and ending at rest.
 
     Parameters
     ----------
     start : ndarray, shape (sites, samples)
-        Displacements over one period to start from.
+        Initial displacements over one period.
     frequency : float
-        Frequency to start from.
+        Initial frequency.
     p : ChainNumbers
         Coefficients, springs and eps.
     steps : int
-        Most Newton steps.
+        Largest number of Newton steps.
 
     Returns
     -------
@@ -67,14 +67,14 @@ def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> 
         matrix[size, :samples] = phase
         change = np.linalg.solve(matrix, -np.append(residual.ravel(), phase @ y[0]))
         y, w = y + change[:size].reshape(y.shape), w + change[size]
-        if close:  # the error was squared once more: rounding is left
+        if close:  # one more step has squared the error, so that only rounding is left
             return y, float(w)
         close = bool(np.abs(change).max() < 1e-8 * np.abs(y).max())
     raise ArithmeticError("Newton's method did not converge to a periodic orbit")
 
 
 def _springs(sites: int, p: ChainNumbers) -> Any:
-    """Stiffness of the springs on a half chain mirrored at site 0, with rest beyond its end."""
+    """Return the stiffness matrix of a half chain mirrored at site 0, with rest beyond its end."""
     matrix = np.zeros((sites, sites))
     if sites == 1:
         return matrix  # an isolated cell
@@ -93,7 +93,7 @@ def harmonic(y: Any, number: int) -> Any:
 
 
 def _derivative(samples: int) -> Any:
-    """Spectral differentiation on an odd number of equal samples of 2 pi."""
+    """Return the spectral differentiation matrix on an odd number of equal samples of 2 pi."""
     if samples % 2 == 0:
         raise ValueError("an odd number of samples is needed")
     column = np.zeros(samples)

@@ -26,7 +26,7 @@ def _mixed(value: sp.Expr) -> sp.Expr:
 
 
 def _bracket(square_sign: int) -> sp.Expr:
-    """Return the damping bracket of (33); print has -1 for the sign of its last a-term."""
+    """Return the damping bracket of (33); in print the sign of its last a-term is -1."""
     up = sp.exp(2 * i * omega * t)
     second = _p**2 * up - 2 * _p * _q + square_sign * _q**2 * _fast
     fourth = _p**4 * up**2 - 4 * _p * _q * _p**2 * up + 6 * _p**2 * _q**2
@@ -35,7 +35,7 @@ def _bracket(square_sign: int) -> sp.Expr:
 
 
 def _rotating(square_sign: int) -> sp.Eq:
-    """(33); print has -1 for the sign of the last a-term."""
+    """Return (33); in print the sign of the last a-term is -1."""
     return equation(
         _p.diff(t) + i * omega * _p / 2 - i * omega * _q * _fast / 2
         - i * (1 + 2 * epsilon * c) * _mixed(_p) / (2 * omega)
@@ -59,7 +59,7 @@ _BY_DISPLACEMENT = AveragingChecks(PAPER).phases_by_displacement
 
 
 def _phases(omega_of_bracket: sp.Expr) -> sp.Tuple:
-    """(36), with 1 + eps c in the bracket as printed, or with 1."""
+    """Return (36), with 1 + eps c in the bracket as printed, or with 1."""
     size = alpha_0**2 * sp.exp(2 * k_1 * n)
     damped = sp.Rational(1, 2) - a * size / (8 * omega_of_bracket**2)
     damped += b * size**2 / (16 * omega_of_bracket**4)

@@ -1,4 +1,4 @@
-"""What each reading of the open n in (35)-(37) amounts to, against the averaged chain itself."""
+"""Checks of each reading of the open n in (35)-(37) against the averaged chain itself."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ _CLOSE = 0.01
 def paper_numbers(
     linear: float, quintic: float, coupling: float = 0.1, eps: float = 1.0
 ) -> ChainNumbers:
-    """Return the chain of Eq. (8) in numbers; per unit of eps if eps is left out."""
+    """Return the chain of Eq. (8) in numbers, per unit of eps if eps is omitted."""
     return numbers_of(PAPER, {a: linear, b: quintic, c: coupling}, eps)
 
 
 def damping_mean(square: float, p: ChainNumbers) -> float:
-    """Return the averaged damping of a cell with ``|phi|² = square``, a unit of eps t."""
+    """Return the averaged damping of a cell with ``|phi|² = square``, per unit of eps t."""
     return float(-p.cell_rate(math.sqrt(square)).real / p.eps)
 
 
 @lru_cache(maxsize=1)
 def averaged_breather() -> Any:
-    """r_n of the steady breather: sampled damping, phase steps of -π/2, Newton's method."""
+    """Return r_n of the steady breather: sampled damping, phase steps of -π/2, Newton's method."""
     p, sites = paper_numbers(_POINT[a], _POINT[b], _POINT[c]), 12
 
     def rates(r: Any) -> Any:
@@ -53,8 +53,8 @@ def averaged_breather() -> Any:
 
 
 def at_every_site(candidate: sp.Basic) -> Evidence:
-    """Whether three sites of a decaying sequence can have the same damping."""
-    del candidate  # what is judged is the demand, not its form
+    """Test whether three sites of a decaying sequence can have the same damping."""
+    del candidate  # the requirement is judged, not its form
     p = paper_numbers(_POINT[a], _POINT[b], _POINT[c])
     for growth in (-0.2, -0.7, -2.0):
         for size in (0.3, 1.5, 2.8, 6.0):
@@ -67,7 +67,7 @@ def at_every_site(candidate: sp.Basic) -> Evidence:
 
 
 def solved_with_29(place: int | None) -> Check:
-    """Solve (29) with the reading and compare the neighbour with the averaged chain."""
+    """Solve (29) with the reading, and compare the neighbour with the averaged chain."""
     p = paper_numbers(_POINT[a], _POINT[b], _POINT[c])
 
     def check(candidate: sp.Basic) -> Evidence:
@@ -84,7 +84,7 @@ def solved_with_29(place: int | None) -> Check:
 
         for start in (-2.3, -1.0, -3.5):
             found = root(rest, [exact[0], start], tol=1e-12)
-            # The solver also reports success where it merely stopped moving.
+            # The solver also reports success when it has merely stopped moving.
             if found.success and np.abs(rest(found.x)).max() < 1e-9:
                 neighbour = found.x[0] * math.exp(found.x[1])
                 error = float(abs(neighbour / exact[1] - 1))

@@ -1,4 +1,4 @@
-"""The next order in eps, for the cell and for the chain, by both routes, for any chain."""
+"""The next order in eps for the cell and for the chain, by both routes, for any chain."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from derivations.chain import PAPER, ChainModel
 from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import epsilon, i, n, omega, t
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
@@ -42,7 +42,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     Parameters
     ----------
     model : ChainModel
-        The chain; that of Eq. (8) if left out.
+        The chain; by default that of Eq. (8).
     """
     scales = derive_scales(model)
     draft = Draft(scales)
@@ -52,7 +52,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
 
 
 def extended(derivation: Derivation, model: ChainModel = PAPER) -> Derivation:
-    """Return a derivation of the chain carried on to second order.
+    """Return a derivation of the chain extended to second order.
 
     Parameters
     ----------
@@ -68,16 +68,16 @@ def extended(derivation: Derivation, model: ChainModel = PAPER) -> Derivation:
 
 
 def steps(draft: Draft, given: ChainModel, chain: str = "chain") -> None:
-    """Second order by both routes, and what it predicts.
+    """Derive the second order by both routes, and its predictions.
 
     Parameters
     ----------
     draft : Draft
-        Where it is written down.
+        The draft to which the steps are added.
     given : ChainModel
         The chain.
     chain : str
-        Name of the step of Eq. (8).
+        Name of the step with Eq. (8).
     """
     alone = given.cell()
     checks = SecondOrderChecks(alone)

@@ -1,4 +1,4 @@
-"""What the second order is held against: residuals projected by sampling, and true orbits."""
+"""Checks of the second order: residuals projected by sampling, and exact orbits."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ _SAMPLES = 128
 _T = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
 _STEPS = (1e-2, 1e-3)
 _SMALLEST = 1e-13
-"""Of errors that have a slope: those of orbits are rounded."""
+"""Smallest error of which a slope is computed; the errors of orbits are limited by rounding."""
 _ROUNDING = 1e-15
-"""Of what is left of rates of order eps."""
+"""Largest residual of rates of order eps that counts as rounding."""
 _ALONG = "what the equation of motion leaves at e^{it} along the predicted flow"
 _PLAIN = 0.02
-"""The eps that is tried, or more where damping and stiffness are weak."""
+"""Value of eps used; larger where damping and stiffness are weak."""
 _WEAK = 0.2
-"""Largest eps * max|h| on a cycle, which is what acts as the small parameter."""
+"""Largest eps * max|h| on a cycle, which is the effective small parameter."""
 
 
 class SecondOrderChecks:
@@ -64,7 +64,7 @@ class SecondOrderChecks:
     # Residuals.
 
     def _first(self, values: dict[int, complex], at: int, p: ChainNumbers) -> complex:
-        """dA/d(eps t) at a site, by sampling: half i times the force at e^{it}."""
+        """dA/d(eps t) at a site by sampling: half i times the force at e^{it}."""
         size = values[at]
         y, rate = (2 * (q * np.exp(1j * _T)).real for q in (size, 1j * size))
         return complex(0.5j * (_coefficient(p.force(y, rate)) - p.tension(values, at)))
@@ -77,9 +77,9 @@ class SecondOrderChecks:
         return complex(solved_for(candidate, unknown, point))
 
     def _residual(self, rate: complex, values: dict[int, complex], e: float) -> float:
-        """Return what (8) leaves at e^{it} for a given dA/dt, with y1 from a Fourier transform."""
+        """Return the residual of (8) at e^{it} for a given dA/dt; y1 is found by Fourier transform."""
         p, h, reach = self._numbers(e), 1e-5, self.model.reach
-        # A'' to order eps^2: the first-order flow differentiated along itself.
+        # A'' to order eps^2 is the derivative of the first-order flow along itself.
         flow = {at: self._first(values, at, p) for at in range(-reach, reach + 1)}
 
         def moved(sign: float) -> complex:
@@ -106,7 +106,7 @@ class SecondOrderChecks:
         sizes = {at: 2 * q for at, q in self._sites.items()}
         values = {at: -0.5j * (-1j) ** at * q for at, q in sizes.items()}
         names = {**self._names(own.rho, sizes)}
-        # The fields are put in first; n and t that are left stand in phases.
+        # The fields are inserted first; the remaining n and t occur in phases.
         names |= {n: 0, t: 0}
         errors = []
         for e in _STEPS:
@@ -116,7 +116,7 @@ class SecondOrderChecks:
         return _slope(errors, 3, _ALONG)
 
     def _right_side(self, values: dict[int, Any], p: ChainNumbers, at: int = 0) -> Any:
-        """Phi' over eps at a site, sampled; each phi a number or samples."""
+        """Return phi'/eps at a site by sampling; each phi is a number or an array of samples."""
         reach = self.model.reach
         turned = {place: values[at + place] * np.exp(1j * _T) for place in range(-reach, reach + 1)}
         places = {place: q.imag for place, q in turned.items()}
@@ -124,14 +124,14 @@ class SecondOrderChecks:
         return -np.exp(-1j * _T) * force
 
     def _oscillating(self, at: int, p: ChainNumbers) -> Any:
-        """Return the zero-mean antiderivative of the right side at a site."""
+        """Return the zero-mean antiderivative of the right-hand side at a site."""
         spectrum = np.fft.fft(self._right_side(self._sites, p, at))
         numbers = np.fft.fftfreq(_SAMPLES, 1 / _SAMPLES)
         numbers[0], spectrum[0] = 1, 0
         return np.fft.ifft(spectrum / (1j * numbers))
 
     def averaging(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the mean of the right side at phi plus its oscillating part."""
+        """Compare with the mean of the right-hand side at phi plus its oscillating part."""
         reach, errors = self.model.reach, []
         names, unknown = self._names(own.phi, self._sites), own.phi(n, t).diff(t)
         for e in _STEPS:
@@ -141,7 +141,7 @@ class SecondOrderChecks:
             exact = e * np.mean(self._right_side(full, p))
             errors.append(float(abs(exact - self._predicted(candidate, unknown, names, e))))
         what = "what the sampled mean leaves of the predicted flow"
-        if self._is_linear:  # then this order is exact
+        if self._is_linear:  # this order is then exact
             return Evidence(max(errors) < _ROUNDING, f"{what}: {max(errors):.1e}, rounding")
         return _slope(errors, 3, what)
 
@@ -157,7 +157,7 @@ class SecondOrderChecks:
 
     @equals("a quarter turn a site")
     def turned(self, rng: random.Random) -> Point:
-        """Turn a real amplitude by -π/2 a site, and all by the shift in frequency."""
+        """Rotate a real amplitude by -π/2 per site, and all sites by the shift in frequency."""
         p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
         size = complex(rng.uniform(0.2, 1), rng.uniform(-0.5, 0.5))
         spin = cmath.exp(1j * p.eps * sum(p.springs) * when)
@@ -168,7 +168,7 @@ class SecondOrderChecks:
 
     @equals("the damping of the cell, averaged by sampling")
     def cycles(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a cell at any amplitude; what it loses is zero on a cycle."""
+        """Draw a cell at any amplitude; its energy loss is zero on a cycle."""
         p, size = drawn(self.model, rng), rng.uniform(0.3, 1.5)
         loss = -2 * p.cell_rate(size).real / p.eps
         return {**p.values, own.square: size**2}, [loss]
@@ -201,7 +201,7 @@ class SecondOrderChecks:
         return Evidence(holds, f"{what}: slopes {shown} in ε, predicted at least {order}")
 
     def cell_frequency(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the frequency of true cycles."""
+        """Compare with the frequency of exact cycles."""
         order = 3 if self.model.stiffness else 4  # without stiffness it is even in eps
 
         def error(judged: sp.Basic, _: Any, w: float, point: dict[Any, Any]) -> float:
@@ -212,7 +212,7 @@ class SecondOrderChecks:
                                     "error of the frequency of the true cycle")  # fmt: skip
 
     def cell_amplitude(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the fundamental of true cycles."""
+        """Compare with the fundamental of exact cycles."""
 
         def error(judged: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
             found = abs(complex(harmonic(y, 1)))
@@ -223,15 +223,15 @@ class SecondOrderChecks:
                                     "error of the fundamental of the true cycle")  # fmt: skip
 
     def next_harmonics(self, candidate: sp.Basic) -> Evidence:
-        """Compare eps y1 with the true cycle minus its fundamental, over one period."""
+        """Compare eps y1 with the exact cycle minus its fundamental, over one period."""
         return self._against_orbits(_harmonics_error, candidate, 2,
                                     "overtones of the true cycle minus ε y₁")  # fmt: skip
 
 
 def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
-    """Time is counted from an arbitrary origin.
+    """Return the largest error of the overtones, with time from an arbitrary origin.
 
-    From a zero of y, A is imaginary and y1 the same forwards and backwards.
+    If time starts at a zero of y, A is imaginary and y1 is symmetric under time reversal.
     """
     first = complex(harmonic(y, 1))
     times = 2 * np.pi * np.arange(len(y)) / len(y)
@@ -253,7 +253,7 @@ def _coefficient(samples: Any) -> complex:
 
 
 def _response(force: Any) -> tuple[Any, Any]:
-    """Solve ``u'' + u = -force`` without its resonant part; u and its derivative, sampled."""
+    """Solve ``u'' + u = -force`` without its resonant part; return samples of u and u'."""
     spectrum = -np.fft.fft(force)
     numbers = np.fft.fftfreq(_SAMPLES, 1 / _SAMPLES)
     keep = np.abs(numbers) != 1
@@ -275,9 +275,9 @@ Values = tuple[tuple[sp.Symbol, float], ...]
 
 @lru_cache(maxsize=32)
 def _cycles(model: ChainModel) -> tuple[tuple[Values, float], ...]:
-    """Return two choices of parameters at which a cell has cycles, with each of their squares.
+    """Return two choices of parameters at which a cell has cycles, with the squares of these.
 
-    Of moderate size, and attracting or repelling at a rate that is not small.
+    The cycles are of moderate size, with rates of attraction or repulsion that are not small.
     """
     rng: random.Random = random.Random(3)
     found: list[tuple[Values, float]] = []
@@ -306,7 +306,7 @@ def _small(model: ChainModel, values: Values, square: float) -> tuple[float, flo
 
 @lru_cache(maxsize=64)
 def _orbit(model: ChainModel, values: Values, square: float, e: float) -> tuple[Any, float]:
-    """Return the true cycle near an averaged one, over one period, and its frequency."""
+    """Return the exact cycle near an averaged one over one period, and its frequency."""
     samples = 101
     start = math.sqrt(square) * np.sin(2 * np.pi * np.arange(samples) / samples)[None, :]
     y, w = orbit(start, 1.0, numbers_of(model, dict(values), e))

@@ -1,4 +1,4 @@
-"""Averaging of the chain, Eqs. (31)-(38) and (43), and what decays along it, for any chain."""
+"""Averaging of the chain, Eqs. (31)-(38) and (43), and its decaying solution, for any chain."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from derivations.chain import PAPER, ChainModel
 from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import alpha_0, epsilon, i, k_1, k_2, n, omega, t, y
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
@@ -38,7 +38,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     Parameters
     ----------
     model : ChainModel
-        The chain; that of Eq. (8) if left out.
+        The chain; by default that of Eq. (8).
 
     Returns
     -------
@@ -119,7 +119,7 @@ def _decaying(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
 
 
 def _at_sites(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
-    """Write down what the decaying wave amounts to at several sites."""
+    """Derive what the decaying wave implies at several sites."""
     draft.derived("amplitudes", CompareFundamental(omega * t, A_n), "breather",
                   check=checks.amplitude, number=38)
     draft.definition("square of the amplitude", equation(square, alpha_0**2 * sp.exp(2 * k_1 * n)),

@@ -11,7 +11,7 @@ psi = sp.Function("Psi")
 phi = sp.Function("varphi")
 """Its envelope in the rotating frame; ``phi(n, t)``."""
 r = sp.Function("r")
-"""Amplitudes in phase steps of -π/2; real where springs join odd neighbours only."""
+"""Amplitudes with phase steps of -π/2; real if springs join odd neighbours only."""
 A_n = sp.Symbol("A_n", positive=True)
 square = sp.Symbol("s", positive=True)
 """Square of the amplitude of φ at a site."""
@@ -28,7 +28,7 @@ own, rate = phi(n, t), phi(n, t).diff(t)
 amplitude = sp.Function("A")
 """Complex amplitude of ``y = A e^{it} + c.c.``; ``amplitude(n, t)``."""
 rho = sp.Function("rho")
-"""Twice its modulus in phase steps of -π/2, with what turns beyond them."""
+"""Twice its modulus for phase steps of -π/2, including further rotations."""
 fundamental = sp.Symbol("A_1")
 y_next, turn = sp.symbols("y_next turn")
 size = sp.Symbol("A_abs", positive=True)

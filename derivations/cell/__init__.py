@@ -1,1 +1,1 @@
-"""Any polynomial cell: average, cycles, second order, and the front that follows."""
+"""Any polynomial cell: average, cycles, second order, and the resulting front."""

@@ -1,4 +1,4 @@
-"""What the derivation of any cell is held against: averages of its oscillator by sampling."""
+"""Checks of the derivation for any cell, by averages of its oscillator over samples."""
 
 from __future__ import annotations
 
@@ -50,24 +50,24 @@ class CellChecks:
     @staticmethod
     @equals("modulus and argument")
     def polar(rng: random.Random) -> Point:
-        """Hold the polar form against cosine and sine."""
+        """Compare the polar form with cosine and sine."""
         size, turn = rng.uniform(0.3, 2), rng.uniform(-3, 3)
         return {radius: size, angle: turn, phi(n, t): size * cmath.exp(1j * turn)}
 
     @equals(_SAMPLED, parts=2)
     def parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take the rates of modulus and argument from the rate of a cell."""
+        """Compute the rates of modulus and argument from the rate of a cell."""
         return self._parts(rng)
 
     @equals(_SAMPLED)
     def amplitude(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take the first of them."""
+        """Take the rate of the modulus."""
         point, references = self._parts(rng)
         return point, references[:1]
 
     @equals(_SAMPLED, floor=1.0)
     def frequency(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take the second, over the amplitude."""
+        """Take the rate of the argument."""
         point, references = self._parts(rng)
         return point, [references[1] / point[radius]]
 
@@ -81,11 +81,11 @@ class CellChecks:
     # Cycles.
 
     def _draws(self, known: tuple[LimitCycle, ...]) -> list[ChainNumbers]:
-        """Coefficients at which every cycle that is listed is real."""
+        """Return coefficients for which every listed cycle is real."""
         rng: random.Random = random.Random(5)
         names = self.model.parameters
         kept: list[ChainNumbers] = []
-        if all(q.amplitude.is_number for q in known):  # every draw will do
+        if all(q.amplitude.is_number for q in known):  # every draw is suitable
             return [drawn(self.model, rng) for _ in range(2)]
         amplitudes = [sp.lambdify(names, q.amplitude, "cmath") for q in known]
         for _ in range(4000):
@@ -154,14 +154,14 @@ class CellChecks:
         return check
 
     def relation(self, known: tuple[LimitCycle, ...]) -> Check:
-        """Both sides at a velocity: the left by the time-domain front, the right by sampling."""
+        """Compare the left side with the time-domain front, the right with sampled cycles."""
 
         def check(candidate: sp.Basic) -> Evidence:
             worst, (left, right) = 0.0, candidate.args
             for p in self._draws(known):
                 inner, outer = p.cycles()
                 rest, spring = p.damping[0], p.springs[0]
-                # The roots are those of the scaled problem; the term holds the scaled slope.
+                # The roots are those of the scaled problem; the term contains the scaled slope.
                 lattice = Lattice(0.5, (spring / rest,))
                 found = evaluated(left, {v_front: 0.6 * rest, **p.values}, lattice, 0.6)
                 worst = max(worst, abs(found - abs(kinetic_sum(lattice, 0.6))))

@@ -1,4 +1,4 @@
-"""The averaged equation of any polynomial oscillator, its limit cycles, and what they imply."""
+"""The averaged equation of any polynomial oscillator, its limit cycles, and their consequences."""
 
 from __future__ import annotations
 
@@ -34,29 +34,29 @@ phi_rate = sp.Symbol(r"\varphi_{n}'")
 
 @dataclass(frozen=True)
 class Envelope:
-    """The averaged equation of an oscillator; made by `derive_envelope`.
+    """The averaged equation of an oscillator; returned by `derive_envelope`.
 
     Attributes
     ----------
     model : ChainModel
-        What was averaged.
+        The model that was averaged.
     """
 
     model: ChainModel
 
     @cached_property
     def derivation(self) -> Derivation:
-        """Its steps, to first order, with the front that follows; each computed when asked for."""
+        """Its steps to first order, with the resulting front; each is computed on demand."""
         return derive(self.model)
 
     @property
     def symbols(self) -> tuple[sp.Symbol, ...]:
-        """The letters of the coefficients."""
+        """The symbols in the coefficients."""
         return self.model.parameters
 
     @cached_property
     def damping_mean(self) -> sp.Expr:
-        """H(s): the amplitude obeys ``r' = -(r/2) H(r^2)``, a unit of ``eps t``."""
+        """H(s): the amplitude obeys ``r' = -(r/2) H(r^2)``, per unit of ``eps t``."""
         return damping_mean(self.derivation.named("amplitude of the cell").result)
 
     @cached_property
@@ -66,7 +66,7 @@ class Envelope:
 
     @cached_property
     def equation(self) -> sp.Eq:
-        """The averaged equation of the chain for ``y = Im(phi e^{it})``; prime is d/d(eps t)."""
+        """The averaged equation of the chain, ``y = Im(phi e^{it})``; prime is d/d(eps t)."""
         fields = {phi(n + at, t): symbol for at, symbol in PHI.items()}
         averaged = self.derivation.named("averaged cell in its chain").result
         right = averaged.rhs.xreplace(fields)
@@ -74,12 +74,12 @@ class Envelope:
 
     @property
     def amplitude_equation(self) -> sp.Eq:
-        """``r' = -(r/2) H(r^2)``; prime is d/d(eps t)."""
+        """``r' = -(r/2) H(r^2)``; the prime is d/d(eps t)."""
         return equation(r_rate, -r / 2 * self.damping_mean.subs(square, r**2))
 
     @cached_property
     def cycles(self) -> tuple[LimitCycle, ...]:
-        """All limit cycles, inner to outer, with their stability.
+        """All limit cycles from the inner to the outer, with their stability.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class Envelope:
         Raises
         ------
         DerivationInputError
-            If the cell is not of that kind.
+            If the cell is not of this kind.
         """
         return ratio_of_cycles(self.damping_mean, self.cycles, self.model.damping)
 
@@ -105,7 +105,7 @@ class Envelope:
         Raises
         ------
         DerivationInputError
-            If the cell has not exactly two cycles around a stable rest state.
+            If the cell does not have exactly two cycles around a stable rest state.
         """
         ratio, rest = self.ratio, self.damping_mean.subs(square, 0)
         neglected = ""
@@ -115,7 +115,7 @@ class Envelope:
         return CellKineticRelation(ratio, rest, relation, neglected)
 
     def compiled(self, **given: float) -> Compiled:
-        """Fast numeric functions, once every letter has a value.
+        """Return fast numerical functions, once every letter has a value.
 
         Raises
         ------
@@ -164,7 +164,7 @@ def derive_envelope(
     Parameters
     ----------
     damping : str, Expr or mapping of power to coefficient
-        h(y), with even powers of y only. Letters other than y stand for positive numbers.
+        h(y), with even powers of y only. Letters other than y denote positive numbers.
     stiffness : str, Expr, mapping or None
         g(y): the restoring force beyond the linear one, without a constant.
     coupling : str, number or Expr

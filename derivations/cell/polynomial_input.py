@@ -1,4 +1,4 @@
-"""Text, expressions or tables become exact coefficients, and a chain."""
+"""Conversion of text, expressions or tables to exact coefficients, and to a chain."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | 
 
 VARIABLE = "y"
 MAX_REACH = 3
-"""Neighbours on a side; beyond it the second order takes minutes."""
+"""Largest number of neighbours on a side; beyond it the second order takes minutes."""
 
 
 def coefficients(given: Coefficients, quantity: str) -> dict[int, sp.Expr]:
-    """Coefficient of each power of y; exact, zeros left out.
+    """Return the coefficient of each power of y, exact and without zeros.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def number(given: object, quantity: str) -> sp.Expr:
 def values_of(
     given: Mapping[str, float | str], symbols: Sequence[sp.Symbol]
 ) -> dict[sp.Symbol, sp.Expr]:
-    """Exact numbers for letters.
+    """Return exact numbers for letters.
 
     Raises
     ------
@@ -137,16 +137,16 @@ def chain_of(
     weights: str | None = None,
     values: Mapping[str, float | str] | None = None,
 ) -> ChainModel:
-    """Return a chain from text; what is left out is as in Eq. (8).
+    """Return a chain from text; anything omitted is as in Eq. (8).
 
     Parameters
     ----------
     damping, stiffness : str, Expr, mapping or None
-        h(y) and g(y). Letters other than y stand for positive numbers.
+        h(y) and g(y). Letters other than y denote positive numbers.
     coupling : str or None
         A number or letter.
     weights : str or None
-        Weights of the springs to the nearest, second … neighbours, with commas between.
+        Weights of the springs to the nearest, second … neighbours, separated by commas.
     values : mapping of str to number, or None
         Numbers for letters, exact for decimal numbers.
 

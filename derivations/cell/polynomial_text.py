@@ -1,8 +1,8 @@
 """Read a polynomial from text without evaluating any code, and without SymPy.
 
-The grammar is numbers, letters, ``+ - * / ** ^`` and brackets; division only by numbers, powers
-only by small whole numbers. Whatever else is in the text is refused, and so is anything too long,
-too deep or too large, before it is expanded.
+The grammar consists of numbers, letters, ``+ - * / ** ^`` and brackets, with division only by
+numbers and powers only by small whole numbers. Anything else is refused, and so is anything too
+long, too deeply nested or too large, before it is expanded.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from derivations.algebra.errors import DerivationInputError
 LONGEST = 400
 """Characters."""
 DEEPEST = 20
-"""Nested brackets and signs."""
+"""Largest depth of nested brackets and signs."""
 HIGHEST = 40
-"""Exponent, and degree of the result."""
+"""Largest exponent, and largest degree of the result."""
 MAX_TERMS = 500
-"""Terms of any intermediate result."""
+"""Largest number of terms of any intermediate result."""
 RESERVED = frozenset({"I", "E", "pi", "T", "n", "r", "s", "t", "i", "phi", "eps", "epsilon",
                       "omega", "lambda"})  # fmt: skip
-"""Names with a meaning of their own in the answers."""
+"""Names that have a meaning of their own in the results."""
 
 Monomial = tuple[tuple[str, int], ...]
 Terms = Mapping[Monomial, Fraction]
@@ -33,12 +33,12 @@ _TOKEN = re.compile(
     r"\s*(?:((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,2}(?!\d))?)"
     r"|([A-Za-z][A-Za-z0-9_]{0,15})|(\*\*|[-+*/^()]))"
 )
-"""A number, with an exponent of ten of at most two digits or none; a name; a sign."""
+"""A number, optionally with an exponent of ten of at most two digits; a name; a sign."""
 
 
 @dataclass
 class _TokenReader:
-    """The tokens and the place reached."""
+    """The tokens, and the present position."""
 
     quantity: str
     text: str
@@ -72,7 +72,7 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> dict[Monomial, F
     text : str
         As in ``1 - a*y**2 + b*y**4``.
     quantity : str
-        What it is, for the message.
+        The quantity, for the error message.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> dict[Monomial, F
     Raises
     ------
     DerivationInputError
-        If the text is not a polynomial, or is longer, deeper or larger than is needed.
+        If the text is not a polynomial, or is longer, deeper or larger than allowed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What an envelope gives: compiled functions and a kinetic relation."""
+"""Results of an envelope: compiled functions and a kinetic relation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class Compiled:
-    """Numeric functions of an envelope; arrays are allowed, shapes broadcast.
+    """Numerical functions of an envelope; they accept arrays, whose shapes are broadcast.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Compiled:
     frequency_shift : callable
         ``frequency_shift(r)``: the frequency is 1 + eps times this.
     amplitudes : tuple of float
-        All cycles, inner to outer.
+        All cycles, from the inner to the outer.
     """
 
     rate: Callable[..., Any]
@@ -33,18 +33,19 @@ class Compiled:
 
 @dataclass(frozen=True)
 class CellKineticRelation:
-    """``|Sum over M+ of 1/(k L_k)| = 2 ratio`` for velocity and coupling over ``rest_rate``.
+    """``|Sum over M+ of 1/(k L_k)| = 2 ratio``, for velocity and coupling over ``rest_rate``.
 
     Attributes
     ----------
     ratio : Expr
         |phi_us| / |phi_s|.
     rest_rate : Expr
-        h(0): the sum is taken at ``v/h(0)``, ``c/h(0)``, for the rest state decays at h(0)/2.
+        h(0): the sum is evaluated at ``v/h(0)``, ``c/h(0)``, since the rest state decays at h(0)/2.
     equation : Eq
         The relation.
     neglected : str
-        What the simplified model leaves out for this cell; empty if nothing more than in print.
+        What the simplified model neglects for this cell, beyond what it neglects in print; may be
+        empty.
     """
 
     ratio: sp.Expr

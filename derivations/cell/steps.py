@@ -1,4 +1,4 @@
-"""Any polynomial cell: its averaged equation, amplitude, cycles, and the front that follows."""
+"""Any polynomial cell: its averaged equation, amplitude, cycles, and the resulting front."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from derivations.front.symbols import ratio as front_ratio
 from derivations.front.symbols import v as v_hat
 from derivations.symbols import c, epsilon, i, n, t
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
@@ -42,16 +42,16 @@ def shift_mean(frequency: sp.Basic) -> sp.Expr:
 
 
 def derive(given: ChainModel, order: int = 1, *, front: bool = True) -> Derivation:
-    """Equation, average, amplitude, cycles, stability, and the front that follows from them.
+    """Derive average, amplitude, cycles and their stability, and the front that follows from them.
 
     Parameters
     ----------
     given : ChainModel
         The cell in its chain.
     order : {1, 2}
-        With 2 the second order of the cell and the chain follows.
+        With 2, the second order of the cell and the chain is added.
     front : bool
-        Whether the kinetic relation of a bistable cell follows.
+        Whether the kinetic relation of a bistable cell is added.
     """
     draft = Draft(derive_front())
     _average(draft, given)
@@ -63,7 +63,7 @@ def derive(given: ChainModel, order: int = 1, *, front: bool = True) -> Derivati
 
 
 def _average(draft: Draft, given: ChainModel) -> None:
-    """Write down the averaged chain, and amplitude and frequency of its isolated cell."""
+    """Derive the averaged chain, and amplitude and frequency of its isolated cell."""
     checks = CellChecks(given)
     draft.model("cell in its chain", given.equation(), "the oscillator in its chain",
                 check=checks.motion)
@@ -88,7 +88,7 @@ def _average(draft: Draft, given: ChainModel) -> None:
 
 
 def _cycles(draft: Draft, given: ChainModel, *, front: bool) -> None:
-    """Write down what hangs on the cycles, as far as they have a closed form and are bistable."""
+    """Derive what follows from the cycles, if they have a closed form and the cell is bistable."""
     checks, mean = CellChecks(given), damping_mean(draft["amplitude of the cell"].result)
     try:
         known = limit_cycles(mean)
@@ -112,7 +112,7 @@ def _cycles(draft: Draft, given: ChainModel, *, front: bool) -> None:
 
 
 def _front(draft: Draft, given: ChainModel, rest: sp.Expr, check: Check) -> None:
-    """Put the cell into (54): its damping at rest takes the place of one in (44)."""
+    """Insert the cell into (54), with its damping at rest in place of the one in (44)."""
     note = "M⁺ holds the roots of (50) in the upper half-plane"
     if shift_mean(draft["frequency shift of the cell"].result).has(square):
         note += "; the dependence of the frequency on amplitude is left out"

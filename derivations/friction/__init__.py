@@ -1,1 +1,1 @@
-"""Model I, Eqs. (1)-(7): the friction chain, its scales, and when steady sliding is stable."""
+"""Model I, Eqs. (1)-(7): the friction chain, its scales, and the stability of steady sliding."""

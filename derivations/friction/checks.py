@@ -1,4 +1,4 @@
-"""What the steps of model I are held against: energies, direct forces, eigenvalues, orbits."""
+"""Checks of the steps of model I by energies, direct forces, eigenvalues and orbits."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SPEEDS = (-1.3, -1e-9, 0.4, 2.0)
 
 
 def _numbers(rng: random.Random) -> dict[sp.Basic, float]:
-    """Values of the dimensional quantities."""
+    """Return values of the dimensional quantities."""
     names = (s.m, s.d, s.k, s.eta_c, s.F_N, s.v_0)
     return {name: rng.uniform(0.5, 2) for name in names}
 
@@ -41,13 +41,13 @@ def _number(expression: Any, point: Point) -> float:
 
 
 def _size(chain: FrictionModel, speed: float, scale: float = _SCALE) -> float:
-    """Friction coefficient at a speed, for the static and dynamic values of this file."""
+    """Return the friction coefficient at a speed, for the two limiting values of this file."""
     fallen = float(chain.decay(sp.Float(abs(speed) / scale)))
     return _DYNAMIC + (_STATIC - _DYNAMIC) * fallen
 
 
 def _force(chain: FrictionModel, speed: float, scale: float = _SCALE) -> float:
-    """Return the force on a slipping site for a normal force of one, as the prose states it."""
+    """Return the force on a slipping site for a normal force of one, as stated in the text."""
     return -math.copysign(_size(chain, speed, scale), speed)
 
 
@@ -58,7 +58,7 @@ def _sites(chain: FrictionModel, rng: random.Random, field: Any, time: Any) -> d
 
 def _pull(chain: FrictionModel, displaced: dict[Any, float], field: Any, time: Any,
           point: Point) -> float:  # fmt: skip
-    """Force of ground and springs on site n: their potential energy, differentiated."""
+    """Return the force of ground and springs on site n, from their potential energy."""
 
     def energy(own: float) -> float:
         total = _number(chain.stiffness, point) * own**2 / 2
@@ -73,11 +73,11 @@ def _pull(chain: FrictionModel, displaced: dict[Any, float], field: Any, time: A
 
 
 _SHARES = (sp.Rational(999, 1000), sp.Integer(1), sp.Rational(1001, 1000))
-"""Of the limit: below it, at it, above it."""
+"""Fractions of the limit: below it, at it, above it."""
 
 
 def _sticks(bound: sp.Basic, point: Point, force: sp.Symbol, limit: float) -> bool:
-    """Whether a bound allows the limit, from which slip starts, and nothing beyond."""
+    """Whether a bound admits the limit, from which slip starts, and nothing beyond."""
     exact = {a: sp.nsimplify(v, rational=True) for a, v in point.items()}
     inside = bound.xreplace(exact)
     most = sp.nsimplify(limit, rational=True)
@@ -87,7 +87,7 @@ def _sticks(bound: sp.Basic, point: Point, force: sp.Symbol, limit: float) -> bo
 
 def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol],
             *, unit: float, limit: float, velocity: float) -> Evidence:  # fmt: skip
-    """Judge (3) or (6): a force opposite to slip, where it holds, the bound, and where."""
+    """Judge (3) or (6): a force that opposes slip and its domain, the bound and its domain."""
     force, speed = names
     law, moving, bound, resting = parts_of(candidate)
     worst, size = 0.0, 0.61
@@ -129,7 +129,7 @@ def _shape(x: Any) -> Any:
 
 
 def _scaled_point(chain: FrictionModel, rng: random.Random) -> tuple[dict[Any, Any], complex]:
-    """Draw a state in scaled quantities, with Newton's law for it over F_N."""
+    """Draw a state in scaled quantities, with Newton's law for it divided by F_N."""
     point: dict[Any, Any] = dict(_numbers(rng))
     inertia, ground = (_number(q, point) for q in (chain.inertia, chain.stiffness))
     length, clock = point[s.F_N] / ground, math.sqrt(ground / inertia)
@@ -149,20 +149,20 @@ def _scaled_point(chain: FrictionModel, rng: random.Random) -> tuple[dict[Any, A
 
 
 def _units() -> dict[sp.Basic, float]:
-    """Units for which v_0 is not one in the scaled velocity."""
+    """Return units in which v_0 differs from one in the scaled velocity."""
     return {s.omega_n: 1.3, s.y_0: 0.6, s.v_0: _SCALE, s.v_tilde_0: _SCALE / (1.3 * 0.6),
             s.mu_st: _STATIC, s.mu_d: _DYNAMIC}  # fmt: skip
 
 
 def _slipping_force(chain: FrictionModel, belt: float, speed: Any, scale: float) -> Any:
-    """Friction on a site slower than the belt, in scaled quantities."""
+    """Return the friction on a site slower than the belt, in scaled quantities."""
     return -_force(chain, belt - speed, scale)
 
 
 def _slipping_state(
     chain: FrictionModel, rng: random.Random, uniform: bool = False
 ) -> tuple[dict[Any, Any], list[complex]]:
-    """Draw a state of the slipping chain, and what its equation leaves over."""
+    """Draw a state of the slipping chain, and the residual of its equation."""
     dimensional = {s.m: 1.0, s.d: 2 * 0.07, s.k: 1.0, s.eta_c: 0.3}
     ground, mass = (_number(q, dimensional) for q in (chain.stiffness, chain.inertia))
     drag = _number(chain.damping, dimensional) / math.sqrt(ground * mass)
@@ -184,7 +184,7 @@ def _slipping_state(
 
 
 def _drag(chain: FrictionModel, point: Point) -> Callable[[float], float]:
-    """Damping and friction as a function of velocity, in scaled quantities."""
+    """Return damping and friction as a function of velocity, in scaled quantities."""
 
     def total(speed: float) -> float:
         force = _slipping_force(chain, point[s.v_tilde_d], speed, point[s.v_tilde_0])
@@ -194,7 +194,7 @@ def _drag(chain: FrictionModel, point: Point) -> Callable[[float], float]:
 
 
 def _power(chain: FrictionModel, point: Point, size: float) -> float:
-    """Mean of force times velocity over the phase, by equal samples."""
+    """Return the mean of force times velocity over the phase, by equal samples."""
     total = 0.0
     samples = 64
     for place in range(samples):
@@ -222,7 +222,7 @@ _SMALL = 1e-3
 
 @lru_cache(maxsize=8)
 def _energy_lost(decay: Callable[[sp.Expr], sp.Expr], size: float) -> float:
-    """Return what one turn of a cell with weak forces costs, at the numbers of the caller."""
+    """Return the energy lost in one turn of a cell with weak forces, for the caller's numbers."""
     static, dynamic, scale, drag, belt = _STATIC, _DYNAMIC, 0.6, 0.05, 1.3
 
     def total(speed: float) -> float:
@@ -239,7 +239,7 @@ def _energy_lost(decay: Callable[[sp.Expr], sp.Expr], size: float) -> float:
 
 
 def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
-    """Energy change of one turn of the cell, all weak forces scaled by 1/1000, against the mean."""
+    """Compare the energy change in one turn, with weak forces scaled by 1/1000, with the mean."""
     small, size = _SMALL, 0.8
     point: dict[Any, Any] = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_tilde_0: 0.6, s.xi: 0.05,
                              s.v_tilde_d: 1.3, s.R: size}  # fmt: skip
@@ -277,7 +277,7 @@ class FrictionChecks:
 
     @equals("the decay of the model between two values")
     def falling(self, rng: random.Random) -> Point:
-        """Between any two values friction falls by the decay of the model."""
+        """Require friction to follow the decay of the model between any two values."""
         far, fall, scale, speed = (rng.uniform(0.3, 1.5) for _ in range(4))
         size = far + fall * float(self.chain.decay(sp.Float(speed / scale)))
         return {s.mu_far: far, s.mu_fall: fall, s.v_0: scale, s.v_rel: -speed,
@@ -285,7 +285,7 @@ class FrictionChecks:
 
     @staticmethod
     def limits(candidate: sp.Basic) -> Evidence:
-        """Compare with the two limits are told apart by the values of the text."""
+        """Require the two limits stated in the text."""
         text = {"rest": s.mu_st, "speed": s.mu_d}
         rest, speed = parts_of(candidate)
         holds = rest == sp.Eq(s.mu(0), text["rest"], evaluate=False)
@@ -294,21 +294,21 @@ class FrictionChecks:
 
     @at_points("the decay of the model from μₛₜ at rest to μ_d at great speed")
     def coefficient(self) -> Points:
-        """Values at rest, at great speed and at one reference velocity."""
+        """Compare values at rest, at large speed and at one reference velocity."""
         values = {s.mu_st: _STATIC, s.mu_d: _DYNAMIC, s.v_0: _SCALE}
         for speed in (0.3, 0.0, 1e6 * _SCALE, _SCALE, -_SCALE):
             yield {**values, s.v_rel: speed, s.mu(s.v_rel): _size(self.chain, speed)}, [0]
 
     @staticmethod
     def law(candidate: sp.Basic) -> Evidence:
-        """Force (3) with normal force 1.7."""
+        """Judge the force (3) with normal force 1.7."""
         point = {s.mu_st: _STATIC, s.F_N: 1.7}
         return _is_law(candidate, point, (s.F, s.v_rel),
                        unit=1.7, limit=_STATIC * 1.7, velocity=1.0)  # fmt: skip
 
     @staticmethod
     def scaled_law(candidate: sp.Basic) -> Evidence:
-        """Force (6): that of (3) over F_N at the velocity in dimensions, which only mu has."""
+        """Judge (6): the force of (3) over F_N, with the dimensional velocity in mu only."""
         if candidate.replace(s.mu, lambda _: sp.S.One).has(s.F_N, s.omega_n, s.y_0):
             return Evidence(False, "a quantity with a dimension stands outside of mu")
         point = {s.mu_st: _STATIC, s.F_N: 1.7, s.omega_n: 1.3, s.y_0: 0.6}
@@ -317,14 +317,14 @@ class FrictionChecks:
 
     @staticmethod
     def force_of_slip(candidate: sp.Basic) -> Evidence:
-        """Alone, the first part of (6)."""
+        """Judge the first part of (6) alone."""
         whole = sp.Tuple(candidate, sp.Ne(s.v_tilde_rel, 0), sp.Abs(s.F_tilde) <= s.mu_st,
                          sp.Eq(s.v_tilde_rel, 0))  # fmt: skip
         return FrictionChecks.scaled_law(whole)
 
     @staticmethod
     def scales(candidate: sp.Basic) -> Evidence:
-        """Displacement, time and force get one unit each."""
+        """Require one unit for each of displacement, time and force."""
         expected = {s.y(s.n, s.t): (s.y_tilde(s.n, s.tau), s.y_0), s.tau: (s.t, s.omega_n),
                   s.F: (s.F_tilde, s.F_N)}  # fmt: skip
         found = {part.lhs: part.rhs for part in parts_of(candidate)}
@@ -366,31 +366,31 @@ class FrictionChecks:
 
     @equals("the dimensional equation divided by F_N")
     def in_scales(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Compare with the equation in dimensions, divided by F_N."""
+        """Compare with the dimensional equation divided by F_N."""
         point, net = _scaled_point(self.chain, rng)
         return point, [net]
 
     @equals("the scales that reduce (1) to unit coefficients", parts=4)
     def units(self, rng: random.Random) -> Point:
-        """Scales that make inertia and stiffness one."""
+        """Compare with the scales that make inertia and stiffness one."""
         return _scaled_point(self.chain, rng)[0]
 
     @staticmethod
     @at_points("radians of the free oscillation")
     def clock() -> Points:
-        """At one value of t."""
+        """Compare the phase at one value of t."""
         yield {s.t: 0.7, s.omega_n: 1.3, s.tau: 0.7 * 1.3}, [0]
 
     @equals("the scales that reduce (1) to unit coefficients", parts=5)
     def scaling(self, rng: random.Random) -> Point:
-        """All of (4)."""
+        """Compare all of (4)."""
         point, _ = _scaled_point(self.chain, rng)
         instant = rng.uniform(0.1, 1)
         return {**point, s.t: instant, s.tau: instant * point[s.omega_n]}
 
     @equals("the dimensional force over F_N", count=6)
     def slip(self, rng: random.Random) -> Point:
-        """Compare with the force in dimensions over F_N, at the same physical velocities."""
+        """Compare with the dimensional force over F_N, at the same physical velocities."""
         speed = rng.choice([-1.3, -0.2, 0.4, 2.0])
         return {
             **_units(),
@@ -418,19 +418,19 @@ class FrictionChecks:
 
     @equals("the forces on a slipping site")
     def slipping(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """All forces on a site, from energies and the force law."""
+        """Compare with all forces on a site, from energies and the force law."""
         return _slipping_state(self.chain, rng)
 
     @equals("the forces when all sites agree")
     def cell(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Compare with the same when all sites move alike, with no number for a neighbour."""
+        """Compare with the same for sites that move alike, without numbers for neighbours."""
         point, rest = _slipping_state(self.chain, rng, True)
         own = s.y_tilde(s.n, s.tau)
         return {q: each for q, each in point.items() if q.func != own.func or q == own}, rest
 
     @equals("the friction force at the speed of the belt")
     def sliding(self, rng: random.Random) -> Point:
-        """Compare with the rest position is where ground spring and friction balance."""
+        """Compare with the rest position, at which ground spring and friction balance."""
         point, _ = _slipping_state(self.chain, rng)
         return {**point, s.y_star: -_drag(self.chain, point)(0.0)}
 
@@ -449,7 +449,7 @@ class FrictionChecks:
 
     @equals("eigenvalues of a ring, found numerically", tolerance=1e-6)
     def waves(self, rng: random.Random) -> Point:
-        """Eigenvalues of a ring of sites, found numerically."""
+        """Compare with the eigenvalues of a ring of sites, found numerically."""
         sites = 9
         point, _ = _slipping_state(self.chain, rng)
         dimensional = {q: point[q] for q in (s.m, s.d, s.k, s.eta_c)}
@@ -475,7 +475,7 @@ class FrictionChecks:
         return point, [slope_of(_drag(self.chain, point))]
 
     def hopf(self, candidate: sp.Basic) -> Evidence:
-        """At each velocity that comes out the slope of the forces vanishes and changes sign."""
+        """Require the slope of the forces to vanish and change sign at each velocity found."""
         worst, kept = 0.0, 0
         for static, fall, scale, drag in ((1.0, 0.5, 0.5, 0.05), (0.9, 0.55, 0.7, 0.04)):
             point: dict[Any, Any] = {s.mu_st: static, s.mu_d: static - fall, s.v_tilde_0: scale,
@@ -504,7 +504,7 @@ class FrictionChecks:
         return {**point, s.R: size}, [_power(self.chain, point, size)]
 
     def balance(self, candidate: sp.Basic) -> Evidence:
-        """Mean power by sampling, and by integrating a weakly damped cell for one period."""
+        """Compare with the sampled mean power, and with one period of a weakly damped cell."""
         candidate = _without_integrals(candidate)
         found = self._sampled_balance(candidate)
         if not found.holds:

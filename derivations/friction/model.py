@@ -1,4 +1,4 @@
-"""The model that the derivation of part 1 starts from: a chain of sites with dry friction."""
+"""The model from which the derivation of part 1 starts: a chain of sites with dry friction."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from derivations.friction.symbols import F, d, eta_c, k, m, mu_d, mu_st, n, t, v
 
 
 def exponential(speed: sp.Expr) -> sp.Expr:
-    """Return the decay of Eq. (2), one at zero speed and zero at infinite speed."""
+    """Return the decay function of Eq. (2): one at zero speed and zero at infinite speed."""
     return sp.exp(-speed)
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionModel:
-    """A friction chain: what Eqs. (1) and (2) say, and may say otherwise.
+    """A friction chain, as described by Eqs. (1) and (2), with possible modifications.
 
     Attributes
     ----------
     inertia, damping, stiffness : Expr
         Coefficients of y'', y' and y.
     springs : mapping of int to Expr
-        Stiffness of the spring to the neighbours at each distance.
+        Stiffness of the springs to the neighbours at each distance.
     decay : callable
-        How friction falls with speed over ``v_0``.
+        Function by which friction decreases with the speed divided by ``v_0``.
     parameters : mapping of Symbol to Rational
         The numbers of Eq. (7).
     """

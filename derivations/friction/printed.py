@@ -36,7 +36,7 @@ _own, _scaled = y(n, t), y_tilde(n, tau)
 
 
 def _force(argument: sp.Expr, bound: type[sp.Rel]) -> sp.Tuple:
-    """(6) with friction mu of a velocity, and a strict or a closed bound."""
+    """Return (6) with the friction coefficient of a velocity, and a strict or a closed bound."""
     return sp.Tuple(
         equation(F_tilde, -sp.sign(v_tilde_rel) * mu(argument)),
         sp.Ne(v_tilde_rel, 0, evaluate=False),

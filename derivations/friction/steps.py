@@ -1,4 +1,4 @@
-"""From Newton's law to the dimensionless chain, and when its steady sliding is stable."""
+"""From Newton's law to the dimensionless chain and the stability of its steady sliding."""
 
 from __future__ import annotations
 
@@ -54,12 +54,12 @@ from derivations.friction.symbols import (
     z,
 )
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
 def derive(chain: FrictionModel = PAPER) -> Derivation:
-    """Eqs. (1)-(7) and what follows for steady sliding and for the cycle that slips all the time.
+    """Derive Eqs. (1)-(7), the stability of steady sliding, and the cycle that never sticks.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def _scaled(draft: Draft, chain: FrictionModel, checks: FrictionChecks) -> None:
 
 
 def _sliding(draft: Draft, chain: FrictionModel, checks: FrictionChecks) -> None:
-    """Steady sliding, its waves and its loss of stability; then the cycle of pure slip."""
+    """Derive steady sliding, its waves and its loss of stability; then the cycle of pure slip."""
     draft.derived("slip backwards", TakeBranch(v_tilde_rel < 0), "slip law in scaled velocities",
                   check=checks.backwards, note="the belt is faster than the site")
     draft.derived("force at a velocity of the site", Substitute(), "slip backwards",

@@ -1,4 +1,4 @@
-"""Symbols of model I, and how the paper prints them."""
+"""Symbols of model I, and their notation in the paper."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ from derivations.front.symbols import (
 )
 from derivations.symbols import c
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
@@ -54,14 +54,14 @@ _TOTAL = over_roots(1, M_plus)
 
 
 def steps(draft: Draft, chain: ChainModel) -> None:
-    """Write down forms and limits of the kinetic relation."""
+    """Derive forms and limits of the kinetic relation."""
     checks = LimitChecks(chain)
     _forms(draft, checks)
     draft.definition("ratio", equation(sp.Abs(phi_us / phi_s), ratio),
                      "the ratio of the two cycles", check=checks.ratio_named)
     draft.derived("relation by the ratio", Substitute(), "kinetic relation", "ratio",
                   check=checks.at_front)
-    if chain.reach <= 2:  # its poles are the roots of a quadratic in cos k, at most
+    if chain.reach <= 2:  # its poles are at most the roots of a quadratic in cos k
         _static(draft, checks)
     if _one_radical(chain):
         _pinning(draft, checks)
@@ -70,12 +70,12 @@ def steps(draft: Draft, chain: ChainModel) -> None:
 
 
 def _one_radical(chain: ChainModel) -> bool:
-    """Whether the static sum has a single square root of c: nearest neighbours that pull."""
+    """Whether the static sum has a single square root in c: attracting nearest neighbours."""
     return chain.nearest_pull and chain.is_scaled_by_c
 
 
 def _has_long_waves(chain: ChainModel) -> bool:
-    """Whether the coupling is a multiple of c, and its pull on long waves has one sign."""
+    """Whether the coupling is a multiple of c whose effect on long waves has a definite sign."""
     pull = chain.coupling * sum(j * j * q for j, q in enumerate(chain.weights, start=1))
     return chain.is_scaled_by_c and bool(pull.is_positive or pull.is_negative)
 
@@ -113,7 +113,7 @@ def _static(draft: Draft, checks: LimitChecks) -> None:
 
 
 def _pinning(draft: Draft, checks: LimitChecks) -> None:
-    """Write down the closed form of both thresholds."""
+    """Derive the closed form of both thresholds."""
     draft.derived("radical in one parameter", ParametriseRadical(p, c), "static sum",
                   check=checks.radical, note="p > 1 for c > 0")
     draft.derived("coupling by the parameter", Take(1), "radical in one parameter",
@@ -145,7 +145,7 @@ def _pinning(draft: Draft, checks: LimitChecks) -> None:
 
 
 def _strong(draft: Draft, chain: ChainModel, checks: LimitChecks) -> None:
-    """Strong coupling: two roots are left, one on each side."""
+    """Derive strong coupling, at which two roots remain, one on each side."""
     scales = {L(k): long_wave, k: kappa / sp.sqrt(c), v: V * sp.sqrt(c)}
     draft.derived("long waves", (Substitute(scales), Limit(c, sp.oo)), "dispersion",
                   check=checks.long_waves)

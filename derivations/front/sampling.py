@@ -27,20 +27,20 @@ from derivations.front.numbers import Lattice, evaluated, profile
 from derivations.symbols import c, n, t
 
 MAX_RATIO = 0.6
-"""Of the cycles: nearer cells relax too slowly for a direct run."""
+"""Largest ratio of the cycles; above it the cell relaxes too slowly for a direct run."""
 TINY = 1e-5
-"""Amplitude of a linear response, over the inner cycle: what is not linear is 1e-10 of it."""
+"""Amplitude of a linear response over the inner cycle: nonlinear terms are 1e-10 of it."""
 MAX_UNLIKE = 27.0
-"""Of springs and damping at rest: how many times one may be the other."""
+"""Largest ratio, in either direction, of the strength of the springs to the damping at rest."""
 CYCLE = 0.8 - 0.4j
-"""The cycle behind a front."""
+"""Value of the envelope on the cycle behind a front."""
 _SPEEDS = (0.5, 1.3, 0.7)
-"""Of fronts, over the damping at rest."""
+"""Velocities of fronts, divided by the damping at rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """A chain with numbers and the two cycles of its cell, from the direct average.
+    """A chain in numbers, with the two cycles of its cell from the direct average.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Sample:
 
     @property
     def ratio(self) -> float:
-        """Inner over outer amplitude."""
+        """Ratio of the inner to the outer amplitude."""
         return self.inner / self.outer
 
     @property
@@ -66,29 +66,29 @@ class Sample:
 
     @cached_property
     def lattice(self) -> Lattice:
-        """Linear part of the two lines: the response to a tiny amplitude, a unit of eps t."""
+        """Linear part of (44): the response to a tiny amplitude, per unit of eps t."""
         decay = -self.rate(self.tiny) / self.tiny / self.chain.eps
         return Lattice(float(decay), self.chain.springs)
 
     def coupled(self, factor: float) -> Lattice:
-        """Linear part with springs so many times as strong."""
+        """Linear part with the springs stronger by a factor."""
         return Lattice(self.lattice.decay, tuple(factor * q for q in self.chain.springs))
 
     @property
     def clock(self) -> float:
-        """Damping at rest: the velocities of fronts grow with it, at couplings over it."""
+        """Damping at rest, the unit of velocities and couplings of fronts."""
         return self.chain.damping[0]
 
     @cached_property
     def return_rate(self) -> float:
-        """Rate at which the cell goes back to its cycle, a unit of eps t."""
+        """Rate at which the cell returns to its cycle, per unit of eps t."""
         near = 1e-3 * self.outer
         change = self.rate(self.outer + near) - self.rate(self.outer - near)
         return float(abs(change) / (2 * near * self.chain.eps))
 
     @property
     def eta(self) -> float:
-        """Product of the outer coefficients of the damping over the square of the middle one."""
+        """Product of the outer damping coefficients over the square of the middle one."""
         low, middle, top = (q for q in self.chain.damping if q != 0)
         return low * top / middle**2
 
@@ -128,9 +128,9 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
 
 
 def cells(model: ChainModel, most_unlike: float = MAX_UNLIKE) -> Iterator[Sample]:
-    """Draw coefficients over two decades, then more; yield those with two cycles, well apart.
+    """Draw coefficients over two decades, then more; yield cells with two well-separated cycles.
 
-    Springs and damping at rest differ at most by the cube root of a factor, later by all of it.
+    Springs and damping at rest differ at most by the cube root of the factor, later by all of it.
     """
     rng = random.Random(11)
     for draw in range(2000):
@@ -147,7 +147,7 @@ def cells(model: ChainModel, most_unlike: float = MAX_UNLIKE) -> Iterator[Sample
 def _drawn(model: ChainModel, rng: random.Random, spread: float) -> ChainNumbers:
     """Return a chain whose springs pull on long waves as strongly as its cell is damped.
 
-    Much weaker ones pin most fronts, much stronger ones spread them beyond what is resolved.
+    Much weaker springs pin most fronts; much stronger ones make them too wide to be resolved.
     """
     values = {q: math.exp(spread * rng.uniform(-4.0, 1.4)) for q in model.parameters}
     letters = model.coupling.free_symbols
@@ -165,13 +165,13 @@ def _drawn(model: ChainModel, rng: random.Random, spread: float) -> ChainNumbers
 
 
 def _is_balanced(chain: ChainNumbers, unlike: float) -> bool:
-    """Whether springs and damping at rest differ by less: a coupling may have no letter c."""
+    """Whether springs and damping at rest differ by less than a factor; a coupling may lack c."""
     pull = abs(chain.pull_on_long_waves)
     return pull == 0 or 1 / unlike < pull / chain.damping[0] < unlike
 
 
 def _may_have_two_cycles(chain: ChainNumbers) -> bool:
-    """Descartes' rule: as many cycles as the even powers of the damping change sign, or fewer."""
+    """Descartes' rule: at most as many cycles as sign changes in the even powers of the damping."""
     even = [q for q in chain.damping[::2] if q]
     changes = sum(low * high < 0 for low, high in pairwise(even))
     return chain.damping[0] > 0 and changes >= 2
@@ -183,18 +183,18 @@ def complex_number(rng: random.Random, size: float = 1.0) -> complex:
 
 
 def sites(model: ChainModel, rng: random.Random, size: float = 1.0) -> dict[int, complex]:
-    """Return random values of the envelope at the sites that springs join."""
+    """Return random values of the envelope at the sites coupled by springs."""
     return {place: complex_number(rng, size) for place in range(-model.reach, model.reach + 1)}
 
 
 def as_point(chain: ChainNumbers, field: dict[int, complex], rate: complex) -> dict[Any, Any]:
-    """Return values for the envelope at the sites, its rate and the parameters."""
+    """Return values for the envelope at the sites, its rate, and the parameters."""
     point: dict[Any, Any] = {s.phi(n + place, t): own for place, own in field.items()}
     return {**point, s.phi(n, t).diff(t): rate, **chain.values}
 
 
 PLACES = (-4.3, -2.0, -1.2, -0.5, -0.1, 0.1, 0.5, 1.2, 2.0, 4.3)
-"""Where a front is compared with its threshold."""
+"""Coordinates at which a front is compared with its threshold."""
 
 
 @lru_cache(maxsize=16)
@@ -225,14 +225,14 @@ def front(model: ChainModel) -> tuple[Sample, float]:
 
 @lru_cache(maxsize=64)
 def standing(lattice: Lattice) -> complex:
-    """phi/phi_s at the first site ahead of a standing front, by solving the linear chain.
+    """Return phi/phi_s at the first site ahead of a standing front, by solving the linear chain.
 
-    Twice as many sites are taken until that changes nothing.
+    The number of sites is doubled until the result no longer changes.
 
     Raises
     ------
     ArithmeticError
-        If the ends of a chain of 8000 sites are still felt.
+        If the result still depends on the ends of a chain of 8000 sites.
     """
     before = _ahead(lattice, 125)
     for half in (250, 500, 1000, 2000, 4000):
@@ -250,19 +250,19 @@ def _ahead(lattice: Lattice, half: int) -> complex:
     for distance, spring in enumerate(lattice.springs, start=1):
         pull = 0.5j * spring
         bands[reach - distance, distance:] = bands[reach + distance, :-distance] = pull
-        bands[reach, distance:] -= pull  # beyond an end there is nothing to hold on to
+        bands[reach, distance:] -= pull  # beyond an end there is no neighbour
         bands[reach, :-distance] -= pull
     drive = np.where(np.arange(size) < half, lattice.decay, 0.0).astype(complex)
     return complex(solve_banded((reach, reach), bands, drive)[half])
 
 
 class SampledChecks:
-    """What the checks of the front have in common: three chains in numbers, and fronts of them.
+    """Common part of the checks of the front: three chains in numbers, and their fronts.
 
     Parameters
     ----------
     model : ChainModel
-        The chain, of which only coefficients are read.
+        The chain, of which only the coefficients are used.
     """
 
     def __init__(self, model: ChainModel) -> None:
@@ -274,14 +274,14 @@ class SampledChecks:
         return samples(self.model)
 
     def waves(self) -> Iterator[tuple[Sample, float, complex]]:
-        """Each chain with a velocity and a wavenumber above the real axis."""
+        """Yield each chain with a velocity and a wavenumber above the real axis."""
         rng = random.Random(6)
         for sample, fast in zip(self.samples, _SPEEDS, strict=True):
             number = complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
             yield sample, fast * sample.clock, number
 
     def on_cycles(self, what: str, parts: int) -> Check:
-        """Every part holds with the cycles of the direct average, at any phase, put in."""
+        """Return a check of every part with the cycles of the direct average, at any phase."""
 
         def points() -> Points:
             for sample in self.samples:
@@ -292,7 +292,7 @@ class SampledChecks:
         return at_points(what, parts=parts)(points)
 
     def at_front(self, candidate: sp.Basic) -> Evidence:
-        """Left minus right of each part on fronts at three velocities, series summed."""
+        """Evaluate left minus right of each part on fronts at three velocities."""
         worst = 0.0
         for sample, fast, _ in self.waves():
             lattice = sample.lattice
@@ -307,7 +307,7 @@ class SampledChecks:
 def _differences(
     candidate: sp.Basic, sample: Sample, lattice: Lattice, v: float, here: complex
 ) -> list[float]:
-    """Left minus right of each part, with sums over the roots of a lattice, and phi(0)."""
+    """Return left minus right of each part, with sums over the roots of a lattice, and phi(0)."""
     point = {**sample.chain.values, s.v: v, s.phi_s: CYCLE, s.phi(0): here, s.phi_us: here,
              s.ratio: abs(here / CYCLE)}  # fmt: skip
     sides = (part.args for part in parts_of(candidate))

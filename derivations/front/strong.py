@@ -1,13 +1,13 @@
 """The speed of the averaged front at strong coupling, by matched asymptotics.
 
 Outside the front the envelope is constant: the cycle behind, rest ahead. The lattice carries
-disturbances at its group velocity, which is largest at one wave; the front locks to that wave,
-where dispersion begins only at the third derivative. Inside, over a length that grows like the
-cube root of the coupling, third-order dispersion balances the local gain. What is left is an
-equation without parameters but those of the cell. That it has a solution, from the cycle to rest,
-for one value of κ only is not derived here: the three-dimensional flow has a plane of solutions
-leaving the cycle and a line of solutions entering rest, so that one parameter is fixed; κ is found
-by solving this inner problem numerically.
+disturbances at its group velocity, which is largest for one particular wave; the front locks to
+that wave, for which dispersion begins only at the third derivative. Inside the front, over a length
+that grows like the cube root of the coupling, third-order dispersion balances the local gain. The
+result is an equation without parameters other than those of the cell. That it has a solution from
+the cycle to rest for a single value of κ is not derived here; the argument is that in the
+three-dimensional flow a plane of solutions leaves the cycle and a line of solutions enters rest, so
+that one parameter is fixed. κ is found by solving this inner problem numerically.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ from derivations.front.symbols import (
 )
 from derivations.symbols import epsilon, i, n, omega, t, y
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
 def steps(draft: Draft, chain: ChainModel) -> None:
-    """From (8) and the cell of (43) to the law for the speed."""
+    """Derive the law for the speed from (8) and the cell of (43)."""
     checks = StrongChecks(chain)
     draft.definition("rest", equation(y(n, t), 0), "the chain at rest",
                      check=checks.rest)
@@ -106,7 +106,7 @@ def _outer(draft: Draft, checks: StrongChecks) -> None:
 
 
 def _law(draft: Draft, checks: StrongChecks) -> None:
-    """Write down the closed form for springs between nearest neighbours."""
+    """Derive the closed form for springs between nearest neighbours."""
     draft.derived("fastest wave", FastestWave(omega, q), "derivatives of the frequency",
                   "linear waves", check=checks.fastest)
     draft.derived("largest group velocity", AtFastestWave(omega, q),

@@ -1,4 +1,4 @@
-"""What the linearisation is held against: a chain of springs and dampers in plain numbers."""
+"""Checks of the linearisation by a chain of springs and dampers in plain numbers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from derivations.symbols import t, y
 
 
 def state(candidate: sp.Basic) -> Evidence:
-    """Put motions with known rates in: positions must come first, then their rates."""
+    """Insert motions with known rates: positions must come first, then their rates."""
     name, vector = candidate.args
     sites = len(vector) // 2
     at = 0.37
@@ -54,7 +54,7 @@ def state(candidate: sp.Basic) -> Evidence:
 
 
 def _forces(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
-    """Accelerations of all sites, from springs between pairs of sites."""
+    """Return the accelerations of all sites, from springs between pairs of sites."""
     size = len(x) // 2
     places, rates = x[:size], x[size:]
     out = []
@@ -75,7 +75,7 @@ def _rates(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
 def _sample(model: ChainModel, sites: int) -> tuple[ChainNumbers, Any, Any]:
     rng = random.Random(7)
     chain = drawn(model, rng)
-    # Not near zero, where a wrong power of a displacement would hardly show.
+    # Not near zero, where a wrong power of a displacement would be hard to detect.
     x, change = (
         np.array([rng.choice((-1, 1)) * rng.uniform(0.6, 1.4) for _ in range(2 * sites)])
         for _ in range(2)
@@ -84,7 +84,7 @@ def _sample(model: ChainModel, sites: int) -> tuple[ChainNumbers, Any, Any]:
 
 
 def closed(model: ChainModel, ends: LatticeEnds) -> Check:
-    """Every site of the closed chain."""
+    """Return a check of every site of the closed chain."""
 
     def check(candidate: sp.Basic) -> Evidence:
         parts = parts_of(candidate)
@@ -106,7 +106,7 @@ def closed(model: ChainModel, ends: LatticeEnds) -> Check:
 
 
 def field(model: ChainModel, ends: LatticeEnds) -> Check:
-    """Entry by entry the rates of the state."""
+    """Return a check of the rates of the state, entry by entry."""
 
     def check(candidate: sp.Basic) -> Evidence:
         name, vector = candidate.args
@@ -141,14 +141,14 @@ def _entries(matrix: Any, exact: Any, point: Point, ends: LatticeEnds) -> Eviden
 
 
 def _jacobian(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
-    """Complex-step derivative of the rates: exact to rounding."""
+    """Return the complex-step derivative of the rates, exact to rounding."""
     step = 1e-30
     columns = [_rates(chain, ends, x + 1j * step * row).imag / step for row in np.eye(len(x))]
     return np.array(columns).T
 
 
 def linear(model: ChainModel, ends: LatticeEnds) -> Check:
-    """Entry by entry the complex-step derivative of the rates along the perturbation."""
+    """Return a check by the complex-step derivative of the rates along the perturbation."""
 
     def check(candidate: sp.Basic) -> Evidence:
         name, vector = candidate.args
@@ -167,7 +167,7 @@ def linear(model: ChainModel, ends: LatticeEnds) -> Check:
 
 
 def jacobian(model: ChainModel, ends: LatticeEnds) -> Check:
-    """Entry by entry the complex-step derivative."""
+    """Return a check of every entry by the complex-step derivative."""
 
     def check(candidate: sp.Basic) -> Evidence:
         name, matrix = candidate.args
@@ -182,7 +182,7 @@ def jacobian(model: ChainModel, ends: LatticeEnds) -> Check:
 
 @at_points("the printed entry minus the derivative")
 def added() -> Points:
-    """Print minus derivative in (42), for the one term that is too many."""
+    """Compare with print minus derivative in (42), for the superfluous term."""
     place, speed, change = 0.7, -0.4, 0.3
     printed = -speed * (1 - 2 * 1.9 * place + 4 * 0.6 * place**3) * change
     right = -speed * (-2 * 1.9 * place + 4 * 0.6 * place**3) * change
@@ -190,7 +190,7 @@ def added() -> Points:
 
 
 def waves(candidate: sp.Basic) -> Evidence:
-    """Each is real and has the given amplitude at frequency one."""
+    """Require real motions of the given amplitude at frequency one."""
     worst = 0.0
     names = ((s.motion, s.A), (s.deviation, s.D))
     for part, (own, size) in zip(parts_of(candidate), names, strict=True):

@@ -1,7 +1,7 @@
-r"""Write printed vectors and matrices with dots out for a number of sites.
+r"""Write printed vectors and matrices with dots for a given number of sites.
 
-A row of dots stands for rows that continue the printed ones: of a vector, entries of the same form
-with every index raised; of a band matrix, dots continue the diagonal on which they stand.
+A row of dots stands for rows that continue the printed ones: in a vector, entries of the same form
+with all indices raised; in a band matrix, dots continue the diagonal on which they lie.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ _DOTS = frozenset(DOTS.values())
 
 
 def named(expression: sp.Basic, sites: int) -> sp.Basic:
-    """Put the number of sites in, and symbols for entries of the state."""
+    """Insert the number of sites, and symbols for entries of the state."""
     return expression.subs(N, sites).replace(x, lambda place: component(int(place)))
 
 
 def state(printed: sp.Tuple, sites: int) -> sp.Eq:
-    """Write (39) out: X by its two halves, and those by their entries."""
+    """Write (39) in full: X by its two halves, and these by their entries."""
     given = {part.lhs: part.rhs for part in parts_of(printed)}
     if given[velocities] != displacement_rates:
         raise _unclear(39, "V is not the rate of Y")
@@ -53,10 +53,10 @@ def state(printed: sp.Tuple, sites: int) -> sp.Eq:
 
 
 def field(printed: sp.Tuple, sites: int) -> sp.Eq:
-    """Write (40) out: the printed rows, and between them rows of the same form.
+    """Write (40) in full: the printed rows, and between them rows of the same form.
 
-    The row of site 2 is the pattern; those of sites 1 and N are compared with nothing, since there
-    the pattern may end.
+    The row of site 2 is the pattern. The rows of sites 1 and N are not compared with it, since the
+    pattern may end there.
     """
     rate, rows = printed.args[0].lhs, list(printed.args[-1].rhs)
     v_1, v_2, dots, first, second, more_dots, last = rows
@@ -69,7 +69,7 @@ def field(printed: sp.Tuple, sites: int) -> sp.Eq:
 
 
 def linearised(printed: sp.Tuple, printed_field: sp.Tuple, sites: int) -> sp.Eq:
-    """Write the last equation of (41) out, with J the Jacobian of the printed field (40)."""
+    """Write the last equation of (41) in full, with J the Jacobian of the printed field (40)."""
     last = printed.args[-1]
     own = [component(place) for place in range(1, 2 * sites + 1)]
     jacobian = sp.Matrix(field(printed_field, sites).rhs).jacobian(own)
@@ -80,7 +80,7 @@ def linearised(printed: sp.Tuple, printed_field: sp.Tuple, sites: int) -> sp.Eq:
 
 
 def jacobian(printed: sp.Tuple, sites: int) -> sp.Eq:
-    """Write (42) out: the blocks, with dots that continue their diagonals."""
+    """Write (42) in full: the blocks, with dots that continue their diagonals."""
     given = {part.lhs: part.rhs for part in parts_of(printed)}
     zero, one, a_block, b_block = blocks
     filled: dict[Any, Any] = {
@@ -97,7 +97,7 @@ def _raised(entry: sp.Expr, shift: int) -> sp.Expr:
 
 
 def _band(printed: sp.Matrix, sites: int) -> sp.Matrix:
-    """Write a band matrix of rows 1, 2, dots and N out for N sites, from 4."""
+    """Write a band matrix of rows 1, 2, dots and N in full for N sites, N at least 4."""
     size = printed.rows
     if printed.shape != (4, 4) or sites != size:
         raise _unclear(42, f"a block of {printed.shape} for N = {sites}")
@@ -113,7 +113,7 @@ def _band(printed: sp.Matrix, sites: int) -> sp.Matrix:
 
 
 def _diagonal(printed: sp.Matrix, sites: int) -> sp.Matrix:
-    """Write a diagonal matrix out, of which entries 1, 2 and N are printed and zeros or blanks."""
+    """Write a diagonal matrix in full, of which entries 1, 2, N and zeros or blanks are printed."""
     entries = [q for q in printed if q not in (0, BLANK) and q not in _DOTS]
     if len(entries) != 3 or named(_raised(entries[1], sites - 2), sites) != named(
         entries[2], sites

@@ -42,7 +42,7 @@ def _field() -> sp.Eq:
 
 
 def _open_field() -> sp.Eq:
-    """(40) with the spring between sites 1 and N taken away, and nothing else."""
+    """Return (40) without the spring between sites 1 and N, and otherwise unchanged."""
     rows = list(_field().rhs)
     pull = epsilon * c * (_x[0] - _x[SITES - 1])
     rows[SITES] += pull
@@ -63,7 +63,7 @@ def _linearised() -> sp.Eq:
 
 
 def _jacobian() -> sp.Eq:
-    """(42): a '1' too many in the bracket that multiplies x_{N+n}."""
+    """Return (42), with a superfluous '1' in the bracket that multiplies x_{N+n}."""
     matrix = sp.zeros(2 * SITES, 2 * SITES)
     for place in _SITES:
         own, rate = _x[place], _x[SITES + place]
@@ -146,14 +146,14 @@ EQUATIONS = (
 
 
 def written_out(number: int, reading: sp.Basic, field_reading: sp.Basic) -> sp.Eq:
-    """Return one of these equations as read from its LaTeX, written out for N = 4.
+    """Return one of these equations as read from its LaTeX, written in full for N = 4.
 
     Parameters
     ----------
     number : int
         39 to 42.
     reading, field_reading : Basic
-        What the reader made of it, and of (40).
+        Results of the reader for this equation and for (40).
     """
     if number == 41:
         return layout.linearised(reading, field_reading, SITES)

@@ -30,20 +30,21 @@ from derivations.linearisation.symbols import (
 from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import i, n, t, y
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
 def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
-    """Eqs. (39)-(42) for a chain of ``sites`` sites, as a ring and with free ends.
+    """Derive Eqs. (39)-(42) for a chain of ``sites`` sites, as a ring and with free ends.
 
     Parameters
     ----------
     chain : ChainModel
         The chain; that of Eq. (8) by default.
     sites : int or None
-        N, at least twice the reach of the springs plus one, so that no site is its own neighbour
-        twice on a ring; the smallest ring whose corners stand apart from the band by default.
+        N, at least twice the reach of the springs plus one, so that on a ring no site is coupled to
+        the same neighbour twice; by default the smallest ring whose corners are separate from the
+        band.
 
     Raises
     ------
@@ -81,7 +82,7 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
 
 
 def _extra_term(draft: Draft) -> None:
-    """Write down the resonant part of ``-y' delta``, which the '1' in print adds."""
+    """Derive the resonant part of ``-y' delta``, which the '1' in print adds."""
     wave = sp.exp(i * t)
     draft.definition("term added by print", equation(resonant, -motion.diff(t) * deviation),
                      "what the '1' in the bracket of the printed (42) adds, over eps",

@@ -1,4 +1,4 @@
-"""Symbols of the linearisation, and how the paper prints them."""
+"""Symbols of the linearisation, and their notation in the paper."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from derivations.symbols import a, b, c, epsilon, t, y
 from derivations.transcription.latex_reader import Notation
 
 SITES = 4
-"""Sites in the displayed matrices: the smallest ring whose corners stand apart from the band."""
+"""Sites in the displayed matrices: the smallest ring whose corners are separate from the band."""
 
 N = sp.Symbol("N", integer=True, positive=True)
 X, X_rate, J, delta_rate = sp.symbols(r"X \dot{X} J \dot{\delta}")
@@ -23,17 +23,17 @@ motion, deviation = sp.Function("y", real=True)(t), sp.Function("delta", real=Tr
 
 
 def component(place: Any) -> sp.Symbol:
-    """Entry of the state, ``x_1 ... x_2N``; also ``x_{N+1}`` with N as a letter."""
+    """Return an entry of the state, ``x_1 ... x_2N``, or ``x_{N+1}`` with N as a letter."""
     return sp.Symbol(f"x_{{{place}}}" if not str(place).isdigit() else f"x_{place}", real=True)
 
 
 def components(sites: int) -> tuple[sp.Symbol, ...]:
-    """``x_1 ... x_2N``: displacements, then velocities (Eq. 39)."""
+    """Return ``x_1 ... x_2N``: displacements, then velocities (Eq. 39)."""
     return tuple(map(component, range(1, 2 * sites + 1)))
 
 
 def perturbations(sites: int) -> tuple[sp.Symbol, ...]:
-    """``delta_1 ... delta_2N`` (Eq. 41)."""
+    """Return ``delta_1 ... delta_2N`` (Eq. 41)."""
     return tuple(sp.Symbol(rf"\delta_{place}", real=True) for place in range(1, 2 * sites + 1))
 
 

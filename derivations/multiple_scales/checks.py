@@ -1,7 +1,7 @@
-"""What Eqs. (8)-(30) are held against: forces, numerical derivatives, direct Fourier averages.
+"""Checks of Eqs. (8)-(30) by forces, numerical derivatives and direct Fourier averages.
 
-Nothing here is symbolic. Test motions are fixed smooth functions; parameters are random. Only the
-coefficients of the chain are taken from its model.
+No symbolic computation is used. Test motions are fixed smooth functions; parameters are random.
+Only the coefficients of the chain are taken from its model.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _partials(function: Callable[[Any, Any], Any], symbol: sp.Expr, p: Any, q: A
 
 
 class ScalesChecks:
-    """The checks of the derivation for one chain; each judges any equation in a step's place.
+    """The checks of the derivation for one chain; each can judge any equation in place of a step's.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class ScalesChecks:
 
     @equals("the forces of springs and damper")
     def chain(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a moving chain; (8) says how far it is from free motion."""
+        """Draw a moving chain, for which (8) states the deviation from free motion."""
         p = drawn(self.model, rng)
         field = {at: rng.uniform(-1, 1) for at in self.sites}
         rate, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
@@ -111,7 +111,7 @@ class ScalesChecks:
 
     @equals("Eq. (8) with mirrored neighbours")
     def centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a chain that is the same on both sides of site 0."""
+        """Draw a chain that is symmetric about site 0."""
         p = drawn(self.model, rng)
         place, rate, second = (rng.uniform(0.2, 1) for _ in range(3))
         sides = [rng.uniform(-1, 1) for _ in range(p.reach)]
@@ -121,7 +121,7 @@ class ScalesChecks:
 
     @equals("Eq. (8) with the assumed neighbours")
     def forced(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw site 0 as it likes, with neighbours that move as in (9)."""
+        """Draw an arbitrary motion of site 0, with neighbours that move as in (9)."""
         p, wave = drawn(self.model, rng), wave_numbers(rng)
         place, rate, second, when, w = (rng.uniform(0.2, 1) for _ in range(5))
         step = cmath.exp(complex(wave[k_1], wave[k_2]))
@@ -131,10 +131,10 @@ class ScalesChecks:
                  y(0, t): place, t: when, omega: w}  # fmt: skip
         return point, [second + self._mirrored(p, place, sides, rate)]
 
-    # Two times: the residual of the centre along a test motion, differentiated in ε numerically.
+    # Two times: the residual of the central equation along a test motion, differentiated in ε.
 
     def _exact(self, motion: Callable[[Any, Any, Any], Any], e: Any, w: Any) -> Any:
-        """Eq. (11) along ``y = motion(p + w s, q + e s, e)``, differentiated along s."""
+        """Evaluate Eq. (11) along ``y = motion(p + w s, q + e s, e)``, differentiated along s."""
         numbers = numbers_of(self.model, self._fixed, e)
         p, q = _AT
 
@@ -153,7 +153,7 @@ class ScalesChecks:
     def _coefficients(
         self, motion: Callable[[Any, Any, Any], Any], frequency: Callable[[Any], Any]
     ) -> tuple[Any, Any]:
-        """Value at ε = 0 and slope in ε of the exact residual."""
+        """Return value at ε = 0 and slope in ε of the exact residual."""
         up, down = (self._exact(motion, e, frequency(e)) for e in (_STEP, -_STEP))
         middle = self._exact(motion, mp.mpf(0), frequency(mp.mpf(0)))
         return middle, (up - down) / (2 * _STEP)
@@ -167,11 +167,11 @@ class ScalesChecks:
             found, size = residual(candidate, {**point, epsilon: e}, 40)
             worst = max(worst, abs(found - expected(e)) / (size + abs(expected(e))))
         shown = mp.nstr(worst, 2)
-        # The slope is a central difference with step 1e-9: its error is of order 1e-18.
+        # The slope is a central difference with step 1e-9, whose error is of order 1e-18.
         return Evidence(worst < 1e-12, f"{what}: relative difference {shown}")
 
     def in_two_times(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the residual itself: nothing was omitted."""
+        """Compare with the residual itself, from which nothing was omitted."""
         with mp.workdps(40):
             w = 1 + _W1
             point = {**self._point(0, w), **_partials(_test_motion, own.Y, *_AT)}
@@ -182,7 +182,7 @@ class ScalesChecks:
             )  # fmt: skip
 
     def two_times(self, candidate: sp.Basic) -> Evidence:
-        """Compare with value and slope in ε at fixed ω; nothing of order ε² may be left."""
+        """Compare with value and slope in ε at fixed ω; no terms of order ε² may be left."""
         with mp.workdps(40):
             w = 1 + _W1
             point = {**self._point(0, w), **_partials(_test_motion, own.Y, *_AT)}
@@ -204,7 +204,7 @@ class ScalesChecks:
                 **_partials(_second_motion, own.Y_1, *_AT)}  # fmt: skip
 
     def solution_put(self, candidate: sp.Basic) -> Evidence:
-        """Compare value and slope in ε, with the ε of the expanded solution held at two values."""
+        """Compare value and slope in ε, with the ε of the expanded solution fixed at two values."""
         with mp.workdps(40):
             point = self._order_point()
 
@@ -236,7 +236,7 @@ class ScalesChecks:
     @staticmethod
     @equals("a motion multiplied by one complex factor a site")
     def ansatz(rng: random.Random) -> Point:
-        """Hold the assumed motion against one that is multiplied by a complex factor a site."""
+        """Compare the assumed motion with one that is multiplied by a complex factor per site."""
         place, when, w = rng.choice([-3, -1, 2]), rng.uniform(0, 1), rng.uniform(0.5, 1.5)
         wave = wave_numbers(rng)
         step = cmath.exp(complex(wave[k_1], wave[k_2]))
@@ -281,7 +281,7 @@ class ScalesChecks:
     @staticmethod
     @at_points("the motion of order 1 at ε = 0, and its slope in ε")
     def expansion() -> Points:
-        """At ε = 0 the motion of order 1; its slope in ε the motion of order ε."""
+        """Require at ε = 0 the motion of order 1, and as its slope in ε the motion of order ε."""
         for e in (0.0, 0.3):
             yield {epsilon: e, own.Y_0: 0.7, own.Y_1: -1.2, own.Y: 0.7 - 1.2 * e}, None
 
@@ -308,7 +308,7 @@ class ScalesChecks:
     @staticmethod
     @equals("modulus and argument")
     def polar(rng: random.Random) -> Point:
-        """Hold the polar form against cosine and sine."""
+        """Compare the polar form with cosine and sine."""
         size, angle = rng.uniform(0.3, 2), rng.uniform(-3, 3)
         value = complex(size * math.cos(angle), size * math.sin(angle))
         return {own.R_slow: size, own.theta_slow: angle, own.A: value}
@@ -316,14 +316,14 @@ class ScalesChecks:
     @staticmethod
     @at_points("the Fourier coefficient of a sine, sampled", parts=2)
     def match() -> Points:
-        """Take the first Fourier coefficient of the assumed motion by sampling."""
+        """Compute the first Fourier coefficient of the assumed motion by sampling."""
         found = fast_average(lambda s: 1.7 * np.sin(s), 1)
         yield {alpha_0: 1.7, R: abs(found), theta: cmath.phase(found)}, None
 
     @staticmethod
     @at_points("the amplitude of a sine, sampled", parts=1)
     def doubled() -> Points:
-        """Take the modulus of the first Fourier coefficient of the assumed motion."""
+        """Compute the modulus of the first Fourier coefficient of the assumed motion."""
         yield {alpha_0: 1.7, R: abs(fast_average(lambda s: 1.7 * np.sin(s), 1))}, None
 
     # The resonant part of (19).
@@ -331,7 +331,7 @@ class ScalesChecks:
     def _resonance(
         self, p: ChainNumbers, size: complex, rate: complex, w1: float, wave: Point
     ) -> complex:
-        """Return minus the e^{it} Fourier coefficient of the right side of (19)."""
+        """Return minus the e^{it} Fourier coefficient of the right-hand side of (19)."""
 
         def drive(s: Any) -> Any:
             place, first, mixed = (2 * (q * np.exp(1j * s)).real
@@ -379,12 +379,12 @@ class ScalesChecks:
 
     @equals(_DIRECT)
     def parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take what is in quadrature, then what is in phase."""
+        """Take the part in quadrature, then the part in phase."""
         return self._parts(rng, steady=False)
 
     @equals(_DIRECT)
     def steady_parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Take the same parts of a motion whose amplitude and phase rest."""
+        """Take the same parts of a motion with constant amplitude and phase."""
         return self._parts(rng, steady=True)
 
     def _parts(self, rng: random.Random, steady: bool) -> tuple[Point, list[complex]]:
@@ -392,9 +392,9 @@ class ScalesChecks:
         return point, [found.imag, found.real]
 
     def _split(self, rng: random.Random) -> tuple[dict[Any, Any], complex, complex, float]:
-        """Split the resonance at α_0 = 2R over R e^{iθ}.
+        """Split the resonance at α_0 = 2R, divided by R e^{iθ}.
 
-        Into the cell's and the neighbours' part; also the frequency at which the cell's is
+        Returns the cell's part, the neighbours' part, and the frequency at which the cell's part is
         imaginary.
         """
         point, p, wave = self._drawn_amplitude(rng)
@@ -411,32 +411,32 @@ class ScalesChecks:
 
     @equals(_DIRECT + ", over the amplitude")
     def own(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a steady site 0 that moves as is assumed of it."""
+        """Draw a steady motion of site 0 of the assumed form."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [(cell + neighbours).imag, (cell + neighbours).real]
 
     @equals("moduli of " + _DIRECT)
     def modulus(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Compare the moduli of what the cell and the neighbours do."""
+        """Compare the moduli of the contributions of the cell and of the neighbours."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [abs(neighbours) ** 2 - abs(cell) ** 2]
 
     @equals("moduli of " + _DIRECT)
     def detuned(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Compare the moduli where δ alone names the frequency."""
+        """Compare the moduli with the frequency expressed by δ alone."""
         point, cell, neighbours, _ = self._split(rng)
         del point[omega_1]
         return point, [abs(neighbours) ** 2 - abs(cell) ** 2]
 
     @equals("moduli of " + _DIRECT)
     def neglected(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Leave out the part of the cell's that detunes."""
+        """Omit the part of the cell's contribution that detunes it."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [abs(neighbours) ** 2 - cell.imag**2]
 
     @equals("moduli of " + _DIRECT)
     def cost(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Divide by the modulus of what the neighbours do."""
+        """Divide by the modulus of the neighbours' contribution."""
         point, cell, neighbours, _ = self._split(rng)
         return point, [1 - abs(cell / neighbours) ** 2]
 
@@ -446,13 +446,13 @@ class ScalesChecks:
         return point, [pull - loss, pull + loss]
 
     def branches(self, candidate: sp.Basic) -> Evidence:
-        """Take the pull of the neighbours less, and plus, the loss of the cell, in either order."""
+        """Take the neighbours' pull minus and plus the loss of the cell, in either order."""
         found = self._signed(candidate)
         return found if found.holds else self._signed(sp.Tuple(*reversed(parts_of(candidate))))
 
     @equals("the loss of the cell by direct averaging")
     def loss(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        """Draw a cell whose neighbours are at rest."""
+        """Draw a cell with its neighbours at rest."""
         point, cell, *_ = self._split(rng)
         return point, [cell.imag]
 
@@ -469,26 +469,26 @@ class ScalesChecks:
 
     @equals("the drive of the cell alone, averaged")
     def free_frequency(self, rng: random.Random) -> Point:
-        """Draw a cell at the frequency that it has by itself."""
+        """Draw a cell at its own frequency."""
         point, _, _, free = self._split(rng)
         return {**point, omega_1: free}
 
     @equals("the cell alone, averaged")
     def close_frequency(self, rng: random.Random) -> Point:
-        """Draw a cell at a frequency δ above its own."""
+        """Draw a cell at a frequency higher than its own by δ."""
         return self._split(rng)[0]
 
     @equals("a real part that averages to zero")
     def detuning(self, rng: random.Random) -> Point:
-        """Move the frequency until nothing is left in phase."""
+        """Shift the frequency until the in-phase part vanishes."""
         point, cell, neighbours, _ = self._split(rng)
-        # The real part falls by 2 for each unit of ω_1.
+        # The real part decreases by 2 per unit of ω_1.
         shift = (cell + neighbours).real / 2
         return {**point, omega_1: point[omega_1] + shift, delta: point[delta] + shift}
 
     @equals("the cell alone, averaged")
     def breather_frequency(self, rng: random.Random) -> Point:
-        """Draw the frequency of the whole motion, not its correction."""
+        """Draw the frequency of the whole motion rather than its correction."""
         point, _, _, free = self._split(rng)
         return {**point, omega: 1 + point[epsilon] * free}
 

@@ -1,4 +1,4 @@
-"""How the paper prints what occurs in (8)-(30)."""
+"""Notation of the paper in (8)-(30)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _LETTERS = {
     "k_{2}": k_2, r"\theta": theta, r"\delta": delta, r"\hat{t}": t_hat, r"\tau": tau,
     r"\ldots": sp.S.Zero,
 }  # fmt: skip
-"""The dots of (12) and (17) stand for higher orders, which the expansions leave out."""
+"""The dots in (12) and (17) stand for higher orders, which the expansions omit."""
 
 _SITES = {"n": n, "n+1": n + 1, "n-1": n - 1, "0": 0, "1": 1}
 _MOTION = {
@@ -57,13 +57,13 @@ def _derivatives(name: str, function: sp.Expr) -> dict[str, sp.Expr]:
 
 _FORMS = {
     "in time": {},
-    # y_0 and y_t of (15) and (16) are the same function of both times.
+    # y_0 and y_t in (15) and (16) are the same function of both times.
     "in two times": {"y_{0}": Y, **_derivatives("y_{{0,{}}}", Y), **_derivatives("y_{{{}}}", Y)},
 }
 
 
 def notation(number: int) -> Notation:
-    """Return what the names of an equation stand for.
+    """Return the meaning of the names in an equation.
 
     Parameters
     ----------
@@ -84,4 +84,4 @@ def notation(number: int) -> Notation:
 
 
 SLOW_POLAR = (22, 23, 24)
-"""Where R and theta are functions of the slow time; from (25) on they are constants."""
+"""Equations in which R and theta are functions of the slow time; from (25) on they are constant."""

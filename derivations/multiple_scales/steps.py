@@ -40,7 +40,7 @@ from derivations.symbols import (
     y,
 )
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
@@ -51,7 +51,7 @@ def derive(model: ChainModel = PAPER) -> Derivation:
     Parameters
     ----------
     model : ChainModel
-        The chain; that of Eq. (8) if left out.
+        The chain; by default that of Eq. (8).
 
     Returns
     -------
@@ -120,7 +120,7 @@ def _to_amplitudes(draft: Draft, checks: ScalesChecks) -> None:
 
 
 def _self_consistent(draft: Draft, checks: ScalesChecks) -> None:
-    """Site 0 moves as was assumed of it."""
+    """Require site 0 to move as was assumed."""
     draft.derived("assumed motion of site 0", Substitute({n: 0}), "breather",
                   check=checks.central_motion)
     draft.derived("assumed motion in two times", RescaleTime(y(0, t), Y, t),
@@ -140,7 +140,7 @@ def _self_consistent(draft: Draft, checks: ScalesChecks) -> None:
 
 
 def _to_breather(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
-    """Decay and frequency of the breather."""
+    """Derive decay and frequency of the breather."""
     draft.derived("modulus", SquareAndAdd(theta), "own amplitude", check=checks.modulus, number=26)
     draft.derived("frequency with neighbours at rest",
                   (Take(1), Limit(k_1, -sp.oo), SolveFor(omega_1)), "own amplitude",
@@ -170,7 +170,7 @@ def _to_breather(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
 
 
 def _decay(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
-    """Write down the decay of the breather, of a cell that gains and loses energy."""
+    """Derive the decay of the breather for a cell that both gains and loses energy."""
     draft.derived("both signs of the decay",
                   (Divide(4 * given.coupling**2), Apply(Function.SQUARE_ROOT)),
                   "modulus without detuning", check=checks.branches)

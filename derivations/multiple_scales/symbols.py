@@ -1,4 +1,4 @@
-"""Symbols of the multiple-scales calculation, beside those of the paper's model."""
+"""Symbols of the multiple-scales calculation, in addition to those of the paper's model."""
 
 from __future__ import annotations
 
@@ -14,4 +14,4 @@ A = sp.Function("A")(tau)
 R_slow = sp.Function("R", positive=True)(tau)
 theta_slow = sp.Function("theta", real=True)(tau)
 growth = sp.Symbol("D", real=True)
-"""Mean power that the cell feeds into its motion, in the unit of (28)."""
+"""Mean power fed by the cell into its motion, in the unit of (28)."""

@@ -23,38 +23,38 @@ LISTING = {
     "piecewise-front": ("front.steps", "the front, its roots and its speed", "44-54"),
     "second-order": ("averaging.second_order", "the next order, by both routes", ""),
 }  # fmt: skip
-"""Name, module, what it derives, equation numbers."""
+"""Name, module, subject and equation numbers of each derivation."""
 
 NUMBERED = tuple(name for name, row in LISTING.items() if row[2])
 """The derivations that carry equation numbers."""
 
 WITH_ORDER = ("multiple-scales", "averaging")
-"""Those that can be carried to second order."""
+"""Derivations that can be carried to second order."""
 
 WITH_MODEL = tuple(name for name in LISTING if name != "friction")
-"""Those that follow from any chain of self-excited oscillators."""
+"""Derivations that apply to any chain of self-excited oscillators."""
 
 COUPLED = ("multiple-scales", "averaging", "piecewise-front")
-"""Those among them in which a site is joined to others."""
+"""Those among them that require sites to be coupled."""
 
 
 def load(name: str, order: int = 1, model: Any = None) -> Derivation:
-    """Build a derivation, of which each step is computed and checked once, when it is asked for.
+    """Build a derivation, of which each step is computed and checked once, on demand.
 
     Parameters
     ----------
     name : str
-        A name of `LISTING`.
+        A name in `LISTING`.
     order : {1, 2}
         Power of eps, for multiple scales and averaging.
     model : ChainModel or None
-        The chain to derive from; None for that of Eq. (8).
+        The chain; None for that of Eq. (8).
 
     Raises
     ------
     DerivationInputError
-        If there is no such derivation or order, it does not start from a chain, a chain without
-        springs is not enough for it, or a letter of the chain has another meaning in it.
+        If there is no such derivation or order, it does not start from a chain, it requires springs
+        that the chain lacks, or a letter of the chain has another meaning in it.
     """
     if name not in LISTING:
         raise DerivationInputError(
@@ -93,7 +93,7 @@ def _module(name: str) -> Any:
 
 
 def _refuse_taken_letters(name: str, model: Any) -> None:
-    """Refuse a chain of which a letter would be taken for a symbol of the derivation's own."""
+    """Refuse a chain with a letter that would be mistaken for a symbol of the derivation itself."""
     import sympy as sp
 
     from derivations.chain import PAPER
@@ -114,13 +114,13 @@ def _refuse_taken_letters(name: str, model: Any) -> None:
 
 @lru_cache(maxsize=len(LISTING))
 def _of_paper(name: str) -> Derivation:
-    """Return the derivation for the paper's own chain: its steps keep what they have computed."""
+    """Return the derivation for the paper's chain, whose steps keep what they have computed."""
     made: Derivation = _module(name).derive()
     return made
 
 
 def everything() -> tuple[Derivation, ...]:
-    """Return all derivations that carry equation numbers, with the second order."""
+    """Return all derivations that contain equation numbers, including the second order."""
     return tuple(load(name) for name in (*NUMBERED, "second-order"))
 
 

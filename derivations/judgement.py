@@ -1,10 +1,10 @@
-"""The verdict on every displayed equation, as its checks give it.
+"""The verdict on every displayed equation, as given by its checks.
 
-A verdict is never only on record: `judge` puts the printed equation in the place of the derived
-one, compares the two symbolically, and runs the same numerical check. What holds must agree in both
-ways. For a misprint both must fail on print, and the derived form must pass; an ambiguous equation
-lists its readings and what becomes of each; an inconsistent one passes its own check, and fails
-that of another place of the paper.
+A verdict is never merely recorded: `judge` puts the printed equation in place of the derived one,
+compares the two symbolically, and runs the same numerical check. An equation that holds must agree
+in both ways. For a misprint both must fail on print, and the derived form must pass. An ambiguous
+equation lists its readings and the result for each; an inconsistent one passes its own check, and
+fails that of another passage of the paper.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from derivations.transcription.readings import found_changes, read_correction, s
 
 @dataclass(frozen=True)
 class EquationJudgement:
-    """What the checks said about a printed equation.
+    """The results of the checks of a printed equation.
 
     Attributes
     ----------
@@ -42,12 +42,12 @@ class EquationJudgement:
     on_derived : Evidence
         The check run on the derived equation.
     on_readings : tuple of Evidence
-        One a reading.
+        One for each reading.
     agrees : bool
         Whether left minus right of print and of the derived equation simplify to the same.
     correction_agrees : bool
-        Of a misprint: whether print with the stated tokens exchanged, and nothing else, reads as
-        the derived equation.
+        For a misprint: whether print with only the stated tokens replaced reads as the derived
+        equation.
     """
 
     printed: PrintedEquation
@@ -61,7 +61,7 @@ class EquationJudgement:
 
     @property
     def confirmed(self) -> bool:
-        """Whether the checks give the verdict on record."""
+        """Whether the checks confirm the recorded verdict."""
         if not self.on_derived.holds:
             return False
         if self.printed.verdict is EquationVerdict.MISPRINT:
@@ -78,7 +78,7 @@ class EquationJudgement:
         return self.on_print.holds  # a definition or an assumption is not derived
 
     def record(self) -> dict[str, Any]:
-        """Plain data for JSON."""
+        """Return plain data for JSON."""
         readings = [
             {"meaning": reading.meaning, "holds": found.holds, "implies": reading.implies,
              "latex": equation_latex(reading.equation), "evidence": found.statement}
@@ -102,7 +102,7 @@ class EquationJudgement:
 
 
 def _transcribed(name: str) -> tuple[PrintedEquation, ...]:
-    """Return the printed equations that stand beside a derivation."""
+    """Return the printed equations that belong to a derivation."""
     folder = catalogue.LISTING[name][0].partition(".")[0]
     entries: tuple[PrintedEquation, ...] = importlib.import_module(
         f"derivations.{folder}.printed"
@@ -112,18 +112,18 @@ def _transcribed(name: str) -> tuple[PrintedEquation, ...]:
 
 @lru_cache(maxsize=1)
 def equations() -> tuple[PrintedEquation, ...]:
-    """All 54 displayed equations in order."""
+    """Return all 54 displayed equations in order."""
     found = [entry for name in catalogue.NUMBERED for entry in _transcribed(name)]
     return tuple(sorted(found, key=lambda printed: printed.number))
 
 
 def printed(number: int) -> PrintedEquation:
-    """One displayed equation.
+    """Return one displayed equation.
 
     Raises
     ------
     DerivationInputError
-        If the paper has no equation of this number.
+        If the paper has no equation with this number.
     """
     for found in _transcribed(catalogue.owner(number)):
         if found.number == number:
@@ -159,14 +159,14 @@ def judge(found: PrintedEquation, derivation: Derivation) -> EquationJudgement:
 
 
 def _agrees(found: PrintedEquation, step: Step) -> bool:
-    """Whether print is the step's equation; an assumption may be read as its amendments say."""
+    """Whether print is the step's equation; an assumption may be read as amended."""
     if found.verdict is EquationVerdict.ASSUMPTION and found.amendments:
         return same(read_correction(found), step.result)
     return same(found.expression, step.result)
 
 
 def _corrects(found: PrintedEquation, step: Step) -> bool:
-    """Whether a misprint becomes the derived equation by its stated tokens alone."""
+    """Whether its stated tokens alone turn a misprint into the derived equation."""
     if found.verdict is not EquationVerdict.MISPRINT or not found.amendments:
         return False
     if found_changes(found) != stated_changes(found):
@@ -176,16 +176,16 @@ def _corrects(found: PrintedEquation, step: Step) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class EquationReport:
-    """The verdict on every equation, with all derivations checked on the way.
+    """The verdict on every equation, including a check of all derivations.
 
     Attributes
     ----------
     judgements : tuple of EquationJudgement
-        One a number, 1 to 54.
+        One for each number, 1 to 54.
     failures : tuple of str
         Derivations that stopped, and verdicts that were not confirmed.
     seconds : float
-        Time taken, by the wall.
+        Wall-clock time.
     """
 
     judgements: tuple[EquationJudgement, ...]
@@ -203,7 +203,7 @@ def report(keys: Sequence[str] = catalogue.NUMBERED) -> EquationReport:
         numbers = {step.number for step in derivation.steps if step.number is not None}
         judgements += [judge(found, derivation) for found in equations() if found.number in numbers]
         try:
-            # Numbered steps were just checked; the others are checked here.
+            # Numbered steps have just been checked; the others are checked here.
             rest = tuple(step for step in derivation.steps if step.number is None)
             Derivation(derivation.key, derivation.title, rest).verify()
         except CheckFailedError as error:

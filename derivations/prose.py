@@ -1,4 +1,4 @@
-"""The prose of the derivations, written in ASCII, with the letters and signs of the paper."""
+"""The prose of the derivations, written in ASCII and shown with the signs of the paper."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The algebra of derivations.
 
 ``equations``       equations and systems as live objects, and when two are the same
-``operations``      what an operation is, and how it says what it did
+``operations``      what an operation is, and how it describes itself
 ``substitution``    substitute, eliminate, take a branch, change variables, enter a moving frame
 ``rearrangement``   join and take, divide, isolate, rewrite, powers, coefficients, derivatives
 ``solution``        solve for symbols, angles and oscillations; prescribe coefficients
@@ -18,12 +18,12 @@
 ``rendering``       text, LaTeX, MathML, JSON; ``notation`` names what is shown
 ``mathml``          LaTeX as MathML
 
-A derivation is a function of its model and reads like an appendix: each step names its sources::
+A derivation is a function of its model and reads like an appendix; each step names its sources::
 
     draft = Draft()
     draft.model("chain", m.equation(), "The chain", check=..., number=8)
     draft.derived("centre", (Substitute({n: 0}), mirrored(y, t, 1)), "chain", check=..., number=10)
 
-The first operation receives the results of all sources, each further one the result before it. No
-step but a model, a definition or an ansatz is ever given its equation.
+The first operation receives the results of all sources, each further one the preceding result. Only
+models, definitions and ansätze are given as equations.
 """

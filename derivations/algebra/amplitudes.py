@@ -1,4 +1,4 @@
-"""Operations that carry multiple scales and averaging to second order, and read off cycles."""
+"""Operations that carry multiple scales and averaging to second order, and extract cycles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from derivations.algebra.oscillation import complex_parts
 
 
 def _site_of(motion: sp.Basic) -> tuple[sp.Expr, sp.Symbol]:
-    """Return index and time of the site that a modulation or motion is written for."""
+    """Return index and time of the site for which a modulation or motion is written."""
     (own,) = {q.expr for q in left_minus_right(motion).atoms(sp.Derivative)}
     index, time = own.args
     return index, time
@@ -44,7 +44,7 @@ def _as_fields(
 def _from_fields(
     expression: sp.Expr, function: sp.FunctionClass, index: sp.Expr, small: sp.Symbol, powers: int
 ) -> tuple[HarmonicRing, list[Coefficient]]:
-    """Return a ring and the coefficients of ``small**0 …`` of an expression in a field."""
+    """Return a ring, and the coefficients of ``small**0 …`` of an expression in a field."""
     found = {q: int(q.args[0] - index) for q in expression.atoms(AppliedUndef)
              if q.func == function}  # fmt: skip
     reach = max((abs(offset) for offset in found.values()), default=0)
@@ -60,7 +60,7 @@ def _from_fields(
 
 
 class Route(Enum):
-    """How a modulation equation is found; the value says it in words."""
+    """Route by which a modulation equation is found; the value describes it in words."""
 
     MULTIPLE_SCALES = (
         "put y = A e^(it) + c.c. + εy⁽¹⁾ with the times T₀, T₁ and T₂ into {}, solve for y⁽¹⁾, and "
@@ -74,7 +74,7 @@ class Route(Enum):
 
 @dataclass(frozen=True)
 class FindModulation(Operation):
-    """Slow equation of the complex amplitude of an oscillation, to first or second order.
+    """Find the slow equation of the complex amplitude of an oscillation, to first or second order.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class FindModulation(Operation):
 
 @dataclass(frozen=True)
 class FundamentalOfAverage(Operation):
-    """Fundamental of y in the mean of phi: what oscillates in phi contributes to it.
+    """Express the fundamental of y by the mean of phi, including the oscillating part of phi.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class FundamentalOfAverage(Operation):
     envelope : function class
         The mean of phi.
     name : Symbol
-        What the fundamental is called.
+        Name of the fundamental.
     """
 
     phrase: ClassVar[str] = "take the coefficient of e^(it) in the displacement of {sources}"
@@ -163,7 +163,7 @@ class ChangeAmplitude(Operation):
         averaged, fundamental = sources
         index, time = _site_of(averaged)
         scaled = sp.expand(fundamental.rhs * 2 * sp.I)
-        # One expression, so that both share a ring: the shift is tagged with a high power.
+        # In a single expression, both share a ring; the shift is tagged with a high power.
         tagged = averaged.rhs + self.small**3 * scaled
         ring, parts = _from_fields(sp.expand(tagged), self.envelope, index, self.small, 4)
         _, first, second, own, shift = parts
@@ -178,7 +178,7 @@ class ChangeAmplitude(Operation):
 
 @dataclass(frozen=True)
 class NextHarmonics(Operation):
-    """The first correction of the displacement: all harmonics but the fundamental.
+    """Find the first correction of the displacement: all harmonics but the fundamental.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class NextHarmonics(Operation):
     amplitude : function class
         The complex amplitude.
     name : Symbol
-        What the correction is called.
+        Name of the correction.
     turn : Symbol
         ``e^{it}``.
     """
@@ -210,7 +210,7 @@ class NextHarmonics(Operation):
 
 @dataclass(frozen=True)
 class SeekCycles(Operation):
-    """Constant amplitudes of a modulation of a cell to second order: its cycles.
+    """Find the cycles of a cell to second order: constant amplitudes of its modulation.
 
     Attributes
     ----------
@@ -221,7 +221,7 @@ class SeekCycles(Operation):
     square : Symbol
         Square of the amplitude of y to first order, ``4 |A|²``.
     frequency, size : Symbol
-        What the frequency and ``|A|`` to second order are called.
+        Names of the frequency and of ``|A|`` to second order.
     """
 
     phrase: ClassVar[str] = (
@@ -235,7 +235,7 @@ class SeekCycles(Operation):
     size: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``damping of the mean = 0``, the frequency and the size in the square."""
+        """Return ``damping of the mean = 0``, and frequency and size as functions of the square."""
         (modulation,) = sources
         (first, turning), (second, more) = self._rates(modulation)
         shift = sp.S.Zero if second == 0 else sp.cancel(-second / sp.diff(first, self.square))
@@ -248,7 +248,7 @@ class SeekCycles(Operation):
         )
 
     def _rates(self, modulation: sp.Basic) -> list[tuple[sp.Expr, sp.Expr]]:
-        """Real and imaginary part of A'/A at each order from the first, in the square."""
+        """Return the parts of A'/A at each order from the first, as functions of the square."""
         field = modulation.lhs.expr
         steady = sp.expand(modulation.rhs.subs(field, sp.sqrt(self.square) / 2).doit())
         relative = sp.Poly(sp.expand(steady * 2 / sp.sqrt(self.square)), self.small)

@@ -16,7 +16,7 @@ from derivations.algebra.operations import Operation, listed, spoken
 def exponential_mean() -> tuple[sp.Symbol, sp.Expr]:
     """Return z and the mean of ``e^{z cos s}`` over s, by summing its power series.
 
-    The mean of ``cos^{2m}`` is ``binomial(2m, m) / 4^m``; odd powers have none.
+    The mean of ``cos^{2m}`` is ``binomial(2m, m) / 4^m``; that of odd powers is zero.
     """
     z = sp.Symbol("z")
     m = sp.Symbol("m")
@@ -25,7 +25,7 @@ def exponential_mean() -> tuple[sp.Symbol, sp.Expr]:
 
 
 def phase_mean(expression: sp.Expr, phase: sp.Symbol) -> sp.Expr:
-    """Return the mean over a period of the phase; an integral where no closed form is known."""
+    """Return the mean over a period of the phase; an integral if no closed form is known."""
     cosine = sp.Dummy("cos")
     total = sp.S.Zero
     for term in sp.Add.make_args(sp.expand(expression)):
@@ -66,7 +66,7 @@ def _integral(fast: sp.Expr, phase: sp.Symbol) -> sp.Expr:
 
 @dataclass(frozen=True)
 class BalancePower(Operation):
-    """Put a harmonic motion into an oscillator and let its mean power vanish.
+    """Insert a harmonic motion into an oscillator, and require its mean power to vanish.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ from derivations.algebra.operations import Operation, OperationError
 
 @dataclass(frozen=True)
 class FastestWave(Operation):
-    """Find the wave of largest group velocity, where the second derivative vanishes.
+    """Find the wave of largest group velocity, for which the second derivative vanishes.
 
     The sources are the derivatives and the dispersion relation ``omega² = D(cos k)``. With
     ``omega'' = 0`` the second derivative of the relation gives the square of the group velocity.
@@ -63,7 +63,8 @@ class AtFastestWave(Operation):
     """Evaluate a derivative of the frequency at the wave of largest group velocity.
 
     The sources are the derivatives, the dispersion relation and the cosine of the wave. A square
-    root in the cosine becomes a parameter, so that what is under further roots is a square.
+    root in the cosine is replaced by a parameter, so that the radicands of further roots become
+    squares.
 
     Attributes
     ----------
@@ -91,7 +92,7 @@ class AtFastestWave(Operation):
         if not speed.is_rational_function(parameter):
             raise OperationError("the group velocity is not rational in the radical")
         own = equation(first.lhs, sp.factor(speed).subs(parameter, radical))
-        # The flat point: the second derivative is zero, so the third follows from the first.
+        # At the flat point the second derivative is zero, so the third follows from the first.
         flat = third.rhs.subs(second.lhs, 0)
         wave = sp.simplify(flat / first.rhs)
         return sp.Tuple(own, equation(third.lhs, sp.expand(wave * own.rhs)))
@@ -102,9 +103,9 @@ class AtFastestWave(Operation):
 
 
 def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.Expr], sp.Expr]:
-    """Return the square root in an expression, a symbol for it, a parameter by it, and its least.
+    """Return the square root in an expression, its symbol, a parameter for it, and its least value.
 
-    It grows with the parameter, which is positive.
+    The square root grows with the parameter, which is positive.
     """
     radicals = [q for q in root.atoms(sp.Pow) if q.exp == sp.Rational(1, 2)]
     if len(radicals) != 1:
@@ -118,11 +119,11 @@ def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.
 
 @dataclass(frozen=True)
 class EnvelopeOfWave(Operation):
-    """Let a wave number differ little from that of a carrier: a differential equation.
+    """Expand about a carrier whose wave number is nearly that of the wave: a differential equation.
 
-    The carrier is at a flat point of the group velocity. The frequency is expanded to third order
-    in the distance K, and K stands for ``-i d/dx`` on the envelope. The second source gives the
-    local rate of the envelope.
+    The carrier is at a stationary point of the group velocity. The frequency is expanded to third
+    order in the difference K, and K stands for ``-i d/dx`` acting on the envelope. The second
+    source gives the local rate of the envelope.
 
     Attributes
     ----------
@@ -144,7 +145,7 @@ class EnvelopeOfWave(Operation):
     coefficients: tuple[sp.Expr, ...]
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the rate of the envelope: dispersion and the local rate."""
+        """Return the rate of the envelope: dispersion and local rate."""
         (local,) = sources
         rate = sp.S.Zero
         for order, coefficient in enumerate(self.coefficients, start=1):

@@ -1,7 +1,8 @@
 """The value of an expression in double precision, with a bound on its rounding error.
 
-SymPy's ``evalf`` takes a hundred times as long. An expression that holds something else than sums,
-products, powers and the functions below, or that loses digits by cancellation, is left to it.
+SymPy's ``evalf`` takes a hundred times as long. It is still used for an expression that contains
+anything other than sums, products, powers and the functions below, or that loses digits by
+cancellation.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ import sympy as sp
 
 EPS = 2.0**-52
 LOST = 1e-11
-"""Relative rounding error above which a value is not given."""
+"""Relative rounding error above which no value is returned."""
 
 Number = tuple[complex, float]
-"""A value, and a bound on its error."""
+"""A value and a bound on its error."""
 
 
 def in_doubles(expression: sp.Basic, point: Mapping[sp.Basic, complex]) -> complex | None:
-    """Return the value of an expression at a point, or None where it is left to ``evalf``.
+    """Return the value of an expression at a point, or None if it must be left to ``evalf``.
 
     Examples
     --------
@@ -46,7 +47,7 @@ def _number(expression: sp.Basic, point: Mapping[sp.Basic, complex]) -> Number:
     if expression is sp.I:
         return 1j, 0.0
     if not expression.args:  # a number; a symbol without a value raises TypeError
-        exact = isinstance(expression, sp.Rational)  # most are, which SymPy converts slowly
+        exact = isinstance(expression, sp.Rational)  # the usual case, slow to convert in SymPy
         value = complex(int(expression.p) / int(expression.q) if exact else expression)
         return value, EPS * abs(value)
     combine = _COMBINED[expression.func]
@@ -71,7 +72,7 @@ def _power(parts: list[Number]) -> Number:
     (base, off), (exponent, uncertain) = parts
     if uncertain <= EPS * abs(exponent) and exponent.imag == 0.0 and exponent.real.is_integer():
         value, uncertain = base ** int(exponent.real), 0.0
-        # Python multiplies up to a hundred factors, and takes the polar form of more.
+        # Python multiplies up to a hundred factors, and uses the polar form for more.
         logarithm = abs(cmath.log(base)) if abs(exponent) > 100.0 else 0.0
     else:
         base = _beside_the_cut(base, off)
@@ -85,7 +86,7 @@ def _power(parts: list[Number]) -> Number:
 
 
 def _beside_the_cut(value: complex, error: float) -> complex:
-    """Return a value with its zero positive, as the principal branch has it."""
+    """Return a value with a positive zero imaginary part, as on the principal branch."""
     if value.real <= 0.0 and abs(value.imag) <= error and (value.imag or error > LOST * abs(value)):
         raise ArithmeticError
     return complex(value.real, value.imag + 0.0)
@@ -94,7 +95,7 @@ def _beside_the_cut(value: complex, error: float) -> complex:
 def _smooth(
     function: Callable[[complex], complex], slope: Callable[[complex], float]
 ) -> Callable[[list[Number]], Number]:
-    """Return a function of one number whose slope is at most ``slope`` near it."""
+    """Return a function of one number whose slope is at most ``slope`` nearby."""
 
     def combine(parts: list[Number]) -> Number:
         ((inner, off),) = parts
@@ -107,7 +108,7 @@ def _smooth(
 
 
 def _step(parts: list[Number]) -> Number:
-    """Return 0 or 1, of a real number that is not zero."""
+    """Return the step function, 0 or 1, of a real number other than zero."""
     inner, off = parts[0]
     if inner.imag != 0.0 or abs(inner) <= off:
         raise ArithmeticError
@@ -127,4 +128,4 @@ _COMBINED: Mapping[type, Callable[[list[Number]], Number]] = {
     sp.Abs: lambda parts: (complex(abs(parts[0][0])), parts[0][1] + EPS * abs(parts[0][0])),
     sp.conjugate: lambda parts: (parts[0][0].conjugate(), parts[0][1]),
 }
-"""What is made of the numbers of the parts."""
+"""How the numbers of the parts are combined."""

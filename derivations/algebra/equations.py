@@ -1,4 +1,4 @@
-"""Equations as live objects: an ``Eq`` that stays an equation, a ``Tuple`` of them for a system."""
+"""Equations as objects: an ``Eq`` that stays an equation, a ``Tuple`` of them for a system."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def parts_of(whole: sp.Basic) -> tuple[sp.Basic, ...]:
 
 
 def system(parts: tuple[sp.Basic, ...]) -> sp.Basic:
-    """Return one equation as it is, several as a ``Tuple``: undoes `parts_of`."""
+    """Return a single equation as it is, several as a ``Tuple``: the inverse of `parts_of`."""
     return parts[0] if len(parts) == 1 else sp.Tuple(*parts)
 
 
 def left_minus_right(part: sp.Basic) -> sp.Expr:
-    """Return the left side minus the right side; of an expression, the expression.
+    """Return the left side minus the right side, or the expression if there is no equation.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def left_minus_right(part: sp.Basic) -> sp.Expr:
 
 
 def on_sides(whole: sp.Basic, change: Callable[[sp.Expr], sp.Expr]) -> sp.Basic:
-    """Return the system with ``change`` carried out on both sides of each of its parts."""
+    """Return the system with ``change`` applied to both sides of each of its parts."""
     changed = []
     for part in parts_of(whole):
         if isinstance(part, sp.core.relational.Relational):
@@ -57,7 +57,7 @@ def is_zero(expression: sp.Expr) -> bool:
     if differs:
         return False
     quick = sp.expand(plain)
-    if differs is None:  # conditions between complex numbers: there is nothing to simplify
+    if differs is None:  # conditions between complex numbers cannot be simplified
         return bool(quick == 0)
     if quick == 0:
         return True
@@ -68,9 +68,9 @@ def is_zero(expression: sp.Expr) -> bool:
 
 
 def _differs_from_zero(expression: sp.Expr) -> bool | None:
-    """Whether the value at a point shows at once that it is not zero; False proves nothing.
+    """Whether the value at a point shows that the expression is not zero; False proves nothing.
 
-    None if it has no value there because it hangs on the order of complex numbers.
+    None if it has no value there because it depends on an order of complex numbers.
     """
     draw = random.Random(7)
     plain = expression.xreplace({
@@ -113,7 +113,7 @@ def without_modulus(expression: sp.Expr) -> sp.Expr:
 def same(one: sp.Basic, other: sp.Basic) -> bool:
     """Whether two equations or systems are the same: left minus right agrees, part by part.
 
-    An equation is not the same as its multiple; matrices are compared entry by entry, and an
+    An equation is not the same as a multiple of it; matrices are compared entry by entry, and an
     inequality must also have the same sign.
     """
     ours, theirs = parts_of(one), parts_of(other)

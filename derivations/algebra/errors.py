@@ -1,4 +1,4 @@
-"""Errors of this package: input that cannot be derived from, and a check that failed."""
+"""Errors of this package: unsuitable input, and a check that failed."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ class DerivationInputError(ValueError):
     Parameters
     ----------
     quantity : str
-        What was given.
+        The quantity that was given.
     value : object
-        The value that was given.
+        Its value.
     allowed : str
-        What is allowed, in words.
+        The allowed values, in words.
     remedy : str
-        What to do instead.
+        The remedy.
     """
 
     def __init__(self, quantity: str, value: object, allowed: str, remedy: str) -> None:
@@ -29,14 +29,14 @@ class DerivationInputError(ValueError):
 
 
 class StepError(DerivationInputError):
-    """A step that cannot be carried out for the model that was given.
+    """A step that cannot be carried out for the given model.
 
     Parameters
     ----------
     step : str
         Name of the step.
     reason : str
-        Why not.
+        Why it cannot be carried out.
     """
 
     def __init__(self, step: str, reason: str) -> None:
@@ -57,7 +57,7 @@ class CheckFailedError(ArithmeticError):
     position : int
         Position of the step, from 1.
     statement : str
-        What the check found.
+        The statement of the check.
     """
 
     def __init__(self, derivation: str, position: int, statement: str) -> None:

@@ -1,7 +1,7 @@
-"""The kinds of evidence: an equation at points, with values or with zero for left minus right.
+"""Kinds of evidence: an equation evaluated at points, with reference values for left minus right.
 
-A check receives an equation and numbers from elsewhere (a direct average, a numerical
-derivative, an integration). It never looks at how the equation was derived.
+A check receives an equation, and numbers from another source (a direct average, a numerical
+derivative, an integration). It never uses the derivation of the equation.
 """
 
 from __future__ import annotations
@@ -20,26 +20,27 @@ from derivations.algebra.equations import parts_of
 from derivations.algebra.steps import Evidence
 
 Point = Mapping[sp.Basic, Any]
-"""Values for symbols, functions or derivatives that occur in an equation."""
+"""Values of the symbols, functions or derivatives that occur in an equation."""
 Drawn = Point | tuple[Point, Sequence[complex] | None]
 Points = Iterator[tuple[Point, Sequence[complex] | None]]
-"""Points, each with one reference number a part, or None where the equation holds."""
+"""Points, each with one reference number per part, or None if the equation must hold."""
 
 POINTS = 3
-"""Random points a check: one finds a wrong coefficient almost surely; three for safety."""
+"""Random points per check: one detects a wrong coefficient almost surely; three for safety."""
 TOLERANCE = 1e-9
-"""Relative to the size of the terms: far above rounding, far below any wrong coefficient."""
+"""Tolerance relative to the size of the terms: far above rounding, far below any wrong
+coefficient."""
 _DOUBLE = 15
 """Digits of double precision."""
 
 
 def value(expression: sp.Basic, point: Point) -> Any:
-    """Return a number: the expression with everything in ``point`` put in.
+    """Return the value of an expression with everything in ``point`` inserted.
 
     Raises
     ------
     ValueError
-        If something is left without a value.
+        If something remains without a value.
     """
     return _evaluated(expression, point, _DOUBLE)
 
@@ -59,7 +60,7 @@ def _evaluated(expression: sp.Basic, point: Point, digits: int) -> Any:
 
 
 def residual(part: sp.Basic, point: Point, digits: int = _DOUBLE) -> tuple[Any, float]:
-    """Left side minus right side, and the size of the terms, at a point."""
+    """Return left side minus right side, and the size of the terms, at a point."""
     if not isinstance(part, sp.Equality):
         raise TypeError("an expression, not an equation")
     left, right = part.args
@@ -92,26 +93,26 @@ def equals(
     what: str, *, count: int = POINTS, tolerance: float = TOLERANCE, parts: int | None = None,
     floor: float = 0.0,
 ) -> Callable[[Callable[..., Drawn]], Callable[..., Evidence]]:  # fmt: skip
-    """Make a check of a draw: left minus right of each part equals a reference number there.
+    """Make a check from a random draw: left minus right of each part equals a reference number.
 
     Parameters
     ----------
     what : str
-        What the reference is, for the statement.
+        Description of the reference, for the statement.
     count : int
-        Number of points that are drawn.
+        Number of points drawn.
     tolerance : float
         Allowed difference relative to the size of the terms.
     parts : int or None
-        Number of parts the equation must have, where that is fixed.
+        Number of parts that the equation must have, if this is fixed.
     floor : float
-        Least size of the terms, for an equation that says that something is zero.
+        Smallest size of the terms, for an equation stating that something is zero.
 
     Returns
     -------
     callable
-        Decorates a function, or a method, of a random generator, which returns a point and one
-        reference a part, or only a point at which the equation holds.
+        Decorates a function or method of a random generator that returns a point and one reference
+        per part, or only a point at which the equation holds.
     """
 
     def made(draw: Callable[..., Drawn]) -> Callable[..., Evidence]:
@@ -130,7 +131,7 @@ def equals(
 def at_points(
     what: str, *, tolerance: float = TOLERANCE, parts: int | None = None, floor: float = 0.0
 ) -> Callable[[Callable[..., Points]], Callable[..., Evidence]]:
-    """Make a check of a generator of points and references, as `equals` does of a draw."""
+    """Make a check from a generator of points and references, as `equals` does from a draw."""
 
     def made(points: Callable[..., Points]) -> Callable[..., Evidence]:
         @wraps(points)
@@ -166,7 +167,7 @@ def at_points(
 
 
 def holds_anywhere(piece: sp.Basic, point: Point) -> bool:
-    """Whether an equation holds also where every value is another: a check of it would be void."""
+    """Whether an equation also holds with all values changed, which makes its check void."""
     rng = random.Random(3)
     moved = {atom: given + rng.uniform(0.05, 0.15) * (1 + abs(given))
              for atom, given in point.items()}  # fmt: skip

@@ -37,7 +37,7 @@ def _coefficient(derivative: sp.Expr, small: sp.Symbol, power: int) -> sp.Expr:
 
 
 def _with_expanded_bases(expression: sp.Expr) -> sp.Expr:
-    """Expand what is squared, so that terms that cancel there disappear."""
+    """Expand squared terms, so that terms that cancel there disappear."""
     return expression.replace(
         lambda q: q.is_Pow and q.exp.is_Integer,
         lambda q: sp.expand(q.base) ** q.exp,
@@ -46,14 +46,14 @@ def _with_expanded_bases(expression: sp.Expr) -> sp.Expr:
 
 @dataclass(frozen=True)
 class DifferentiateInScales(Operation):
-    """Time derivatives by the chain rule, from the definition of the time scales.
+    """Write time derivatives by the chain rule, from the definition of the time scales.
 
     Attributes
     ----------
     function : Expr
         The motion as a function of time, as in ``y(0, t)``.
     scaled : Expr
-        The same as a function of the scales.
+        The same motion as a function of the scales.
     time : Symbol
         The time.
     order : int
@@ -81,14 +81,14 @@ class DifferentiateInScales(Operation):
 
 @dataclass(frozen=True)
 class Truncate(Operation):
-    """Expand in a small parameter and omit what is beyond an order.
+    """Expand in a small parameter and omit all terms beyond an order.
 
     Attributes
     ----------
     small : Symbol
         The small parameter.
     order : int
-        The last power that is kept.
+        The highest power that is kept.
     """
 
     small: sp.Symbol
@@ -125,7 +125,7 @@ class CollectPower(Operation):
     power : int
         The power whose coefficient is taken.
     unknown : Expr or None
-        The function to be found: its terms stay on the left, the others go to the right.
+        The function to be found: its terms remain on the left, the others go to the right.
     """
 
     small: sp.Symbol
@@ -150,19 +150,20 @@ class CollectPower(Operation):
 
 @dataclass(frozen=True)
 class Limit(Operation):
-    """Let a parameter go to a value.
+    """Let a parameter approach a value.
 
-    An integral over a period of hyperbolic functions of ``A / parameter`` has its limit taken under
-    the integral: the real part of A is positive, so it is that for a positive A.
+    For an integral over a period of hyperbolic functions of ``A / parameter`` the limit is taken
+    under the integral: the real part of A is positive, so that the limit is the same as for a
+    positive A.
 
     Attributes
     ----------
     parameter : Symbol
-        What goes there.
+        The parameter.
     value : Expr
-        The value.
+        Its limit.
     side : int
-        From which side, 1 or -1; 0 where it makes no difference.
+        From which side, 1 or -1; 0 if this makes no difference.
     """
 
     parameter: sp.Symbol
@@ -210,17 +211,18 @@ class Limit(Operation):
 
 @dataclass(frozen=True)
 class Linearise(Operation):
-    """Perturb a state and keep what is of first order in the perturbation.
+    """Perturb a state and keep the terms of first order in the perturbation.
 
     Attributes
     ----------
     changes : mapping of Symbol or function class to the same
-        What is perturbed, and its perturbation. A field is perturbed at all places and times.
+        The perturbed quantities, with their perturbations. A field is perturbed at all places and
+        times.
     rate : Symbol or None
-        What the left side of a first-order system is called for the perturbation.
+        Name of the left side of a first-order system for the perturbation.
     at_rest : bool
-        Whether the state is zero. Otherwise it is the value that a second source gives, or, for
-        symbols, whatever it is.
+        Whether the state is zero. Otherwise it is the value given by a second source or, for
+        symbols, arbitrary.
     """
 
     changes: Mapping[sp.Basic, sp.Basic]

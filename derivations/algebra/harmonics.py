@@ -1,8 +1,8 @@
-"""One algebra of harmonics for multiple scales and for averaging.
+"""A single algebra of harmonics for multiple scales and for averaging.
 
-An element is a Laurent polynomial in ``e^{i T0}`` whose coefficients live in a polynomial ring
-over the Gaussian rationals. The generators are the complex amplitudes of a few neighbouring
-sites, their conjugates, and real parameters. All arithmetic is exact; nothing is simplified.
+An element is a Laurent polynomial in ``e^{i T0}`` with coefficients in a polynomial ring over the
+Gaussian rationals. The generators are the complex amplitudes of a few neighbouring sites, their
+conjugates, and real parameters. All arithmetic is exact; nothing is simplified.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class HarmonicRing:
     Parameters
     ----------
     amplitudes : tuple of Symbol
-        Complex amplitudes, ordered by site, from the leftmost site to the rightmost one.
+        Complex amplitudes, ordered by site from left to right.
     parameters : tuple of Symbol
         Real parameters.
 
@@ -87,7 +87,7 @@ class HarmonicRing:
         Raises
         ------
         IndexError
-            If an amplitude would leave the sites that the ring holds.
+            If an amplitude would leave the sites contained in the ring.
         """
         count = len(self.amplitudes)
         out = {}
@@ -139,7 +139,7 @@ class Harmonics:
         object.__setattr__(self, "terms", kept)
 
     def coefficient(self, harmonic: int) -> Coefficient:
-        """Return what multiplies ``e^{i harmonic T0}``."""
+        """Return the coefficient of ``e^{i harmonic T0}``."""
         return self.terms.get(harmonic, self.ring.ring.zero)
 
     def __add__(self, other: Harmonics) -> Harmonics:
@@ -166,7 +166,7 @@ class Harmonics:
         return result
 
     def scaled(self, factor: Coefficient) -> Harmonics:
-        """Every coefficient times ``factor`` (a number or an element of the ring)."""
+        """Return the element with every coefficient multiplied by ``factor``."""
         return Harmonics(self.ring, {m: value * factor for m, value in self.terms.items()})
 
     def turned(self, harmonics: int) -> Harmonics:
@@ -180,19 +180,19 @@ class Harmonics:
         )
 
     def fast_derivative(self) -> Harmonics:
-        """``d/dT0`` at frozen amplitudes."""
+        """Return ``d/dT0`` at frozen amplitudes."""
         i = self.ring.constant(1j)
         return Harmonics(self.ring, {m: value * i * m for m, value in self.terms.items()})
 
     def oscillation(self) -> Harmonics:
-        """Return the antiderivative in T0 with zero mean, of everything but the mean."""
+        """Return the antiderivative in T0 with zero mean of everything but the mean."""
         out = {m: value * QQ_I(0, sp.QQ(-1, m)) for m, value in self.terms.items() if m}
         return Harmonics(self.ring, out)
 
     def response(self) -> Harmonics:
-        """Solve ``u'' + u = self`` for u without ``e^{±i T0}``; resonant terms are left out.
+        """Solve ``u'' + u = self`` for u without ``e^{±i T0}``, omitting resonant terms.
 
-        The resonant coefficients must have been made to vanish by the secular condition.
+        The secular condition must already have made the resonant coefficients vanish.
         """
         out = {
             m: value * QQ_I(sp.QQ(1, 1 - m * m), 0)

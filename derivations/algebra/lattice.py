@@ -16,7 +16,7 @@ from derivations.algebra.rearrangement import with_cosines
 
 
 class LatticeEnds(Enum):
-    """How the two ends of a chain of N sites are closed; the value says it in words."""
+    """How the two ends of a chain of N sites are closed; the value describes it in words."""
 
     RING = "a ring: site 1 and site N are neighbours"
     FREE = "free ends: a spring without a site at its other end carries no force"
@@ -35,7 +35,7 @@ class CloseChain(Operation):
     sites : int
         N.
     ends : LatticeEnds
-        What the neighbours beyond the ends are.
+        What lies beyond the ends.
     """
 
     field: sp.FunctionClass
@@ -68,9 +68,10 @@ class CloseChain(Operation):
 
 @dataclass(frozen=True)
 class WriteFirstOrder(Operation):
-    """Write equations of second order as a system of first order for a state vector.
+    """Write second-order equations as a first-order system for a state vector.
 
-    The first source holds the equations, the second the state, ``X = (displacements, velocities)``.
+    The first source contains the equations, the second the state, ``X = (displacements,
+    velocities)``.
 
     Attributes
     ----------
@@ -105,14 +106,14 @@ class WriteFirstOrder(Operation):
 
 @dataclass(frozen=True)
 class ReadMatrix(Operation):
-    """Read the matrix off a linear system.
+    """Extract the matrix of a linear system.
 
     Attributes
     ----------
     unknowns : tuple of Symbol
-        What the matrix multiplies.
+        The vector that the matrix multiplies.
     name : Symbol
-        What the matrix is called.
+        Name of the matrix.
     """
 
     phrase: ClassVar[str] = "read the matrix {name} off {sources}"
@@ -132,16 +133,16 @@ class ReadMatrix(Operation):
 
 @dataclass(frozen=True)
 class InsertPlaneWave(Operation):
-    """Put ``e^{rate time + i wavenumber n}`` into a linear lattice equation and divide by it.
+    """Insert ``e^{rate time + i wavenumber n}`` into a linear lattice equation and divide by it.
 
     Attributes
     ----------
     field : function class
         The field, with arguments site and time.
     rate : Expr
-        What multiplies the time in the exponent.
+        Factor of the time in the exponent.
     wavenumber : Symbol
-        What multiplies the site.
+        Factor of the site in the exponent.
     """
 
     field: sp.FunctionClass

@@ -1,4 +1,4 @@
-"""LaTeX as presentation MathML, by latex2mathml; what that does not know is refused."""
+"""LaTeX as presentation MathML by latex2mathml; commands it does not know are refused."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ _REFUSED: tuple[type[Exception], ...] = (
 )  # fmt: skip
 _PARTS = {"mfrac": 2, "msub": 2, "msup": 2, "msubsup": 3, "mover": 2, "munder": 2, "munderover": 3}
 _PRIMES = frozenset("′″‴⁗")
-"""Signs that are raised by themselves: as an exponent they would be smaller and higher still."""
+"""Signs that are already raised: as an exponent they would be even smaller and higher."""
 _TALL = frozenset({"mfrac", "mtable", "munder", "munderover"})
 _FUNCTIONS = frozenset(
     ["sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "exp", "ln", "log", "arg", "det", "max",
      "min", "Re", "Im", "Res", "tr", "sgn", "sign"]
 )  # fmt: skip
-"""Names that stand a little apart from what follows and precedes them, as in 2 cos k."""
+"""Function names, which are set slightly apart from their neighbours, as in 2 cos k."""
 _OPENS = frozenset("([=,;→≈<>≤≥≪≡∈⇔|")
-"""A minus after one of these is a sign and stands close to what follows."""
+"""Signs after which a minus belongs to what follows and is set close to it."""
 
 
 class LatexError(ValueError):
@@ -38,12 +38,12 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
     latex : str
         Without dollar signs.
     block : bool, optional
-        On a line of its own.
+        Whether to display it on a line of its own.
 
     Raises
     ------
     LatexError
-        If a command is not known, or braces or arguments do not match.
+        If a command is unknown, or braces or arguments do not match.
     """
     bare = latex.replace("\\{", "").replace("\\}", "")
     if bare.count("{") != bare.count("}"):
@@ -64,7 +64,7 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
             raise LatexError(f"{latex!r} has a command that is not known, or lacks an argument.")
         if node.tag == "mo" and (node.text or "").isascii() and (node.text or "").isalpha():
             node.tag = "mi"  # the name of a function
-        if node.tag == "mo" and node.text in ("|", "/"):  # a modulus, a quotient: no relations
+        if node.tag == "mo" and node.text in ("|", "/"):  # modulus or quotient, not a relation
             node.set("lspace", "0")
             node.set("rspace", "0")
     for node in root.iter():
@@ -78,7 +78,7 @@ def mathml_element(latex: str, *, block: bool = False) -> Element:
 
 
 def mathml(latex: str, *, block: bool = False) -> str:
-    r"""Return the ``math`` element of some LaTeX as text; parameters as of `mathml_element`.
+    r"""Return the ``math`` element of some LaTeX as text; parameters as in `mathml_element`.
 
     Examples
     --------
@@ -89,12 +89,12 @@ def mathml(latex: str, *, block: bool = False) -> str:
 
 
 def as_text(element: Element) -> str:
-    """Return an element as text, its signs as characters."""
+    """Return an element as text, with its signs as characters."""
     return ElementTree.tostring(element, encoding="unicode")
 
 
 def _join_word(row: Element) -> None:
-    """Make one name of letters that are each upright."""
+    """Combine single upright letters to one name."""
     if len(row) > 1 and all(node.get("mathvariant") == "normal" for node in row):
         word = "".join(node.text or "" for node in row)
         row[:] = [Element("mi")]
@@ -102,7 +102,7 @@ def _join_word(row: Element) -> None:
 
 
 def _mark_signs(row: Element) -> None:
-    """Make a minus a sign where nothing stands before it that it could be taken from."""
+    """Mark a minus as a sign if nothing precedes it from which it could be subtracted."""
     before = ""
     for node in row:
         if node.tag == "mo" and node.text == "−" and (before in _OPENS or not before):
@@ -111,7 +111,7 @@ def _mark_signs(row: Element) -> None:
 
 
 def _lower_primes(node: Element) -> None:
-    """Write a prime after what it belongs to, in place of an exponent that is one."""
+    """Place a prime after its symbol, instead of in an exponent."""
     if node.tag not in ("msup", "msubsup") or node[-1].text not in _PRIMES:
         return
     prime = Element("mo", {"lspace": "0", "rspace": "0"})
@@ -124,7 +124,7 @@ def _lower_primes(node: Element) -> None:
 
 
 def _set_close(row: Element) -> None:
-    """Leave brackets as they are where nothing in them is tall: browsers set wide what may grow."""
+    """Keep brackets small if nothing in them is tall: browsers space out stretchy brackets."""
     if row.tag == "mrow" and not any(node.tag in _TALL for node in row.iter()):
         for node in row:
             if node.get("fence"):
@@ -132,7 +132,7 @@ def _set_close(row: Element) -> None:
 
 
 def _space_functions(row: Element) -> None:
-    """Part the name of a function from its argument and its factor, but for a bracket."""
+    """Separate a function name from its argument and its factor, unless there is a bracket."""
     if row.tag not in ("math", "mrow", "mtd"):
         return
     spaced: list[Element] = []
@@ -148,13 +148,13 @@ def _space_functions(row: Element) -> None:
 
 
 def _is_function(node: Element) -> bool:
-    """Whether a node is the name of a function, perhaps with an exponent."""
+    """Whether a node is a function name, possibly with an exponent."""
     name = node[0] if node.tag in ("msup", "msub", "munder") else node
     return name.tag == "mi" and name.text in _FUNCTIONS
 
 
 def _thin_space(sign: str) -> Element:
-    """Return an invisible operator with a thin space after it."""
+    """Return an invisible operator followed by a thin space."""
     found = Element("mo", {"lspace": "0", "rspace": "0.17em"})
     found.text = sign
     return found

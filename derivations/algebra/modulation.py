@@ -1,11 +1,11 @@
 """Modulation equations of a chain to second order, by two routes that share only the algebra.
 
 Multiple scales expands ``y`` in powers of eps on the times T0, T1, T2 and forbids secular terms.
-Averaging writes ``y' + i y = phi e^{it}`` and removes the oscillating part of the right-hand
-side by a near-identity change of phi. The two amplitudes differ by that change, which
-``in_scales_amplitude`` carries out; afterwards the two equations must be identical.
+Averaging writes ``y' + i y = phi e^{it}`` and removes the oscillating part of the right-hand side
+by a near-identity change of phi. The two amplitudes differ by this change, which
+``in_scales_amplitude`` carries out; the two equations must then be identical.
 
-Both start from the equation of motion itself: `Force.read` takes it apart.
+Both start from the equation of motion itself, which `Force.read` analyses.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from derivations.algebra.harmonics import Coefficient, HarmonicRing, Harmonics, 
 from derivations.algebra.operations import OperationError
 
 RATE = "rate"
-"""Stands for y_n' among the arguments of a force; the others are offsets of sites."""
+"""Stands for y_n' among the arguments of a force; the others are site offsets."""
 
 Argument = int | str
 
 
 @dataclass(frozen=True)
 class Force:
-    """What multiplies eps in ``y_n'' + y_n + eps F(y_{n-p} … y_{n+p}, y_n') = 0``.
+    """The factor of eps in ``y_n'' + y_n + eps F(y_{n-p} … y_{n+p}, y_n') = 0``.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Force:
 
     @classmethod
     def read(cls, motion: sp.Basic, small: sp.Symbol) -> Force:
-        """Take the equation of motion of site n apart.
+        """Extract the force from the equation of motion of site n.
 
         Raises
         ------
@@ -72,12 +72,12 @@ class Force:
 
     @property
     def reach(self) -> int:
-        """How many sites away the force depends on."""
+        """Largest distance, in sites, on which the force depends."""
         return max((abs(q) for q in self.arguments if isinstance(q, int)), default=0)
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
-        """The symbols of its coefficients, sorted by name."""
+        """The symbols in its coefficients, sorted by name."""
         return tuple(sorted(self.polynomial.free_symbols_in_domain, key=lambda q: str(q.name)))
 
     def of(self, values: Mapping[Argument, Harmonics], ring: HarmonicRing) -> Harmonics:
@@ -120,13 +120,13 @@ class Modulation:
     Attributes
     ----------
     ring : HarmonicRing
-        Where the coefficients live.
+        The ring of the coefficients.
     reach : int
-        How many sites away the first order depends on.
+        Largest distance, in sites, on which the first order depends.
     first, second : ring element
         Right-hand sides; ``second`` is None at order one.
     correction : Harmonics
-        The O(eps) part that is not slow: of y for multiple scales, of phi for averaging.
+        The part of O(eps) that is not slow: of y for multiple scales, of phi for averaging.
     """
 
     ring: HarmonicRing
@@ -145,12 +145,12 @@ class Modulation:
 
 
 def by_multiple_scales(force: Force, order: int) -> Modulation:
-    """Modulation of ``y = A e^{iT0} + c.c. + eps y1``, where y1 holds no ``e^{±iT0}``.
+    """Return the modulation of ``y = A e^{iT0} + c.c. + eps y1``, where y1 has no ``e^{±iT0}``.
 
     Parameters
     ----------
     force : Force
-        Of the chain, or of an isolated cell.
+        The force of the chain, or of an isolated cell.
     order : {1, 2}
         The power of eps to which the modulation is carried.
 
@@ -199,12 +199,12 @@ def by_multiple_scales(force: Force, order: int) -> Modulation:
 
 
 def by_averaging(force: Force, order: int) -> Modulation:
-    """Modulation of the mean of phi, where ``y' + i y = phi e^{it}`` (Eq. 31 with omega = 1).
+    """Return the modulation of the mean of phi, ``y' + i y = phi e^{it}`` (Eq. 31 with omega = 1).
 
     Parameters
     ----------
     force : Force
-        Of the chain, or of an isolated cell.
+        The force of the chain, or of an isolated cell.
     order : {1, 2}
         The power of eps to which averaging is carried.
 
@@ -243,7 +243,7 @@ def by_averaging(force: Force, order: int) -> Modulation:
 
 
 def fundamental_shift(averaged: Modulation) -> Coefficient:
-    """Return W: the fundamental of y is ``-(i/2)(phi + eps W)``.
+    """Return W, where the fundamental of y is ``-(i/2)(phi + eps W)``.
 
     The conjugate of the oscillating part of phi at ``e^{-2it}`` contributes to ``e^{it}`` in y.
     """
@@ -255,25 +255,25 @@ def in_scales_amplitude(
 ) -> tuple[Coefficient, Coefficient]:
     """Return the averaged equations rewritten for the amplitude A of ``e^{it}`` in y itself.
 
-    In phi, the equation of A is ``second + (W along first) - (first along W)``; last, phi is
-    replaced by 2 i A.
+    In terms of phi, the equation of A is ``second + (W along first) - (first along W)``; finally,
+    phi is replaced by 2 i A.
 
     Parameters
     ----------
     averaged : Modulation
-        To second order.
+        The averaged equations, to second order.
     shift : ring element
         W of `fundamental_shift`.
 
     Returns
     -------
     first, second : ring elements
-        In the generators of the averaging ring, with A in the place of phi.
+        In the generators of the averaging ring, with A in place of phi.
 
     Raises
     ------
     ValueError
-        If averaging was carried to first order only.
+        If averaging was carried out to first order only.
     """
     ring, first, reach = averaged.ring, averaged.first, averaged.reach
     if averaged.second is None:
@@ -286,7 +286,7 @@ def in_scales_amplitude(
 def _mixed_derivative(
     ring: HarmonicRing, value: Any, back: dict[int, Any], forth: dict[int, Any]
 ) -> Any:
-    """Sum over sites of d value/d phi_j * back_j + d value/d conj(phi_j) * forth_j."""
+    """Return the sum over sites of d value/d phi_j * back_j + d value/d conj(phi_j) * forth_j."""
     count = len(ring.amplitudes)
     total = ring.ring.zero
     for site, factor in back.items():
@@ -299,7 +299,7 @@ def _mixed_derivative(
 def _phi_to_amplitude(ring: HarmonicRing, value: Any) -> Any:
     """Replace phi by 2 i A and divide by 2 i, monomial by monomial.
 
-    An averaged monomial has one more phi than conjugates of phi: the powers of i cancel.
+    An averaged monomial contains one more phi than conjugates of phi, so the powers of i cancel.
     """
     count = 2 * len(ring.amplitudes)
     return ring.ring.from_dict(

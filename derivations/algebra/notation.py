@@ -1,8 +1,8 @@
 """How symbols, fields and derivatives are written: LaTeX, and one line of Unicode.
 
-``y(n + 1, t)`` is a good object to compute with and a poor one to read. Before printing, fields at
-a site, functions of slow times, their derivatives and conjugates are replaced by symbols with the
-paper's names: y with index n+1, dots for the time, primes for the slow time.
+``y(n + 1, t)`` is suitable for computation but hard to read. Before printing, fields at a site,
+functions of slow times, their derivatives and conjugates are replaced by symbols with the paper's
+names: y with index n+1, dots for the time, primes for the slow time.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from sympy.core.function import AppliedUndef
 
 
 class Script(Enum):
-    """The two ways to write a name."""
+    """The LaTeX and the Unicode form of a name."""
 
     LATEX = "latex"
     UNICODE = "unicode"
@@ -38,10 +38,10 @@ NAMES: dict[str, tuple[str, str]] = {
     "vartheta": (r"\vartheta", "ϑ"),
     "ell": (r"\ell", "ℓ"),
 }
-"""Names that are not written as SymPy would."""
+"""Names that are not written as in SymPy."""
 
 PRIMED = ("tau", "T")
-"""Slow times: derivatives are primes."""
+"""Slow times, whose derivatives are written as primes."""
 
 _LIMIT = "_infinity"
 _LOW = str.maketrans("0123456789+-nmjpkzt", "₀₁₂₃₄₅₆₇₈₉₊₋ₙₘⱼₚₖzₜ")
@@ -61,7 +61,7 @@ def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
     \ddot{y}_{n+1}
     """
     if isinstance(expression, sp.core.relational.Relational):
-        # Rebuilt as it is: evaluated anew, an equation of a symbol with a matrix turns false.
+        # Rebuilt unevaluated: on evaluation, an equation of a symbol with a matrix becomes false.
         sides = [displayed(side, script) for side in expression.args]
         return expression.func(*sides, evaluate=False)
     found: dict[sp.Basic, sp.Basic] = {}
@@ -118,7 +118,7 @@ def _base(name: str, script: Script) -> str:
     letter, _, index = plain.partition("_")
     if index and letter in NAMES:
         return NAMES[letter][1] + _base(f"x_{index}", script)[1:]
-    # Not `pretty_symbol`, which writes Unicode only if the terminal that imported SymPy had it.
+    # Not `pretty_symbol`, which writes Unicode only if the terminal importing SymPy supported it.
     return str(sp.pretty(sp.Symbol(plain), use_unicode=True))
 
 

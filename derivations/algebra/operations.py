@@ -1,8 +1,8 @@
-"""What an operation is, and how it says what it did.
+"""The contract of an operation, and how it describes what it did.
 
-An operation is a small frozen object: its fields are its parameters (a symbol, an order), calling
-it with the source equations returns the result, and `Operation.words` says in the field's words
-what was done. None of them knows which equation of the paper it is used for.
+An operation is a small frozen object: its fields are its parameters (a symbol, an order); calling
+it with the source equations returns the result; and `Operation.words` describes what was done in
+standard terms. No operation knows for which equation of the paper it is used.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from derivations.algebra.notation import Script, displayed
 
 
 class OperationError(ArithmeticError):
-    """An operation cannot be carried out on the equations that it was given."""
+    """An operation cannot be carried out on the given equations."""
 
 
 class Operation(ABC):
-    """Something done to equations.
+    """An operation on equations.
 
-    To write a new one: a frozen dataclass whose fields are the parameters; ``__call__`` computes
-    the result from the sources and from nothing else, and raises `OperationError` where it cannot
-    be carried out; ``phrase`` is an imperative clause without a full stop, in which ``{sources}``
-    stands for the sources, ``{first}`` and ``{others}`` for the first and the further ones, and
-    the name of a field for its value.
+    To write a new one, define a frozen dataclass whose fields are the parameters. ``__call__``
+    computes the result from the sources and from nothing else, and raises `OperationError` if it
+    cannot be carried out. ``phrase`` is an imperative clause without a full stop, in which
+    ``{sources}`` stands for the sources, ``{first}`` and ``{others}`` for the first and the further
+    ones, and the name of a field for its value.
     """
 
     phrase: ClassVar[str] = ""
@@ -39,7 +39,7 @@ class Operation(ABC):
         """Return the result of the operation on the source equations."""
 
     def words(self, labels: Sequence[str]) -> str:
-        """Say what is done, given how the sources are called."""
+        """Describe what is done, given the names of the sources."""
         shown = {each.name: said(getattr(self, each.name)) for each in fields(self)}  # type: ignore[arg-type]
         return self.phrase.format(
             sources=listed(labels), first=labels[0], others=listed(labels[1:]), **shown
@@ -65,7 +65,7 @@ def said(value: Any) -> str:
 
 
 def _pair(own: Any, new: Any) -> str:
-    """Return an equation; an arrow where the old is part of the new, a word where it rests."""
+    """Return an equation; with an arrow if the old is part of the new, with a word if constant."""
     before, after = said(own), said(new)
     if before == after:
         return f"{before} constant"
@@ -91,7 +91,7 @@ def spoken(expression: sp.Basic) -> str:
     shown = displayed(sp.sympify(expression), Script.UNICODE)
     text = str(sp.pretty(shown, use_unicode=True, wrap_line=False))
     if "\n" not in text:
-        return text.replace("│", "|")  # a box drawing, which LaTeX does not know
+        return text.replace("│", "|")  # a box-drawing character, which LaTeX does not know
     letters = {q: sp.Symbol(str(sp.pretty(q, use_unicode=True))) for q in shown.atoms(sp.Symbol)}
     text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
     text = _ROOT.sub(r"√\1", _PI.sub("π", text))
@@ -109,7 +109,7 @@ def _raised(power: re.Match[str]) -> str:
 
 
 def listed(labels: Sequence[str]) -> str:
-    """Return labels in a sentence.
+    """Return labels as an enumeration for a sentence.
 
     Examples
     --------

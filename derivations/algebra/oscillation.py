@@ -17,8 +17,8 @@ from derivations.algebra.substitution import Substitute
 def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
     """Return the coefficient of ``e^{i m phase}`` for each m that occurs.
 
-    Everything but trigonometric functions and exponentials of the phase counts as slow, also
-    functions of the time that is in the phase: they are frozen.
+    Everything except trigonometric functions and exponentials of the phase counts as slow and is
+    frozen, including functions of the time that occurs in the phase.
 
     Raises
     ------
@@ -88,17 +88,17 @@ def _euler(exponent: sp.Expr) -> sp.Expr:
 
 @dataclass(frozen=True)
 class RemoveSecularTerms(Operation):
-    """Demand that a forced oscillator is not driven at its own frequency.
+    """Require that a forced oscillator is not driven at its own frequency.
 
-    The sources are the forced equation and the solutions to be put in. The terms of the unknown
-    must vanish for ``u = e^{i m t}``; then the drive must have no harmonic m.
+    The sources are the forced equation and the solutions to be inserted. The terms of the unknown
+    must vanish for ``u = e^{i m t}``; then the drive must not contain harmonic m.
 
     Attributes
     ----------
     fast : Symbol
         The fast time.
     unknown : Expr
-        The function that must stay bounded.
+        The function that must remain bounded.
     harmonic : int
         The resonant harmonic m.
     """
@@ -137,9 +137,9 @@ class CollectHarmonic(Operation):
     phase : Expr
         The phase.
     name : Expr
-        What the coefficient is called.
+        Name of the coefficient.
     harmonic : int
-        Which harmonic.
+        Number of the harmonic.
     """
 
     phase: sp.Expr
@@ -153,7 +153,7 @@ class CollectHarmonic(Operation):
         return equation(self.name, found)
 
     def words(self, labels: Sequence[str]) -> str:
-        """Name the harmonic and its name."""
+        """Name the harmonic and its coefficient."""
         number = "" if self.harmonic == 1 else str(self.harmonic)
         wave = f"e^({number}i{spoken(self.phase)})"
         return f"call the coefficient of {wave} in {listed(labels)} {spoken(self.name)}"
@@ -205,8 +205,7 @@ class RealAndImaginaryParts(Operation):
     Attributes
     ----------
     names : tuple of Symbol
-        What the two parts of the right side are called; empty where those of left minus right
-        vanish.
+        Names of the two parts of the right side; empty if the parts of left minus right vanish.
     imaginary_first : bool
         Order in which they are written.
     """
@@ -237,7 +236,7 @@ class SquareAndAdd(Operation):
     Attributes
     ----------
     angle : Symbol
-        The angle that drops out by ``sin² + cos² = 1``.
+        The angle that is eliminated by ``sin² + cos² = 1``.
     """
 
     angle: sp.Symbol
@@ -267,21 +266,21 @@ class SquareAndAdd(Operation):
 
 @dataclass(frozen=True)
 class CompareFundamental(Operation):
-    """Amplitude of the fundamental of a motion, or amplitudes and phases of two for the same one.
+    """Find the amplitude of the fundamental of a motion, or equate those of two motions.
 
     Attributes
     ----------
     phase : Expr
         The phase.
     name : Symbol or None
-        What the amplitude of a single motion is called.
+        Name of the amplitude of a single motion.
     """
 
     phase: sp.Expr
     name: sp.Symbol | None = None
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return ``name = 2 |coefficient|``, or both amplitudes and both arguments as equal."""
+        """Return ``name = 2 |coefficient|``, or equal amplitudes and equal arguments."""
         found = [harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero) for source in sources]
         if self.name is not None:
             return equation(self.name, 2 * modulus(found[0]))

@@ -26,14 +26,14 @@ class Join(Operation):
 
 @dataclass(frozen=True)
 class Take(Operation):
-    """Take one equation out of a system, or one of several solutions.
+    """Take one equation of a system, or one of several solutions.
 
     Attributes
     ----------
     place : int
-        Which, from 0.
+        Its index, from 0.
     rule : str
-        Of solutions: why this one, where it holds.
+        For solutions: why this one is taken, and where it holds.
     """
 
     place: int
@@ -59,8 +59,8 @@ class Divide(Operation):
     Attributes
     ----------
     factor : Expr, tuple of Expr or None
-        The factor, or one for each relation of a system; None for the left side itself. Bounds
-        are divided by what is positive only.
+        The factor, or one for each relation of a system; None for the left side itself.
+        Inequalities are divided only by positive factors.
     """
 
     factor: sp.Expr | tuple[sp.Expr, ...] | None = None
@@ -93,17 +93,17 @@ class Divide(Operation):
 
 @dataclass(frozen=True)
 class Isolate(Operation):
-    """Bring the terms with a variable to the left and divide by the factor of one of them.
+    """Bring the terms with a variable to the left, and divide by the factor of one of them.
 
-    Of a system, part by part, with one target each. Where the target is the only such term this
-    solves for it.
+    A system is treated part by part, with one target each. If the target is the only such term,
+    this solves for it.
 
     Attributes
     ----------
     variables : tuple of Expr
-        What the terms on the left contain, one or other.
+        Variables of which the terms on the left contain at least one.
     targets : tuple of Expr
-        One a part; its factor is divided by. Empty: nothing is divided.
+        One per part, by whose factor the part is divided; empty for no division.
     """
 
     variables: tuple[sp.Basic, ...]
@@ -155,10 +155,10 @@ MAX_TERMS = 4
 
 
 def _cancelled(side: sp.Expr) -> sp.Expr:
-    """Cancel what numerator and denominator have in common.
+    """Cancel common factors of numerator and denominator.
 
-    A side whose numerator is a sum of more than `MAX_TERMS` is left as it is: factors would hide
-    its form.
+    A side whose numerator is a sum of more than `MAX_TERMS` terms is left unchanged, since factors
+    would hide its form.
     """
     above, below = sp.fraction(sp.together(side))
     if below == 1:
@@ -180,12 +180,12 @@ def _with_short_roots(side: sp.Expr) -> sp.Expr:
 
 
 def _expanded(side: sp.Expr) -> sp.Expr:
-    """Multiply products of sums out, but not under integrals."""
+    """Multiply out products of sums, but not under integrals."""
     return sp.Add(*(sp.expand(term, deep=False) for term in sp.Add.make_args(side)))
 
 
 class Form(Enum):
-    """How an equation may be written; the value says what is done."""
+    """Forms of an equation; the value describes what is done."""
 
     EXPANDED = "expand {}"
     SIMPLIFIED = "simplify {}"
@@ -205,7 +205,7 @@ _OF_SIDES: dict[Form, Callable[[sp.Expr], sp.Expr]] = {
 
 @dataclass(frozen=True)
 class Rewrite(Operation):
-    """Write an equation in another form; it says the same."""
+    """Write an equation in another, equivalent form."""
 
     form: Form
 
@@ -224,7 +224,7 @@ class Rewrite(Operation):
 
 
 class Function(Enum):
-    """What may be applied to both sides; the value says it."""
+    """Functions that may be applied to both sides; the value is their name."""
 
     MODULUS = "take absolute values of {}"
     SQUARE = "square {}"
@@ -234,7 +234,7 @@ class Function(Enum):
 
 @dataclass(frozen=True)
 class Apply(Operation):
-    """Apply a function to both sides; of a square root both signs are kept."""
+    """Apply a function to both sides; for a square root both signs are kept."""
 
     function: Function
 
@@ -262,14 +262,14 @@ def _root(side: sp.Expr) -> sp.Expr:
 
 @dataclass(frozen=True)
 class TakeCoefficient(Operation):
-    """Take the coefficient of a term of left minus right: give it a name, or equate it to zero.
+    """Take the coefficient of a term of left minus right, and name it or equate it to zero.
 
     Attributes
     ----------
     term : Expr
         The term.
     name : Expr or None
-        What its coefficient is called; None where it has to vanish.
+        Name of its coefficient; None if it has to vanish.
     """
 
     term: sp.Expr
@@ -299,16 +299,16 @@ def with_cosines(expression: sp.Expr) -> sp.Expr:
 
 @dataclass(frozen=True)
 class Differentiate(Operation):
-    """Derivatives of a quantity that an equation defines, implicitly where it is not alone.
+    """Differentiate a quantity defined by an equation, implicitly if it is not isolated.
 
     Attributes
     ----------
     quantity : Expr
-        What is differentiated: a symbol, or a function of the variable.
+        The quantity: a symbol, or a function of the variable.
     variable : Symbol
         The variable.
     names : tuple of Symbol
-        What the first and the higher derivatives are called.
+        Names of the first and the higher derivatives.
     """
 
     phrase: ClassVar[str] = "differentiate {sources} with respect to {variable}: {names}"
@@ -327,25 +327,25 @@ class Differentiate(Operation):
             current = current.diff(self.variable)
             known = {held.diff((self.variable, order)): name, **known}  # the highest first
             plain = current.subs(known).subs(held, self.quantity)
-            found = -plain.subs(name, 0) / plain.diff(name)  # the highest enters linearly
+            found = -plain.subs(name, 0) / plain.diff(name)  # linear in the highest derivative
             out.append(equation(name, sp.expand(found)))
         return system(tuple(out))
 
 
 @dataclass(frozen=True)
 class DividedDifference(Operation):
-    """Divided difference of left minus right over values of a variable.
+    """Take the divided difference of left minus right over values of a variable.
 
-    If the equation held at all the values, it would vanish.
+    It would vanish if the equation held at all these values.
 
     Attributes
     ----------
     variable : Symbol
-        What differs between the places.
+        The quantity that differs between the places.
     values : tuple of Symbol
         Its values there.
     name : Symbol
-        What the divided difference is called.
+        Name of the divided difference.
     """
 
     phrase: ClassVar[str] = "take the divided difference of {sources} over {values}"

@@ -1,4 +1,4 @@
-"""Show a derivation: text, LaTeX, MathML, JSON, Markdown, and a document that compiles."""
+"""Display of a derivation: text, LaTeX, MathML, JSON, Markdown, and a complete LaTeX document."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from derivations.algebra.steps import Derivation, Evidence, Kind, Step
 from derivations.algebra.sums import SumOver
 
 TERMS_A_LINE = 3
-"""Longer sums are broken so that they fit the width of a page."""
+"""Number of terms above which a sum is broken to fit the width of a page."""
 
 FORMATS = ("text", "latex", "mathml", "markdown", "json")
-"""How a derivation can be shown on the command line."""
+"""Formats in which a derivation can be shown on the command line."""
 
 PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 \usepackage[T1]{fontenc}
@@ -52,7 +52,7 @@ def equation_text(equation: sp.Basic) -> str:
 
 
 def equation_latex(equation: sp.Basic) -> str:
-    """LaTeX for use inside a display; a system becomes ``aligned`` lines."""
+    """Return LaTeX for use inside a display; a system becomes ``aligned`` lines."""
     parts = [_latex(part) for part in parts_of(equation)]
     if len(parts) == 1:
         return parts[0]
@@ -60,7 +60,7 @@ def equation_latex(equation: sp.Basic) -> str:
 
 
 def equation_mathml(equation: sp.Basic) -> str:
-    """Presentation MathML, one ``math`` element; a long sum is broken into rows as in LaTeX."""
+    """Return presentation MathML, one ``math`` element; a long sum is broken as in LaTeX."""
     rows = [
         "".join(as_text(inner) for inner in mathml_element(row, block=True))
         for part in parts_of(equation)
@@ -76,9 +76,9 @@ def equation_mathml(equation: sp.Basic) -> str:
 def equation_expression(equation: sp.Basic) -> str:
     """Return the equation as text that ``sympy.sympify`` reads back.
 
-    Relations are written unevaluated, so that none collapses to true or false; ``str`` is used
-    where no name has a meaning of its own in SymPy, else ``srepr``. Symbols have their names
-    only, without assumptions, in both; a sum over roots comes back as an unknown function.
+    Relations are written unevaluated, so that none collapses to true or false. ``str`` is used if
+    no name has a meaning of its own in SymPy, otherwise ``srepr``. In both, symbols are written
+    without assumptions; a sum over roots is read back as an unknown function.
 
     Examples
     --------
@@ -109,18 +109,18 @@ def sentence(step: Step) -> str:
     """Return kind, operation and note of a step as running text."""
     kind = "" if step.kind is Kind.DERIVED else f"{step.kind.value.capitalize()}: "
     said = step.operation if kind else step.operation[:1].upper() + step.operation[1:]
-    # A note that begins with a small letter, which may be a symbol, goes on with the sentence.
+    # A note that begins with a lower-case letter, possibly a symbol, continues the sentence.
     mark = "; " if step.note[:1].islower() else ". "
     return f"{kind}{said}" + (f"{mark}{step.note}" if step.note else "")
 
 
 def named(step: Step) -> str:
-    """Return the number of a step in the paper, or the name by which later steps call it."""
+    """Return the equation number of a step, or the name by which later steps refer to it."""
     return f"(Eq. {step.number})" if step.number is not None else f"['{step.name}']"
 
 
 def text(derivation: Derivation) -> str:
-    """Write the steps with their evidence; where a check fails, say so and stop."""
+    """Write the steps with their evidence; if a check fails, say so and stop."""
     lines = [derivation.title, ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
         lines.append(f"{position}. {sentence(step)}  {named(step)}")
@@ -132,7 +132,7 @@ def text(derivation: Derivation) -> str:
 
 
 def source_of(step: Step) -> int | str:
-    """Return how a source is named in JSON: its number, or its name where it has none."""
+    """Return the name of a source in JSON: its number, or its name if it has none."""
     return step.number if step.number is not None else step.name
 
 
@@ -166,7 +166,7 @@ def records(derivation: Derivation) -> dict[str, Any]:
 
 
 def markdown(derivation: Derivation) -> str:
-    """Markdown with displayed LaTeX, for a notebook."""
+    """Return Markdown with displayed LaTeX, for a notebook."""
     lines = [f"### {derivation.title}", ""]
     for position, (step, evidence) in enumerate(derivation.examined(), start=1):
         lines += [f"{position}. {sentence(step)} {named(step)}", ""]
@@ -176,7 +176,7 @@ def markdown(derivation: Derivation) -> str:
 
 
 def mathml(derivation: Derivation) -> str:
-    """One XHTML fragment with a ``math`` element a step."""
+    """Return an XHTML fragment with one ``math`` element per step."""
     rows = []
     for step, evidence in derivation.examined():
         rows.append(
@@ -247,7 +247,7 @@ def _rows_of_terms(total: sp.Expr) -> list[str]:
 
 
 def _factor_and_sum(term: sp.Expr) -> tuple[sp.Expr, sp.Expr | None]:
-    """Split a product into its long sum and what multiplies it."""
+    """Split a product into its long sum and the remaining factor."""
     for part in sp.Mul.make_args(term):
         if part != term and len(sp.Add.make_args(part)) > TERMS_A_LINE:
             return term / part, part

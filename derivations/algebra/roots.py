@@ -16,18 +16,18 @@ from derivations.algebra.operations import Operation, OperationError, listed, sp
 class CountAbove(Operation):
     """Count roots in a half-infinite strip of the upper half-plane by the argument principle.
 
-    The sources are the function, and its parts on the real axis and on the sides of the strip. On
-    these the real part must be positive: along them the argument stays within a quarter turn of
-    zero. Far up the growing exponential decides: its argument turns by the width of the strip.
+    The sources are the function, and its values on the real axis and on the sides of the strip.
+    There the real part must be positive, so that the argument stays within a quarter turn of zero.
+    Far up, the growing exponential dominates, and its argument changes by the width of the strip.
 
     Attributes
     ----------
     wavenumber : Symbol
         The variable.
     left : int
-        Left side of the strip, in units of pi; the right side is pi further on.
+        Left side of the strip, in units of pi; the right side is further on by pi.
     name : Symbol
-        What the number is called.
+        Name of the number.
     """
 
     wavenumber: sp.Symbol
@@ -60,20 +60,20 @@ class CountAbove(Operation):
 
 
 def _ones(expression: sp.Expr) -> dict[sp.Symbol, int]:
-    """Return one for each positive symbol: the argument does not depend on them."""
+    """Return the value one for each positive symbol, on which the argument does not depend."""
     return {q: 1 for q in expression.free_symbols if q.is_positive}
 
 
 @dataclass(frozen=True)
 class RootTerm(Operation):
-    """Evaluate ``1/(k dL/dk)`` at a root of L: one term of the sum over roots.
+    """Evaluate ``1/(k dL/dk)`` at a root of L, one term of the sum over roots.
 
     The first source is L, the second the root.
 
     Attributes
     ----------
     name : Symbol
-        What the term is called.
+        Name of the term.
     """
 
     phrase: ClassVar[str] = "evaluate the term of the sum of {first} at {others}"
@@ -88,14 +88,14 @@ class RootTerm(Operation):
 
 @dataclass(frozen=True)
 class ParametriseRadical(Operation):
-    """Write the square root of ``1 - i x`` as ``p - i sqrt(p² - 1)``, and x by p.
+    """Write the square root of ``1 - i x`` as ``p - i sqrt(p² - 1)``, and x in terms of p.
 
     Attributes
     ----------
     parameter : Symbol
         p, above one for x > 0.
     variable : Symbol
-        What is solved for.
+        The quantity that is solved for.
     """
 
     phrase: ClassVar[str] = "write the square root in {sources} by its real part {parameter}"
@@ -103,7 +103,7 @@ class ParametriseRadical(Operation):
     variable: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the square root and the variable, both by the parameter."""
+        """Return the square root and the variable in terms of the parameter."""
         (source,) = sources
         roots = [q for q in source.rhs.atoms(sp.Pow) if abs(q.exp) == sp.Rational(1, 2)]
         if len(roots) != 1:
@@ -122,7 +122,7 @@ class ParametriseRadical(Operation):
 
 @dataclass(frozen=True)
 class SquareModulus(Operation):
-    """Put a parametrised root into ``|z| = size`` and square: ``z z* = size²``.
+    """Insert a parametrised root into ``|z| = size`` and square: ``z z* = size²``.
 
     The first source is the relation and the value of z, the second the parametrisation, whose first
     part is the root.
@@ -137,7 +137,7 @@ class SquareModulus(Operation):
     parameter: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return a rational equation of the parameter."""
+        """Return a rational equation for the parameter."""
         system, parametrised = sources
         relation, value = parts_of(system)
         root = parts_of(parametrised)[0]

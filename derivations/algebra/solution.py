@@ -1,4 +1,4 @@
-"""Solving: equations for symbols and angles, limits and coefficients that are demanded."""
+"""Solving: equations for symbols and angles, stated limits and prescribed coefficients."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from derivations.algebra.operations import Operation, OperationError, listed, sa
 
 @dataclass(frozen=True)
 class SolveFor(Operation):
-    """Solve an equation for a symbol; all solutions are returned, as a system if several.
+    """Solve an equation for a symbol; several solutions are returned as a system.
 
-    An angle that occurs under cosines only is found with every branch. The factor of a field may
-    have a name, which a second source gives.
+    An angle that occurs under cosines only is found with every branch. The factor of a field may be
+    named by a second source.
 
     Attributes
     ----------
     unknown : Expr, or tuple of Expr
-        What is solved for; one each for the parts of a system.
+        The unknown; one for each part of a system.
     """
 
     unknown: sp.Basic | tuple[sp.Basic, ...]
@@ -47,7 +47,7 @@ class SolveFor(Operation):
         return system(tuple(equation(self.unknown, solution) for solution in found))
 
     def _factor(self, rest: sp.Expr, stand_in: sp.Symbol, *named: sp.Basic) -> sp.Expr:
-        """Return what multiplies the unknown, or its name."""
+        """Return the factor of the unknown, or its name."""
         slope = sp.diff(rest, stand_in)
         if sp.expand(slope) == 0:
             raise OperationError(f"the equation does not contain {self.unknown}")
@@ -69,7 +69,7 @@ class SolveFor(Operation):
             slope, low = polynomial.all_coeffs()
             roots = [sp.simplify(-low / slope)]
         elif polynomial.degree() == 2:
-            # The first root is the one that stays finite when the top coefficient goes to zero.
+            # First the root that stays finite when the leading coefficient vanishes.
             top, middle, low = polynomial.all_coeffs()
             spread = sp.sqrt(middle**2 - 4 * top * low)
             roots = [-2 * low / (middle + spread), -(middle + spread) / (2 * top)]
@@ -80,14 +80,14 @@ class SolveFor(Operation):
         return [sign * sp.acos(root) for root in roots for sign in (-1, 1)]
 
     def words(self, labels: Sequence[str]) -> str:
-        """Name the unknown, and what names its factor."""
+        """Name the unknown, and the source that names its factor."""
         named = f", its factor by the name of {listed(labels[1:])}" if labels[1:] else ""
         return f"solve {labels[0]} for {said(self.unknown)}{named}"
 
 
 @dataclass(frozen=True)
 class SelectRoot(Operation):
-    """Keep the one of several solutions that satisfies a rule wherever it is tried.
+    """Keep the one of several solutions that satisfies a rule at all test values.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class SelectRoot(Operation):
     accepts : callable
         Whether a numerical value satisfies it.
     values : mapping of Symbol to tuple of float
-        Where it is tried.
+        Values at which it is tested.
     """
 
     phrase: ClassVar[str] = "keep the solution of {sources} with {rule}"
@@ -129,7 +129,7 @@ class SelectSign(Operation):
     Attributes
     ----------
     rule : str
-        What that means.
+        What this means.
     """
 
     phrase: ClassVar[str] = (
@@ -151,7 +151,7 @@ class SelectSign(Operation):
 
 @dataclass(frozen=True)
 class SolveOscillator(Operation):
-    """General real solution of ``u'' + Ω² u = 0`` in the fast time, with a slow amplitude.
+    """Return the general real solution of ``u'' + Ω² u = 0`` in the fast time, with slow amplitude.
 
     Attributes
     ----------
@@ -188,14 +188,14 @@ class SolveOscillator(Operation):
 
 @dataclass(frozen=True)
 class PrescribeCoefficients(Operation):
-    """Demand values for coefficients of a linear left side, and solve for the scales.
+    """Prescribe coefficients of a linear left side, and solve for the scales.
 
     Attributes
     ----------
     demands : tuple of (tuple of Expr, Expr)
-        Terms, and what their coefficients add to.
+        Terms, and the required sum of their coefficients.
     unknowns : tuple of Symbol
-        What is solved for, in the order in which it is written.
+        The unknowns, in the order in which the result is written.
     """
 
     demands: tuple[tuple[tuple[sp.Expr, ...], sp.Expr], ...]
@@ -210,7 +210,7 @@ class PrescribeCoefficients(Operation):
         known: dict[sp.Basic, sp.Expr] = {}
         while len(known) < len(self.unknowns):
             unknown, demand = self._of_one_unknown([each.subs(known) for each in rest])
-            # What is positive is told from its negative only where its square occurs.
+            # The sign of a positive unknown is used only if its square occurs.
             own = unknown if sp.diff(demand, unknown, 2) != 0 else sp.Dummy()
             roots = sp.solve(demand.xreplace({unknown: own}), own)
             if len(roots) != 1:
@@ -221,7 +221,7 @@ class PrescribeCoefficients(Operation):
         return sp.Tuple(*(equation(own, sp.simplify(known[own])) for own in self.unknowns))
 
     def _of_one_unknown(self, rest: list[sp.Expr]) -> tuple[sp.Symbol, sp.Expr]:
-        """Return a demand in which a single unknown is left, after that unknown."""
+        """Return a demand that contains a single unknown, preceded by that unknown."""
         for demand in rest:
             left = [own for own in self.unknowns if demand.has(own)]
             if len(left) == 1:
@@ -237,7 +237,7 @@ class PrescribeCoefficients(Operation):
 
 @dataclass(frozen=True)
 class SolveLimits(Operation):
-    """Find the constants of a law from its stated limits.
+    """Determine the constants of a law from its stated limits.
 
     The first source is the law, the second the limits: ``f(0) = ...`` and ``f(oo) = ...``.
 
@@ -246,7 +246,7 @@ class SolveLimits(Operation):
     variable : Symbol
         The argument of the law.
     constants : tuple of Symbol
-        What is solved for and put in.
+        The constants that are solved for and inserted.
     """
 
     phrase: ClassVar[str] = "find {constants} of {first} from {others}"
@@ -254,7 +254,7 @@ class SolveLimits(Operation):
     constants: tuple[sp.Symbol, ...]
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the law with its constants."""
+        """Return the law with its constants inserted."""
         law, limits = sources
         rest = [sp.limit(law.rhs, self.variable, part.lhs.args[0]) - part.rhs
                 for part in parts_of(limits)]  # fmt: skip

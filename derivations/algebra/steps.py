@@ -1,8 +1,8 @@
-"""A derivation is a graph of steps: what is given, and what operations make of it.
+"""A derivation is a graph of steps: given equations, and the results of operations on them.
 
-A `Given` step is typed: a model, a definition or an ansatz. A `Derived` step is never typed: it
-holds operations and source steps, and its result is what the operations return for the results of
-the sources. Every step carries a check that shares no code with its derivation.
+A `Given` step is entered by hand: a model, a definition or an ansatz. A `Derived` step never is: it
+contains operations and source steps, and its result is that of the operations applied to the
+results of the sources. Every step has a check that shares no code with its derivation.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from derivations.algebra.operations import Operation, OperationError
 
 
 class Kind(StrEnum):
-    """What a step is."""
+    """The kinds of steps."""
 
     MODEL = "model"
     DEFINITION = "definition"
@@ -31,23 +31,23 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a check found.
+    """The result of a check.
 
     Attributes
     ----------
     holds : bool
         Whether the equation passed.
     statement : str
-        What was compared with what, and how close it came.
+        What was compared with what, and how closely they agree.
     """
 
     holds: bool
     statement: str
 
     def __post_init__(self) -> None:
-        if not isinstance(self.statement, str):  # a text in the place of the verdict is true
+        if not isinstance(self.statement, str):  # a text in place of the verdict would be true
             raise TypeError(f"evidence is a verdict and a statement, not {self.statement}")
-        object.__setattr__(self, "holds", bool(self.holds))  # numpy has a truth of its own
+        object.__setattr__(self, "holds", bool(self.holds))  # numpy has a boolean type of its own
 
 
 Check = Callable[[sp.Basic], Evidence]
@@ -61,13 +61,13 @@ class Step(ABC):
     Attributes
     ----------
     name : str
-        What other steps and the graph call it; unique within the toolkit.
+        Name used by other steps and by the graph; unique within the toolkit.
     check : callable
-        Judges any equation in the place of this one; see `Check`.
+        Judges any equation in place of this one; see `Check`.
     number : int or None
         Number of the equation in the paper.
     note : str
-        What the reader should know beside the operation: a branch rule, a condition.
+        Additional information beside the operation: a branch rule, a condition.
     """
 
     name: str
@@ -88,7 +88,7 @@ class Step(ABC):
     @property
     @abstractmethod
     def sources(self) -> tuple[Step, ...]:
-        """The steps that it follows from."""
+        """The steps from which it follows."""
 
     @property
     @abstractmethod
@@ -97,26 +97,26 @@ class Step(ABC):
 
     @property
     def label(self) -> str:
-        """``(n)`` for an equation of the paper, else the name."""
+        """``(n)`` for an equation of the paper, otherwise the name."""
         return f"({self.number})" if self.number is not None else f"'{self.name}'"
 
     def verify(self, candidate: sp.Basic | None = None) -> Evidence:
-        """Run the check on this step's result, or on another equation put in its place.
+        """Run the check on this step's result, or on another equation in its place.
 
-        An equation that the check cannot even evaluate does not hold.
+        An equation that the check cannot evaluate does not hold.
         """
         return self._own_evidence if candidate is None else self._judged(candidate)
 
     @cached_property
     def _own_evidence(self) -> Evidence:
-        """What the check finds for the result, which never changes."""
+        """The evidence for the result, which never changes."""
         return self._judged(self.result)
 
     def _judged(self, candidate: sp.Basic) -> Evidence:
         try:
             with np.errstate(all="ignore"):  # a value that is not finite fails the check
                 return self.check(candidate)
-        except DerivationInputError:  # of the model, not of the candidate
+        except DerivationInputError:  # concerns the model, not the candidate
             raise
         except (TypeError, ValueError, ArithmeticError, AttributeError, LookupError) as error:
             return Evidence(False, f"it could not be evaluated ({type(error).__name__}: {error})")
@@ -124,7 +124,7 @@ class Step(ABC):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Given(Step):
-    """A typed step: a model, a definition or an ansatz.
+    """A step entered by hand: a model, a definition or an ansatz.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ class Given(Step):
 
     @property
     def sources(self) -> tuple[Step, ...]:
-        """None: it is given."""
+        """Empty, since the step is given."""
         return ()
 
     @property
@@ -169,8 +169,7 @@ class Given(Step):
 class Derived(Step):
     """A computed step: operations applied to the results of other steps.
 
-    The first operation receives the results of all sources, each further one the result of the
-    one before.
+    The first operation receives the results of all sources, each further one the preceding result.
 
     Attributes
     ----------
@@ -179,8 +178,8 @@ class Derived(Step):
     given_by : tuple of Step
         The sources, at least one.
     assumes : bool
-        Whether the step only writes out an ansatz in terms of earlier results; it then counts as
-        an ansatz.
+        Whether the step only expresses an ansatz in terms of earlier results; it then counts as an
+        ansatz.
     """
 
     operations: tuple[Operation, ...]
@@ -193,17 +192,17 @@ class Derived(Step):
 
     @property
     def kind(self) -> Kind:
-        """Derived; an ansatz where it only writes one out."""
+        """Derived, or ansatz if the step only expresses one."""
         return Kind.ANSATZ if self.assumes else Kind.DERIVED
 
     @cached_property
     def result(self) -> sp.Basic:
-        """What the operations make of the sources.
+        """The result of the operations on the sources.
 
         Raises
         ------
         StepError
-            If they cannot be carried out for this model.
+            If the operations cannot be carried out for this model.
         """
         sources = [source.result for source in self.given_by]
         try:
@@ -216,12 +215,12 @@ class Derived(Step):
 
     @property
     def sources(self) -> tuple[Step, ...]:
-        """The steps that it follows from."""
+        """The steps from which it follows."""
         return self.given_by
 
     @property
     def operation(self) -> str:
-        """What was done, one sentence an operation."""
+        """What was done, one sentence per operation."""
         labels = [source.label for source in self.given_by]
         said = [self.operations[0].words(labels)]
         said += [operation.words(["the result"]) for operation in self.operations[1:]]
@@ -230,16 +229,16 @@ class Derived(Step):
 
 @dataclass(frozen=True)
 class Derivation:
-    """A named sequence of steps, each after its sources; sources may lie in earlier derivations.
+    """A named sequence of steps, each after its sources, which may lie in earlier derivations.
 
     Attributes
     ----------
     key : str
         Name on the command line.
     title : str
-        One line.
+        A title of one line.
     steps : tuple of Step
-        In order.
+        The steps in order.
     """
 
     key: str
@@ -266,7 +265,7 @@ class Derivation:
         Returns
         -------
         tuple of Evidence
-            One a step.
+            One for each step.
 
         Raises
         ------
@@ -281,12 +280,12 @@ class Derivation:
         return tuple(found)
 
     def numbered(self, number: int) -> Step:
-        """Return the step that carries an equation number of the paper.
+        """Return the step with a given equation number of the paper.
 
         Raises
         ------
         DerivationInputError
-            If no step of this derivation carries it.
+            If no step of this derivation has this number.
         """
         for step in self.steps:
             if step.number == number:
@@ -297,7 +296,7 @@ class Derivation:
         )
 
     def named(self, name: str) -> Step:
-        """Return the step of a name.
+        """Return the step with a given name.
 
         Raises
         ------
@@ -312,15 +311,15 @@ class Derivation:
         )
 
     def only(self, number: int) -> Derivation:
-        """Return the same derivation with the single step that carries ``number``."""
+        """Return the same derivation with only the step that has this ``number``."""
         return replace(self, steps=(self.numbered(number),))
 
 
 class Draft:
-    """The steps of a derivation as they are written down, each after its sources.
+    """The steps of a derivation while it is being written, each after its sources.
 
-    Sources are called by their names, as in an appendix; a name stands for a step of this
-    derivation, else of an earlier one.
+    Sources are referred to by name, as in an appendix; a name stands for a step of this derivation,
+    otherwise of an earlier one.
 
     Parameters
     ----------
@@ -342,14 +341,14 @@ class Draft:
         return any(step.name == name for step in self._steps)
 
     def add(self, *steps: Step) -> None:
-        """Take steps as they are."""
+        """Add existing steps unchanged."""
         self._steps += steps
 
     def given(
         self, kind: Kind, name: str, equation: sp.Basic, words: str, *, check: Check,
         number: int | None = None, note: str = "",
     ) -> None:  # fmt: skip
-        """Give a step: its equation, and in words what is assumed or defined."""
+        """Add a given step: its equation, and in words what is assumed or defined."""
         self.add(Given(name=name, given_as=kind, equation=equation, words=words, check=check,
                        number=number, note=note))  # fmt: skip
 
@@ -361,11 +360,11 @@ class Draft:
         self, name: str, operations: Operation | tuple[Operation, ...], *sources: str,
         check: Check, number: int | None = None, note: str = "", assumes: bool = False,
     ) -> None:  # fmt: skip
-        """Derive a step from the steps of these names."""
+        """Add a step derived from the steps with these names."""
         done = operations if isinstance(operations, tuple) else (operations,)
         self.add(Derived(name=name, operations=done, given_by=tuple(self[q] for q in sources),
                          check=check, number=number, note=note, assumes=assumes))  # fmt: skip
 
     def finished(self, key: str, title: str) -> Derivation:
-        """Return the derivation."""
+        """Return the finished derivation."""
         return Derivation(key, title, tuple(self._steps))

@@ -18,21 +18,21 @@ HALF = sp.Rational(1, 2)
 
 @dataclass(frozen=True)
 class Substitute(Operation):
-    """Put values into an equation: those given, and each further source read left to right.
+    """Insert values into an equation: the given ones, and each further source read left to right.
 
-    Derivatives are carried out, integrals are not. An equivalence of two inequalities says where a
-    step function switches.
+    Derivatives are carried out, integrals are not. An equivalence of two inequalities states where
+    a step function switches.
 
     Attributes
     ----------
     values : mapping of Expr to Expr
-        What is put for each symbol or field, all at once.
+        The value inserted for each symbol or field, all simultaneously.
     index : Symbol or None
-        Index for which the further sources hold generally; None if they hold as they stand.
+        Index for which the further sources hold in general; None if they hold as they stand.
     at : tuple of Expr
-        Values of the index at which they are used.
+        Values of the index for which they are used.
     meaning : str
-        What the values amount to, where it is more than giving a value.
+        Meaning of the values, if it is more than assigning a value.
     """
 
     values: Mapping[sp.Basic, sp.Expr | int] = field(default_factory=dict)
@@ -41,7 +41,7 @@ class Substitute(Operation):
     meaning: str = ""
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the first source with everything put in."""
+        """Return the first source with everything inserted."""
         rules = {own: sp.sympify(value) for own, value in self.values.items()}
         for rule in (part for source in sources[1:] for part in parts_of(source)):
             rules |= _step_rule(rule) if isinstance(rule, sp.Equivalent) else self._instances(rule)
@@ -58,7 +58,7 @@ class Substitute(Operation):
         }
 
     def words(self, labels: Sequence[str]) -> str:
-        """Say which equations and values are put into which."""
+        """State which equations and values are inserted into which."""
         done = []
         if labels[1:]:
             done.append(f"substitute {listed(labels[1:])}{self._where()} into {labels[0]}")
@@ -93,22 +93,22 @@ def mirrored(field: sp.FunctionClass, time: sp.Symbol, reach: int) -> Substitute
 
 
 def alike(field: sp.FunctionClass, index: sp.Symbol, time: sp.Symbol, reach: int) -> Substitute:
-    """Return the substitution that lets all sites that springs join move alike."""
+    """Return the substitution that makes all sites coupled by springs move alike."""
     others = [field(index + sign * at, time) for at in range(1, reach + 1) for sign in (1, -1)]
     return Substitute(dict.fromkeys(others, field(index, time)), meaning="all sites alike")
 
 
 @dataclass(frozen=True)
 class Eliminate(Operation):
-    """Remove symbols or terms from the first source by solving the second one for them.
+    """Eliminate symbols or terms from the first source by solving the second one for them.
 
-    Parts of the second source without any of them are read from left to right. Powers of a term
-    are recognised: with ``exp(x)`` also ``exp(2 x)`` is eliminated.
+    Parts of the second source that contain none of them are read from left to right. Powers of a
+    term are recognised: with ``exp(x)`` also ``exp(2 x)`` is eliminated.
 
     Attributes
     ----------
     unknowns : tuple of Expr
-        What is eliminated.
+        The quantities that are eliminated.
     where : mapping of Expr to Expr
         Values that hold in the second source where it is used.
     """
@@ -142,13 +142,13 @@ class Eliminate(Operation):
 
 @dataclass(frozen=True)
 class EliminatePowers(Operation):
-    """Lower the powers of a symbol by a polynomial equation that it satisfies."""
+    """Reduce the powers of a symbol by a polynomial equation that it satisfies."""
 
     phrase: ClassVar[str] = "lower the powers of {symbol} in {first} by {others}"
     symbol: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the first source with the remainder of its right side."""
+        """Return the first source with its right side replaced by the remainder."""
         target, relation = sources
         if not target.rhs.is_polynomial(self.symbol):
             return target
@@ -161,13 +161,13 @@ class EliminatePowers(Operation):
 class TakeBranch(Operation):
     """Restrict an equation to where a condition holds.
 
-    A piecewise expression keeps its branch of that condition; for a negative variable a modulus
+    A piecewise expression keeps the branch with that condition; for a negative variable a modulus
     and a sign are resolved, ``|v| = -v, sgn v = -1``.
 
     Attributes
     ----------
     condition : relation
-        The condition, as it stands beside the branch.
+        The condition, as written beside the branch.
     """
 
     phrase: ClassVar[str] = "take the branch {condition} of {sources}"
@@ -199,12 +199,12 @@ class TakeBranch(Operation):
 
 @dataclass(frozen=True)
 class WriteWithStep(Operation):
-    """Write the right side, of two branches in one quantity, with a step function.
+    """Write a right side of two branches in one quantity with a step function.
 
     Attributes
     ----------
     name : Symbol
-        What the right side is called.
+        Name of the right side.
     """
 
     phrase: ClassVar[str] = "write the right side of {sources} with a step function"
@@ -235,9 +235,9 @@ class InsertRightSide(Operation):
 
 @dataclass(frozen=True)
 class ChangeVariables(Operation):
-    """Put scaled fields and a scaled time into an equation.
+    """Insert scaled fields and a scaled time into an equation.
 
-    The second source holds the scales: ``y(n, t) = y_0 x(n, tau)`` for a field, read for every
+    The second source contains the scales: ``y(n, t) = y_0 x(n, tau)`` for a field, valid for every
     index, ``tau = omega t`` for the time, and ``F = F_0 f`` for other quantities.
 
     Attributes
@@ -280,10 +280,10 @@ def _scaled_field(
 
 @dataclass(frozen=True)
 class RescaleTime(Operation):
-    """Write an equation in the time scales.
+    """Write an equation in terms of the time scales.
 
-    The sources are the equation, the definition of the scales (the fast one first), and, where
-    there are any, the time derivatives in them.
+    The sources are the equation, the definition of the scales (the fast one first) and, if there
+    are any, the time derivatives in terms of them.
 
     Attributes
     ----------
@@ -318,9 +318,9 @@ class RescaleTime(Operation):
 
 @dataclass(frozen=True)
 class EnterMovingFrame(Operation):
-    """Put a travelling wave into a lattice equation.
+    """Insert a travelling wave into a lattice equation.
 
-    The second source has a part ``field(n, t) = profile(n - v t)``, read for every n, and a part
+    The second source has a part ``field(n, t) = profile(n - v t)``, valid for every n, and a part
     ``profile(n - v t) = profile(zeta)``, which names the coordinate.
 
     Attributes
@@ -350,6 +350,6 @@ class EnterMovingFrame(Operation):
             return found.replace(profile, lambda at: profile(sp.expand(at))).doit()
 
         result = on_sides(target, moved)
-        if result.has(self.time):  # what was a function of the site is one of both by now
+        if result.has(self.time):  # a function of the site has become one of both
             raise OperationError(f"{self.site} or {self.time} is left: not a travelling wave")
         return result

@@ -1,4 +1,4 @@
-"""A sum over a named set of roots, held unevaluated."""
+"""A sum over a named set of roots, kept unevaluated."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ class SumOver(sp.Expr):  # type: ignore[misc]
     """``sum of term over k in roots``; args are the term, k, and the name of the set."""
 
     def __new__(cls, term: Any, variable: Any, roots: Any) -> SumOver:
-        """Hold the three parts unevaluated."""
+        """Keep the three parts unevaluated."""
         made = sp.Expr.__new__(cls, sp.sympify(term), variable, roots)
         return made  # type: ignore[no-any-return]
 
     @property
     def free_symbols(self) -> set[sp.Basic]:
-        """Without the summation variable."""
+        """The free symbols without the summation variable."""
         return set(self.args[0].free_symbols - {self.args[1]} | {self.args[2]})
 
     def _latex(self, printer: Any) -> str:

@@ -16,8 +16,8 @@ from derivations.algebra.sums import SumOver
 class FourierTransform(Operation):
     """Transform a linear advance-delay equation: ``F(k) = integral of f(z) e^{-ikz} dz``.
 
-    A derivative becomes a factor ik and a shift by s a factor ``e^{iks}``; the transform of a
-    given term is integrated where it converges. For a step at ``z < 0`` that is ``Im k > 0``.
+    A derivative becomes a factor ik and a shift by s a factor ``e^{iks}``; the transform of a given
+    term is integrated where it converges. For a step at ``z < 0`` this is ``Im k > 0``.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class FourierTransform(Operation):
     transformed: sp.FunctionClass
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the transformed equation: what has the unknown on the left."""
+        """Return the transformed equation, with the terms of the unknown on the left."""
         (source,) = sources
         known, unknown = sp.S.Zero, sp.S.Zero
         for term in sp.Add.make_args(sp.expand(left_minus_right(source))):
@@ -74,7 +74,7 @@ class InvertTransform(Operation):
     coordinate, wavenumber : Symbol
         z and k.
     profile : Expr
-        What was transformed.
+        The function that was transformed.
     """
 
     phrase: ClassVar[str] = (
@@ -116,12 +116,12 @@ def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, k: sp.Symbol, slope: sp
 
 @dataclass(frozen=True)
 class CloseContour(Operation):
-    """Close a contour on a line just above the real axis, and sum residues.
+    """Close a contour on a line just above the real axis, and sum the residues.
 
     The sources are the contour integral, the function in its denominator, and the sets of its
-    roots. For a positive coordinate ``e^{ikz}`` falls off above: the contour is closed there, with
-    the roots of the upper half-plane inside. For a negative one it is closed below, in the other
-    sense, with the roots there and the pole at k = 0.
+    roots. For a positive coordinate ``e^{ikz}`` decays above: the contour is closed there, with the
+    roots of the upper half-plane inside. For a negative coordinate it is closed below, in the
+    opposite sense, with the roots there and the pole at k = 0 inside.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class CloseContour(Operation):
 class LayOnRealAxis(Operation):
     """Move a contour at zero coordinate onto the real axis, indented above the pole at k = 0.
 
-    The odd part of the principal value cancels; the indentation gives minus i pi times the residue.
+    The odd part of the principal value cancels; the indentation gives -i pi times the residue.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ class LayOnRealAxis(Operation):
         held = integral.rhs.function.subs(self.coordinate, 0)
         even = sp.expand((named.rhs + named.rhs.subs(k, -k)) / 2)
         odd = sp.expand(named.rhs - even)
-        rest = sp.simplify(held * named.lhs * k)  # what does not depend on k
+        rest = sp.simplify(held * named.lhs * k)  # the part that does not depend on k
         if rest.has(k) or even.subs(k, 0) == 0:
             raise OperationError("the integrand is not a constant over k L(k)")
         half_residue = -sp.pi * sp.I * rest / even.subs(k, 0)
@@ -211,10 +211,11 @@ class LayOnRealAxis(Operation):
 
 @dataclass(frozen=True)
 class SumOverPeriods(Operation):
-    """Sum an integrand over all periods of its periodic part, so that one period is enough.
+    """Sum an integrand over all periods of its periodic part, to give an integral over one period.
 
-    The integrand from 0 to infinity is ``u / (A² + w k²)`` up to constants, with A of period 2 pi
-    and even. Partial fractions and ``sum over m of 1/(z + 2 pi m) = cot(z/2)/2`` do the rest.
+    The integrand from 0 to infinity is ``u / (A² + w k²)`` up to constants, with A even and of
+    period 2 pi. Partial fractions and ``sum over m of 1/(z + 2 pi m) = cot(z/2)/2`` give the
+    result.
 
     Attributes
     ----------
@@ -273,8 +274,8 @@ class IntegratePeriod(Operation):
     Attributes
     ----------
     probe : float
-        Value of the parameter at which the sign of a simplified square root is decided; it cannot
-        change where no root crosses the unit circle.
+        Value of the parameter at which the sign of a simplified square root is determined; the sign
+        cannot change unless a root crosses the unit circle.
     """
 
     phrase: ClassVar[str] = "carry out the integral of {sources} by residues in the unit disc"

@@ -77,7 +77,7 @@ class SecondOrderChecks:
         return complex(solved_for(candidate, unknown, point))
 
     def _residual(self, rate: complex, values: dict[int, complex], e: float) -> float:
-        """Return the residual of (8) at e^{it} for a given dA/dt; y1 is found by Fourier transform."""
+        """Return the residual of (8) at e^{it} for a given dA/dt, with y1 by Fourier transform."""
         p, h, reach = self._numbers(e), 1e-5, self.model.reach
         # A'' to order eps^2 is the derivative of the first-order flow along itself.
         flow = {at: self._first(values, at, p) for at in range(-reach, reach + 1)}

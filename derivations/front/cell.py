@@ -1,4 +1,4 @@
-"""The cell of the averaged chain: its two cycles, and what two straight lines keep and drop."""
+"""The cell of the averaged chain: its two cycles, and what the model (44) keeps of it."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from derivations.front.symbols import (
 )
 from derivations.symbols import i, n, t
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
 def forcing_parameter(chain: ChainModel) -> sp.Expr | None:
-    """Return ``h_0 h_2p / h_p²`` of a damping with powers 0, p, 2p; None for any other."""
+    """Return ``h_0 h_2p / h_p²`` for a damping with powers 0, p, 2p; None for any other."""
     powers = sorted(chain.damping)
     if len(powers) != 3 or powers[0] != 0 or powers[2] != 2 * powers[1]:
         return None
@@ -41,13 +41,13 @@ def forcing_parameter(chain: ChainModel) -> sp.Expr | None:
 
 
 def eliminated(chain: ChainModel) -> tuple[sp.Symbol, ...]:
-    """Return a symbol of the top coefficient, which η replaces."""
+    """Return a symbol of the leading coefficient, which η replaces."""
     found = sorted(chain.damping[max(chain.damping)].free_symbols, key=str)
     return tuple(found[:1])
 
 
 def steps(draft: Draft, chain: ChainModel) -> None:
-    """From (43) to the ratio of the two cycles, for a cell that has them in closed form."""
+    """Derive the ratio of the two cycles from (43), for a cell that has them in closed form."""
     checks = FrontCellChecks(chain)
     draft.derived("averaged cell", alike(phi, n, t, chain.reach),
                   "averaged chain at unit frequency", check=checks.averaged_cell)
@@ -83,7 +83,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
 
 
 def comparison(draft: Draft, chain: ChainModel) -> None:
-    """Write down what (44) keeps of (43), and what it drops."""
+    """Derive what (44) retains of (43), and what it neglects."""
     checks = FrontCellChecks(chain)
     size, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
     below, above = (side(size, threshold) for side in (sp.Lt, sp.Gt))

@@ -1,4 +1,4 @@
-"""Checks of the cell of the averaged chain and of the two straight lines."""
+"""Checks of the cell of the averaged chain, and of the two straight lines of (44)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _OWN = s.phi(n, t)
 
 
 class FrontCellChecks(SampledChecks):
-    """What the cell is held against: Eq. (8) averaged by equal samples in time."""
+    """The checks of the cell, by averaging Eq. (8) over equal samples in time."""
 
     def _cells(self) -> Iterator[tuple[Sample, random.Random]]:
         rng = random.Random(5)
@@ -42,13 +42,13 @@ class FrontCellChecks(SampledChecks):
 
     @at_points("moduli and arguments of numbers")
     def polar(self) -> Points:
-        """Modulus and argument of a number."""
+        """Compare with modulus and argument of a number."""
         for own in (0.7 - 0.4j, -1.1 + 0.2j):
             yield {_OWN: own, s.radius: abs(own), s.phase: cmath.phase(own)}, [0]
 
     @at_points("Eq. (8) averaged by sampling", floor=0.1)
     def cell_parts(self) -> Points:
-        """Rate of a real amplitude: real and imaginary part."""
+        """Compare with the rate of a real amplitude: real and imaginary part."""
         for sample, rng in self._cells():
             size, rate, turn = (rng.uniform(0.3, 2) for _ in range(3))
             change = sample.chain.cell_rate(size) * size
@@ -58,7 +58,7 @@ class FrontCellChecks(SampledChecks):
 
     @at_points("the sampled loss of the cell")
     def amplitude_rate(self) -> Points:
-        """Solved for the rate of the amplitude."""
+        """Compare after solving for the rate of the amplitude."""
         for sample, rng in self._cells():
             size = rng.uniform(0.3, 2)
             yield {s.radius: size, s.radius.diff(t): sample.rate(size),
@@ -66,27 +66,27 @@ class FrontCellChecks(SampledChecks):
 
     @at_points("the sampled detuning of the cell", floor=0.1)
     def phase_rate(self) -> Points:
-        """Solved for the rate of the phase."""
+        """Compare after solving for the rate of the phase."""
         for sample, rng in self._cells():
             size = rng.uniform(0.3, 2)
             turn = sample.chain.cell_rate(size).imag
             yield {s.radius: size, s.phase.diff(t): turn, **sample.chain.values}, [0]
 
     def cycles(self, candidate: sp.Basic) -> Evidence:
-        """Zeros of the sampled loss."""
+        """Compare with the zeros of the sampled loss."""
         return self.on_cycles("zeros of the sampled loss", 2)(candidate)
 
     def ratio(self, candidate: sp.Basic) -> Evidence:
-        """Ratio of those zeros."""
+        """Compare with the ratio of these zeros."""
         return self.on_cycles("zeros of the sampled loss", 1)(candidate)
 
     def forcing(self, candidate: sp.Basic) -> Evidence:
-        """From the coefficients of the damping, and that it does not change with the amplitude."""
+        """Compare with the damping coefficients, and require independence of the amplitude."""
         return self.on_cycles("the coefficients of the damping", 1)(candidate)
 
     @at_points("the slope of the sampled loss", tolerance=1e-7)
     def radial_decay(self) -> Points:
-        """Slope of the sampled loss on the outer cycle."""
+        """Compare with the slope of the sampled loss on the outer cycle."""
         for sample in self.samples:
             step = 1e-3 * sample.outer
             slope = slope_of(sample.rate, sample.outer, step)
@@ -94,13 +94,13 @@ class FrontCellChecks(SampledChecks):
 
     @at_points("the response of the averaged chain to a tiny amplitude", tolerance=1e-7)
     def near_rest(self) -> Points:
-        """Response of the averaged chain to a tiny amplitude."""
+        """Compare with the response of the averaged chain to a tiny amplitude."""
         for sample, rng in self._cells():
             field, rate = sites(self.model, rng), complex_number(rng)
             yield as_point(sample.chain, field, rate), [rate - sample.linear(field)]
 
     def nothing(self, candidate: sp.Basic) -> Evidence:
-        """Nothing is left, at numbers."""
+        """Require that nothing is left, at numerical values."""
         worst = 0.0
         for sample, rng in self._cells():
             point = as_point(sample.chain, sites(self.model, rng), complex_number(rng))
@@ -115,7 +115,7 @@ class FrontCellChecks(SampledChecks):
 
     @at_points("the linear response about rest, moved to the cycle", tolerance=1e-7)
     def upper(self) -> Points:
-        """Compare with the response about rest, moved to the cycle."""
+        """Compare with the response about rest, shifted to the cycle."""
         for sample, rng in self._cells():
             own, cycle = complex_number(rng, 2.0), complex_number(rng, 2.0)
             uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own - cycle)

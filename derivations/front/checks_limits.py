@@ -1,4 +1,4 @@
-"""Checks of the limits of the kinetic relation: standing chains, long waves, roots of their own."""
+"""Checks of the limits of the kinetic relation: static chains, long waves, computed roots."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _FACTORS = (0.4, 1.0, 2.3)
 
 
 class LimitChecks(SampledChecks):
-    """What pinning, retreat and strong coupling are held against."""
+    """The checks of pinning, retreat and strong coupling."""
 
     def _standing(self, *, ahead: bool = True) -> Iterator[tuple[Sample, complex, dict[Any, Any]]]:
-        """Value at the site that is about to switch, with springs of several strengths."""
+        """Return the value at the site about to switch, with springs of several strengths."""
         for sample in self.samples:
             for factor in _FACTORS if self.model.is_scaled_by_c else (1.0,):
                 own = standing(sample.coupled(factor))
@@ -38,7 +38,7 @@ class LimitChecks(SampledChecks):
         yield point, [0]
 
     def static(self, *, ahead: bool) -> Check:
-        """Compare with the last site of a standing chain, and with a front that hardly moves."""
+        """Compare with the last site of a static chain, and with a front that hardly moves."""
         name = s.static_sum if ahead else s.retreating_sum
 
         def points() -> Points:
@@ -46,14 +46,14 @@ class LimitChecks(SampledChecks):
                 yield {**values, name: -own / sample.lattice.decay}, [0]
             if ahead:
                 sample = self.samples[0]
-                # The correction is about e^{-decay/v}, and the decay is half the clock.
+                # The correction is about e^{-decay/v}, and the decay is half the damping at rest.
                 slow = kinetic_sum(sample.lattice, 0.01 * sample.clock)
                 yield {**sample.chain.values, name: slow}, [0]
 
         return at_points("a standing chain, solved site by site", floor=1.0)(points)
 
     def named_relation(self, name: sp.Symbol) -> Check:
-        """Compare with the modulus of the sum against the ratio."""
+        """Compare the modulus of the sum with the ratio."""
 
         def points() -> Points:
             for sample in self.samples:
@@ -64,7 +64,7 @@ class LimitChecks(SampledChecks):
         return at_points("the value at the front over its modulus")(points)
 
     def depinning(self, *, ahead: bool) -> Check:
-        """Both parts, for a standing chain."""
+        """Compare both parts for a static chain."""
         name = s.static_sum if ahead else s.retreating_sum
 
         def points() -> Points:
@@ -74,7 +74,7 @@ class LimitChecks(SampledChecks):
         return at_points("a standing chain, solved site by site", floor=1.0)(points)
 
     def _roots(self) -> Iterator[tuple[float, complex, dict[Any, Any]]]:
-        """Value ahead, and the square root that belongs to it: 1 - 2 phi/phi_s = 1/w."""
+        """Return the value ahead, and the corresponding square root: 1 - 2 phi/phi_s = 1/w."""
         for _, ahead, values in self._standing():
             root = 1 / (1 - 2 * ahead)
             yield abs(ahead), root, {**values, s.p: root.real}
@@ -85,7 +85,7 @@ class LimitChecks(SampledChecks):
             yield point, [0, 0]
 
     def radical(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the root that belongs to a standing chain."""
+        """Compare with the root that belongs to a static chain."""
         found = self._radical(candidate)
         worst = max(abs(complex(candidate.args[0].rhs.subs(point).evalf()) - root)
                     for _, root, point in self._roots())  # fmt: skip
@@ -93,7 +93,7 @@ class LimitChecks(SampledChecks):
 
     @at_points("standing chains")
     def coupling_by_p(self) -> Points:
-        """Coupling of a standing chain from its root."""
+        """Compare the coupling of a static chain with the one from its root."""
         for _, _, point in self._roots():
             yield point, [0]
 
@@ -101,11 +101,11 @@ class LimitChecks(SampledChecks):
         for (_, _, point), (_, own, _) in zip(
             self._roots(), self._standing(ahead=ahead), strict=True
         ):
-            coupling = point.pop(c)  # the threshold has a name of its own
+            coupling = point.pop(c)  # the threshold has its own symbol
             yield {**point, s.ratio: abs(own), s.c_pin if ahead else s.c_retreat: coupling}
 
     def thresholds(self, *, ahead: bool) -> Check:
-        """Ratio and root of a standing chain."""
+        """Compare with ratio and root of a static chain."""
 
         def points() -> Points:
             for point in self._with_ratio(ahead=ahead):
@@ -114,7 +114,7 @@ class LimitChecks(SampledChecks):
         return at_points("standing chains")(points)
 
     def coupling(self, *, ahead: bool) -> Check:
-        """Coupling of a standing chain from its ratio alone."""
+        """Compare the coupling of a static chain with the one from its ratio alone."""
 
         def points() -> Points:
             for point in self._with_ratio(ahead=ahead):
@@ -124,9 +124,9 @@ class LimitChecks(SampledChecks):
         return at_points("standing chains")(points)
 
     def largest_ratio(self, candidate: sp.Basic) -> Evidence:
-        """Value ahead of a standing chain at strong coupling, extrapolated."""
+        """Compare with the value ahead of a static chain at strong coupling, extrapolated."""
         sizes = [abs(standing(Lattice(0.5, (strong,)))) for strong in (2.5e3, 1e4)]
-        limit = 2 * sizes[1] - sizes[0]  # the difference falls like 1/sqrt(c)
+        limit = 2 * sizes[1] - sizes[0]  # the difference decreases like 1/sqrt(c)
         found = solved_for(candidate, s.ratio, {}).real
         return Evidence(
             abs(found - limit) < 1e-4,
@@ -138,7 +138,7 @@ class LimitChecks(SampledChecks):
         return self.on_cycles("cycles of the direct average", 1)(candidate)
 
     def largest_eta(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the cycles of that forcing have the ratio one half."""
+        """Require the cycles of the direct average at this forcing to have the ratio one half."""
         limit = solved_for(candidate, s.eta, {}).real
         powers = sorted(q for q in self.model.damping if q)
         low, middle, top = 1.0, -4.0, limit * 16.0
@@ -149,9 +149,9 @@ class LimitChecks(SampledChecks):
         return Evidence(abs(found - 0.5) < 1e-12, f"cycles of that η have the ratio {found:.12f}")
 
     def _strong(self, factor: float) -> Iterator[tuple[Sample, Lattice, dict[Any, Any], float]]:
-        """Each chain so many times as strong, with the unit in which V is of order one.
+        """Yield each chain with stronger springs, and the unit in which V is of order one.
 
-        In units of the damping at rest over that, κ is of order one too: V κ is a rate.
+        In units of the damping at rest divided by that unit, κ is of order one too: V κ is a rate.
         """
         for sample in self.samples:
             values = {**sample.chain.values}
@@ -160,7 +160,7 @@ class LimitChecks(SampledChecks):
             yield sample, sample.coupled(factor), values, velocity
 
     def long_waves(self, candidate: sp.Basic) -> Evidence:
-        """L at strong coupling, at a wavenumber that falls like its root."""
+        """Compare with L at strong coupling, at a wavenumber proportional to 1/sqrt(c)."""
         worst = 0.0
         for sample, lattice, values, unit in self._strong(1e6):
             fast, number = 0.8 * unit, (0.7 - 0.4j) * sample.clock / unit
@@ -174,7 +174,7 @@ class LimitChecks(SampledChecks):
         )
 
     def long_wave_root(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the root nearest the origin above the axis, by Newton's method."""
+        """Compare with the root above the axis nearest the origin, by Newton's method."""
         worst = 0.0
         for sample, lattice, values, unit in self._strong(1e6):
             for fast in (0.3 * unit, 0.8 * unit, 2.0 * unit):
@@ -188,9 +188,9 @@ class LimitChecks(SampledChecks):
         )
 
     def strong_sum(self, candidate: sp.Basic) -> Evidence:
-        """Compare with the whole sum at large c, from the front's history."""
+        """Compare with the whole sum at large c, from the history of the front."""
         errors = []
-        far = self.model.reach**2  # of the same pull on long waves, each spring is weaker
+        far = self.model.reach**2  # for the same pull on long waves, each spring is weaker
         for factor in (100.0 * far, 900.0 * far):
             worst = 0.0
             for sample, lattice, values, unit in self._strong(factor):
@@ -199,24 +199,25 @@ class LimitChecks(SampledChecks):
                 found = solved_for(candidate, s.strong_sum, {**values, s.V: fast})
                 worst = max(worst, sample.clock * abs(found - exact))
             errors.append(worst)
-        # Left out are the roots near k = 2 pi m. There c (k - 2 pi m)²/2 balances 2 pi m v, and v
-        # is of order sqrt(c): k - 2 pi m falls like c^(-1/4), L_k grows like c^(3/4), and what is
-        # left out falls like c^(-3/4), by 5.2 for nine times the coupling, less a fifth for 1/c;
-        # with springs of several lengths, which have more roots, it does so more slowly at first.
+        # The neglected terms are the roots near k = 2 pi m. There c (k - 2 pi m)²/2 balances 2 pi m
+        # v, and v is of order sqrt(c): k - 2 pi m decreases like c^(-1/4), L_k grows like c^(3/4),
+        # and the neglected sum decreases like c^(-3/4), by 5.2 for nine times the coupling, less a
+        # fifth for 1/c. With springs of several lengths, which have more roots, it decreases more
+        # slowly at first.
         least = 0.8 * 9**0.75 if self.model.reach == 1 else 3.0
         holds = errors[1] < 0.02 and errors[1] < errors[0] / least
         return Evidence(holds, "the front from its history at strong coupling, and one nine times "
                                f"as strong: off by {errors[0]:.1e}, {errors[1]:.1e}")  # fmt: skip
 
     def strong_relation(self, candidate: sp.Basic) -> Evidence:
-        """Both parts."""
+        """Compare both parts."""
         relation, value_of = candidate.args
         first = self.named_relation(s.strong_sum)(relation)
         return self.strong_sum(value_of) if first.holds else first
 
 
 def _nearest(lattice: Lattice, v: float, unit: float) -> complex:
-    """Return the root above the axis nearest to the origin, from many starts in that unit."""
+    """Return the root above the axis nearest to the origin, from many starts in this unit."""
     starts = np.array([r * np.exp(1j * a) for r in (0.2, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0)
                        for a in (0.2, 0.8, 1.6, 2.4, 3.0)]) * unit  # fmt: skip
     k = starts

@@ -1,4 +1,4 @@
-"""Checks of (44)-(54): direct averages, the front built from its history, found roots."""
+"""Checks of (44)-(54): direct averages, the front built from its history, and computed roots."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ def _wave(z: Any) -> Any:
 
 
 class ProfileChecks(SampledChecks):
-    """What (44)-(54) are held against."""
+    """The checks of (44)-(54)."""
 
     def _states(self) -> Iterator[tuple[Sample, dict[int, complex], complex, complex, bool]]:
-        """Sites just below and just above the threshold 2, and far from it, at any phase."""
+        """Yield sites just below and just above the threshold 2, and far from it, at any phase."""
         rng = random.Random(7)
         for size in (0.4, 1.999, 2.001, 3.0):
             for sample in self.samples:
@@ -54,7 +54,7 @@ class ProfileChecks(SampledChecks):
         "threshold", tolerance=1e-7,
     )  # fmt: skip
     def two_lines(self) -> Points:
-        """Linearise the direct average at rest; beyond the threshold, the same about phi_s."""
+        """Linearise the direct average about rest and, beyond the threshold, about phi_s."""
         for sample, field, rate, cycle, excited in self._states():
             shift = cycle if excited else 0
             linear = sample.linear({place: own - shift for place, own in field.items()})
@@ -84,7 +84,7 @@ class ProfileChecks(SampledChecks):
 
     @at_points("a wave watched at fixed sites")
     def moving(self) -> Points:
-        """Compare with a wave watched at fixed sites."""
+        """Compare with a wave observed at fixed sites."""
         rng = random.Random(2)
         for _ in range(3):
             at, when, fast = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
@@ -98,7 +98,7 @@ class ProfileChecks(SampledChecks):
             yield point, [0] * (2 * (2 * self.model.reach + 1))
 
     def admissible(self, candidate: sp.Basic) -> Evidence:
-        """Both sides agree at each of a row of places of a front that exists."""
+        """Compare both sides at several places of an existing front."""
         sample, fast = front(self.model)
         for place in PLACES:
             own = abs(profile(sample.lattice, place, fast))
@@ -110,13 +110,13 @@ class ProfileChecks(SampledChecks):
 
     @at_points("a distance over both times")
     def slow_velocity(self) -> Points:
-        """Compare with the distance covered is the same by both clocks."""
+        """Require the distance covered to be the same by both clocks."""
         small, when, moved = 0.2, 3.0, 1.7
         point = {epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
         yield point, [0]
 
     def profile_equation(self, velocity: sp.Symbol) -> Check:
-        """(44) for a travelling test wave, on the branch that the sign of zeta selects."""
+        """Compare (44) for a travelling test wave, on the branch selected by the sign of zeta."""
 
         def points() -> Points:
             rng = random.Random(4)
@@ -138,7 +138,7 @@ class ProfileChecks(SampledChecks):
         return at_points("(44) for a travelling test wave", tolerance=1e-7)(points)
 
     def transformed(self, candidate: sp.Basic) -> Evidence:
-        """Transform both sides of (48) by quadrature, with a bell for the profile."""
+        """Transform both sides of (48) by quadrature, with a bell-shaped profile."""
         worst = 0.0
         for point, left, right in self._transforms:
             worst = max(worst, abs(value(candidate.lhs, point) - left),
@@ -147,7 +147,7 @@ class ProfileChecks(SampledChecks):
 
     @cached_property
     def _transforms(self) -> list[tuple[Point, complex, complex]]:
-        """Image of the bell, and both sides of (48), at three wavenumbers."""
+        """Return the image of the bell, and both sides of (48), at three wavenumbers."""
         found: list[tuple[Point, complex, complex]] = []
         for sample, fast, number in self.waves():
             image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
@@ -164,7 +164,7 @@ class ProfileChecks(SampledChecks):
 
     @at_points("(48) applied to e^(ikζ), numerically", tolerance=1e-8)
     def dispersion(self) -> Points:
-        """(48) applied to a wave, from its values at the neighbours."""
+        """Compare with (48) applied to a wave, computed from its values at the neighbours."""
         for sample, fast, number in self.waves():
             yield {**sample.chain.values, s.v: fast, s.k: number,
                    s.L(s.k): complex(sample.lattice.dispersion(number, fast))}, [0]  # fmt: skip
@@ -177,16 +177,16 @@ class ProfileChecks(SampledChecks):
 
     @at_points("numerical derivatives of L at any k", tolerance=1e-8)
     def slope(self) -> Points:
-        """Numerical derivatives of L at any k."""
+        """Compare with numerical derivatives of L at any k."""
         yield from self._slopes(False)
 
     @at_points("numerical derivatives of L at its roots", tolerance=1e-6)
     def slope_on_roots(self) -> Points:
-        """Numerical derivatives of L at its roots."""
+        """Compare with numerical derivatives of L at its roots."""
         yield from self._slopes(True)
 
     def root_sets(self, candidate: sp.Basic) -> Evidence:
-        """Roots found by iteration are members; roots of the other half-plane are not."""
+        """Require roots found by iteration to be members, and roots of the other half-plane not."""
         sample = self.samples[0]
         members = parts_of(candidate)
         if [member.lhs for member in members] != [s.M_plus, s.M_minus]:
@@ -195,7 +195,7 @@ class ProfileChecks(SampledChecks):
             conditions = member.rhs.condition.args
             relation = next(q for q in conditions if isinstance(q, sp.Equality))
             others = sp.And(*(q for q in conditions if q != relation))
-            for near in (0.7 + 1e-9j, 0.7 - 1e-9j):  # the half-plane begins at the axis
+            for near in (0.7 + 1e-9j, 0.7 - 1e-9j):  # the half-plane is bounded by the axis
                 if bool(others.subs(s.k, sp.sympify(near))) != ((near.imag > 0) == (place == 0)):
                     return Evidence(False, f"wrong about numbers like {near}")
             for upper in (True, False):
@@ -215,7 +215,7 @@ class ProfileChecks(SampledChecks):
 
     @at_points("the transform of the step by quadrature", tolerance=1e-6)
     def image(self) -> Points:
-        """Compare with the transform of the step by quadrature, over the numerical L."""
+        """Compare with the transform of the step by quadrature, divided by the numerical L."""
         for sample, fast, number in self.waves():
             yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: CYCLE,
                    s.L(s.k): complex(sample.lattice.dispersion(number, fast)),
@@ -227,7 +227,8 @@ class ProfileChecks(SampledChecks):
         for place, (sample, fast, _) in zip((-0.6, 0.7, 1.4), self.waves(), strict=True):
             lattice = sample.lattice
             height = 0.5 * float(roots(lattice, fast).imag.min())
-            # Three points in the distance to 0 and to the first root: the rule is off by e^(-6π).
+            # With three points in the distance to 0 and to the first root, the error is of order
+            # e^(-6π).
             count = int(2000.0 / min(0.02, height / 3.0)) + 1
             line = np.linspace(-1000.0, 1000.0, count) + 1j * height
             integral = candidate.rhs.atoms(sp.Integral).pop()
@@ -241,11 +242,11 @@ class ProfileChecks(SampledChecks):
             worst = max(worst, abs(total - CYCLE * profile(lattice, place, fast)))
             if candidate.lhs != s.phi(s.zeta):
                 return Evidence(False, "it does not give the profile")
-        # The tails beyond 1000 fall like 1/k² and oscillate.
+        # The tails beyond 1000 decrease like 1/k² and oscillate.
         return Evidence(worst < 1e-5, f"the front from its history: off by at most {worst:.1e}")
 
     def profile(self, candidate: sp.Basic) -> Evidence:
-        """Against the front built from its history, at both signs of zeta."""
+        """Compare with the front built from its history, at both signs of zeta."""
         left, right = candidate.args
         worst = 0.0
         cases = zip((-1.5, -0.4, 0.3, 1.5), (*self.waves(), next(self.waves())), strict=True)

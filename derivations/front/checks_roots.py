@@ -1,4 +1,4 @@
-"""Checks of where the roots lie: L from its neighbours, and winding numbers."""
+"""Checks of the location of the roots: L computed from its neighbours, and winding numbers."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from derivations.front.sampling import Sample, SampledChecks
 
 
 class RootChecks(SampledChecks):
-    """What the proofs about roots are held against."""
+    """The checks of the proofs about roots."""
 
     def on_line(self, where: Callable[[dict[Any, Any]], Any]) -> Check:
-        """Compare with L from its neighbours, at points of a line."""
+        """Compare with L computed from its neighbours, at points of a line."""
 
         def points() -> Points:
             rng = random.Random(12)
@@ -34,7 +34,7 @@ class RootChecks(SampledChecks):
         return at_points("L from its values at the neighbours")(points)
 
     def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
-        """Velocity and wavenumber at which the numerical slope of L vanishes."""
+        """Yield velocity and wavenumber at which the numerical slope of L vanishes."""
         for sample in self.samples:
             for turn, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
                 fast = sample.lattice.springs[0] * math.cosh(height)
@@ -60,13 +60,13 @@ class RootChecks(SampledChecks):
 
     @at_points("L where its slope vanishes")
     def at_turning(self) -> Points:
-        """Compare with L there, from its values at the neighbours."""
+        """Compare with L at this point, computed from its values at the neighbours."""
         for sample, fast, number, point in self._turns():
             exact = complex(sample.lattice.dispersion(number, fast))
             yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
 
     def no_double(self, candidate: sp.Basic) -> Evidence:
-        """At the value of n that comes out, which is no integer, Im L vanishes on the line."""
+        """Require Im L to vanish on the line at the value of n found, which is no integer."""
         worst, nearest = 0.0, 1.0
         for sample, fast, number, point in self._turns():
             turn = solved_for(candidate, s.turns, point).real

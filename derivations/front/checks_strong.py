@@ -1,4 +1,4 @@
-"""Checks of the speed law: linear waves of (8), and fronts of the averaged chain run directly."""
+"""Checks of the speed law: linear waves of (8), and direct runs of fronts of the averaged chain."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ from derivations.front.sampling import Sample, SampledChecks, cells
 from derivations.symbols import c, epsilon, n, omega, t, y
 
 FASTEST_RETURN = 200.0
-"""Of a cell to its cycle, over its damping at rest: a check of the speed law takes ten seconds."""
+"""Largest rate of return of a cell to its cycle, over its damping at rest; with it, a check of the
+speed law takes ten seconds."""
 
 
 def _shape(z: Any) -> Any:
@@ -33,17 +34,17 @@ def _shape(z: Any) -> Any:
 
 
 class StrongChecks(SampledChecks):
-    """What the speed law is held against."""
+    """The checks of the speed law."""
 
     @at_points("the forces on a chain at rest", floor=1.0)
     def rest(self) -> Points:
-        """Without displacement there is no force."""
+        """Require that there is no force without displacement."""
         for sample in self.samples:
             at_rest = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), 0.0)
             yield {y(n, t): sample.chain.rest(at_rest, 0.0)}, [0]
 
     def _tiny(self, sample: Sample, field: dict[int, float], rate: float) -> float:
-        """Rest of a displacement less that of its opposite: even powers drop out."""
+        """Return the force of a displacement minus that of its opposite, without even powers."""
         there, back = (
             sample.chain.rest({place: size * own for place, own in field.items()}, size * rate)
             for size in (sample.tiny, -sample.tiny)
@@ -65,7 +66,7 @@ class StrongChecks(SampledChecks):
             yield point, [second + self._tiny(sample, field, rate)]
 
     def _square(self, chain: ChainNumbers) -> Callable[[Any], Any]:
-        """omega² of a wave, from the pull of the springs on a cosine."""
+        """Return omega² of a wave, from the pull of the springs on a cosine."""
 
         def of(q: Any) -> Any:
             field = {place: mp.cos(q * place) for place in range(-chain.reach, chain.reach + 1)}
@@ -82,7 +83,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("numerical derivatives of the frequency", tolerance=1e-6)
     def frequency_derivatives(self) -> Points:
-        """Numerical derivatives of the root of that."""
+        """Compare with numerical derivatives of the square root of that."""
         for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
             square = self._square(sample.chain)
             rates = [float(mp.diff(lambda k, f=square: mp.sqrt(f(k)), q, j)) for j in range(4)]
@@ -99,7 +100,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("the frequency at a distance from the carrier, and the sampled loss", tolerance=1e-8)
     def modulated(self) -> Points:
-        """Compare with a tiny wave at a distance from the carrier, and a uniform envelope."""
+        """Compare with a tiny wave off the carrier's wave number, and with a uniform envelope."""
         one, three = 0.7, -0.4
         for sample in self.samples:
             for distance in (0.3, -0.8):
@@ -120,7 +121,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("a shape watched at a fixed place")
     def inner_scale(self) -> Points:
-        """Compare with a shape watched at a fixed place."""
+        """Compare with a shape observed at a fixed place."""
         place, when, fast, size = 1.7, 0.6, 0.9, 2.3
         seen = float(_shape((place - fast * when) / size))
         moving = s.profile((s.place - s.speed * t) / s.length)
@@ -142,7 +143,7 @@ class StrongChecks(SampledChecks):
             yield sample, point, number
 
     def _rest(self, number: dict[str, float]) -> float:
-        """Return what a moving envelope leaves over: its rate, minus dispersion and loss."""
+        """Return the residual of a moving envelope: its rate, minus dispersion and loss."""
         size = number["length"]
         rate = -number["v"] * number["d1"] / size
         spread = -number["w"] * number["d1"] / size - number["g"] * number["d3"] / (6 * size**3)
@@ -156,13 +157,13 @@ class StrongChecks(SampledChecks):
 
     @at_points("numbers for both")
     def sizes(self) -> Points:
-        """Two clocks, and a sign."""
+        """Compare the velocity on both clocks, and a sign."""
         point = {s.speed: 0.34, s.v: 1.7, epsilon: 0.2, s.w_3: -0.6, s.w_3_size: 0.6}
         yield point, [0, 0]
 
     @at_points("a moving shape, differentiated numerically", tolerance=1e-7)
     def inner_named(self) -> Points:
-        """Compare with the same a unit of slow time."""
+        """Compare with the same per unit of slow time."""
         for sample, point, number in self._frames():
             small = sample.chain.eps
             yield (
@@ -178,24 +179,24 @@ class StrongChecks(SampledChecks):
 
     @at_points("the scales that make the coefficients one and -κ")
     def speed_law(self) -> Points:
-        """Length and speed at numbers."""
+        """Compare length and speed at numerical values."""
         yield self._law_point(), [0, 0]
 
     @at_points("the scales that make the coefficients one and -κ")
     def speed_alone(self) -> Points:
-        """Speed at numbers."""
+        """Compare the speed at numerical values."""
         yield self._law_point(), [0]
 
     @at_points("a shape differentiated numerically, and the sampled loss", tolerance=1e-7)
     def inner_problem(self) -> Points:
-        """Third derivative, minus kappa times the first, plus the loss of the cell."""
+        """Compare with the third derivative minus kappa times the first plus the cell's loss."""
         for sample, point, number in self._frames():
             front = -0.7
             rest = number["d3"] - front * number["d1"] - number["loss"] / sample.chain.eps
             yield {**point, s.kappa_front: front, s.w_3_size: number["g"]}, [rest]
 
     def _fastest(self, sample: Sample) -> tuple[float, float, float]:
-        """Wave, largest group velocity and third derivative, by maximisation."""
+        """Return wave, largest group velocity and third derivative, by maximisation."""
         if sample not in self._found:
             self._found[sample] = self._maximised(sample.chain)
         return self._found[sample]
@@ -232,7 +233,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("the largest group velocity, by maximisation", tolerance=1e-6)
     def largest_group_velocity(self) -> Points:
-        """Compare with the same, with the third derivative."""
+        """Compare with the same, including the third derivative."""
         for point, _, _ in self._speeds():
             yield point, [0, 0]
 
@@ -240,7 +241,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("the largest group velocity, by maximisation", tolerance=1e-6)
     def closed_law(self) -> Points:
-        """Group velocity and third derivative by maximisation."""
+        """Compare with group velocity and third derivative by maximisation."""
         for point, group, third in self._speeds():
             small, front = point[epsilon], -0.45
             fast = group / small + front * float(np.cbrt(-third / (6 * small)))
@@ -248,12 +249,12 @@ class StrongChecks(SampledChecks):
 
     @cached_property
     def _slow_cell(self) -> Sample:
-        """The cell of slowest return: the law is for couplings large beside its rates."""
+        """Return the cell of slowest return; the law is for couplings much above its rates."""
         drawn = islice(cells(self.model), 12)
         return min(drawn, key=lambda each: each.return_rate / each.clock)
 
     def weak_law(self, candidate: sp.Basic) -> Evidence:
-        """Fronts of the averaged chain at strong coupling, with kappa from the inner problem."""
+        """Compare with fronts of the averaged chain, with kappa from the inner problem."""
         sample = self._slow_cell
         fast = sample.return_rate / sample.clock
         if fast > FASTEST_RETURN:
@@ -274,7 +275,7 @@ class StrongChecks(SampledChecks):
             predicted = float(solved_for(candidate, s.v, point).real)
             missed = (run_front(sample, springs) - predicted) / sample.clock
             errors.append(missed / float(np.cbrt(factor / 6)))
-        # What is left out is smaller by the square of the length, 8^(2/3) = 4.
+        # The neglected terms are smaller by the square of the length, 8^(2/3) = 4.
         holds = abs(errors[1]) < 0.1 and abs(errors[1]) < 0.5 * abs(errors[0])
         return Evidence(
             holds,
@@ -284,7 +285,7 @@ class StrongChecks(SampledChecks):
 
 
 def _loss(sample: Sample) -> Callable[[Any], Any]:
-    """Return the loss of the cell a unit of eps t, as a polynomial fitted to samples."""
+    """Return the loss of the cell per unit of eps t, as a polynomial fitted to samples."""
     degree = len(sample.chain.damping)
     sizes = sample.outer * 1.2 * np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (2 * degree + 2))
     rates = [sample.rate(float(size)) / sample.chain.eps / size for size in sizes]
@@ -294,10 +295,11 @@ def _loss(sample: Sample) -> Callable[[Any], Any]:
 
 @lru_cache(maxsize=8)
 def inner_velocity(sample: Sample) -> float:
-    """Return kappa: the value for which rest at +infinity is joined to the cycle at -infinity.
+    """Return kappa, for which rest at +infinity is connected to the cycle at -infinity.
 
-    The one direction in which rest is left backwards is followed; on either side of kappa the path
-    misses the cycle on different sides, which is bisected: it runs away upwards, or falls back.
+    The only direction in which solutions leave rest backwards is followed. Below and above kappa
+    the path misses the cycle on different sides, running away upwards or falling back, which is
+    used for bisection.
     """
     loss, length = _loss(sample), 1.0 / float(np.cbrt(sample.clock))
 
@@ -338,7 +340,7 @@ def inner_velocity(sample: Sample) -> float:
 
 @lru_cache(maxsize=16)
 def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
-    """Return the velocity of a front of the averaged chain, a unit of eps t, from a direct run.
+    """Return the velocity of a front of the averaged chain, per unit of eps t, from a direct run.
 
     Phase steps of -pi/2 make the amplitudes real; see 'amplitudes in quarter turns'.
     """

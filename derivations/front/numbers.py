@@ -1,8 +1,8 @@
-"""Numbers for the front that do not come from its formulas.
+"""Numerical values for the front that do not come from its formulas.
 
-Roots are found by iteration and counted by a winding number; the profile is built from the history
-of the sites, with the response of the undriven chain, so it knows neither roots nor contours. All
-quantities are dimensionless; v stands for the paper's velocity over eps.
+Roots are found by iteration and counted by a winding number. The profile is computed from the
+switching history of the sites and the response of the undriven chain, without roots or contours.
+All quantities are dimensionless; v stands for the paper's velocity divided by eps.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from derivations.algebra.sums import SumOver
 from derivations.front import symbols as s
 
 COUNT = 4000
-"""Roots on either side of the imaginary axis; the sum is then known to about 1e-4 / v and
-extrapolation in the number of roots brings it to 1e-9."""
+"""Number of roots on either side of the imaginary axis; the sum is then known to about 1e-4 / v,
+and extrapolation in the number of roots improves this to 1e-9."""
 WAVES = (256, 1024)
-"""Wavenumbers of the response at weak and at strong coupling, at least; the chain is then periodic
-with this many sites."""
+"""Smallest numbers of wavenumbers of the response at weak and at strong coupling; the chain is then
+periodic with this number of sites."""
 REACH = 25
-"""Sites of it for each that a standing response reaches, about the root of coupling over decay."""
+"""Number of these sites per site reached by a static response, about √(coupling/decay)."""
 
 _PERIODS = (50, 100, 200, 400, 800)
-"""Periods up to which integrals over k are taken before they are extrapolated."""
+"""Periods up to which integrals over k are computed before they are extrapolated."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class Lattice:
     Attributes
     ----------
     decay : float
-        Rate at which a site at rest decays, a unit of eps t.
+        Rate at which a site at rest decays, per unit of eps t.
     springs : tuple of float
-        c w_j, from the nearest neighbours on.
+        c w_j, beginning with the nearest neighbours.
     """
 
     decay: float
@@ -58,7 +58,7 @@ class Lattice:
         return total
 
     def _neighbours(self, k: Any) -> Iterator[tuple[int, float, Any, Any]]:
-        """Each distance with its spring, and the wave e^{ikn} at the sites that it joins."""
+        """Each distance with its spring, and the wave e^{ikn} at the sites that it couples."""
         next_ahead, next_back = np.exp(1j * k), np.exp(-1j * k)
         ahead = back = 1.0
         for distance, spring in enumerate(self.springs, start=1):
@@ -70,14 +70,14 @@ class Lattice:
         return self.on_site(k) - 1j * v * k
 
     def slope(self, k: Any, v: float) -> Any:
-        """dL/dk by exponentials."""
+        """dL/dk, by exponentials."""
         total = -1j * v + 0 * k
         for distance, spring, ahead, back in self._neighbours(k):
             total = total - 0.5 * spring * distance * (ahead - back)
         return total
 
     def newton(self, k: Any, v: float) -> Any:
-        """L/(dL/dk), shape of ``k``: a step of Newton's method, with each exponential once."""
+        """L/(dL/dk), shape of ``k``: a Newton step, with each exponential computed once."""
         value, slope = self.decay - 1j * v * k, -1j * v + 0 * k
         for distance, spring, ahead, back in self._neighbours(k):
             value = value - 0.5j * spring * (2 - ahead - back)
@@ -87,16 +87,17 @@ class Lattice:
 
 @lru_cache(maxsize=64)
 def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) -> Any:
-    """Return the roots of one half-plane from the left to the right.
+    """Return the roots of one half-plane, from left to right.
 
-    About ``count`` on either side of the imaginary axis: near the origin by Newton's method from a
-    grid, beyond by their labels. Strong springs demand that labels begin farther out. A winding
-    number says that none is missing, out to twice the distance where labels begin.
+    There are about ``count`` on either side of the imaginary axis: near the origin they are found
+    by Newton's method from a grid, farther out by their labels. For strong springs the labels must
+    begin farther out. A winding number shows that none is missing, up to twice the distance at
+    which labels begin.
 
     Raises
     ------
     ArithmeticError
-        If the count disagrees, wherever labels begin.
+        If the number of roots disagrees, wherever labels begin.
     """
     sign = 1.0 if upper else -1.0
     far = _far(lattice, v, count, sign)
@@ -116,7 +117,7 @@ def _are_zeros(k: Any, lattice: Lattice, v: float) -> Any:
 
 
 def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
-    """Newton's method from a grid; each root once."""
+    """Apply Newton's method from a grid; return each root once."""
     columns = np.linspace(-edge - 1, edge + 1, round(6.3 * edge))
     heights = np.geomspace(0.02, 9, 14)
     k = (columns[:, None] + 1j * sign * heights[None, :]).ravel()
@@ -125,7 +126,7 @@ def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
         for _ in range(25):
             steps = lattice.newton(k[moves], v)
             k[moves] -= steps
-            moves = moves[np.abs(steps) > 1e-15 * np.abs(k[moves])]  # nor what is not a number
+            moves = moves[np.abs(steps) > 1e-15 * np.abs(k[moves])]  # also drops NaN
         good = _are_zeros(k, lattice, v)
     k = k[good & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
     found: list[complex] = []
@@ -136,7 +137,7 @@ def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
 
 
 def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
-    """Solve for the exponential that grows, with a label for the sheet of the logarithm."""
+    """Solve for the growing exponential, with a label for the sheet of the logarithm."""
     reach = len(lattice.springs)
     labels = np.arange(-count * reach, count * reach + 1)
     labels = labels[np.abs(labels) > 2 * reach]
@@ -147,7 +148,7 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
         growing = 0.5j * top * np.exp(-1j * sign * reach * k)
         rest = -(lattice.dispersion(k, v) - growing) / (0.5j * top)
         k = 1j * sign / reach * (np.log(-1j * rest) + 1j * np.pi / 2 - 2j * np.pi * sign * labels)
-        if np.all(np.abs(k - before) < 1e-9 * np.abs(k)):  # what is left falls to Newton's method
+        if np.all(np.abs(k - before) < 1e-9 * np.abs(k)):  # Newton's method does the rest
             break
     for _ in range(3):
         k = k - lattice.newton(k, v)
@@ -174,11 +175,11 @@ def count_between(lattice: Lattice, v: float, left: float, right: float, upper: 
 
 @lru_cache(maxsize=512)
 def profile(lattice: Lattice, zeta: float, v: float) -> complex:
-    """phi(zeta)/phi_s from the history of the sites that have switched.
+    """Return phi(zeta)/phi_s from the history of the sites that have switched.
 
-    The site m places behind has been driven for a time (m - zeta)/v; its answer is that of the
-    undriven chain, summed over plane waves. Of each wave, what is left of the start falls by the
-    same factor from site to site.
+    The site m places behind has been driven for a time (m - zeta)/v. Its contribution is the
+    response of the undriven chain, summed over plane waves. For each wave, the remainder of the
+    initial state decreases by the same factor from site to site.
     """
     pull = sum(j * j * abs(spring) for j, spring in enumerate(lattice.springs, start=1))
     count = WAVES[sum(map(abs, lattice.springs)) > 8 * lattice.decay]
@@ -195,12 +196,12 @@ def profile(lattice: Lattice, zeta: float, v: float) -> complex:
 
 
 def kinetic_sum(lattice: Lattice, v: float) -> complex:
-    """Return the sum of (53), from the profile at the front."""
+    """Return the sum of (53), computed from the profile at the front."""
     return -profile(lattice, 0.0, v) / lattice.decay
 
 
 def evaluated(expression: sp.Basic, point: Point, lattice: Lattice, v: float) -> complex:
-    """Return a number, with sums over roots summed and integrals integrated numerically."""
+    """Return a number, with sums over roots and integrals evaluated numerically."""
     expression = expression.xreplace({node: _sum_over(node, point, lattice, v)
                                       for node in expression.atoms(SumOver)})  # fmt: skip
     expression = expression.xreplace({node: _integral(node, point)
@@ -214,7 +215,7 @@ def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Ex
     function = sp.lambdify((s.k, s.L_k), term.xreplace(rest), "numpy")
     found = roots(lattice, v, upper=which == s.M_plus)
     terms = function(found, lattice.slope(found, v))
-    # Partial sums between -edge and edge behave like S + p/edge + q/edge²: two extrapolations.
+    # Partial sums between -edge and edge behave like S + p/edge + q/edge²: extrapolate twice.
     reach = len(lattice.springs)
     sums = []
     for count in (COUNT // 4, COUNT // 2, COUNT):
@@ -226,7 +227,7 @@ def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Ex
 
 
 def _extrapolated(sums: Sequence[complex], ends: Sequence[float]) -> complex:
-    """Return I where sums up to e are I + p/e + q/e² and so on, to as many terms as sums."""
+    """Return I if sums up to e are I + p/e + q/e² and so on, to as many terms as there are sums."""
     powers = np.vander(1.0 / np.asarray(ends), increasing=True)
     return complex(np.linalg.solve(powers, np.array(sums))[0])
 
@@ -250,10 +251,11 @@ def _integral(node: Any, point: Point) -> sp.Expr:
 
 
 def _to_infinity(function: Callable[[Any], Any]) -> complex:
-    """Return the integral from 0 of what falls like 1/k² and turns with cosines of k.
+    """Return the integral from 0 of a function that decays like 1/k² and contains cosines of k.
 
-    Up to 2πM it is I + p/M + q/M² and so on: by Gauss's rule for several M, on parts of a period
-    which are halved until that changes nothing. The coarsest M must not matter either.
+    Up to 2πM it is I + p/M + q/M² and so on. It is computed for several M by Gauss's rule on parts
+    of a period, which are halved until the result no longer changes; it must not depend on the
+    smallest M either.
     """
     before = _in_parts(function, 8)
     for parts in (16, 32, 64):
@@ -269,7 +271,7 @@ def _to_infinity(function: Callable[[Any], Any]) -> complex:
 
 
 def _in_parts(function: Callable[[Any], Any], parts: int) -> list[complex]:
-    """Return the integral up to each number of periods, each period cut into so many parts."""
+    """Return the integral up to each number of periods, with each period cut into equal parts."""
     nodes, weights = np.polynomial.legendre.leggauss(16)
     half = math.pi / parts
     middles = half * (2.0 * np.arange(parts * _PERIODS[-1]) + 1.0)

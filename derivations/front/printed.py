@@ -37,7 +37,7 @@ _checks = ProfileChecks(PAPER)
 
 
 def _lines(left: sp.Expr, right: sp.Expr) -> sp.Eq:
-    """(44) with the switch where one quantity passes another."""
+    """Return (44) with the switch where one quantity passes another."""
     branches = sp.Piecewise(
         (_own, sp.Lt(left, right, evaluate=False)),
         (_own - phi_s, sp.Gt(left, right, evaluate=False)),
@@ -47,7 +47,7 @@ def _lines(left: sp.Expr, right: sp.Expr) -> sp.Eq:
 
 
 def _force(argument: sp.Expr) -> sp.Eq:
-    """(45) with the step of a quantity."""
+    """Return (45) with the step function of a quantity."""
     return equation(F, -_half * epsilon * _own
                     + _half * epsilon * phi_s * sp.Heaviside(argument, _half))  # fmt: skip
 

@@ -1,11 +1,11 @@
-"""Where the roots of the dispersion relation lie (52): short proofs, for v, c > 0.
+"""The location of the roots of the dispersion relation (52): short proofs for v, c > 0.
 
-No root is real: the real part is that of the decay. None is double: where the slope vanishes, the
-wavenumber would have to lie between two of the lines Re k = -pi/2 + 2 pi m. Above the real axis
-there is one root in each strip from an odd to the next even multiple of pi, and none from an even
-to the next odd one. Below the axis no such count holds at every velocity and coupling, and none is
-claimed: there the number of roots in a strip is found for each case, and the sums over both
-half-planes are compared in 'both half-planes'.
+No root is real, since the real part of L on the real axis is the decay rate. No root is double:
+where the slope vanishes, the wavenumber would have to lie between two of the lines Re k = -pi/2 + 2
+pi m. Above the real axis there is one root in each strip from an odd to the next even multiple of
+pi, and none from an even to the next odd one. Below the axis no such count holds for all velocities
+and couplings, and none is claimed: there the number of roots in a strip is determined case by case,
+and the sums over both half-planes are compared in 'both half-planes'.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from derivations.front.symbols import height as kappa
 from derivations.front.symbols import root_count as count
 from derivations.symbols import i
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
 def steps(draft: Draft, chain: ChainModel) -> None:
-    """Write the proofs down.
+    """Derive the proofs.
 
     Parameters
     ----------
     draft : Draft
-        With the dispersion relation and its slope.
+        A draft with the dispersion relation and its slope.
     chain : ChainModel
-        The chain; the proofs are for springs between nearest neighbours that pull.
+        The chain; the proofs are for nearest-neighbour springs that attract.
     """
     checks = RootChecks(chain)
     parts = RealAndImaginaryParts((half_real, half_imag))

@@ -53,7 +53,7 @@ from derivations.front.symbols import (
 from derivations.multiple_scales.steps import derive as derive_scales
 from derivations.symbols import epsilon, i, n, t
 
-# Filled by hand: name, operation, sources, then check, number and note.
+# Formatted by hand: name, operation, sources, then check, number and note.
 # fmt: off
 
 
@@ -64,7 +64,7 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
     Parameters
     ----------
     chain : ChainModel
-        The chain; that of Eq. (8) by default.
+        The chain; by default that of Eq. (8).
 
     Returns
     -------
@@ -73,7 +73,7 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
     Raises
     ------
     DerivationInputError
-        If the stiffness has a linear term, or a cell at rest has no damping.
+        If the stiffness has a linear term, or a cell at rest is not damped.
     """
     if 1 in chain.stiffness:
         raise DerivationInputError(
@@ -100,7 +100,7 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
 
 
 def two_lines(chain: ChainModel) -> sp.Eq:
-    """Return Eq. (44): two lines with the slope of (43) at rest, switched by the modulus."""
+    """Return Eq. (44): two lines with the slope of (43) at rest, selected by the modulus."""
     own = phi(n, t)
     springs = sum(
         (weight * (2 * own - phi(n - j, t) - phi(n + j, t))
@@ -115,7 +115,7 @@ def two_lines(chain: ChainModel) -> sp.Eq:
 
 
 def travelling_wave(reach: int) -> sp.Tuple:
-    """Return Eq. (46) for the sites that springs join."""
+    """Return Eq. (46) for the sites that springs couple."""
     place = n - speed * t
     parts = []
     for j in sorted(range(-reach, reach + 1), key=lambda q: (abs(q), -q)):
@@ -129,7 +129,7 @@ def _half_plane(side: type[sp.Rel]) -> sp.ConditionSet:
 
 
 def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
-    """From (44) to (52)."""
+    """Derive (44) to (52)."""
     own = phi(n, t)
     draft.model("two lines", two_lines(chain),
                 "two lines of equal slope in place of the nonlinear term, switched "
@@ -177,7 +177,7 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
 
 
 def _to_kinetic_relation(draft: Draft, checks: ProfileChecks) -> None:
-    """(53) and (54)."""
+    """Derive (53) and (54)."""
     total, summed = over_roots(1, M_plus), "front as sums over roots"
     draft.derived("front from ahead", (TakeBranch(zeta > 0), Substitute({zeta: 0})), summed,
                   check=checks.at_front)

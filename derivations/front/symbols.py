@@ -1,4 +1,4 @@
-"""Symbols of the front, and how the paper prints them."""
+"""Symbols of the front, and their notation in the paper."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ root_count = sp.Symbol("N", integer=True)
 place, q = sp.symbols("x q", real=True)
 w_1, w_2, w_3 = sp.symbols("omega_q omega_qq omega_qqq", real=True)
 w_3_size = sp.Symbol("g", positive=True)
-"""Size of the third derivative of the frequency at the fastest wave."""
+"""Modulus of the third derivative of the frequency for the fastest wave."""
 length = sp.Symbol("ell", positive=True)
 kappa_front = sp.Symbol("kappa_f", real=True)
 deviation_field = sp.Function("z", real=True)
@@ -71,4 +71,4 @@ NOTATION = Notation(
     },
     sum_over=SumOver,
 )  # fmt: skip
-"""The L_k of (51) is a function of k there and its value at a root elsewhere: one symbol."""
+"""The L_k of (51) is a function of k there and elsewhere its value at a root: one symbol."""

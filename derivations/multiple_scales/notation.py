@@ -68,8 +68,8 @@ def notation(number: int) -> Notation:
     Parameters
     ----------
     number : int
-        8 to 30. From (15) on ``y_0`` is a function of both times, and from (23) to (24) R and
-        theta are functions of the slow one.
+        8 to 30. From (15) on ``y_0`` is a function of both times, and in (23) and (24) R and theta
+        are functions of the slow one.
     """
     names = {**_LETTERS, **_MOTION, **_derivatives("y_{{{}}}", Y)}
     if number >= 15:

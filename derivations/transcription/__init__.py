@@ -1,1 +1,1 @@
-"""From the printed LaTeX to a SymPy object, and from the two the verdict on print."""
+"""Conversion of the printed LaTeX to SymPy objects, and its use for the verdict on print."""

@@ -1,8 +1,9 @@
 r"""Read the printed LaTeX into a SymPy object: a small reader for the notation of the paper.
 
-SymPy's own parsers know neither accents with several indices (``y_{0,\hat t\hat t}^{(1)}``) nor
-``cases``, matrices with dots, evaluation bars or sums over a set. This reader knows no meaning: a
-`Notation` says what each name stands for, and whether a bracket after it holds arguments.
+SymPy's own parsers support neither accents with several indices (``y_{0,\hat t\hat t}^{(1)}``) nor
+``cases``, matrices with dots, evaluation bars or sums over a set. This reader attaches no meaning
+to names: a `Notation` states what each name stands for, and whether a bracket after it contains
+arguments.
 
 Grammar, loosest binding first::
 
@@ -37,7 +38,7 @@ RELATIONS: dict[str, Callable[[sp.Basic, sp.Basic], sp.Basic]] = {
     r"\ge": lambda x, y: sp.Ge(x, y, evaluate=False),
 }
 ORDER_OF_MAGNITUDE = r"\ll"
-"""A remark on sizes, read and left out: it is no equation."""
+"""A remark on magnitudes, which is read and dropped, since it is not an equation."""
 CONNECTIVES: dict[str, Callable[[sp.Basic, sp.Basic], sp.Basic]] = {
     r"\Leftrightarrow": lambda x, y: sp.Equivalent(x, y, evaluate=False),
     r"\rightarrow": sp.Tuple,
@@ -50,22 +51,22 @@ SEPARATORS = frozenset((",", ";", NEW_LINE))
 BLANK = sp.Symbol("blank")
 """An empty cell of a matrix."""
 DOTS = {r"\vdots": sp.Symbol(r"\vdots"), r"\ddots": sp.Symbol(r"\ddots")}
-"""Entries that stand for the pattern of their neighbours."""
+"""Entries that stand for a continuation of their neighbours."""
 _CLOSING = frozenset((")", "]", "}", r"\}", "|", "&", ""))
 _MATRICES = ("pmatrix", "bmatrix")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Notation:
-    r"""What the names in a set of formulas stand for.
+    r"""The meaning of the names in a set of formulas.
 
     Attributes
     ----------
     names : mapping of str to Basic
-        From a name, with its accents, primes and indices, to the object. An index is written in
-        braces without spaces: ``y_{n+1}``, ``\dot{\varphi}_{n}``, ``y_{0}^{(1)}``.
+        Objects by name, with its accents, primes and indices. An index is written in braces without
+        spaces: ``y_{n+1}``, ``\dot{\varphi}_{n}``, ``y_{0}^{(1)}``.
     functions : mapping of str to callable
-        Names after which a bracket holds arguments; each receives those.
+        Names after which a bracket contains arguments, with the functions that receive these.
     sum_over : callable or None
         Makes the sum of a term over a variable in a set.
     """
@@ -76,24 +77,24 @@ class Notation:
 
 
 def read(latex: str, notation: Notation) -> sp.Basic:
-    r"""Return what a printed formula says.
+    r"""Return the object that a printed formula represents.
 
     Parameters
     ----------
     latex : str
         The formula, without dollar signs.
     notation : Notation
-        What its names stand for.
+        Meaning of its names.
 
     Returns
     -------
     Basic
-        A relation, an expression where none is printed, or a ``Tuple`` of several statements.
+        A relation, an expression if no relation is printed, or a ``Tuple`` of several statements.
 
     Raises
     ------
     DerivationInputError
-        If the formula has a name or a sign that the reader or the notation does not know.
+        If the formula contains a name or sign that the reader or the notation does not know.
 
     Examples
     --------
@@ -109,7 +110,7 @@ def read(latex: str, notation: Notation) -> sp.Basic:
 
 
 class _Reader:
-    """A position in the tokens; each method reads one rule of the grammar and moves on."""
+    """A position in the tokens; each method reads one rule of the grammar and advances."""
 
     def __init__(self, tokens: tuple[str, ...], notation: Notation) -> None:
         self.tokens = tokens
@@ -144,7 +145,7 @@ class _Reader:
         return found
 
     def statement(self) -> list[sp.Basic]:
-        """One statement; ``a = b = c`` makes two."""
+        """Read one statement; ``a = b = c`` yields two."""
         if self.token == r"\begin{cases}":
             after = self._after_environment()
             if after in SEPARATORS or after in _CLOSING:
@@ -176,7 +177,7 @@ class _Reader:
             if self.token in ("+", "-"):
                 self.take()
             term = self.product()
-            # A bare number times a sum would be multiplied out.
+            # SymPy would multiply out a plain number times a sum.
             signed = term if sign == 1 else sp.Mul(sp.Integer(-1), term, evaluate=term.is_Matrix)
             total = signed if total is None else total + signed
         return total
@@ -217,7 +218,7 @@ class _Reader:
         return base
 
     def _exponent(self) -> sp.Expr | None:
-        """Read ``^...``; None for the star of a complex conjugate."""
+        """Read ``^...``; return None for the star of a complex conjugate."""
         raw = self._raw_after("^")
         if raw in (("*",), ("(", "*", ")")):
             return None
@@ -231,7 +232,7 @@ class _Reader:
         return found
 
     def _raw_after(self, mark: str) -> tuple[str, ...]:
-        """Return the tokens of the group, or the one token, after ``^``, ``_`` or an accent."""
+        """Return the tokens of the group, or the single token, after ``^``, ``_`` or an accent."""
         self.take(mark)
         if self.token != "{":
             if self.token in ACCENTS:
@@ -345,7 +346,7 @@ class _Reader:
 
     def _cell(self) -> sp.Basic:
         found = self.relations()
-        if self.token in (",", ";"):  # punctuation of the print
+        if self.token in (",", ";"):  # punctuation in print
             self.take()
         return found[0]
 
@@ -412,14 +413,14 @@ class _Reader:
         return _Reader(self._raw_after("_"), self.notation)._flat()
 
     def _flat(self) -> str:
-        """Write all tokens out, with every accent in braces."""
+        """Write out all tokens, with every accent in braces."""
         text = ""
         while self.token:
             text += self._accented() if self.token in ACCENTS else self.take()
         return text
 
     def _marker(self) -> str:
-        """Return ``+``, ``-`` or ``(1)`` where an exponent is only a mark of the name."""
+        """Return ``+``, ``-`` or ``(1)`` if an exponent is only a mark of the name."""
         place = self.place
         raw = self._raw_after("^")
         self.place = place

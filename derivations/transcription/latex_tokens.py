@@ -1,7 +1,7 @@
-r"""Split LaTeX mathematics into tokens; two formulas are compared by these.
+r"""Division of LaTeX mathematics into tokens, by which two formulas are compared.
 
-Spacing (``\,``, ``\quad``), sizing (``\left``, ``\right``) and layout (``aligned``) carry no
-meaning and are dropped, so that two transcriptions of one print have the same tokens.
+Spacing (``\,``, ``\quad``), sizing (``\left``, ``\right``) and layout (``aligned``) have no meaning
+and are dropped, so that two transcriptions of the same print have the same tokens.
 """
 
 from __future__ import annotations
@@ -42,16 +42,16 @@ def tokens_of(latex: str) -> tuple[str, ...]:
 
 
 def _meaningful(latex: str) -> list[str]:
-    """Return all tokens but spacing.
+    """Return all tokens except spacing.
 
-    A digit each: in LaTeX "x^12" raises one digit. Numbers in line are joined by the reader.
+    Each digit is a token: in LaTeX "x^12" raises one digit. The reader joins digits in line.
     """
     found = [_ALIAS.get(token, token) for token in _TOKEN.findall(latex)]
     return [q for q in found if q and q not in _SPACING]
 
 
 def _without_alignment(tokens: list[str]) -> list[str]:
-    """Drop ``aligned``: a row that starts with a sign goes on, another is a new statement."""
+    """Drop ``aligned``: a row that starts with a sign continues, any other is a new statement."""
     kept: list[str] = []
     open_environments: list[str] = []
     for place, token in enumerate(tokens):
@@ -78,7 +78,7 @@ def _without_alignment(tokens: list[str]) -> list[str]:
 
 
 def changed_tokens(one: str, other: str) -> tuple[tuple[str, str], ...]:
-    r"""Return what must be replaced in one formula to have the other, token by token.
+    r"""Return the replacements that turn one formula into the other, token by token.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def changed_tokens(one: str, other: str) -> tuple[tuple[str, str], ...]:
 
 
 def joined(tokens: tuple[str, ...] | list[str]) -> str:
-    """Write tokens without spaces but where LaTeX needs one after a command."""
+    """Join tokens without spaces, except where LaTeX needs one after a command."""
     text = tokens[0] if tokens else ""
     for before, after in pairwise(tokens):
         gap = re.fullmatch(r"\\[A-Za-z]+", before) and after[0].isalpha()

@@ -1,4 +1,4 @@
-"""The printed LaTeX of every equation as a SymPy object, and what a correction of it changes."""
+"""The printed LaTeX of every equation as a SymPy object, and the changes made by a correction."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from derivations.transcription.latex_tokens import changed_tokens
 
 
 def notation_of(number: int) -> Notation:
-    """Return what the names in an equation stand for.
+    """Return the meaning of the names in an equation.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def _folder(number: int) -> str:
 
 @lru_cache(maxsize=256)
 def as_object(number: int, latex: str) -> sp.Basic:
-    """Return what a LaTeX line says as equation ``number``, written out where print has dots.
+    """Return a LaTeX line read as equation ``number``, written in full where print has dots.
 
     Parameters
     ----------
@@ -59,13 +59,13 @@ def as_object(number: int, latex: str) -> sp.Basic:
 
 
 def read_correction(entry: PrintedEquation) -> sp.Basic | None:
-    """Return the corrected equation, read from its LaTeX; None where no token is on record."""
+    """Return the corrected equation, read from its LaTeX; None if no token is on record."""
     corrected = entry.amended_latex
     return None if corrected is None else as_object(entry.number, corrected)
 
 
 def stated_changes(entry: PrintedEquation) -> tuple[tuple[str, str], ...]:
-    """Return the tokens that a correction is said to change, one pair for each amendment."""
+    """Return the tokens that a correction is stated to change, one pair for each amendment."""
     return tuple(pair for one in entry.amendments for pair in changed_tokens(*one))
 
 

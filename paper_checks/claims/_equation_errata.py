@@ -77,7 +77,6 @@ def correction(found: EquationJudgement) -> str:
 
     For a system, the equations that differ; for a matrix, the first entry that differs; if a single
     term is identified as wrong, that term; for another long equation, the difference from print.
-    term is named as wrong, that term; of another long equation, the difference from print.
     """
     import sympy as sp
 

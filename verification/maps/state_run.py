@@ -68,7 +68,6 @@ class Rules:
         site's amplitude varied by at most ``settled`` without crossing the level, and some sites,
         but not all, were above it. Where sites oscillate, amplitudes have a ripple within a period,
         so they are taken when the last site passes y = 0 upwards.
-        y = 0 and rises, since within a period they ripple.
     """
 
     level: float

@@ -62,10 +62,10 @@ class NucleusOutcome(Status):
 
     SHRUNK = "shrunk", "fewer sites oscillate at the end than at the start."
     HELD = "held", "no site joined."
-    LARGER = "larger nucleus", "sites joined, and none in the last half of the run: it stands."
+    LARGER = "larger nucleus", "sites joined, but none in the last half of the run."
     UNDECIDED = "undecided", "few sites joined by the end of the run: give it more time."
     FRONT = "front", "sites join one after the other without a long pause."
-    CREEP = "creep", "the nucleus grows by jumps, between which it stands almost still."
+    CREEP = "creep", "the nucleus grows by jumps, between which it hardly changes."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -45,7 +45,7 @@ class BreatherMethod(Status):
     CLOSED_FORM = "closed-form", "amplitudes of (29) and (37), with the frequency of (30)."
     ENVELOPE = "envelope", "the averaged chain (43), solved by continuation from small coupling."
     ORBIT = "orbit", "the periodic orbit of (8), by shooting with variational equations."
-    SIMULATION = "simulation", "the chain run from a perturbed start until it repeats itself."
+    SIMULATION = "simulation", "a run of the chain from a perturbed start until it is periodic."
 
 
 @dataclass(frozen=True, kw_only=True)

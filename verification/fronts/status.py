@@ -11,29 +11,30 @@ class FrontStatus(Status):
     STEADY = "steady", "The front travels, and its velocity has settled."
     SETTLING = (
         "settling",
-        "The front travels, and the spread of its period decays but has not reached the accuracy: "
-        "allow it more sites, max_sites.",
+        "The front travels, and the spread of its period decays but has not yet reached the "
+        "accuracy: allow more sites, max_sites.",
     )
     UNSTEADY = (
         "unsteady",
-        "The front travels, and its velocity had not settled when the run was over: it may with "
-        "more sites, max_sites, or never, as where its period repeats itself after several sites.",
+        "The front travels, but its velocity had not settled by the end of the run: it may settle "
+        "with more sites, max_sites, or never, for example if its period repeats itself only after "
+        "several sites.",
     )
     SLIDING = (
         "sliding",
         "The front travels while sites slide along the threshold, where (44) as printed has no "
-        "solution in the ordinary sense: v depends slightly on how that is resolved.",
+        "solution in the ordinary sense: v depends slightly on how this is resolved.",
     )
     PINNED = (
         "pinned",
-        "The front is at rest, or slower than the uncertainty of v: no site was reached for long "
-        "and the amplitudes ahead no longer grow, or (44) proves that no site can cross the "
+        "The front is at rest, or slower than the uncertainty of v: no site was reached for a long "
+        "time and the amplitudes ahead no longer grow, or (44) proves that no site can cross the "
         "threshold again.",
     )
     MARGINAL = "marginal", "The front is at rest within round-off of the threshold."
     CREEPING = (
         "creeping",
-        "No site was reached for long, but amplitudes ahead of the front still grow, or sites "
-        "behind it fall: nothing can be said. Allow a longer stall time.",
+        "No site was reached for a long time, but amplitudes ahead of the front still grow, or "
+        "those behind it decrease: nothing can be concluded. Allow a longer stall time.",
     )
     COLLAPSED = "collapsed", "The excited sites went to rest: there is no front."

@@ -13,9 +13,9 @@ class State(Status):
     """The state of a chain at the end of a run."""
 
     FRONT = "front", "the disturbance has filled the chain, which stays filled."
-    BREATHER = "breather", "some sites oscillate on, steadily, and no further one joins."
+    BREATHER = "breather", "some sites continue to oscillate steadily, and no further one joins."
     FIXED_POINT = "fixed point", "the chain is certain to be at rest for ever."
-    UNDECIDED = "undecided", "none of the rules applied in time; the reason is beside it."
+    UNDECIDED = "undecided", "none of the rules applied in time; the reason is stated."
 
 
 class Reason(Status):

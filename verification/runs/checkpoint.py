@@ -120,7 +120,7 @@ def _advance(
                 each.advance(budget)
                 if not (each.finished or each.time >= before):
                     raise RunError(
-                        f"the run does not get on from time {before:g}: remove its checkpoint, if "
+                        f"the run does not advance from time {before:g}: remove its checkpoint, if "
                         "it was resumed, or begin from another state."
                     )
                 try:

@@ -19,13 +19,13 @@ class RunStatus(Status):
 
     RESOLVED = (
         "resolved",
-        "At every sample the error is below the largest amplitude so far, and events are the same "
-        "at other tolerances: one motion, as accurate as the error says and no more.",
+        "At every sample the error is below the largest amplitude so far, and the events are the "
+        "same at other tolerances: the motion is as accurate as the error states, and no more.",
     )
     EVENTS_DIFFER = (
         "events differ",
-        "The runs at other tolerances had another number of events: one is as small as the error, "
-        "or the motion is chaotic.",
+        "The runs at other tolerances had a different number of events: an event is as small as "
+        "the error, or the motion is chaotic.",
     )
     NOT_RESOLVED = (
         "not resolved",

@@ -18,9 +18,9 @@ class StopCode(IntEnum):
         member.sentence = sentence
         return member
 
-    REACHED = 0, "The time asked for is reached."
-    STEP_TOO_SHORT = 1, "The tolerance asks for steps too short to get on, or time stands still."
+    REACHED = 0, "The requested time is reached."
+    STEP_TOO_SHORT = 1, "The tolerance requires steps that are too short, or time stands still."
     NOT_FINITE = 2, "The state has left the range of double precision."
-    BUDGET_SPENT = 3, "The number of steps allowed is taken; the next call goes on from there."
+    BUDGET_SPENT = 3, "The number of steps allowed has been taken; the next call continues."
     CONDITION = 4, "The stop condition is met."
-    WINDOW_MOVED = 5, "Other sites than before are to be stepped; the next call goes on from there."
+    WINDOW_MOVED = 5, "Other sites than before are to be stepped; the next call continues."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from theory.parameters import MissingPackageError, ParameterError, within
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
     from verification.runs.trajectory import Trajectory
@@ -19,7 +20,12 @@ FORMATS = (".gif", ".mp4")
 
 
 def animate(
-    run: Trajectory, path: Path | str, *, frames_per_second: float = 15.0, note: str = ""
+    run: Trajectory,
+    path: Path | str,
+    *,
+    frames_per_second: float = 15.0,
+    note: str = "",
+    progress: Callable[[float], None] | None = None,
 ) -> Path:
     """Write a film of a simulation, one frame per sample.
 
@@ -33,6 +39,8 @@ def animate(
         Number of frames per second, from 1 to 60.
     note : str, optional
         Text that is stored in the file as its comment.
+    progress : callable, optional
+        Called with the fraction of the frames that have been drawn.
 
     Returns
     -------
@@ -63,6 +71,7 @@ def animate(
     within("frames per second", frames_per_second, 1.0, 60.0)
     import matplotlib as mpl
     from matplotlib import animation
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
@@ -71,26 +80,51 @@ def animate(
         "savefig.bbox": None, "figure.autolayout": False, "figure.constrained_layout.use": False,
     }):  # fmt: skip
         figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="compressed")
+        FigureCanvasAgg(figure)
         axes = figure.subplots()
         show = snapshot(run, axes)
         axes.set_title("t")
         figure.draw_without_rendering()
         figure.set_layout_engine(None)  # the layout takes longer than a frame and never changes
-        writer = _writer(animation, kind, frames_per_second, note)
+        moving = [*axes.lines, *axes.images, *axes.collections, axes.title]
+        for each in moving:
+            each.set_animated(True)
+        writer = _writer(animation, kind, frames_per_second, note, moving)
         with writer.saving(figure, str(path), dpi=100):
             for at, time in enumerate(run.times):
                 show(at)
                 axes.set_title(f"t = {time:.6g}")
                 writer.grab_frame()
+                if progress is not None:
+                    progress((at + 1) / len(run.times))
     return path
 
 
-def _writer(animation: Any, kind: str, frames_per_second: float, note: str) -> Any:
+def _writer(
+    animation: Any, kind: str, frames_per_second: float, note: str, moving: Sequence[Artist]
+) -> Any:
     if kind == ".mp4":
         return animation.FFMpegWriter(fps=frames_per_second, metadata={"comment": note})
 
+    from PIL import Image
+
     class Commented(animation.PillowWriter):  # type: ignore[misc]
-        """Matplotlib's writer, extended by a comment in the file."""
+        """Matplotlib's writer, extended by a comment in the file.
+
+        Axes, ticks and labels, which take most of the time of a frame, are drawn only once.
+        """
+
+        _still: Any = None
+
+        def grab_frame(self, **options: Any) -> None:
+            canvas = self.fig.canvas
+            if self._still is None:
+                canvas.draw()
+                self._still = canvas.copy_from_bbox(self.fig.bbox)
+            canvas.restore_region(self._still)
+            for each in moving:
+                each.axes.draw_artist(each)
+            self._frames.append(Image.fromarray(np.array(canvas.buffer_rgba())))
 
         def finish(self) -> None:
             self._frames[0].info["comment"] = note.encode()

@@ -255,6 +255,7 @@ def _picture(result: Result, payload: _Mapping, provenance: _Mapping) -> Callabl
 
 def _film(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[Path], None]:
     from fronts.animation import animate
+    from verification.execution.progress import Progress
     from verification.runs.trajectory import Trajectory
 
     if not isinstance(result, Trajectory):
@@ -262,7 +263,8 @@ def _film(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
     run, said = result, json.dumps(provenance)
 
     def write(path: Path) -> None:
-        animate(run, path, note=said)
+        with Progress("film", quiet="--json" in COMMAND_LINE.get().split()) as live:
+            animate(run, path, note=said, progress=live.report)
 
     return write
 

@@ -566,7 +566,7 @@ def test_a_film_is_of_the_run_and_says_its_command_and_of_no_other_result(
     run = fr.simulate(chain, fr.excite(chain, [3]), t_end=1.0, samples=2, estimate_error=False)
     filmed: list[Any] = []
 
-    def animate(found: Any, path: Path, *, note: str) -> None:
+    def animate(found: Any, path: Path, *, note: str, progress: Any) -> None:
         path.touch()
         filmed.append((found, json.loads(note)["parameters"]))
 

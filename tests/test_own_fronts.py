@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from derivations.cell.envelope import derive_envelope
 from fronts.animation import animate
@@ -293,9 +294,16 @@ def test_a_run_on_a_lattice_is_a_picture_and_a_film(tmp_path: Path) -> None:
         chain = nagumo(c=0.3, coupling=coupling, sites=(6, 7))
         run = simulate(chain, excite(chain, [17, 18, 24]), 9.0, samples=4, estimate_error=False)
         film = tmp_path / f"{coupling}.gif"
-        animate(run, film, note="said")
+        parts: list[float] = []
+        animate(run, film, note="said", progress=parts.append)
+        assert parts == [0.25, 0.5, 0.75, 1.0]
         with Image.open(film) as image:
             assert image.n_frames == 4
+            frames = [np.asarray(each.convert("RGB")) for each in ImageSequence.Iterator(image)]
+            for one, next_one in pairwise(frames):  # what moves does, and what stands is there
+                still = (one == next_one).all(axis=-1)
+                assert 0.25 < still.mean() < 1.0
+                assert (one[still].min(axis=-1) < 100).sum() > 500
             assert image.info["comment"] == b"said"
         run.plot().figure.savefig(tmp_path / "run.png")
     with pytest.raises(ParameterError, match="file of a film"):

@@ -103,9 +103,9 @@ class AtFastestWave(Operation):
 
 
 def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.Expr], sp.Expr]:
-    """Return the square root in an expression, a symbol s for it, a parameter by s, and the least s.
+    """Return the square root in an expression, a symbol s for it, a parameter, and the least s.
 
-    The square root grows with this parameter, which is positive and is replaced by s.
+    The square root grows with this positive parameter, which is replaced by a function of s.
     """
     radicals = [q for q in root.atoms(sp.Pow) if q.exp == sp.Rational(1, 2)]
     if len(radicals) != 1:

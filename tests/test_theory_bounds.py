@@ -95,7 +95,7 @@ def test_the_tail_constant_exceeds_the_integral_it_bounds(v: float, c: float, ah
         k = np.asarray(x + shift)
         return float(1 / abs(k * printed(k, v, c)))
 
-    # by octaves, so that the peak at 0 and the wiggles of |L| are both resolved
+    # by octaves, so that the peak at 0 and the oscillations of |L| are both resolved
     edges = [0.0, *np.geomspace(0.1 * rate, 400.0, 60)]
     half = [
         sum(quad(modulus, s * a, s * b, limit=200)[0] for s in (1, -1))

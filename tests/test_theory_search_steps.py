@@ -133,7 +133,7 @@ def test_a_run_of_changes_of_sign_by_rounding_is_one_solution_or_a_pair(
     ).T
     owner = np.array([first, first, first, first, 1 - first])
     flat = Curve(lambda t: 0.0 * t, lambda t: 1.0 + 0.0 * t, error=1e-12)
-    kept, found = branch_search._told_apart(flat, owner, cells)
+    kept, found = branch_search._distinct(flat, owner, cells)
     run, lone = ([1.0, 1.4, 5.0] if pair else [1.2, 5.0]), [1.6]
     assert kept.tolist() == sorted([first] * len(run) + [1 - first])
     assert found[0].tolist() == (run + lone if first == 0 else lone + run)
@@ -153,7 +153,7 @@ def test_brackets_that_rise_above_rounding_are_told_apart(which: str) -> None:
     ).T
     value = large if which == "between" else 0.0
     curve = Curve(lambda t: value + 0.0 * t, lambda t: 1.0 + 0.0 * t, error=1e-12)
-    _, found = branch_search._told_apart(curve, np.array([0, 0, 0]), cells)
+    _, found = branch_search._distinct(curve, np.array([0, 0, 0]), cells)
     # three solutions; were the last joined to the run, one would be left
     assert found[0].tolist() == [0.8, 1.0, 1.2]
 

@@ -108,7 +108,7 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
     where = [bool(part.subs(speed, sp.Rational(fast))) for part in (moving, resting)
              for fast in (1, -1, 0)]  # fmt: skip
     if where != [True, True, False, False, False, True]:
-        return Evidence(False, "slip and stick are not told apart by the relative velocity")
+        return Evidence(False, "slip and stick are not distinguished by the relative velocity")
     if worst > 1e-9:
         return Evidence(False, f"the force differs by {worst:.1e}")
     if not _sticks(bound, point, force, limit):

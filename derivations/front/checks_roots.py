@@ -79,7 +79,7 @@ class RootChecks(SampledChecks):
             f"Im L there: at most {worst:.1e}; {nearest:.3f} from any integer",
         )
 
-    def counted(self, left: int) -> Check:
+    def number_in_strips(self, left: int) -> Check:
         """Compare with winding numbers around strips, two periods apart."""
 
         def check(candidate: sp.Basic) -> Evidence:

@@ -62,7 +62,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                   "dispersion",
                   check=checks.on_line(lambda point: point[turns] * sp.pi + i * point[y]))
     draft.derived("one root from odd to even", CountAbove(k, -1, count), "dispersion", "real axis",
-                  "sides of the strips", check=checks.counted(-1),
+                  "sides of the strips", check=checks.number_in_strips(-1),
                   note="below the axis the number depends on v and c")
     draft.derived("no root from even to odd", CountAbove(k, 0, count), "dispersion", "real axis",
-                  "sides of the strips", check=checks.counted(0))
+                  "sides of the strips", check=checks.number_in_strips(0))

@@ -147,7 +147,7 @@ def _brackets(
         ta, ga, da, ea, tb, gb, db, eb = cells
         _, size_a, steep_a, _, _, size_b, steep_b, _ = np.abs(cells)
         width = tb - ta
-        # Where g is below its rounding error its sign means nothing; see `_told_apart`.
+        # Where g is below its rounding error its sign means nothing; see `_distinct`.
         differ = (ga > 0) != (gb > 0)
         flattest = np.minimum(steep_a, steep_b)
         monotone = np.abs(da - db) < 0.5 * flattest
@@ -179,7 +179,7 @@ def _brackets(
     return np.concatenate(done_owner), np.concatenate(done_cells, axis=1)
 
 
-def _told_apart(
+def _distinct(
     relation: _Relation, owner: IntArray, cells: FloatArray
 ) -> tuple[IntArray, FloatArray]:
     """Sort the brackets and merge neighbours between which g is zero to within rounding.
@@ -206,7 +206,7 @@ def _told_apart(
 
 def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
     """Refine each bracket to one solution, with its error and derivatives."""
-    owner, cells = _told_apart(relation, owner, cells)
+    owner, cells = _distinct(relation, owner, cells)
     t, spread, around = _refined(relation, owner, cells)
     v = np.exp(t)
     along_c, along_target = _errors_along(v, spread, around)

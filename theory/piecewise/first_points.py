@@ -1,9 +1,9 @@
 """Starting points of the search for solutions of |Σ(v, c)| = 2r, so dense that none is missed.
 
 The spacing of the points follows the scales of g(ln v) = |Σ + shift| - 2r: the exponentially small
-oscillations in 1/v at small v, called wiggles, and the resonances at large c. The points lie
-between bounds outside of which there is no solution and, where there are many wiggles, only where g
-can reach zero (``theory.piecewise.smooth_part``).
+oscillations in 1/v at small v, and the resonances at large c. The points lie between bounds outside
+of which there is no solution and, where there are many oscillations, only where g can reach zero
+(``theory.piecewise.smooth_part``).
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import numpy as np
 
 from theory.arrays import FloatArray, IntArray
 from theory.piecewise.limits import resonant_velocities, static_sum
-from theory.piecewise.smooth_part import WEAKEST, without_wiggles
+from theory.piecewise.smooth_part import WEAKEST, smooth_part_of_sum
 from theory.piecewise.sums.result import PrecisionError
 
 _COARSEST = 0.25
-_MANY_WIGGLES = 64
-"""Number of points, a few for each wiggle, above which it pays to find where wiggles matter."""
+_MANY_OSCILLATIONS = 64
+"""Number of points, a few for each oscillation, above which it pays to find where these matter."""
 _WIDEST, _PARTS = 2.0, 8
 """Length of the intervals of ln v that are examined first, and number of parts of each."""
 _FEW_POINTS = 4.0
@@ -42,20 +42,20 @@ def first_points(
     """
     low = _lowest_velocities(c, target, shift)
     high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
-    wiggle = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
+    fine = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
     spacing = np.full(c.size, _COARSEST / refine)
-    turn = np.minimum(np.maximum(spacing / wiggle, low), high)
+    turn = np.minimum(np.maximum(spacing / fine, low), high)
     low, turn, high = np.log(low), np.log(turn), np.log(high)
-    owner, begin, end = _where_wiggles_matter(c, target, shift, (low, turn, wiggle))
-    _refuse_too_many(c, target, owner, (np.exp(-begin) - np.exp(-end)) / wiggle[owner])
+    owner, begin, end = _where_oscillations_matter(c, target, shift, (low, turn, fine))
+    _refuse_too_many(c, target, owner, (np.exp(-begin) - np.exp(-end)) / fine[owner])
     every = np.arange(c.size)
-    interval, inverse = _spaced(np.exp(-end), np.exp(-begin), wiggle[owner])
+    interval, inverse = _spaced(np.exp(-end), np.exp(-begin), fine[owner])
     smooth, t = _spaced(turn, high, spacing)
     owner, begin, end = (np.concatenate(x) for x in ((owner, every), (begin, turn), (end, high)))
     points = [
         (interval, -np.log(inverse)),
         (smooth + owner.size - c.size, t),
-        _resonances(c[owner], (begin, end), wiggle[owner], refine),
+        _resonances(c[owner], (begin, end), fine[owner], refine),
     ]
     order = np.lexsort((begin, owner))
     apart = np.ones(owner.size, dtype=bool)
@@ -82,37 +82,37 @@ def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[In
 
 
 def _resonances(
-    c: FloatArray, bounds: tuple[FloatArray, FloatArray], wiggle: FloatArray, refine: float
+    c: FloatArray, bounds: tuple[FloatArray, FloatArray], fine: FloatArray, refine: float
 ) -> tuple[IntArray, FloatArray]:
     """Return interval numbers and ln v of the resonances narrower than the spacing and their sides.
 
-    ``c``, ``bounds`` (in ln v) and ``wiggle`` are given for each interval.
+    ``c``, ``bounds`` (in ln v) and ``fine`` are given for each interval.
     """
     if c.max(initial=0.0) <= 1.0:  # no resonance is narrow
         return np.empty(0, dtype=np.int64), np.empty(0)
     places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
     centre, width = c[:, None] * places, widths / refine
-    spacing = np.minimum(_COARSEST / refine, centre * wiggle[:, None])
+    spacing = np.minimum(_COARSEST / refine, centre * fine[:, None])
     narrow = np.tile(width < centre * spacing, 3) & (c[:, None] > 1.0)
     near = np.concatenate([centre, centre - width, centre + width], axis=1)
     taken = narrow & (near > np.exp(bounds[0])[:, None]) & (near < np.exp(bounds[1])[:, None])
     return np.nonzero(taken)[0], np.log(near[taken])
 
 
-def _where_wiggles_matter(
+def _where_oscillations_matter(
     c: FloatArray, target: FloatArray, shift: float, scales: tuple[FloatArray, ...]
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return cases and ends of the intervals of ln v, within bounds, that must be searched finely.
 
-    ``scales`` holds the bounds in ln v and the spacing in 1/v. Where there are many wiggles, their
-    height and the smooth part of g are evaluated on parts of intervals. Within a part, the smooth
-    part of g is assumed to exceed its values at the ends by no more than it changes over this part
-    or an adjacent one. Where g may then vanish, the part is divided in turn, unless it has few
-    points, or the wiggles are higher than the smooth part throughout.
+    ``scales`` holds the bounds in ln v and the spacing in 1/v. Where there are many oscillations,
+    their height and the smooth part of g are evaluated on parts of intervals. Within a part, the
+    smooth part of g is assumed to exceed its values at the ends by no more than it changes over
+    this part or an adjacent one. Where g may then vanish, the part is divided in turn, unless it
+    has few points, or the oscillations are higher than the smooth part throughout.
     """
-    low, turn, wiggle = scales
-    points = (np.exp(-low) - np.exp(-turn)) / wiggle
-    several = (c > WEAKEST) & (points > _MANY_WIGGLES)
+    low, turn, fine = scales
+    points = (np.exp(-low) - np.exp(-turn)) / fine
+    several = (c > WEAKEST) & (points > _MANY_OSCILLATIONS)
     (few,) = (~several).nonzero()
     owners, begins, ends = [few], [low[few]], [turn[few]]
     (wide,) = several.nonzero()
@@ -122,7 +122,7 @@ def _where_wiggles_matter(
     share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
     while owner.size:
         t = (1.0 - share) * begin + share * end
-        sum_, height = without_wiggles(np.exp(t).ravel(), np.tile(c[owner], _PARTS + 1))
+        sum_, height = smooth_part_of_sum(np.exp(t).ravel(), np.tile(c[owner], _PARTS + 1))
         g = np.abs(sum_ + shift).reshape(t.shape) - target[owner]
         rise = np.pad(np.abs(np.diff(g, axis=0)), ((1, 1), (0, 0)))
         rise = np.maximum(np.maximum(rise[:-2], rise[2:]), rise[1:-1])
@@ -132,7 +132,7 @@ def _where_wiggles_matter(
         high = (least <= height).all(axis=0)
         part, column = ((least <= rise + height) & ~high).nonzero()
         parts = owner[column], t[part, column], t[part + 1, column]
-        done = ((np.exp(-begin) - np.exp(-end)) <= _FEW_POINTS * wiggle[owner])[column]
+        done = ((np.exp(-begin) - np.exp(-end)) <= _FEW_POINTS * fine[owner])[column]
         owners += [owner[high], parts[0][done]]
         begins += [begin[high], parts[1][done]]
         ends += [end[high], parts[2][done]]
@@ -148,7 +148,7 @@ def _refuse_too_many(
     if crowded.size:
         raise PrecisionError(
             f"the velocities at c = {c[crowded[0]]:.6g}, |Sum| = {target[crowded[0]]:.6g} need "
-            f"more than {MAX_POINTS} values of the sum to be told apart; simulate the front, or "
+            f"more than {MAX_POINTS} values of the sum; simulate the front, or "
             "take a smaller c."
         )
 
@@ -166,12 +166,12 @@ def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
 
 def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> FloatArray:
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
-    still = np.array([static_sum(value) for value in c.tolist()])
-    gap = np.maximum(np.abs(np.abs(still + shift) - target), NEAREST_TO_PINNING)
+    static = np.array([static_sum(value) for value in c.tolist()])
+    gap = np.maximum(np.abs(np.abs(static + shift) - target), NEAREST_TO_PINNING)
     # theory.piecewise.limits.static_sum_distance, 2e/(1 - e), uses |1/2A| ≤ 1. The mean of |1/2A|
     # is at most the square root of that of |1/2A|² = Re 1/2A, which is Re(1 + Σ(0⁺)). At the v
     # returned the bound equals the gap.
-    low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + still.real) / gap)
+    low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + static.real) / gap)
     # a sharper bound for large c, where the simple one would lead to many points
     (wide,) = (c > 3.0).nonzero()
     for some in np.array_split(wide, 1 + c.size // 256) if wide.size else ():

@@ -137,20 +137,20 @@ def _pinned_error(pin: float) -> float:
 def _maxima(c: float) -> FloatArray:
     """Return ln v of the maxima of |Σ(v, c)| above the static limit, the highest first."""
     fastest = 2.0 * math.sqrt(c) + 1.0
-    wiggle = math.pi / (4.0 * c + 1.0) / 2.0
-    even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, wiggle)
+    fine = math.pi / (4.0 * c + 1.0) / 2.0
+    even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, fine)
     v = np.sort(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
     size = np.abs(sums(v, c, 1e-14).value)
-    still = abs(static_sum(c))
+    static = abs(static_sum(c))
     # Heights are compared at the refined maxima, since the scan may miss the top of some.
     rises = np.diff(size) > 0
     crest = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
-    crest = crest[np.abs(size[crest] - still) > _EXCESS]  # smaller differences are rounding
+    crest = crest[np.abs(size[crest] - static) > _EXCESS]  # smaller differences are rounding
     couplings = np.full(crest.shape, c)
     t, _ = _summits(np.log(v[crest]), couplings)
     height = _height(t, couplings)[0]
     order = np.argsort(-height)
-    return t[order[height[order] > still + _EXCESS]]
+    return t[order[height[order] > static + _EXCESS]]
 
 
 def _summits(

@@ -215,7 +215,7 @@ def weak_threshold_velocity(c: float, eta: float) -> float:
     return math.sqrt(positive("coupling c", c) / (8.0 * threshold_ratio(eta)))
 
 
-def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
+def resonant_velocities(c: float, count: int) -> tuple[list[float], list[float]]:
     """Return the velocities at which the front is in resonance with a linear wave, and the widths.
 
     At v = c max_k (1 - cos k)/(k + 2πj), j = 0, 1, …, two roots of opposite half-planes nearly
@@ -224,10 +224,10 @@ def resonant_velocities(c: float, most: int) -> tuple[list[float], list[float]]:
     Returns
     -------
     velocities, widths : list of float
-        In descending order of velocity, ``most`` of them.
+        In descending order of velocity, ``count`` of them.
     """
     velocities, widths = [], []
-    for j in range(most):
+    for j in range(count):
         k = _resonant_wave(j)
         velocities.append(c * math.sin(k))
         widths.append(0.5 / (k + 2.0 * math.pi * j))

@@ -123,7 +123,7 @@ def _on_equal_fractions(grid: ProfileGrid, zeta: FloatArray) -> ComplexArray | N
         waves = grid.waves(sites, part)
         bracket = grid.bracket(rest[first], part)
         total[0] += waves @ bracket.T
-        total[1] += waves @ ((grid.still[part] - bracket) * grid.a[part]).T
+        total[1] += waves @ ((grid.static[part] - bracket) * grid.a[part]).T
     phi: ComplexArray = total[0][row, column] + beyond * total[1][row, column]
     return 0.5 - phi / (2.0 * grid.points)
 
@@ -140,7 +140,7 @@ class ProfileGrid:
         Wave numbers 2π(j + ½)/N, between -π and π.
     a : ndarray of complex, shape (N,) or (n, N)
         A/v.
-    still, late : ndarray of complex, shape (N,) or (n, N)
+    static, late : ndarray of complex, shape (N,) or (n, N)
         The factor of e^{ikm} is still + late e^{-a(1 - f)}.
     error : float
         Bound on the error of values with |m| up to the required extent.
@@ -150,7 +150,7 @@ class ProfileGrid:
     c: Any
     k: FloatArray
     a: ComplexArray
-    still: ComplexArray
+    static: ComplexArray
     late: ComplexArray
     error: float
 
@@ -168,13 +168,13 @@ class ProfileGrid:
     @classmethod
     def of_points(cls, v: Any, c: Any, points: int, error: float) -> ProfileGrid:
         """Return the grid with this number of points, for numbers or for columns of v and c."""
-        k, square, wave, still = _points_in_k(points)
+        k, square, wave, static = _points_in_k(points)
         A = 0.5 - 1j * c * square
         a = A / v
         # 1 - e^{ik-a} = 1 - e^{-q} + 2e^{-q} sin²h - ie^{-q} sin 2h, q = Re a, h = Im (ik - a)/2
         q, turn = 0.5 / v, np.exp(0.5j * (k + (c / v) * square))
         late = wave / ((turn.imag * turn * (-2j * np.exp(-q)) - np.expm1(-q)) * A)
-        return cls(v, c, k, a, still / A, late, error)
+        return cls(v, c, k, a, static / A, late, error)
 
     def bracket(self, rest: FloatArray, part: slice = slice(None)) -> ComplexArray:
         """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
@@ -183,7 +183,7 @@ class ProfileGrid:
         """
         factor: ComplexArray = np.exp(-self.a[part] * rest[:, None])
         factor *= self.late[part]
-        factor += self.still[part]
+        factor += self.static[part]
         return factor
 
     def at(self, zeta: FloatArray) -> ComplexArray:
@@ -203,7 +203,7 @@ class ProfileGrid:
         m = np.floor(zeta)
         factor: ComplexArray = np.exp(-self.a[front] * ((m + 1.0) - zeta)[:, None])
         factor *= self.late[front]
-        factor += self.still[front]
+        factor += self.static[front]
         factor *= self.waves(m)
         phi = 0.5 - np.sum(factor, axis=1) / (2.0 * self.points)
         return phi, 1.0 - factor @ np.cos(self.k) / self.points
@@ -229,13 +229,13 @@ class ProfileGrid:
         # e^{-a(1 - f)} by repeated products, from the last point before the next site backwards
         shorter = np.exp(-self.a / per_site)
         factor = np.empty((*self.a.shape[:-1], per_site + 1, points), dtype=complex)
-        factor[..., per_site, :] = self.still
+        factor[..., per_site, :] = self.static
         later = self.late
         for j in range(per_site - 1, -1, -1):
             later = np.multiply(later, shorter, out=factor[..., j, :])
         waves = np.fft.ifft(factor)[..., m % points]
-        late, still = waves[..., :per_site, :], waves[..., per_site:, :]
-        phi = 0.5 - 0.5 * np.exp(1j * np.pi * m / points) * (late + still)
+        late, static = waves[..., :per_site, :], waves[..., per_site:, :]
+        phi = 0.5 - 0.5 * np.exp(1j * np.pi * m / points) * (late + static)
         zeta = m[:, None] + f
         return zeta.ravel(), np.swapaxes(phi, -1, -2).reshape(*self.a.shape[:-1], -1)
 

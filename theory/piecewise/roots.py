@@ -271,8 +271,8 @@ def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Itera
     """Yield starting points, the most promising first; in nearly all cases the first suffices."""
     base: AnyArray = 2.0 * np.pi * labels
     sign = 1j if upper else -1j
-    still = 2.0 * np.arcsinh(np.sqrt(0.25j / c))
-    yield base + sign * still  # the roots at v = 0
+    static = 2.0 * np.arcsinh(np.sqrt(0.25j / c))
+    yield base + sign * static  # the roots at v = 0
     # Near a zero k* of L_k on the real axis two roots lie at k = k* ± √(-2 L/L_kk).
     crest: AnyArray = base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
     apart = np.sqrt(-2.0 * dispersion(crest + 0j, v, c) / (-1j * c * np.cos(crest)))

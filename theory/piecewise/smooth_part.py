@@ -1,10 +1,10 @@
-"""Σ(v, c) without its wiggles, and their height, so that a search for velocities may skip them.
+"""The smooth part of Σ(v, c), and the height of its oscillations, which a search may then skip.
 
 On the path of ``theory.piecewise.sums.rules`` for c > 3v, from k = 0 to π/2 + i∞ and back to π,
 
-    Σ = -1 + 1/√(1 - 4ic) + (1/π)∫g du + wiggles,
+    Σ = -1 + 1/√(1 - 4ic) + (1/π)∫g du + oscillations,
 
-where the integral extends over the first leg. Only the second leg, which gives the wiggles,
+where the integral extends over the first leg. Only the second leg, which gives the oscillations,
 contains the phase c/v of e^{-a}; the integral over the first leg varies smoothly with v.
 """
 
@@ -26,13 +26,13 @@ _ROUNDING = 1e-14
 _AT_ONCE = 256
 """Number of values whose nodes fit the processor's cache."""
 _HIGHEST = 2.0
-"""Bound on the height of wiggles over max(√v, v) e^{-1/2v}/c^{3/2}: four times that sampled."""
+"""Bound on their height over max(√v, v) e^{-1/2v}/c^{3/2}: four times that sampled."""
 WEAKEST = 2.0
 """Weakest coupling at which these bounds were sampled."""
 
 
-def without_wiggles(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, FloatArray]:
-    """Return Σ without its wiggles, and a bound on its distance from Σ, errors included.
+def smooth_part_of_sum(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, FloatArray]:
+    """Return Σ without its oscillations, and a bound on its distance from Σ, errors included.
 
     The bound was found by sampling over the range below, which a test repeats.
 
@@ -43,7 +43,7 @@ def without_wiggles(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, FloatAr
 
     Examples
     --------
-    >>> smooth, height = without_wiggles(np.array([3.0]), np.array([100.0]))
+    >>> smooth, height = smooth_part_of_sum(np.array([3.0]), np.array([100.0]))
     >>> bool(abs(smooth[0] - (-0.7725842 + 0.2091617j)) < height[0] < 0.01)
     True
     """

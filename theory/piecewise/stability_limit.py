@@ -201,7 +201,7 @@ def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit
         slack = 5.0 * TOLERANCE / r  # in |φ|², ten times the violation that may go undetected
         error += sum(abs(_narrowed(last, beyond, r, s)[0].c - low.c) for s in (slack, -slack))
         if error > 0.4 * (beyond.c - last.c):
-            reason = f"margins of (47) are too thin near c = {low.c:.6g} to tell where it is"
+            reason = f"margins of (47) are too thin near c = {low.c:.6g} to locate it"
             return StabilityLimit(reason=reason)
     at = high.v if math.isnan(low.v) else low.v
     return StabilityLimit(c=low.c, error=float(error), v=at, angle=0.0)

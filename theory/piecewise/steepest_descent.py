@@ -39,17 +39,17 @@ _AT_ONCE = 1 << 20
 
 @dataclass(frozen=True)
 class _Path:
-    """The quadrature for one m: φ/φ_s = still - Σ weights e^{-aρ}.
+    """The quadrature for one m: φ/φ_s = static - Σ weights e^{-aρ}.
 
     Attributes
     ----------
-    still : complex
+    static : complex
         u_m, minus the residue at k₀ if that pole is crossed.
     a, weights : ndarray of complex, shape (n,)
         A/v, and the integrand at ρ = 0 times the weights of the quadrature.
     """
 
-    still: complex
+    static: complex
     a: ComplexArray
     weights: ComplexArray
 
@@ -65,12 +65,12 @@ class _Path:
         weights: ComplexArray = widths * (1.0 + 1j * s * np.cos(x)) * np.exp(1j * k * (m + 1.0))
         weights /= 4.0 * math.pi * A * -np.expm1(1j * k - a)
         wave = np.exp(1j * k_0)
-        still = wave ** abs(m + 1) / (1.0 + wave)
+        static = wave ** abs(m + 1) / (1.0 + wave)
         if m < -1:
-            still = 1.0 - wave * still
+            static = 1.0 - wave * static
         if s * (math.sin(k_0.real) + g) > k_0.imag:
-            still -= wave ** (m + 1) / (1.0 + wave)
-        return cls(complex(still), a, weights)
+            static -= wave ** (m + 1) / (1.0 + wave)
+        return cls(complex(static), a, weights)
 
     def at(self, rho: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return φ/φ_s and its derivative by ζ at distances ρ before the next site, shape (n,)."""
@@ -80,7 +80,7 @@ class _Path:
         for first in range(0, rho.size, rows):
             some = slice(first, first + rows)
             value[:, some] = both @ np.exp(np.outer(-self.a, rho[some]))
-        return self.still - value[0], -value[1]
+        return self.static - value[0], -value[1]
 
     def spread(self, rho: FloatArray) -> FloatArray:
         """Bound the change of φ/φ_s over pairs of ρ, shape (2, n), and its distance from a chord.

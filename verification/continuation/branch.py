@@ -114,7 +114,7 @@ class StepControl:
         First and largest arclength of a step.
     tolerance : float
         Largest residual allowed for a solution.
-    most : int
+    max_steps : int
         Largest number of steps.
     fold_tolerance : float
         Shortfall of the parameter at which the search for a fold stops.
@@ -125,7 +125,7 @@ class StepControl:
     length: float = 0.1
     longest: float = 0.6
     tolerance: float = 1e-11
-    most: int = 200
+    max_steps: int = 200
     fold_tolerance: float = 1e-11
     folds: int = 0
 
@@ -164,7 +164,7 @@ def trace(
     point = replace(start, tangent=sense * start.tangent)
     points, seen, folds = [point], [watch(point.u, point.parameter)], []
     length = steps.length
-    for _ in range(steps.most):
+    for _ in range(steps.max_steps):
         try:
             new, length = _next(system, point, length, steps.tolerance)
             turned = new.tangent[-1] * point.tangent[-1] <= 0.0
@@ -189,7 +189,7 @@ def trace(
     else:
         if not folds:
             raise NotConvergedError(
-                f"the branch did not fold in {steps.most} steps: end it at a smaller coupling."
+                f"the branch did not fold in {steps.max_steps} steps: end it at a smaller coupling."
             )
     return ContinuationBranch(tuple(points), tuple(folds), tuple(seen))
 

@@ -63,7 +63,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         start = solve_at(system, window.guess, required[-1])
         # The branch ends just beyond the smallest value, so that this value is passed.
         longest = max(2.0, PARAMETER_WEIGHT * (required[-1] - required[0]) / 8.0)
-        steps = StepControl(length=0.1, longest=longest, most=2000, folds=3)
+        steps = StepControl(length=0.1, longest=longest, max_steps=2000, folds=3)
         branch = trace(system, start, required[0] * (1.0 - 1e-12), None, steps)
         fronts, legs = [], []
         for point, leg in solutions_at(system, branch, required):

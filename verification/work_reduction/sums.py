@@ -138,7 +138,7 @@ def _shape(grid: ProfileGrid, m: FloatArray, pieces: int) -> Iterator[ComplexArr
     """
     turn = np.exp(1j * np.outer(m, grid.k)) / (2.0 * grid.points)
     late = turn * grid.late
-    still = 0.5 - (turn @ grid.still)[:, None]
+    still = 0.5 - (turn @ grid.static)[:, None]
     within = np.exp(np.outer(grid.a, np.arange(_PIECE) / (_PIECE * pieces)))
     for piece in range(pieces):
         yield still - (late * np.exp(-grid.a * (1.0 - piece / pieces))) @ within

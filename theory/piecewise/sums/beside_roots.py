@@ -40,9 +40,9 @@ def sums_beside_roots(
         for first in range(0, mine.size, _SIZE):
             some = mine[first : first + _SIZE]
             found = rule(v[some], c[some], tolerance, slopes, fast)
-            values[:, some], errors[:, some], points[some], unsettled = found
-            if unsettled.any():
-                left = some[unsettled]
+            values[:, some], errors[:, some], points[some], unconverged = found
+            if unconverged.any():
+                left = some[unconverged]
                 alone = np.empty((3, left.size), dtype=complex), np.empty((3, left.size))
                 number = np.empty(left.size, dtype=np.int64)
                 fill(v[left], c[left], tolerance, slopes, *alone, number)
@@ -63,13 +63,13 @@ def _arches(
 ) -> Found:
     """Return the results of `legs.arch`."""
     rows, bounds = np.zeros((6, v.size)), np.full((2, v.size), 8.0 * EPS)
-    number, unsettled = np.zeros(v.size), np.zeros(v.size)
+    number, unconverged = np.zeros(v.size), np.zeros(v.size)
     plan, parts, at = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((5, v.size))
     for second in (False, True):
         fast["plan_legs"](v, c, tolerance, slopes, second, plan)
         if not second:
-            fast["still_parts"](v, c, plan[0], parts)
-        offset, taken = _roots_beside(v, c, plan, second, slopes, unsettled, fast)
+            fast["static_parts"](v, c, plan[0], parts)
+        offset, taken = _roots_beside(v, c, plan, second, slopes, unconverged, fast)
         sums = np.zeros((8, v.size))
         fast["add_all_nodes"](v, c, plan, offset, second, slopes, at, sums)
         fast["add_leg"](v, c, plan, sums, taken, second, rows, bounds)
@@ -81,14 +81,14 @@ def _arches(
     rows[4:6] += parts[2:4]
     values = rows[0::2] + 1j * rows[1::2]
     errors = _bounds(v, c, bounds[0], bounds[1], slopes)
-    return values[: errors.shape[0]], errors, number, unsettled > 0.0
+    return values[: errors.shape[0]], errors, number, unconverged > 0.0
 
 
 def _roots_beside(
     v: FloatArray, c: FloatArray, plan: FloatArray, second: bool, slopes: bool,
-    unsettled: FloatArray, fast: dict[str, Any],
+    unconverged: FloatArray, fast: dict[str, Any],
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the position of the first node in steps, and the effects of the roots near one leg."""
+    """Return the position of the first node in steps, and the pole corrections of one leg."""
     step, psi = plan[0], plan[3]
     n = v.size
     q, rho, near = 0.5 / v, c / v, (v >= SLOWEST).astype(float)
@@ -97,21 +97,21 @@ def _roots_beside(
     fast["start_roots"](q, psi, rho, roots)
     for at, power, turn in zip(roots, powers, turns, strict=True):
         moving = near.copy()
-        fast["settle"](at, q, psi, rho, moving, _MAX_STEPS)
-        np.maximum(unsettled, moving, out=unsettled)
+        fast["converge"](at, q, psi, rho, moving, _MAX_STEPS)
+        np.maximum(unconverged, moving, out=unconverged)
         fast["exponents_on_legs"](rho, step, at, power, turn)
         fast["exponentials"](power)
         if second:
             fast["clearances"](power, halfway, whole)
     offset = np.where((halfway < CLEAR) & (whole > halfway), 0.0, 0.5)
-    effects, sign = np.zeros((8, n)), np.where(offset > 0.0, -1.0, 1.0)
+    poles, sign = np.zeros((8, n)), np.where(offset > 0.0, -1.0, 1.0)
     along = 2.0 * rho - psi if second else np.zeros(n)
     for at, power, turn in zip(roots, powers, turns, strict=True):
-        root = (at, along, power, turn, sign, near, effects)
-        fast["add_effects"](v, c, *root)
+        root = (at, along, power, turn, sign, near, poles)
+        fast["add_pole_corrections"](v, c, *root)
         if slopes:
-            fast["add_effect_slopes"](v, c, *root)
-    return offset, effects
+            fast["add_pole_correction_slopes"](v, c, *root)
+    return offset, poles
 
 
 def _axes(
@@ -122,38 +122,38 @@ def _axes(
     q, rho = 0.5 / v, c / v
     equation = q, np.zeros(n), rho
     every, paired = np.ones(n), (rho > PAIR_FROM).astype(float)
-    roots, unsettled = np.empty((3, 6, n)), np.zeros(n)
+    roots, unconverged = np.empty((3, 6, n)), np.zeros(n)
     fast["start_roots"](*equation, roots[:2])
     roots[1:, :2] = roots[0, :2]  # used where no pair is subtracted
     fast["start_resonant_pairs"](q, rho, roots)
     taken = [(roots[0], every), (roots[1], paired), (roots[2], paired)][: 3 if paired.any() else 1]
     for at, required in taken:
         moving = required.copy()
-        fast["settle"](at, *equation, moving, _MAX_STEPS)
-        np.maximum(unsettled, moving, out=unsettled)
+        fast["converge"](at, *equation, moving, _MAX_STEPS)
+        np.maximum(unconverged, moving, out=unconverged)
     plan = np.empty((2, n))
     fast["plan_axis"](v, c, tolerance, roots, plan)
     count, truncation = plan
     rows = 3 if slopes else 1
-    values, sizes, effects = np.zeros((rows, n), dtype=complex), np.zeros((2, n)), np.zeros((8, n))
+    values, sizes, poles = np.zeros((rows, n), dtype=complex), np.zeros((2, n)), np.zeros((8, n))
     for at, required in taken:
         power, turn = np.empty((3, n)), np.empty((2, n))
         fast["exponents_on_axis"](count, at, power, turn)
         fast["exponentials"](power)
-        root = (at, np.zeros(n), power, turn, np.full(n, -1.0), required, effects)
-        fast["add_effects"](v, c, *root)
+        root = (at, np.zeros(n), power, turn, np.full(n, -1.0), required, poles)
+        fast["add_pole_corrections"](v, c, *root)
         if slopes:
-            fast["add_effect_slopes"](v, c, *root)
+            fast["add_pole_correction_slopes"](v, c, *root)
     for number in np.unique(count):
         some = np.flatnonzero(count == number)
         values[:, some], sizes[:, some] = means_of_block(
             v[some], c[some], int(number), slopes, fast
         )
     values[0] -= 1.0
-    values -= effects[0 : 2 * rows : 2] + 1j * effects[1 : 2 * rows : 2]
-    rounding, rough = corrected_errors(truncation, sizes[0], sizes[1], effects[6], effects[7])
+    values -= poles[0 : 2 * rows : 2] + 1j * poles[1 : 2 * rows : 2]
+    rounding, rough = corrected_errors(truncation, sizes[0], sizes[1], poles[6], poles[7])
     errors = _bounds(v, c, truncation + rounding, rough, slopes)
-    return values, errors, count / 2, unsettled > 0.0
+    return values, errors, count / 2, unconverged > 0.0
 
 
 def means_of_block(

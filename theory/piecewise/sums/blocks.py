@@ -28,12 +28,12 @@ from theory.piecewise.sums.legs import (
     leg_width,
     phase_rate,
     second_phase,
-    still_part,
+    static_part,
 )
 from theory.piecewise.sums.poles import (
-    effect_of_root,
-    is_settled,
+    has_converged,
     pair_of_the_parabola,
+    pole_correction,
     resonant_pair,
     side_of,
     step_to_root,
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from theory.arrays import FloatArray
 
 _LARGEST_EXPONENT = 100.0
-"""Largest exponent z used in e^z; beyond it the effect of a root is zero."""
+"""Largest exponent z used in e^z; beyond it the pole correction is zero."""
 
 
 def plan_legs(
@@ -95,10 +95,10 @@ def step_all(
         step, steep = step_to_root(p, sine, cosine, q[i], psi[i], rho[i])
         p += moving[i] * step
         p_re[i], p_im[i] = p.real, p.imag
-        moving[i] = 0.0 if is_settled(p, step, steep, rho[i]) else moving[i]
+        moving[i] = 0.0 if has_converged(p, step, steep, rho[i]) else moving[i]
 
 
-def settle(
+def converge(
     at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, moving: FloatArray, steps: int
 ) -> None:
     """Iterate to the moving roots; write p, sin(p/2), cos(p/2), and which roots still move."""
@@ -149,17 +149,17 @@ def clearances(power: FloatArray, halfway: FloatArray, whole: FloatArray) -> Non
         whole[i] = min(whole[i], clearance_of(grown, 1.0))
 
 
-def add_effects(
+def add_pole_corrections(
     v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
-    turn: FloatArray, sign: FloatArray, required: FloatArray, effects: FloatArray,
+    turn: FloatArray, sign: FloatArray, required: FloatArray, poles: FloatArray,
 ) -> None:  # fmt: skip
     """Add Re and Im of the effect of one root per value, where required, and its rounding error."""
-    re, im, shifts = effects[0], effects[1], effects[6]
+    re, im, shifts = poles[0], poles[1], poles[6]
     p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
     power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
     for i in range(v.size):
         root = complex(p_re[i], p_im[i]), complex(s_re[i], s_im[i]), complex(c_re[i], c_im[i])
-        value, _, _, shift, _ = effect_of_root(
+        value, _, _, shift, _ = pole_correction(
             root, complex(p_re[i] + along[i], p_im[i]), v[i], c[i],
             complex(power_re[i], power_im[i]), complex(turn_re[i], turn_im[i]), sign[i],
         )  # fmt: skip
@@ -169,17 +169,17 @@ def add_effects(
         shifts[i] += required[i] * shift
 
 
-def add_effect_slopes(
+def add_pole_correction_slopes(
     v: FloatArray, c: FloatArray, at: FloatArray, along: FloatArray, power: FloatArray,
-    turn: FloatArray, sign: FloatArray, required: FloatArray, effects: FloatArray,
+    turn: FloatArray, sign: FloatArray, required: FloatArray, poles: FloatArray,
 ) -> None:  # fmt: skip
     """Add the derivatives of the effect of one root per value, where required, and their errors."""
-    v_re, v_im, by_re, by_im, gains = effects[2], effects[3], effects[4], effects[5], effects[7]
+    v_re, v_im, by_re, by_im, gains = poles[2], poles[3], poles[4], poles[5], poles[7]
     p_re, p_im, s_re, s_im, c_re, c_im = at[0], at[1], at[2], at[3], at[4], at[5]
     power_re, power_im, turn_re, turn_im = power[0], power[1], turn[0], turn[1]
     for i in range(v.size):
         root = complex(p_re[i], p_im[i]), complex(s_re[i], s_im[i]), complex(c_re[i], c_im[i])
-        _, by_v, by_c, _, gain = effect_of_root(
+        _, by_v, by_c, _, gain = pole_correction(
             root, complex(p_re[i] + along[i], p_im[i]), v[i], c[i],
             complex(power_re[i], power_im[i]), complex(turn_re[i], turn_im[i]), sign[i],
         )  # fmt: skip
@@ -279,7 +279,7 @@ def add_leg(
 ) -> None:  # fmt: skip
     """Add Re and Im of the contribution of one leg to Σ, and the error bounds.
 
-    ``sums`` holds the sums over the nodes, and ``taken`` the effects of roots, to be subtracted.
+    ``sums`` holds the sums over the nodes, and ``taken`` the pole corrections, to be subtracted.
     For the second leg the complex conjugate is added.
     """
     step, truncation = plan[0], plan[2]
@@ -314,12 +314,12 @@ def add_leg_slopes(
         rows[5, i] += turn * (by_c.imag - taken[5, i])
 
 
-def still_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:
-    """Write Re and Im of the results of `legs.still_part` as rows."""
+def static_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:
+    """Write Re and Im of the results of `legs.static_part` as rows."""
     for i in range(v.size):
-        still, by_c = still_part(v[i], c[i], step[i])
+        static, by_c = static_part(v[i], c[i], step[i])
         parts[0, i], parts[1, i], parts[2, i], parts[3, i] = (
-            still.real, still.imag, by_c.real, by_c.imag,
+            static.real, static.imag, by_c.real, by_c.imag,
         )  # fmt: skip
 
 

@@ -24,16 +24,16 @@ _WITHOUT_BRANCHES = {
 _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
     "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_slopes_at", "step_to_root",
-    "is_settled", "pair_of_the_parabola", "effect_of_root", "clearance_of", "leg_unit", "leg_term",
-    "leg_slopes", "leg_width", "size_of", "root_below_one", "leg_errors", "phase_rate", "_node",
-    "side_of", "twice_arcsine",
+    "has_converged", "pair_of_the_parabola", "pole_correction", "clearance_of", "leg_unit",
+    "leg_term", "leg_slopes", "leg_width", "size_of", "root_below_one", "leg_errors", "phase_rate",
+    "_node", "side_of", "twice_arcsine",
 )  # fmt: skip
 """Functions that are inlined, because a call would prevent a loop from being vectorised."""
 _CALLED = (
-    "block_values", "block_slopes", "plan_legs", "still_parts", "start_roots",
-    "start_resonant_pairs", "settle", "exponents_on_legs", "exponents_on_axis", "exponentials",
-    "clearances", "add_effects", "add_effect_slopes", "add_all_nodes", "add_leg", "add_leg_slopes",
-    "plan_axis",
+    "block_values", "block_slopes", "plan_legs", "static_parts", "start_roots",
+    "start_resonant_pairs", "converge", "exponents_on_legs", "exponents_on_axis", "exponentials",
+    "clearances", "add_pole_corrections", "add_pole_correction_slopes", "add_all_nodes", "add_leg",
+    "add_leg_slopes", "plan_axis",
 )  # fmt: skip
 """Functions called from Python; the others are compiled into these, without an entry point."""
 

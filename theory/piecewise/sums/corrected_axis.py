@@ -8,8 +8,8 @@ from typing import Any
 
 from theory.piecewise.sums.axis import EPS, SLOPE_SHARE, axis_means
 from theory.piecewise.sums.poles import (
-    effect_of_root,
-    grown,
+    bounded_exp,
+    pole_correction,
     resonant_pair,
     root_near,
     side_of,
@@ -75,7 +75,7 @@ def corrected_axis(
         root = near if i == 0 else above if i == 1 else below
         side = side_of(root[0].imag)
         turn = -1j * side * count
-        found = effect_of_root(root, root[0], v, c, grown(turn * root[0]), turn, -1.0)
+        found = pole_correction(root, root[0], v, c, bounded_exp(turn * root[0]), turn, -1.0)
         value -= side * found[0]
         by_v -= side * found[1]
         by_c -= side * found[2]

@@ -16,8 +16,8 @@ from theory.piecewise.sums.arithmetic import (
 from theory.piecewise.sums.axis import EPS, SLOPE_SHARE, SLOWEST
 from theory.piecewise.sums.poles import (
     TURN,
-    effect_of_root,
-    grown,
+    bounded_exp,
+    pole_correction,
     root_near,
     side_of,
     two_roots_near,
@@ -133,7 +133,7 @@ def clearance_of(power: complex, sign: float) -> float:
 def _roots_on_a_leg(
     v: float, c: float, psi: float, second: bool, step: float, offset: float
 ) -> tuple[complex, complex, complex, float, float, float]:
-    """Return the effect of the roots near one leg, to be subtracted, and its derivatives.
+    """Return the pole correction of the roots near one leg, to be subtracted, and its derivatives.
 
     The last three results are the two rounding errors, and the clearance of the roots from the
     nodes, which is small where digits are lost.
@@ -146,8 +146,8 @@ def _roots_on_a_leg(
         wave = root[0] + (2.0 * rho - psi) if second else root[0]
         side = side_of(root[0].imag)
         unit = leg_unit(rho, step, side)
-        power = grown(unit * root[1])
-        found = effect_of_root(root, wave, v, c, power, 0.5 * unit * root[2], sign)
+        power = bounded_exp(unit * root[1])
+        found = pole_correction(root, wave, v, c, power, 0.5 * unit * root[2], sign)
         clearance = min(clearance, clearance_of(power, sign))
         value += side * found[0]
         by_v += side * found[1]
@@ -193,14 +193,14 @@ def leg_errors(
     return 8.0 * EPS * (size * phase + shifts), rough + 8.0 * EPS * (steep * phase + gains)
 
 
-def still_part(v: float, c: float, step: float) -> tuple[complex, complex]:
+def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
     """Return the value of 1/√(1 - 4ic) on the nodes of the first leg, and its derivative by c."""
-    still = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
+    static = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
     pole = math.pi / (step * math.sqrt(2.0 * v))  # from the pole of -1/2A at u = i/√(2v)
     share = math.tanh(pole)
     # at fixed nodes this scales like c^{-1/2} and does not depend on v
-    by_c = still * (2j * still * still * share - 0.5 * pole / c * (1.0 - share * share))
-    return share * still, by_c
+    by_c = static * (2j * static * static * share - 0.5 * pole / c * (1.0 - share * share))
+    return share * static, by_c
 
 
 def second_phase(v: float, c: float) -> float:
@@ -214,9 +214,9 @@ def arch(
     """Return Σ by the two legs; see ``theory.piecewise.sums.rules.sum_at``."""
     first = _leg(v, c, 0.0, False, LEG_SHARE * tolerance, slopes)
     second = _leg(v, c, second_phase(v, c), True, LEG_SHARE * tolerance, slopes)
-    still, by_c = still_part(v, c, first[6])
+    static, by_c = static_part(v, c, first[6])
     return (
-        still - 1.0 + first[0] + second[0].conjugate(),
+        static - 1.0 + first[0] + second[0].conjugate(),
         first[1] + second[1].conjugate(),
         by_c + first[2] + second[2].conjugate(),
         first[3] + second[3],

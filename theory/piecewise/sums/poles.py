@@ -34,7 +34,7 @@ def step_to_root(
     return quotient(-2.0 * value, first + (root if toward >= 0.0 else -root)), modulus(first)
 
 
-def is_settled(p: complex, step: complex, steep: float, rho: float) -> bool:
+def has_converged(p: complex, step: complex, steep: float, rho: float) -> bool:
     """Return whether p, reached by ``step``, is a root to within rounding; False for NaN."""
     size = modulus(step)
     return size * size * size * rho <= 1e-18 * steep * modulus(p)
@@ -47,7 +47,7 @@ def root_near(start: complex, q: float, psi: float, rho: float) -> tuple[complex
     for _ in range(MAX_STEPS):
         step, steep = step_to_root(p, sine, cosine, q, psi, rho)
         p += step
-        if is_settled(p, step, steep, rho):
+        if has_converged(p, step, steep, rho):
             turn = 0.5 * step
             near, far = 1.0 - 0.5 * turn * turn, turn - turn * turn * turn / 6.0
             return p, sine * near + cosine * far, cosine * near - sine * far
@@ -119,12 +119,12 @@ def side_of(height: float) -> float:
     return 1.0 if height > 0.0 else -1.0
 
 
-def grown(z: complex) -> complex:
+def bounded_exp(z: complex) -> complex:
     """Return e^z, with Re z limited so that it does not overflow."""
     return cmath.exp(complex(min(z.real, _OVERFLOW), z.imag))
 
 
-def effect_of_root(
+def pole_correction(
     root: tuple[complex, complex, complex], wave: complex, v: float, c: float,
     power: complex, turn: complex, sign: float,
 ) -> tuple[complex, complex, complex, float, float]:  # fmt: skip

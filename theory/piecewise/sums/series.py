@@ -176,7 +176,7 @@ def _kept_terms(series: RootSeries, first: int, last: int, digits: int) -> tuple
     return total, size * mp.mpf(10) ** (8 - mp.mp.dps)
 
 
-def tail_sum(series: RootSeries, label: int, side: int, most: int) -> tuple[Any, Any]:
+def tail_sum(series: RootSeries, label: int, side: int, max_terms: int) -> tuple[Any, Any]:
     """Return the sum of t beyond ``label`` on one side, plus half of t there, and its error.
 
     Euler–Maclaurin: ∫ t dν ∓ Σ_j B_{2j}/(2j) t_{2j-1}, t_j the Taylor coefficients at the label.
@@ -194,8 +194,8 @@ def tail_sum(series: RootSeries, label: int, side: int, most: int) -> tuple[Any,
     total = side * series.sign * integral
     smallest = mp.inf
     radius = min(abs(nu - label) for nu in _singularities(series))
-    taylor = _taylor(series, k, u - 1 / u, radius, 2 * most)
-    for j in range(1, most + 1):
+    taylor = _taylor(series, k, u - 1 / u, radius, 2 * max_terms)
+    for j in range(1, max_terms + 1):
         term = -side * mp.bernoulli(2 * j) / (2 * j) * taylor[2 * j - 1]
         size = abs(term)
         if size > smallest and size > 0:

@@ -141,7 +141,7 @@ class ProfileGrid:
     a : ndarray of complex, shape (N,) or (n, N)
         A/v.
     static, late : ndarray of complex, shape (N,) or (n, N)
-        The factor of e^{ikm} is still + late e^{-a(1 - f)}.
+        The factor of e^{ikm} is static + late e^{-a(1 - f)}.
     error : float
         Bound on the error of values with |m| up to the required extent.
     """

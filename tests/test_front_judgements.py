@@ -21,9 +21,20 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.continuation.branch import Crossing, Fold
-from verification.fronts import follow, measure, network, resting, switchings, wave
+from verification.fronts import (
+    follow,
+    friction,
+    measure,
+    network,
+    preparation,
+    resting,
+    smooth,
+    switchings,
+    wave,
+)
 from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.measure import front_of_wave
+from verification.fronts.preparation import FrontPreparation
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Watch
@@ -48,7 +59,7 @@ def _request(**given: Any) -> measure.Request:
 
 def test_a_chain_is_long_enough_when_waves_of_its_end_have_long_overtaken_the_front() -> None:
     """They gain waves - v on it, from 24 sites behind; four times that, or it is faster."""
-    prepared = measure._prepare_smooth(AVERAGED, _request(), LeftBoundary.FREE)
+    prepared = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.FREE)
     waves = AVERAGED.trailing_wave_velocity
     assert waves == pytest.approx(0.6 * AVERAGED.eps)
     for share, sites in ((0.5, 96), (0.75, 288)):
@@ -56,26 +67,26 @@ def test_a_chain_is_long_enough_when_waves_of_its_end_have_long_overtaken_the_fr
         assert prepared.enough(sites + 1, share * waves)
     for share, enough in ((1.0, False), (1.0099, False), (1.0101, True), (2.0, True)):
         assert prepared.enough(10**6, share * waves) is enough
-    on_wave = measure._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
+    on_wave = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
     assert on_wave.enough(1, 0.5 * waves)
 
 
 def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.6, sites=50)
-    usual = measure._prepare_smooth(chain, _request(), LeftBoundary.FREE)
-    given = measure._prepare_smooth(
+    usual = smooth._prepare_smooth(chain, _request(), LeftBoundary.FREE)
+    given = smooth._prepare_smooth(
         chain, _request(accuracy=1e-5, tolerance=1e-9, excited=8, max_sites=77, stall_time=3.0),
         LeftBoundary.FREE,
     )  # fmt: skip
     assert _numbers(usual) == (24, 50, 1000, 1e-3, 1e-8, pytest.approx(60.0 / chain.eps))
     assert _numbers(given) == (8, 50, 77, 1e-5, 1e-9, pytest.approx(3.0 / chain.eps))
-    short = measure._prepare_smooth(replace(chain, sites=5), _request(), LeftBoundary.FREE)
+    short = smooth._prepare_smooth(replace(chain, sites=5), _request(), LeftBoundary.FREE)
     assert short.sites == 32
     assert usual.sized(40).sites == 64
     assert usual.settling_tolerance == pytest.approx(1e-3 * chain.stable_amplitude)
 
 
-def _numbers(made: measure.FrontPreparation) -> tuple[Any, ...]:
+def _numbers(made: FrontPreparation) -> tuple[Any, ...]:
     return (made.excited, made.sites, made.max_sites, made.accuracy, made.tolerance,
             made.stall_time)  # fmt: skip
 
@@ -98,13 +109,13 @@ def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
         made.append(prepared)
         return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
 
-    monkeypatch.setattr(measure, "_settled", settled)
-    monkeypatch.setattr(measure, "excite", lambda _, sites, **__: [*sites])
-    monkeypatch.setattr(measure, "FrictionIntegration", _Begun)
+    monkeypatch.setattr(FrontPreparation, "settled", settled)
+    monkeypatch.setattr(friction, "excite", lambda _, sites, **__: [*sites])
+    monkeypatch.setattr(friction, "FrictionIntegration", _Begun)
     chain = FrictionChain(c=0.02, sites=40)
-    front = measure._friction_front(chain, _request())
+    front = friction.friction_front(chain, _request())
     asked = {"accuracy": 1e-3, "tolerance": 1e-9, "excited": 2, "max_sites": 50}
-    measure._friction_front(chain, _request(**asked, stall_time=10.0))
+    friction.friction_front(chain, _request(**asked, stall_time=10.0))
     assert _numbers(made[0]) == (1, 40, 800, 1e-2, 1e-8, 3000.0)
     assert _numbers(made[1]) == (2, 40, 50, 1e-3, 1e-9, 10.0)
     assert (front.outruns_waves, front.left_boundary, front.v) == (False, None, 0.5)
@@ -114,18 +125,18 @@ def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
 def test_a_measured_front_is_in_slow_time_and_counts_earlier_steps() -> None:
     prepared: Any = SimpleNamespace(sized=lambda _: AVERAGED, excited=24, method="by hand")
     found = Settled(FrontStatus.STEADY, 0.003, 1e-5, np.arange(3.0), 40, 5)
-    front = measure._front(prepared, found, LeftBoundary.FREE, True, 4)
+    front = FrontPreparation.front(prepared, found, LeftBoundary.FREE, True, 4)
     assert (front.v, front.error) == pytest.approx((0.3, 1e-3))
     assert (front.counts, front.outruns_waves) == ({"steps": 9}, True)
 
 
 def test_of_a_smooth_chain_four_to_a_thousand_sites_are_excited() -> None:
     for excited in (4, 1000):
-        prepared = measure._prepare_smooth(AVERAGED, _request(excited=excited), LeftBoundary.FREE)
+        prepared = smooth._prepare_smooth(AVERAGED, _request(excited=excited), LeftBoundary.FREE)
         assert prepared.sized(40).sites - 40 == prepared.excited == excited
     for excited in (3, 1001):
         with pytest.raises(ParameterError, match="excited sites") as refusal:
-            measure._prepare_smooth(AVERAGED, _request(excited=excited), LeftBoundary.FREE)
+            smooth._prepare_smooth(AVERAGED, _request(excited=excited), LeftBoundary.FREE)
         assert refusal.value.quantity == "excited sites"
 
 
@@ -135,17 +146,16 @@ def test_without_waves_behind_it_no_front_is_run_twice(
 ) -> None:
     made: list[LeftBoundary] = []
 
-    def prepare(_: object, __: object, left: LeftBoundary) -> None:
+    def prepare(_: object, __: object, left: LeftBoundary) -> Any:
         made.append(left)
+        return SimpleNamespace(settled=lambda _: found, front=lambda *given: given)
 
     found = Settled(FrontStatus.STEADY, v, 1e-3, np.arange(3.0), 40, 7)
-    monkeypatch.setattr(measure, "_prepare_smooth", prepare)
-    monkeypatch.setattr(measure, "_settled", lambda *_: found)
-    monkeypatch.setattr(measure, "_front", lambda *given: given)
+    monkeypatch.setattr(smooth, "_prepare_smooth", prepare)
     still: Any = SimpleNamespace(trailing_wave_velocity=0.0)
-    front: Any = measure._smooth_front(still, _request())
+    front: Any = smooth.smooth_front(still, _request())
     assert made == [LeftBoundary.WAVE]
-    assert front[1:] == (found, LeftBoundary.FREE, v == 0.5)
+    assert front == (found, LeftBoundary.FREE, v == 0.5)
 
 
 @pytest.mark.parametrize("v", [1e-4, 1.0, 1e3])
@@ -208,9 +218,9 @@ def test_a_friction_front_may_begin_from_a_displacement(
         begun.append(prepared.begin(prepared.sized(20), 1e-6))
         return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
 
-    monkeypatch.setattr(measure, "_settled", settled)
+    monkeypatch.setattr(FrontPreparation, "settled", settled)
     chain = FrictionChain(c=0.02, sites=40)
-    measure._friction_front(chain, _request(point=displacement, excited=2))
+    friction.friction_front(chain, _request(point=displacement, excited=2))
     (run,) = begun
     start = excite(chain.replace(sites=20), [3])  # of the others, at rest
     assert run.chain.sites == 20
@@ -232,7 +242,7 @@ def test_a_friction_front_may_begin_from_a_displacement(
 )
 def test_a_friction_front_is_asked_for_within_ranges(given: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError) as refusal:
-        measure._friction_front(FrictionChain(c=0.02, sites=40), _request(**given))
+        friction.friction_front(FrictionChain(c=0.02, sites=40), _request(**given))
     assert refusal.value.quantity == named
 
 
@@ -308,11 +318,11 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
             assert front.error == pytest.approx(1.0 / time)
             assert asked[-1].get("directions") == directions
             assert asked[-1]["stall"] == pytest.approx(time * lattice.time_unit)
-    monkeypatch.setattr(measure, "Watch", lambda **_: SimpleNamespace(trial=lambda *_: pinned))
+    monkeypatch.setattr(preparation, "Watch", lambda **_: SimpleNamespace(trial=lambda *_: pinned))
     pinned = Trial(FrontStatus.PINNED, np.full(40, NAN), np.empty(0), 1)
-    prepared = measure._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
-    found = measure._settled(prepared, None)
-    front = measure._front(prepared, found, None, False)
+    prepared = smooth._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
+    found = prepared.settled(None)
+    front = FrontPreparation.front(prepared, found, None, False)
     assert front.error == pytest.approx(1.0 / 10.0)
     assert front.counts == {"steps": 1}
 
@@ -366,9 +376,9 @@ def test_a_front_of_a_network_along_a_line_outruns_its_waves_or_not(
     assert waves > 0.0
     found = Settled(FrontStatus.STEADY, share * waves, 1e-6, np.arange(3.0), 40, 7)
     asked: list[Any] = []
-    monkeypatch.setattr(measure, "_settled", lambda *given: asked.append(given) or found)
+    monkeypatch.setattr(FrontPreparation, "settled", lambda *given: asked.append(given) or found)
     request = _request(progress=print)
-    assert measure._own_front(chain, request).outruns_waves is outruns
+    assert smooth.own_front(chain, request).outruns_waves is outruns
     ((prepared, progress),) = asked
     assert (prepared.excited, progress) == (24, print)
 
@@ -414,7 +424,7 @@ def test_options_of_a_front_have_the_ranges_that_are_documented(
     def begun(*_: Any, **__: Any) -> Any:
         raise _BegunError
 
-    monkeypatch.setattr(measure, "_settled", begun)
+    monkeypatch.setattr(FrontPreparation, "settled", begun)
     monkeypatch.setattr(network, "_measured", begun)
     monkeypatch.setattr(simulation, "_start_state", begun)
     chain = _lengths(kind)
@@ -454,7 +464,7 @@ def test_an_option_is_read_or_refused(
     def begun(*_: Any, **__: Any) -> Any:
         raise _BegunError
 
-    monkeypatch.setattr(measure, "_settled", begun)
+    monkeypatch.setattr(FrontPreparation, "settled", begun)
     monkeypatch.setattr(network, "_measured", begun)
     monkeypatch.setattr(simulation, "_start_state", begun)
     read = option in READ[kind]
@@ -513,8 +523,8 @@ def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch
         asked.append(prepared.doubt)
         return second if len(asked) == 2 else first
 
-    monkeypatch.setattr(measure, "_settled", settled)
-    front = measure._smooth_front(AVERAGED, _request())
+    monkeypatch.setattr(FrontPreparation, "settled", settled)
+    front = smooth.smooth_front(AVERAGED, _request())
     assert asked == [None, 1e-4]
     assert (front.v, front.counts["steps"]) == (pytest.approx(2e-2), 18)
     assert front.steps == front.to_dict()["steps"] == 18

@@ -55,7 +55,7 @@ from verification.execution.store import Store
 from verification.execution.sweep import sweep
 from verification.execution.task import parameters_of
 from verification.execution.time_limit import TimeIsUpError
-from verification.fronts import measure
+from verification.fronts import measure, smooth
 from verification.fronts.arrival_fit import Settled
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
@@ -1275,18 +1275,17 @@ def test_a_front_that_waves_overtake_is_no_surer_than_with_twice_as_many_sites_b
 
     def prepare(_: object, request: Any, boundary: LeftBoundary) -> SimpleNamespace:
         asked.append((request.excited, boundary))
-        return SimpleNamespace()
+        return SimpleNamespace(settled=lambda _: beside)
 
     beside = _settled(other, 1e-5, FrontStatus.STEADY, steps=20)
-    monkeypatch.setattr(measure, "_prepare_smooth", prepare)
-    monkeypatch.setattr(measure, "_settled", lambda *_: beside)
-    found = measure._beside_longer_wave(
+    monkeypatch.setattr(smooth, "_prepare_smooth", prepare)
+    found = smooth._beside_longer_wave(
         _settled(0.5, 1e-4, FrontStatus.STEADY), 1e-3, VdpChain(a=4, b=0.5, c=0.6), _request()
     )
     assert asked == [(48, LeftBoundary.WAVE)]
     assert found.error == pytest.approx(error, rel=1e-6)
     assert (found.v, found.status, found.steps) == (0.5, status, 21)
-    slower = measure._beside_longer_wave(
+    slower = smooth._beside_longer_wave(
         _settled(0.25, 1e-4, FrontStatus.STEADY), 1e-3, VdpChain(a=4, b=0.5, c=0.6), _request()
     )
     assert slower.error == pytest.approx(abs(0.25 - (other or 0.0)), rel=1e-6)
@@ -1323,14 +1322,18 @@ def test_the_left_end_of_a_smooth_chain_is_run_where_it_can_matter(
         accuracy: float = 1e-3
         doubt: float | None = None
 
+        def settled(self, _: object) -> Settled:
+            return _settled(v, 1e-4, FrontStatus.STEADY)
+
+        def front(self, *given: Any) -> Any:
+            return given
+
     def prepare(_: object, request: Any, left: LeftBoundary) -> Prepared:
         made.append("longer wave" if request.excited == 48 else left.value)
         return Prepared()
 
-    monkeypatch.setattr(measure, "_prepare_smooth", prepare)
-    monkeypatch.setattr(measure, "_settled", lambda *_: _settled(v, 1e-4, FrontStatus.STEADY))
-    monkeypatch.setattr(measure, "_front", lambda *given: given)
-    _, _, left, outruns, *_ = measure._smooth_front(chain, _request(boundary))
+    monkeypatch.setattr(smooth, "_prepare_smooth", prepare)
+    _, left, outruns, *_ = smooth.smooth_front(chain, _request(boundary))
     assert made == runs
     assert left is boundary
     assert outruns is (share == 2.0)

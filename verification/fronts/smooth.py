@@ -1,0 +1,149 @@
+"""Fronts of smooth chains, measured by running them.
+
+A smooth chain starts with sites on the stable cycle, with the phase step to which its fronts
+lock. Behind a front of (8) or (43), undamped phase waves run at velocities up to c. A front with
+v̂ > c outruns them: its velocity does not depend on how it was started, and only a fixed number
+of sites behind it is integrated. A front with v̂ < c is overtaken by the waves from the free end,
+which changes its velocity; then all sites are integrated (``LeftBoundary``). If the longest chain
+allowed is too short for the waves to arrive, the stated error is at least the difference from the
+velocity of the front that has a wave behind it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from theory.chains.chain import SmoothChain
+from theory.chains.ends import Ends
+from theory.chains.own import OwnChain
+from theory.parameters import ParameterError, count_within
+from verification.fronts.arrival_fit import Settled
+from verification.fronts.network import spreading_front
+from verification.fronts.preparation import FrontPreparation
+from verification.fronts.request import RUN, Request
+from verification.fronts.result import Front, LeftBoundary
+from verification.fronts.status import FrontStatus
+from verification.runs.excite import excite_edge
+from verification.runs.integration import Integration
+from verification.runs.smooth_integration import SmoothIntegration
+
+OUTRUNS = 1.01
+"""Ratio of front velocity to wave velocity above which the front outruns the waves behind it."""
+
+EXCITED, MAX_EXCITED = 24, 1000
+
+
+def smooth_front(chain: SmoothChain, request: Request) -> Front:
+    """Measure a front that begins at the first sites, with a wave or a free end behind it."""
+    request.reads(*RUN, "left_boundary", where="for a chain of a smooth cell")
+    waves = chain.trailing_wave_velocity
+    wave = _prepare_smooth(chain, request, LeftBoundary.WAVE)
+    found = wave.settled(request.progress)
+    outruns = found.v is not None and found.v > OUTRUNS * waves
+    stands = found.v is None or found.v == 0.0
+    if request.left_boundary is LeftBoundary.WAVE and not (outruns or stands):
+        found = _beside_longer_wave(found, wave.accuracy, chain, request)
+    if request.left_boundary is LeftBoundary.WAVE or outruns or waves == 0.0:
+        return wave.front(found, request.left_boundary, outruns)
+    free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), doubt=found.v)
+    slower = free.settled(request.progress)
+    return free.front(slower, request.left_boundary, False, found.steps)
+
+
+def _beside_longer_wave(
+    found: Settled, accuracy: float, chain: SmoothChain, request: Request
+) -> Settled:
+    """Return a front overtaken by waves, with an error no smaller than the effect of the boundary.
+
+    The wave imposed at its left end has a phase lag of a quarter turn per site, whereas the front
+    itself has exactly this lag only in the limit of small ε. The measurement is repeated with twice
+    as many sites between boundary and front, so that a different part of that wave has arrived.
+    """
+    assert found.v is not None
+    assert found.error is not None
+    twice = min(2 * (request.excited or EXCITED), MAX_EXCITED)
+    farther = _prepare_smooth(chain, replace(request, excited=twice), LeftBoundary.WAVE)
+    other = farther.settled(request.progress)
+    apart = abs(found.v - (other.v or 0.0))
+    steady = apart < accuracy * found.v
+    return replace(
+        found,
+        error=max(found.error, apart),
+        status=found.status if steady else FrontStatus.UNSTEADY,
+        steps=found.steps + other.steps,
+    )
+
+
+def own_front(chain: OwnChain, request: Request) -> Front:
+    """Measure a chain like any other model; a lattice or network, outwards from its centre."""
+    if not chain.along_line:
+        return spreading_front(chain, request)
+    weights = chain.coupling.partition(":")[2]
+    if any(np.ndim(each) for each in chain.values.values()):
+        raise ParameterError(
+            "values", "an array", "one number each for a front, whose chain is made longer",
+            "give disorder by its spread and seed",
+        )  # fmt: skip
+    straight = f"chain:{weights}" if weights else "chain"
+    free = chain.replace(coupling=straight, ends=Ends.FREE)
+    if free.network is None:
+        return smooth_front(free, request)
+    request.reads(*RUN, where="where sites differ or have more than two neighbours")
+    prepared = _prepare_smooth(free, request, LeftBoundary.FREE)
+    found = prepared.settled(request.progress)
+    outruns = found.v is not None and found.v > OUTRUNS * free.trailing_wave_velocity
+    return prepared.front(found, LeftBoundary.FREE, outruns)
+
+
+def _prepare_smooth(
+    chain: SmoothChain, request: Request, boundary: LeftBoundary
+) -> FrontPreparation:
+    excited = EXCITED if request.excited is None else request.excited
+    count_within("excited sites", excited, 4, MAX_EXCITED)
+    max_sites = 1000 if request.max_sites is None else request.max_sites
+    stall = (60.0 if request.stall_time is None else request.stall_time) * chain.time_unit
+    on = boundary is LeftBoundary.WAVE
+    waves = chain.trailing_wave_velocity
+
+    def sized(sites: int) -> SmoothChain:
+        longer = chain.replace(sites=excited + sites)
+        return longer if longer.ends is Ends.FREE else longer.replace(ends=Ends.FREE)
+
+    def begin(longer: SmoothChain, tolerance: float) -> Integration:
+        # Long enough for the slowest front that is not called stalled.
+        end = (longer.sites + 4) * 2.0 * stall
+        return SmoothIntegration(
+            longer,
+            excite_edge(longer, excited),
+            [0.0, end],
+            tolerance=tolerance,
+            trailing_sites=excited if on else 0,
+            left_boundary_wave=on,
+        )
+
+    def enough(sites: int, v: float) -> bool:
+        """Whether waves from the free end have long overtaken the front.
+
+        The first of them reach it after v·excited/(waves - v) sites. Four times as many are
+        required: the waves then arrive within the first quarter of the sites, well before the
+        second half, to which v is fitted.
+        """
+        if on or v > OUTRUNS * waves:
+            return True
+        return v < waves and sites >= 4.0 * v * excited / (waves - v)
+
+    return FrontPreparation(
+        sized=sized,
+        begin=begin,
+        excited=excited,
+        sites=max(count_within("number of sites n", chain.sites, 2, max_sites), 32),
+        max_sites=max_sites,
+        accuracy=1e-3 if request.accuracy is None else request.accuracy,
+        tolerance=1e-8 if request.tolerance is None else request.tolerance,
+        stall_time=stall,
+        settling_tolerance=1e-3 * chain.stable_amplitude,
+        method=SmoothIntegration.method,
+        enough=enough,
+    )

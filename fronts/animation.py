@@ -123,7 +123,7 @@ def _writer(
                 self._still = canvas.copy_from_bbox(self.fig.bbox)
             canvas.restore_region(self._still)
             for each in moving:
-                each.axes.draw_artist(each)
+                self.fig.draw_artist(each)
             self._frames.append(Image.fromarray(np.array(canvas.buffer_rgba())))
 
         def finish(self) -> None:

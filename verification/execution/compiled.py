@@ -89,7 +89,7 @@ class _PartOfItsCallers(JITCodeLibrary):
 
 
 class _Rolled(JITCodeLibrary):
-    """Code whose loops are vectorised but not unrolled."""
+    """Code whose loops and equal adjacent operations are vectorised; loops are not unrolled."""
 
     def _optimize_final_module(self) -> None:
         codegen: Any = self._codegen
@@ -102,6 +102,7 @@ class _Rolled(JITCodeLibrary):
         passes.run(module, builder)
         choice = binding.create_pipeline_tuning_options(speed_level=3)
         choice.loop_vectorization, choice.loop_unrolling = True, False
+        choice.slp_vectorization = True
         builder = binding.create_pass_builder(codegen._tm, choice)
         builder.getModulePassManager().run(module, builder)
 

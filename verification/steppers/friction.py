@@ -57,6 +57,7 @@ from verification.steppers.friction_series import (
     FIRST,
     HIGHEST,
     KEPT,
+    LAST_TERM,
     LOWEST,
     MODE,
     MU_ST,
@@ -69,6 +70,7 @@ from verification.steppers.friction_series import (
     STEEPEST,
     STEP,
     SUM,
+    TERM,
     TOLERANCE,
     V0,
     V_D,
@@ -77,18 +79,19 @@ from verification.steppers.friction_series import (
     Law,
     W,
     Y,
-    absolute_sum,
     absolute_sums,
     expand,
     first_root,
     inner,
     new_room,
+    one_way,
     outer,
     resolved,
     shift,
     site_value,
     site_values,
     term_length,
+    term_size,
 )
 from verification.steppers.stop_code import StopCode
 
@@ -288,37 +291,44 @@ def _frame(run: Run, longest: float) -> float:
 
 
 @inner
-def _frame_length(ends: FloatArray, longest: float) -> float:
+def _frame_length(
+    site: FloatArray, lo: int, hi: int, order: int, p: FloatArray, most: float
+) -> float:
     """Return a frame length before which at most a sixteenth of the series expire."""
-    length = longest
-    for n in range(ends.size):
-        length = min(length, ends[n])
-    while 0.0 < length < longest:
+    first, last, tolerance = 0.0, 0.0, p[TOLERANCE]
+    for n in range(lo, hi):
+        first, last = max(first, site[TERM, n]), max(last, site[LAST_TERM, n])
+    length = min(most, term_length(first, last, order, tolerance))
+    while 0.0 < length < most:
         longer, short = math.sqrt(2.0) * length, 0
-        for n in range(ends.size):
-            short += 1 if ends[n] < longer else 0
-        if _SLOW_SHARE * short > ends.size:
+        before = longer ** (order - 1)
+        for n in range(lo, hi):
+            holds = site[TERM, n] * before <= tolerance
+            holds = holds and site[LAST_TERM, n] * before * longer <= tolerance
+            short += 0 if holds else 1
+        if _SLOW_SHARE * short > hi - lo:
             break
         length = longer
-    return float(min(length, longest))
+    return float(min(length, most))
 
 
 @inner
 def _expanded(run: Run, lo: int, hi: int) -> bool:
     """Make series of sites lo … hi - 1 from their states; return whether all are finite.
 
-    END is set to the duration for which each holds, according to its last terms.
+    TERM and LAST_TERM are set to the sizes of its last two coefficients.
     """
     series, site = run.series, run.site
     for n in range(lo, hi):
         series[Y, 0, n] = site[Y, n]
         series[W, 0, n] = site[W, n]
     expand(series, site, run.mode, run.numbers, run.law, lo, hi)
-    finite = True
+    order, total = series.shape[1] - 1, 0.0
     for n in range(lo, hi):
-        site[END, n] = term_length(series, n, run.numbers[TOLERANCE])
-        finite = finite and not math.isnan(site[END, n])
-    return finite
+        site[TERM, n] = term_size(series, order - 1, n)
+        site[LAST_TERM, n] = term_size(series, order, n)
+        total += site[TERM, n] + site[LAST_TERM, n]
+    return math.isfinite(total)
 
 
 @inner
@@ -329,10 +339,14 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     that has kept its series is computed from that series; neither is valid for longer than those.
     """
     site, mode, series, numbers = run.site, run.mode, run.series, run.numbers
-    goes_on = True
+    order, tolerance, left = series.shape[1] - 1, run.numbers[TOLERANCE], length - now
+    before, goes_on = left ** (order - 1), True
     for n in range(lo, hi):
-        site[STEP, n] = min(site[END, n], length - now)
-    absolute_sums(series[W], site, lo, hi)
+        first, last = site[TERM, n], site[LAST_TERM, n]
+        site[STEP, n] = left
+        if max(first, last * left) * before > 0.999 * tolerance:
+            site[STEP, n] = min(left, term_length(first, last, order, tolerance))
+    absolute_sums(series[W], site, lo, hi, left)
     for n in range(lo, hi):
         h = site[STEP, n]
         if mode[MODE, n] != 0 and not (len(run.law) == 0 and site[SUM, n] <= numbers[V0]):
@@ -347,37 +361,45 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
             if m < lo or m >= hi or (mode[MODE, n] == 0 and mode[MODE, m] != 0):
                 end = min(end, max(now, site[END, m]))
         site[END, n] = end
-        site[STEP, n] = end - now
-    absolute_sums(series[W], site, lo, hi)
     for n in range(lo, hi):
         site[EVENT, n] = math.inf
         if not site[SUM, n] < mode[MODE, n] * series[W, 0, n]:  # as ``first_root`` requires
-            site[EVENT, n] = now + _first_event(run, n, site[STEP, n])
+            first = _first_event(
+                series, site, run.room, numbers, n, mode[MODE, n], site[END, n] - now
+            )
+            site[EVENT, n] = now + first
         expires = site[END, n] if site[END, n] < length else math.inf
         run.queue[run.queue.size // 2 + n] = min(site[EVENT, n], expires)
     return goes_on
 
 
 @inner
-def _first_event(run: Run, n: int, h: float) -> float:
+def _first_event(
+    series: FloatArray,
+    site: FloatArray,
+    room: FloatArray,
+    p: FloatArray,
+    n: int,
+    mode: int,
+    h: float,
+) -> float:
     """Return the time from the start of its series to the first event of site n; inf if beyond h.
 
     A site in slip has one function of time to be monitored, a site in stick one for each limit.
     """
-    p, series, f = run.numbers, run.series, run.room[POLYNOMIAL]
-    order, mode = series.shape[1] - 1, run.mode[MODE, n]
+    f, order = room[POLYNOMIAL], series.shape[1] - 1
     if mode != 0:
         for k in range(order + 1):
             f[k] = float(mode) * series[W, k, n]
-        return first_root(run.room, order, h)
+        return first_root(room, order, h)
     first = math.inf
     for side in (1.0, -1.0):
         for k in range(order + 1):
             y = series[Y, k]
-            bend = run.site[OWN, n] * y[n] - (y[n - 1] + y[n + 1])
+            bend = site[OWN, n] * y[n] - (y[n - 1] + y[n + 1])
             f[k] = -side * (y[n] + p[C] * bend)
         f[0] += p[MU_ST] - side * 2.0 * p[XI] * p[V_D]
-        first = min(first, first_root(run.room, order, h))
+        first = min(first, first_root(room, order, h))
     return first
 
 
@@ -440,7 +462,8 @@ def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
         n = _next_due(run.queue, n + 1, until)
     for i in range(count):
         for m in range(max(due[i] - 1, run.counters[LO]), min(due[i] + 2, run.counters[HI])):
-            _bring(run, m, now)
+            if site[START, m] < now:
+                _bring(run, m, now)
     for i in range(count):
         if site[EVENT, due[i]] <= until:
             _switch(run, due[i], run.numbers[CLOCK] + now)
@@ -507,9 +530,12 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     """
     y, site, room, queue = run.series[Y], run.site, run.room, run.queue
     for n in range(lo, hi):
-        _bring(run, n, now)
+        if site[START, n] < now:
+            _bring(run, n, now)
     for side in range(2):
         beside = lo - 1 if side == 0 else hi
+        if site[START, beside] == now:
+            continue
         for k in range(y.shape[0]):
             room[KEPT + side, k] = y[k, beside]
         shift(y, beside, now - site[START, beside], room[POLYNOMIAL])
@@ -518,17 +544,18 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     if not _expanded(run, lo, hi):
         return math.nan
     if length < 0.0:
-        length = _frame_length(site[END, lo:hi], -length)
+        length = _frame_length(site, lo, hi, y.shape[0] - 1, run.numbers, -length)
     goes_on = length > 0.0 and _found(run, lo, hi, now, length)
     for side in range(2):
         beside = lo - 1 if side == 0 else hi
-        for k in range(y.shape[0]):
+        for k in range(y.shape[0] if site[START, beside] != now else 0):
             y[k, beside] = room[KEPT + side, k]
-    for n in range(lo, hi):
-        node = (queue.size // 2 + n) // 2
-        while node >= 1:
+    first, last = (queue.size // 2 + lo) // 2, (queue.size // 2 + hi - 1) // 2
+    while first >= 1:
+        for node in range(first, last + 1):
             queue[node] = min(queue[2 * node], queue[2 * node + 1])
-            node //= 2
+        first //= 2
+        last //= 2
     return length if goes_on else 0.0
 
 
@@ -536,19 +563,8 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
 def _bring(run: Run, n: int, now: float) -> None:
     """Advance the state of site n and what is sampled of it to a given time; its series is kept."""
     site, series = run.site, run.series
-    start = site[START, n]
-    h = now - start
-    if h <= 0.0:
-        return
-    passed = 0.0
-    while run.mode[MODE, n] == -1:
-        turn, kind = _turning_point(run, n, passed, h)
-        if turn > h:
-            break
-        _sample(run, n, start + passed, start + turn)
-        site[HIGHEST + kind, n] = site_value(series[Y], n, turn)
-        passed = turn
-    _sample(run, n, start + passed, now)
+    h = now - site[START, n]
+    _watch(run, n, h)
     site[Y, n] = site_value(series[Y], n, h)
     site[W, n] = site_value(series[W], n, h)
     run.mode[RELEASED, n] = 0
@@ -556,15 +572,37 @@ def _bring(run: Run, n: int, now: float) -> None:
 
 
 @inner
-def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int]:
+def _watch(run: Run, n: int, h: float) -> None:
+    """Record the turning points and samples of site n up to a time h after its series begins."""
+    site, start, v_d = run.site, run.site[START, n], run.numbers[V_D]
+    passed, turn = 0.0, 0.0
+    sampled = run.counters[SAMPLED] < run.times.size
+    if run.mode[MODE, n] != -1 or site[SUM, n] < abs(run.series[W, 0, n] + v_d):
+        turn = math.inf
+    while turn <= h:
+        turn, kind = _turning_point(run.series[W], run.room, v_d, n, passed, h)
+        if turn <= h:
+            if sampled:
+                _sample(run, n, start + passed, start + turn)
+            site[HIGHEST + kind, n] = site_value(run.series[Y], n, turn)
+            passed = turn
+            shift(run.series[W], n, 0.0, run.room[POLYNOMIAL])
+            if one_way(run.room[POLYNOMIAL], run.series.shape[1] - 1, h, run.room[KEPT]):
+                turn = math.inf  # its velocity is monotonic, so it turns once only
+    if sampled:
+        _sample(run, n, start + passed, start + h)
+
+
+@inner
+def _turning_point(
+    w: FloatArray, room: FloatArray, v_d: float, n: int, after: float, h: float
+) -> tuple[float, int]:
     """Return the time in (after, h] at which y of site n next turns, and 0 for a maximum or 1.
 
     Times are measured from the beginning of the series. A site that starts at rest does not turn
     there.
     """
-    w, f, v_d = run.series[W], run.room[POLYNOMIAL], run.numbers[V_D]
-    if after == 0.0 and absolute_sum(w, n, h) < abs(w[0, n] + v_d):
-        return math.inf, 0
+    f = room[POLYNOMIAL]
     shift(w, n, after, f)
     f[0] = f[0] + v_d if after == 0.0 else 0.0
     if f[0] == 0.0 and f[1] == 0.0:
@@ -573,7 +611,7 @@ def _turning_point(run: Run, n: int, after: float, h: float) -> tuple[float, int
     if not rising:
         for k in range(w.shape[0]):
             f[k] = -f[k]
-    return after + first_root(run.room, w.shape[0] - 1, h - after), 0 if rising else 1
+    return after + first_root(room, w.shape[0] - 1, h - after), 0 if rising else 1
 
 
 @inner
@@ -595,19 +633,17 @@ def _sample(run: Run, n: int, begin: float, end: float) -> None:
 
 @inner
 def _finish(run: Run, end: float) -> None:
-    """Advance all sites to the end of the frame, one by one if sampled or about to turn."""
+    """Advance all sites to the end of the frame; those that are sampled or may turn are watched."""
     site, mode, times, lo, hi = run.site, run.mode, run.times, run.counters[LO], run.counters[HI]
     series, i = run.series, run.counters[SAMPLED]
     sampled = i < times.size and not max(0.0, times[i] - run.numbers[CLOCK]) > end
     for n in range(lo, hi):
         site[STEP, n] = end - site[START, n]
-    absolute_sums(series[W], site, lo, hi)
     for n in range(lo, hi):
-        still = site[SUM, n] < abs(series[W, 0, n] + run.numbers[V_D])
-        if sampled or (mode[MODE, n] == -1 and not still):
-            _bring(run, n, end)
-            site[STEP, n] = 0.0
-        elif site[STEP, n] > 0.0:
+        if site[STEP, n] > 0.0:
+            still = site[SUM, n] < abs(series[W, 0, n] + run.numbers[V_D])
+            if sampled or (mode[MODE, n] == -1 and not still):
+                _watch(run, n, site[STEP, n])
             mode[RELEASED, n] = 0
         site[START, n] = 0.0
     for row in (Y, W):

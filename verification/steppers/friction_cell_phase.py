@@ -28,6 +28,7 @@ from verification.steppers.friction_series import (
     resolved,
     site_value,
     term_length,
+    term_size,
     value_at,
 )
 
@@ -97,9 +98,10 @@ def _follow(phase: Phase, found: FloatArray) -> None:
         series[Y, 0, 1], series[W, 0, 1] = found[1], found[2]
         expand(series, site, mode, numbers, law, last - 1, last)
         mode[RELEASED, 1] = 0
-        h = term_length(series, 1, numbers[TOLERANCE])
-        if math.isnan(h):
+        term, last_term = term_size(series, order - 1, 1), term_size(series, order, 1)
+        if not math.isfinite(term + last_term):
             break
+        h = term_length(term, last_term, order, numbers[TOLERANCE])
         h = resolved(series, numbers, law, 1, -1.0, min(h, 0.5))
         if t + h == t:
             break

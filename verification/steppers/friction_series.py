@@ -66,7 +66,11 @@ within the frame, the times from which and until which its series holds, and of 
 of the first stick; last maximum and minimum of y."""
 
 STEP, SUM = SIGN, BEND
-"""The same two rows, used for a time after the beginning of the series and for the values then."""
+"""The same two rows, used for a time after the beginning of the series, and for a bound on the
+change of w while the series is valid, or the values at that time."""
+
+TERM, LAST_TERM = SIGN, BEND
+"""The same two rows, used for the last two coefficients, |y_k| + |w_k|."""
 
 MODE, RELEASED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4
 """Rows of ``mode``: 0 in stick, otherwise the sign of w; whether stick has ended at this very time;
@@ -74,6 +78,9 @@ work space for the sites that are due and for ranges of sites."""
 
 POLYNOMIAL, KEPT, BINOMIALS = 0, 1, 3
 """Rows of ``room``; the work rows follow the binomial coefficients."""
+
+ABREAST = 8
+"""Number of columns whose E is computed together, if there are so many."""
 
 _DEPTH = 48
 _LOOKS = 16
@@ -172,6 +179,11 @@ def expand(
         if len(law) == 1:
             _expand_gaussian(series, lo, hi, k, law[0])
             continue
+        if series.shape[2] >= ABREAST:
+            for n in range(lo, hi, ABREAST):
+                first = min(n, series.shape[2] - ABREAST)
+                _expand_abreast(series[W], series[E], site[SIGN], k, first, -(factor / v0))
+            continue
         next_e = series[E, k + 1, lo:hi]
         for n in range(hi - lo):
             next_e[n] = 0.0
@@ -181,6 +193,44 @@ def expand(
                 next_e[n] += (times * u[n]) * f[n]
         for n in range(hi - lo):
             next_e[n] *= -(factor / v0) * sign[n]
+
+
+@vectorised
+def _expand_abreast(
+    w: FloatArray, e: FloatArray, sign: FloatArray, k: int, first: int, factor: float
+) -> None:
+    """Compute coefficient k + 1 of E in ``ABREAST`` columns from ``first`` on.
+
+    E is work space, so columns beyond those required may be overwritten. The sums are local
+    variables, which the compiler keeps in one register; sums in an array would be stored and loaded
+    at each term. Indices are unsigned, since a check for negative ones would hide from the compiler
+    that the columns are adjacent.
+    """
+    one, last = np.uintp(1), np.uintp(k)
+    a = np.uintp(first)
+    b, c, d = a + one, a + np.uintp(2), a + np.uintp(3)
+    p, q, r, s = a + np.uintp(4), a + np.uintp(5), a + np.uintp(6), a + np.uintp(7)
+    at_a = at_b = at_c = at_d = at_p = at_q = at_r = at_s = times = 0.0
+    for j in range(last + one):
+        u, f = j + one, last - j
+        times += 1.0
+        at_a += (times * w[u, a]) * e[f, a]
+        at_b += (times * w[u, b]) * e[f, b]
+        at_c += (times * w[u, c]) * e[f, c]
+        at_d += (times * w[u, d]) * e[f, d]
+        at_p += (times * w[u, p]) * e[f, p]
+        at_q += (times * w[u, q]) * e[f, q]
+        at_r += (times * w[u, r]) * e[f, r]
+        at_s += (times * w[u, s]) * e[f, s]
+    following = last + one
+    e[following, a] = at_a * (factor * sign[a])
+    e[following, b] = at_b * (factor * sign[b])
+    e[following, c] = at_c * (factor * sign[c])
+    e[following, d] = at_d * (factor * sign[d])
+    e[following, p] = at_p * (factor * sign[p])
+    e[following, q] = at_q * (factor * sign[q])
+    e[following, r] = at_r * (factor * sign[r])
+    e[following, s] = at_s * (factor * sign[s])
 
 
 @vectorised
@@ -208,9 +258,11 @@ def shift(P: FloatArray, column: int, x: float, out: FloatArray) -> None:
     order = P.shape[0] - 1
     for k in range(order + 1):
         out[k] = P[k, column]
-    for k in range(order if x != 0.0 else 0):
-        for i in range(order - 1, k - 1, -1):
-            out[i] += x * out[i + 1]
+    if x != 0.0:
+        for k in range(order - 1, -1, -1):
+            rest = out[k:]
+            for i in range(order - k):  # ascending, so that the loop can be vectorised
+                rest[i] += x * rest[i + 1]
 
 
 @inner
@@ -244,18 +296,22 @@ def value_at(f: FloatArray, degree: int, h: float) -> float:
 
 
 @inner
-def term_length(series: FloatArray, n: int, tolerance: float) -> float:
-    """Return h at which the last two terms of y and w equal the tolerance; nan if not finite.
+def term_size(series: FloatArray, k: int, n: int) -> float:
+    """Return |y_k| + |w_k| of site n."""
+    return abs(series[W, k, n]) + abs(series[Y, k, n])
+
+
+@inner
+def term_length(before: float, last: float, order: int, tolerance: float) -> float:
+    """Return h at which terms with the last two coefficients equal the tolerance.
 
     See :func:`resolved` for what the last two terms do not show.
     """
-    order, h = series.shape[1] - 1, math.inf
-    for k in (order - 1, order):
-        term = abs(series[W, k, n]) + abs(series[Y, k, n])
-        if not math.isfinite(term):
-            return math.nan
-        if term > 0.0:
-            h = min(h, (tolerance / term) ** (1.0 / k))
+    h = math.inf
+    if before > 0.0:
+        h = (tolerance / before) ** (1.0 / (order - 1))
+    if last > 0.0:
+        h = min(h, (tolerance / last) ** (1.0 / order))
     return h
 
 
@@ -311,19 +367,20 @@ def absolute_sum(P: FloatArray, n: int, h: float) -> float:
 
 
 @inner
-def absolute_sums(P: FloatArray, site: FloatArray, lo: int, hi: int) -> None:
-    """Put ``absolute_sum`` of the sites lo … hi - 1 at their own times STEP into SUM, vectorised.
+def absolute_sums(P: FloatArray, site: FloatArray, lo: int, hi: int, h: float) -> None:
+    """Put ``absolute_sum`` of the sites lo … hi - 1 at one time h into SUM, vectorised.
 
     For most sites these sums prove that they slip far from stick; computed one by one they took a
     third of the time of a frame.
     """
-    h, size = site[STEP, lo:hi], site[SUM, lo:hi]
+    size, power = site[SUM, lo:hi], 1.0
     for n in range(hi - lo):
         size[n] = 0.0
-    for k in range(P.shape[0] - 1, 0, -1):
+    for k in range(1, P.shape[0]):
         p = P[k, lo:hi]
+        power *= h
         for n in range(hi - lo):
-            size[n] = (size[n] + abs(p[n])) * h[n]
+            size[n] += abs(p[n]) * power
 
 
 @inner
@@ -393,19 +450,21 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
         for k in range(degree):
             f[k] = f[k + 1]
         degree -= 1
-    size = 0.0
-    for k in range(degree, 0, -1):
-        size = (size + abs(f[k])) * h
-    if size < f[0]:
+    if _stays_positive(f, degree, h):
         return math.inf
+    if one_way(f, degree, h, work[0]):
+        crosses = f[1] < 0.0 and value_at(f, degree, h) <= 0.0
+        return _polish(f, degree, 0.0, h) if crosses else math.inf
     power = 1.0
-    top = work[0]
+    top, falling = work[0, : degree + 1], work[1, : degree + 1]
     for k in range(degree + 1):
-        top[k] = f[k] * power / binomial[degree, k]
+        falling[degree - k] = f[k] * power / binomial[degree, k]
         power *= h
-    for k in range(1, degree + 1):  # in place: differences back to Bernstein coefficients
-        for i in range(degree, k - 1, -1):
-            top[i] += top[i - 1]
+    for k in range(degree, 0, -1):  # in place: differences back to Bernstein coefficients
+        for i in range(k):
+            falling[i] += falling[i + 1]
+    for k in range(degree + 1):
+        top[k] = falling[degree - k]
     depth, width = 0, 1.0
     left = 0.0
     # work[depth] is the present interval, work[:depth] those to its right, each twice as wide.
@@ -433,6 +492,30 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
         # finished.
         width = _width_of(left)
     return math.inf
+
+
+@inner
+def one_way(f: FloatArray, degree: int, h: float, slope: FloatArray) -> bool:
+    """Whether f is proved to be monotonic on [0, h]; ``slope`` is work space."""
+    sign = math.copysign(1.0, f[1])
+    for k in range(1, degree + 1):
+        slope[k - 1] = sign * k * f[k]
+    return _stays_positive(slope, degree - 1, h)
+
+
+@inner
+def _stays_positive(f: FloatArray, degree: int, h: float) -> bool:
+    """Whether f is proved to be positive on [0, h]: its first three terms outweigh all others."""
+    size, power = 0.0, h * h
+    slope = f[1] * h if degree > 0 else 0.0
+    bend = f[2] * power if degree > 1 else 0.0
+    for k in range(3, degree + 1):
+        power *= h
+        size += abs(f[k]) * power
+    least = f[0] + min(0.0, slope + bend)
+    if slope < 0.0 < 2.0 * bend + slope:  # the parabola turns on the way
+        least = f[0] - 0.25 * slope * slope / bend
+    return bool(least > size + 1e-14 * (f[0] + abs(slope) + abs(bend)))
 
 
 @inner

@@ -24,7 +24,14 @@ from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
-from verification.steppers.friction_series import HIGHEST, LOWEST, _polish
+from verification.steppers.friction_series import (
+    HIGHEST,
+    LOWEST,
+    _polish,
+    first_root,
+    new_room,
+    outer,
+)
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -546,6 +553,43 @@ def test_the_time_of_an_event_takes_a_dozen_evaluations_at_most() -> None:
         assert found == pytest.approx(root, rel=4e-15)
         # Newton doubles its digits: five or six steps from the middle, and some for round-off.
         assert f.reads <= 12 * 4
+
+
+@outer
+def first_roots(room: np.ndarray, polynomials: np.ndarray, found: np.ndarray) -> None:
+    """Put the first root of each polynomial in [0, 1] into ``found``."""
+    for i in range(found.size):
+        for k in range(room.shape[1]):
+            room[0, k] = polynomials[i, k]
+        found[i] = first_root(room, room.shape[1] - 1, 1.0)
+
+
+def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
+    """Monotonic, bent and waving polynomials, against the eigenvalues of numpy."""
+    rng = np.random.default_rng(3)
+    # Falling coefficients: the first three terms often decide, at the slower rates they do not.
+    rates = rng.choice([0.2, 0.5, 1.0, 2.0], size=(400, 1))
+    polynomials = rng.standard_normal((400, 8)) * rates ** np.arange(8)
+    polynomials[:, 0] = rng.uniform(0.0, 1.0, 400)
+    # Roots that are close to each other: a parabola that just crosses, or just does not.
+    gap = np.tile([1e-3, -1e-3], 50)
+    middle = rng.uniform(0.2, 0.8, 100)
+    polynomials[:100] = 0.0
+    polynomials[:100, :3] = np.column_stack(
+        [middle**2 - np.sign(gap) * gap**2, -2 * middle, np.ones(100)]
+    )
+    found = np.zeros(400)
+    first_roots(new_room(7), polynomials, found)
+    for coefficients, root in zip(polynomials, found, strict=True):
+        roots = np.polynomial.Polynomial(np.trim_zeros(coefficients, "b")).roots()
+        real = roots[np.abs(roots.imag) < 1e-7].real
+        inside = real[(real > 0.0) & (real < 1.0)]
+        if inside.size == 0:
+            assert root == np.inf
+        else:
+            # Of roots 2e-3 apart numpy has some 13 digits, of others 14.
+            assert root == pytest.approx(inside.min(), rel=1e-11)
+    assert 100 < np.isfinite(found).sum() < 300
 
 
 @pytest.mark.parametrize("v_d", [0.01, 0.5, 1.25])

@@ -298,7 +298,7 @@ def value_at(f: FloatArray, degree: int, h: float) -> float:
 @inner
 def term_size(series: FloatArray, k: int, n: int) -> float:
     """Return |y_k| + |w_k| of site n."""
-    return abs(series[W, k, n]) + abs(series[Y, k, n])
+    return float(abs(series[W, k, n]) + abs(series[Y, k, n]))
 
 
 @inner

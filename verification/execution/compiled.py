@@ -172,7 +172,8 @@ def _operations_resolved_once() -> Iterator[None]:
     in every pass of type inference and again when it generates code; for the friction stepper this
     took a fifth of the time.
     """
-    resolve, known = types.Function.get_call_type, {}
+    kind: Any = types.Function
+    resolve, known = kind.get_call_type, {}
 
     def resolved(function: Any, context: Any, given: Any, named: Any) -> Any:
         if named:
@@ -182,11 +183,11 @@ def _operations_resolved_once() -> Iterator[None]:
             known[place] = resolve(function, context, given, named)
         return known[place]
 
-    types.Function.get_call_type = resolved
+    kind.get_call_type = resolved
     try:
         yield
     finally:
-        types.Function.get_call_type = resolve
+        kind.get_call_type = resolve
 
 
 class _InnerCompiler(_ShortCompiler):

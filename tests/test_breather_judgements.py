@@ -254,6 +254,18 @@ def test_the_derivatives_of_the_rotating_wave_are_those_of_its_differences(
         assert slope[:, k] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-6)
 
 
+def test_the_derivatives_of_an_orbits_equations_are_those_of_their_differences() -> None:
+    system = Orbits(VdpChain(a=2.5, b=0.5, c=0.1, eps=0.1, sites=2), Nucleus(1)).system()
+    u, c, step = np.array([0.3, -1.0, 1.5, 0.4, 6.2]), 0.2, 1e-6
+    _, slope, by_c = system(u, c)
+    apart = (system(u, c + step)[0] - system(u, c - step)[0]) / (2.0 * step)
+    assert np.abs(by_c).max() > 1e-2
+    assert by_c == pytest.approx(apart, abs=1e-8)
+    for k, unit in enumerate(np.eye(5)):
+        ahead, behind = system(u + step * unit, c)[0], system(u - step * unit, c)[0]
+        assert slope[:, k] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-7)
+
+
 def test_a_branch_of_orbits_begins_below_what_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -739,14 +751,18 @@ def test_a_run_has_the_same_noise_by_whichever_function_it_is_asked_for() -> Non
     assert seeds == [0, 0, 0]
 
 
-def test_a_run_that_has_died_has_the_drift_of_its_last_block() -> None:
+@pytest.mark.parametrize("status", [BreatherStatus.SETTLED, BreatherStatus.UNSETTLED])
+def test_a_run_that_has_died_has_settled_and_has_the_drift_of_its_last_block(
+    status: BreatherStatus,
+) -> None:
     found = run._at_end(
-        CHAIN, Nucleus(1), BreatherStatus.SETTLED, [1e-3, 1e-5, 1e-9], waves=np.zeros(9, complex),
+        CHAIN, Nucleus(1), status, [1e-3, 1e-5, 1e-9], waves=np.zeros(9, complex),
         amplitudes=np.full(9, 0.99 * CHAIN.unstable_amplitude), frequency=1.0, elapsed=7.0,
         started=0.0,
     )  # fmt: skip
-    assert (found.status, found.drift, found.time) == (BreatherStatus.DIED, 1e-9, 7.0)
-    assert found.frequency is None
+    died = status is BreatherStatus.SETTLED
+    assert found.status is (BreatherStatus.DIED if died else BreatherStatus.UNSETTLED)
+    assert (found.drift, found.time, found.frequency) == (1e-9, 7.0, None)
 
 
 @pytest.mark.parametrize(

@@ -271,7 +271,8 @@ def test_at_a_fold_a_branch_has_the_amplitude_of_its_state_in_extended_precision
     eta: float,
 ) -> None:
     """It is known to the root of the error of the fold, whose state is a square away."""
-    branch = follow(AveragedChain(a=1.0, b=eta, c=0.0, sites=3), [0.02], nucleus=Nucleus(1))
+    chain = AveragedChain(a=1.0, b=eta, c=0.0, sites=3)
+    branch = follow(chain, [0.02], nucleus=Nucleus(1), folds=1)
     ((fold, height, place),) = branch.folds
     assert (place, len(branch.points)) == (1, 2)
     near = solve_envelope_breather(

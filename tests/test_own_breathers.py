@@ -15,6 +15,7 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import own
 from verification.breathers.breather import breather
+from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import STARTS, Orbits
 from verification.breathers.own import (
     OwnOrbits,
@@ -23,7 +24,7 @@ from verification.breathers.own import (
     integrate_with_tangents,
 )
 from verification.breathers.periodic_motion import largest_displacements
-from verification.continuation.newton import NotConvergedError, solve_at
+from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, states_by_scipy
 from verification.thresholds.continuation import breather_threshold
@@ -186,6 +187,24 @@ def test_the_state_of_an_orbit_moves_as_its_chain_does() -> None:
     )
     orbits = OwnOrbits(OscillatorChain(**PAPER, c=0.1, sites=3), Nucleus(1))
     np.testing.assert_allclose(orbits.rate(0.3, state), rate(0.0, state), rtol=1e-13)
+
+
+def test_multipliers_of_a_chain_whose_sites_may_differ_are_not_split(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    parities: list[int] = []
+    sort = floquet_multipliers
+
+    def noted(*given: Any, parity: int, **options: Any) -> Any:
+        parities.append(parity)
+        return sort(*given, **options)
+
+    monkeypatch.setattr("verification.breathers.orbits.floquet_multipliers", noted)
+    chain = OscillatorChain(**PAPER, c=0.1, disorder={"a": 0.1}, seed=1, sites=3)
+    u = np.array([0.0, 0.0, 0.0, 0.1, 2.8, 0.1, 6.28])
+    point = BranchPoint(u, 0.1, np.zeros(8), 0.0, 0.0, 1)
+    OwnOrbits(chain, Nucleus(1), 10).measured(point, 0.0)
+    assert parities == [0]
 
 
 @pytest.mark.parametrize("centre", [0, 2])

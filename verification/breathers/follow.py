@@ -46,7 +46,7 @@ def follow(
     couplings: Sequence[float] | FloatArray,
     *,
     nucleus: Nucleus,
-    folds: int = 1,
+    folds: int,
 ) -> FollowedBreather:
     """Follow a breather from the smallest coupling through a given number of folds.
 
@@ -58,7 +58,7 @@ def follow(
         Couplings at which the breather is requested, dimensionless, positive.
     nucleus : Nucleus
         Which sites oscillate, and their pattern of phases.
-    folds : int, optional
+    folds : int
         Number of folds that are passed.
 
     Raises

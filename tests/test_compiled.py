@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import gc
 import importlib
 import math
 import os
@@ -10,6 +11,7 @@ import pkgutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
@@ -302,3 +304,32 @@ def test_options_of_a_compilation_are_those_with_the_same_values() -> None:
     other.nrt = True
     assert (one == same, hash(one) == hash(same)) == (True, True)
     assert (one == other, one == "options") == (False, False)
+
+
+def test_compiled_code_of_other_sources_is_kept_for_a_week(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compiled, "_places", lambda: iter([tmp_path]))
+    monkeypatch.setattr(config, compiled._OPTION, getattr(config, compiled._OPTION))
+    day = 86400.0
+    for days, name in ((6.0, "new"), (8.0, "old")):
+        folder = tmp_path / f"{compiled._PREFIX}{name}"
+        (folder / "part").mkdir(parents=True)
+        os.utime(folder, (time.time() - days * day,) * 2)
+    (tmp_path / "other").mkdir()
+    os.utime(tmp_path / "other", (0.0, 0.0))
+    compiled.keep_compiled_code()
+    assert {each.name for each in tmp_path.iterdir()} == {f"{compiled._PREFIX}new", "other"}
+
+
+def test_garbage_is_searched_for_after_compiling_as_it_was_before() -> None:
+    def twice(x: float) -> float:
+        return 2.0 * x
+
+    try:
+        for searching in (True, False):
+            (gc.enable if searching else gc.disable)()
+            assert outer()(twice)(1.5) == 3.0
+            assert gc.isenabled() is searching
+    finally:
+        gc.enable()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import pickle
 import socket
 import stat
 import threading
@@ -136,6 +137,15 @@ def test_a_lock_ends_with_its_block_and_is_taken_by_one_only(tmp_path: Path) -> 
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_lock_whose_file_was_removed_by_its_holder_is_let_go_and_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = iter([False, False, True])
+    monkeypatch.setattr(os.path, "samestat", lambda *_: next(answers))
+    with sole_writer(tmp_path / "run"):
+        assert next(answers, None) is None
+
+
 def test_of_many_threads_that_want_a_file_one_at_a_time_has_it(tmp_path: Path) -> None:
     """The lock's file comes and goes, and a stale one may be held by somebody else."""
     inside, most, taken = [0], [0], [0]
@@ -175,6 +185,10 @@ def test_writing_leaves_no_file_open_and_a_lock_that_nobody_executes(tmp_path: P
     check_writable(path)
     with sole_writer(path):
         assert not (tmp_path / "out.lock").stat().st_mode & 0o111
+        inside = lowest_free()
+        with pytest.raises(FileError, match="in use"), sole_writer(path):
+            pass
+        assert lowest_free() == inside
     assert lowest_free() == before
     assert [each.name for each in tmp_path.iterdir()] == ["out"]
 
@@ -187,15 +201,27 @@ def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, synced = tmp_path / "out", []
+    names: list[bool] = []
 
     def sync(handle: int) -> None:
+        if stat.S_ISDIR(os.fstat(handle).st_mode):
+            names.append(path.exists())
         if stat.S_ISREG(os.fstat(handle).st_mode):
             synced.append((os.fstat(handle).st_size, path.exists()))
 
     monkeypatch.setattr("verification.execution.files.os.fsync", sync)
     write_by(path, lambda part: part.write_bytes(b"by path"))
     assert synced == [(len(b"by path"), False)]
+    assert names == [True]  # then the name is written
     path.unlink()
     write_bytes(path, b"bytes")
     assert synced[1:] == [(len(b"bytes"), False)]
     assert path.read_bytes() == b"bytes"
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EINVAL])
+def test_a_refusal_comes_from_another_process_as_it_was(number: int) -> None:
+    error = FileError(Path("run.npz"), "is odd", "name another file", number)
+    again = pickle.loads(pickle.dumps(error))
+    assert str(again) == str(error)
+    assert again.errno == error.errno

@@ -268,3 +268,30 @@ def test_a_worker_ends_with_its_parent_where_the_system_does_not_see_to_it(
     parent.set()
     assert ended.wait(60.0)
     assert answers_ == [1]
+
+
+def test_items_handed_over_together_are_answered_one_by_one_where_one_of_them_fails(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(pool, "MAX_PENDING", 2 * pool.MAX_BATCH)  # so that batches become longer
+    items = [0 if index % 30 == 29 else 2 for index in range(120)]
+    with ThreadPoolExecutor(2) as threads:
+        found = dict(answers(pool_example.inverse, items, executor=threads))
+    assert sorted(found) == list(range(120))
+    for index, item in enumerate(items):
+        if item:
+            assert found[index] == 0.5
+        else:
+            assert isinstance(found[index], ZeroDivisionError)
+
+
+def test_what_a_broken_pool_does_not_take_is_answered_by_its_death() -> None:
+    class Broken(ThreadPoolExecutor):
+        def submit(self, *_: object, **__: object) -> Any:
+            raise BrokenProcessPool
+
+    with Broken() as broken:
+        coming = pool._side_by_side(pool_example.inverse, [1, 2], iter([0, 1]), broken, None)
+        ((index, answer),) = coming
+    assert index == 0
+    assert isinstance(answer, WorkerDiedError)

@@ -6,8 +6,10 @@ import io
 import os
 import pty
 import re
+import sys
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TextIO
 
 import pytest
@@ -225,3 +227,13 @@ def test_a_line_names_the_first_step_that_runs_and_how_many_run_beside_it(
         for step in ("fig9", "fig16", "fig17"):
             told.begin(step)
     assert shown == ["fig9", "fig9 and 1 more", "fig9 and 1 more"]  # of two at once
+
+
+def test_a_kernel_of_jupyter_is_known_by_its_shell(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, shown in (("ZMQInteractiveShell", True), ("TerminalInteractiveShell", False)):
+        shell = type(name, (), {})()
+        ipython = SimpleNamespace(get_ipython=lambda shell=shell: shell)
+        monkeypatch.setitem(sys.modules, "IPython", ipython)
+        assert progress._in_notebook() is shown
+    monkeypatch.delitem(sys.modules, "IPython")
+    assert not progress._in_notebook()

@@ -206,3 +206,10 @@ def test_a_file_that_cannot_be_read_is_said_to_be_so(path: Path) -> None:
         found(path)
     assert str(refusal.value.value).startswith("unreadable (")
     assert refusal.value.allowed == "a file of finished results"
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="no file system without new files")
+def test_where_no_file_can_be_made_a_store_says_why() -> None:
+    with pytest.raises(FileError) as refusal:
+        Store(Path("/proc/out.part"), IDENTITY, resume=True)
+    assert refusal.value.errno == errno.ENOENT

@@ -20,13 +20,16 @@ import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from theory.parameters import MissingPackageError, ParameterError
-from verification.execution.columns import column_of, python_rows
+from verification.execution import sweep as sweeping
+from verification.execution import table as tables
+from verification.execution.columns import column_of, on_disk, python_rows
 from verification.execution.files import FileError
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
@@ -781,3 +784,42 @@ def test_a_zarr_store_may_be_put_where_nothing_is(tmp_path: Path) -> None:
     pytest.importorskip("zarr")
     zarr_writer(xr.Dataset({"c": ("n", [1.0, 2.0])}), {})(tmp_path / "out.zarr")
     assert xr.open_zarr(tmp_path / "out.zarr", consolidated=False)["c"].values.tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("points", [{1: [0.1, 0.2]}, [{1: 0.1}], [{"c": 0.1}, {None: 2.0}]])
+def test_coordinates_without_a_name_are_refused(points: Any) -> None:
+    with pytest.raises(ParameterError, match="is no name"):
+        points_of(points)
+
+
+def test_arrays_on_disk_are_zeros_where_the_system_reserves_no_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(os, "posix_fallocate", raising=False)
+    found = on_disk((3, 5), "i4", tmp_path)
+    assert found.tolist() == [[0] * 5] * 3
+    found[2, 4] = 7
+    assert found.sum() == 7
+
+
+def test_a_failure_says_how_many_other_points_failed_if_any_did() -> None:
+    failed = [(Point(c=float(c)), ValueError("odd")) for c in range(3)]
+    assert str(sweeping._failed(failed[:1])) == (
+        "Point(c=0.0) could not be computed: ValueError: odd"
+    )
+    assert str(sweeping._failed(failed)).startswith("Point(c=0.0) and 2 other points could")
+
+
+def test_arrays_of_a_zarr_store_are_copied_chunk_by_chunk(tmp_path: Path) -> None:
+    class Stored:
+        shape, dtype, encoding = (4, 6, 5), np.dtype(float), {"chunks": (1, 4, 5)}
+        values = np.arange(120.0).reshape(shape)
+
+        def __getitem__(self, chunk: tuple[slice, ...]) -> Any:
+            taken.append(self.values[chunk].shape)
+            return SimpleNamespace(values=self.values[chunk])
+
+    taken: list[tuple[int, ...]] = []
+    found = tables._from_chunks(Stored(), tmp_path, 2)  # type: ignore[arg-type]
+    assert np.array_equal(found, Stored.values.reshape(24, 5))
+    assert taken == [(1, 4, 5), (1, 2, 5)] * 4

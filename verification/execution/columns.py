@@ -221,7 +221,6 @@ def on_disk(shape: Sequence[int], kind: npt.DTypeLike, folder: Path) -> Array:
             # process.
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), 0, size)
-            file.truncate(size)
             return np.asarray(np.memmap(file, kind, "r+", shape=tuple(shape)))
     except OSError as error:
         raise file_error(folder, error) from None

@@ -180,8 +180,7 @@ def _imports(tree: ast.Module) -> Iterator[tuple[int, str | None, tuple[str, ...
         elif isinstance(node, ast.ImportFrom):
             yield node.level, node.module, tuple(alias.name for alias in node.names)
         for block in ("body", "orelse", "finalbody", "handlers", "cases"):
-            inner = getattr(node, block, ())
-            waiting.extend(inner if isinstance(inner, list) else ())
+            waiting.extend(getattr(node, block, ()))
 
 
 def _imports_by_computed_name(tree: ast.Module) -> bool:

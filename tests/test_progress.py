@@ -237,3 +237,17 @@ def test_a_kernel_of_jupyter_is_known_by_its_shell(monkeypatch: pytest.MonkeyPat
         assert progress._in_notebook() is shown
     monkeypatch.delitem(sys.modules, "IPython")
     assert not progress._in_notebook()
+
+
+def test_a_live_line_names_a_step_that_has_not_ended() -> None:
+    shown: list[str] = []
+    done = Progress("sweep", steps=2, at_once=2)
+    done._task = 0  # type: ignore[assignment]
+    done._live = SimpleNamespace(  # type: ignore[assignment]
+        update=lambda _, description="", **__: shown.append(description),
+        console=SimpleNamespace(print=lambda *_, **__: None),
+    )
+    done.begin("first")
+    done.begin("second")
+    done.end("first", "steady")
+    assert [each for each in shown if each] == ["first", "first and 1 more", "second"]

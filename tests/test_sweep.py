@@ -823,3 +823,16 @@ def test_arrays_of_a_zarr_store_are_copied_chunk_by_chunk(tmp_path: Path) -> Non
     found = tables._from_chunks(Stored(), tmp_path, 2)  # type: ignore[arg-type]
     assert np.array_equal(found, Stored.values.reshape(24, 5))
     assert taken == [(1, 4, 5), (1, 2, 5)] * 4
+
+
+def test_of_a_file_of_arrays_no_object_is_made(tmp_path: Path) -> None:
+    path = tmp_path / "table.npz"
+    np.savez(path, v=np.array([{}], dtype=object))
+    with pytest.raises(ValueError, match="pickle"):
+        tables._read(path, {"v": "f"}, 1, ())
+
+
+def test_mappings_become_points() -> None:
+    (point,) = points_of([{"c": np.float64(0.5)}])
+    assert isinstance(point, Point)
+    assert repr(point) == "Point(c=0.5)"

@@ -227,3 +227,13 @@ def test_the_processor_is_that_of_python_where_the_system_does_not_name_it(
     for said, shown in (("arm", "arm"), ("", "unknown")):
         monkeypatch.setattr("platform.processor", lambda said=said: said)
         assert metadata._processor.__wrapped__() == shown
+
+
+def test_code_whose_file_is_gone_is_known_by_what_is_executed(monkeypatch):
+    module = ModuleType("code_that_is_gone")
+    module.__file__ = "/nowhere/code_that_is_gone.py"
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    exec("def f(x):\n    return x + 1", vars(module))
+    one = code_of_objects([module.f])
+    exec("def f(x):\n    return x + 2", vars(module))
+    assert code_of_objects([module.f]) != one

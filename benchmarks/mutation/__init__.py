@@ -1,1 +1,1 @@
-"""Changes to the code, one at a time, and whether a test notices."""
+"""Mutation testing: changes to the code, one at a time, and whether a test notices each."""

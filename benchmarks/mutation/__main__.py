@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         selection = {"where": where, "part": part, "each": each, "seed": seed}
         selection["left_out"] = [mutant.name for mutant in every if mutant.name not in left]
         outcome.write(options.record, ROOT, selection, runs)
-    # Of a selection only those explanations can be judged that are about its changes.
+    # For a selection, only the explanations of its own changes can be judged.
     stale = outcome.stale if whole and len(found) == len(mutants) else []
     for form in stale:
         print(f"NO LONGER NEEDED {form}")
@@ -119,9 +119,9 @@ def _parser() -> argparse.ArgumentParser:
 def chosen(
     root: Path, where: Sequence[str], part: float, seed: int, *, each: bool = False
 ) -> list[Mutant]:
-    """Return the changes asked for, in the order of modules and lines.
+    """Return the requested changes, in the order of modules and lines.
 
-    Of a package without its ``__main__``, which runs when it is imported.
+    The ``__main__`` of a package is left out, because it runs when it is imported.
     """
     picked: list[Mutant] = []
     for name in where:
@@ -135,7 +135,7 @@ def chosen(
             if each:
                 all_ = [chance.choice(of_one) for of_one in by_statement(all_)]
             if part < 1.0:
-                count = int(part * len(all_) + chance.random())  # of a short module, at times one
+                count = int(part * len(all_) + chance.random())  # sometimes one, for a short module
                 kept = set(chance.sample(range(len(all_)), count))
                 all_ = [mutant for i, mutant in enumerate(all_) if i in kept]
             picked += all_
@@ -143,7 +143,7 @@ def chosen(
 
 
 def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant], dict[str, str]]:
-    """Return the changes without those left out, and what became of each that was run."""
+    """Run the changes, and return those not left out with the outcome of each that was run."""
     until = time.monotonic() + 60.0 * (options.minutes or 1e9)
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     names = entered.install(ROOT)  # before any module of the project is imported
@@ -179,9 +179,9 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
             mutants[:] = [each for each in mutants if each.qualified not in entered.compiled]
             left_out = count - len(mutants)
             print(f"{left_out} changes of what numba compiles are left out", file=sys.stderr)
-        with suppress(KeyboardInterrupt):  # what was run until then is reported
+        with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
-            # Seconds to a minute each, so after all tests.
+            # These take seconds to a minute each, and therefore come after all tests.
             if any(module.startswith("derivations/") for module in modules):
                 from benchmarks.mutation.derived import DerivationChecks
 

@@ -15,15 +15,15 @@ from typing import Any
 
 Answer = dict[str, Any]
 STOPPED, HUNG = "time limit or crash", "no end in more than three times its time"
-"""What noticed a change where its child did not end by itself."""
+"""What is reported as having noticed a change if its child process did not end by itself."""
 
 HANGING = 60.0
-"""Seconds by the clock, beside three times its processor time, after which a child is ended."""
+"""Wall-clock seconds, in addition to three times its processor time, after which a child ends."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChildTask:
-    """What a child does: it writes answers; processor seconds allowed; what takes the answers."""
+    """The function that a child runs, its limit of processor time, and the receiver of answers."""
 
     run: Callable[[Callable[[Answer], None]], None]
     seconds: float
@@ -31,10 +31,11 @@ class ChildTask:
 
 
 def in_children(tasks: Iterator[ChildTask], count: int) -> None:
-    """Do tasks in forked children, so many at a time; what they start ends with them.
+    """Run tasks in at most ``count`` forked children at a time; what they start ends with them.
 
-    A child that is ended by a signal, or by its processor time, answers with that as what noticed
-    if it has answered nothing; one that hangs, and is ended by the clock, adds that it did.
+    If a child is ended by a signal or by its limit of processor time before it has answered, that
+    is recorded as what noticed the change; if it hangs and is ended by the clock, this is added to
+    its answers.
     """
     waiting = selectors.DefaultSelector()
     left = True

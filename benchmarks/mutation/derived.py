@@ -1,9 +1,9 @@
-"""What the checks of the derivations say of a change in them that no test noticed.
+"""Whether the checks of the derivations notice a change in them that no test noticed.
 
-All is derived once, and noted which functions the result of each step and its check enter. With a
-change, what enters the changed function is derived and checked again: a step with another result
-is judged by its check, and a check that enters the function must pass its step as before and refuse
-the perturbed equations that it refused.
+Everything is derived once, and the functions that the result of each step and its check enter are
+recorded. After a change, each derivation that enters the changed function is derived and checked
+again: a step whose result differs is judged by its check, and a check that enters the function must
+pass its step as before and refuse the perturbed equations that it refused before.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.perturbed_equations import sampled
 
 
 def derivations() -> Iterator[tuple[str, Callable[[], Derivation]]]:
-    """How those of the paper's chain, of one with more of everything, and of two cells are made."""
+    """Yield name and constructor of derivations for the paper's chain, another, and two cells."""
     weight, cubic = sp.symbols("w g", positive=True)
     other = ChainModel(damping={0: 1, 2: -a, 4: b}, stiffness={3: cubic}, weights=(1, weight))
     for key in catalogue.LISTING:
@@ -42,7 +42,7 @@ def _cell(damping: str, stiffness: str | None) -> Derivation:
 
 
 def reached(steps: tuple[Step, ...], found: dict[Step, None]) -> dict[Step, None]:
-    """Return what was found and the steps with all that they follow from, after their sources."""
+    """Add the steps to ``found``, each preceded by all steps that it follows from; return it."""
     for step in steps:
         if step not in found:
             reached(step.sources, found)[step] = None
@@ -51,7 +51,7 @@ def reached(steps: tuple[Step, ...], found: dict[Step, None]) -> dict[Step, None
 
 @dataclass(frozen=True, kw_only=True)
 class _Made:
-    """A derivation as it is: what building it and all of it enters, and how long all of it took."""
+    """An unchanged derivation: the functions entered in building it and in all, and the time."""
 
     key: str
     make: Callable[[], Derivation]
@@ -62,14 +62,14 @@ class _Made:
 
 
 class DerivationChecks:
-    """The derivations as they are, and what each step enters.
+    """The unchanged derivations, and the functions that each step enters.
 
     Parameters
     ----------
     names : set of str
-        Of functions entered, as :func:`benchmarks.mutation.entered.install` returned it.
+        Names of functions entered, as returned by :func:`benchmarks.mutation.entered.install`.
     forget : callable
-        Empties what the project keeps of earlier calls.
+        Empties the caches of the project.
     """
 
     def __init__(self, names: set[str], forget: Callable[[], None]) -> None:
@@ -107,7 +107,7 @@ class DerivationChecks:
             forget()
             names.clear()
             begin = end
-        self._made.sort(key=lambda made: made.seconds)  # most changes are noticed by the first
+        self._made.sort(key=lambda made: made.seconds)  # the first ones notice most changes
 
     def _entered(self, run: Callable[[], object]) -> frozenset[str]:
         self._names.clear()
@@ -120,7 +120,7 @@ class DerivationChecks:
         self._refused[step] = [each for each in changes if not step.verify(each).holds]
 
     def seconds(self, mutant: Mutant) -> float:
-        """Return the processor seconds in which all that enters a changed function was judged."""
+        """Return the processor time of all derivations that enter the changed function."""
         places = self._places(mutant)
         return sum(made.seconds for made in self._made if places & made.entered)
 
@@ -132,7 +132,7 @@ class DerivationChecks:
         return frozenset(q for made in self._made for q in made.entered if q.startswith(own))
 
     def noticing(self, mutant: Mutant) -> str | None:
-        """Return the step whose check notices a change that is in place, if there is one."""
+        """Return the step whose check notices the change now in place, or None."""
         places = self._places(mutant)
         self._forget()
         for before in self._made:
@@ -140,12 +140,12 @@ class DerivationChecks:
                 continue
             made = before.make()
             again = {step.name: step for step in made.steps}
-            # One that is left out is for tests.
+            # A step that is now missing is a matter for the tests.
             steps = [step for step in before.derivation.steps if step.name in again]
             known: dict[tuple[Step, Step], bool] = {}
             other = [q for q in steps if not self._is_same(q, again[q.name], places, known)]
             asked = [q for q in steps if places & self._check[q]]
-            if places & before.building:  # a check may be made otherwise
+            if places & before.building:  # a check may be built differently
                 named = _texts_around(mutant) & again.keys()
                 asked = [q for q in steps if not named or q in asked or q.name in named]
             for step in dict.fromkeys((*other, *asked)):
@@ -159,7 +159,7 @@ class DerivationChecks:
     def _is_same(
         self, old: Step, new: Step, places: frozenset[str], known: dict[tuple[Step, Step], bool]
     ) -> bool:
-        """Whether a step has the result that it had, computed only where it may be another."""
+        """Whether the result of a step is unchanged; it is computed only if it may have changed."""
         if (old, new) in known:
             return known[old, new]
         pairs = zip(old.sources, new.sources, strict=False)
@@ -178,7 +178,7 @@ class DerivationChecks:
 
 
 def _texts_around(mutant: Mutant) -> set[str]:
-    """Return the texts in the calls that hold a change: the names of the steps written there."""
+    """Return the strings in the calls around a change, among them the names of the steps there."""
     calls = [node for node in ast.walk(mutant.tree) if isinstance(node, ast.Call)]
     around = [node for node in calls if node.lineno <= mutant.line <= (node.end_lineno or 0)]
     parts = [part for node in around for part in ast.walk(node)]

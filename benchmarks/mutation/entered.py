@@ -1,7 +1,7 @@
-"""Which functions of the project are entered: each is compiled with one more line that says so.
+"""Which functions of the project are entered: each is compiled with an extra line that records it.
 
-A tracer would make the many small calls of mpmath and SymPy several times slower. What a function
-holds, other functions and lambdas, counts as the function. To numba goes what is written.
+A tracer would make the many small calls of mpmath and SymPy several times slower. Nested functions
+and lambdas count as the function that contains them. numba is given the code without that line.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from benchmarks.mutation.places import outermost_functions
 ENTER = "enter_function_of_the_project"
 PACKAGES = ("theory", "derivations", "verification", "paper_checks", "fronts")
 replaced: dict[str, CodeType] = {}
-"""By the path of a module from the root, the code that it is imported with instead of its own."""
+"""Code with which a module is imported instead of its own, by the module's path from the root."""
 
 compiled: set[str] = set()
-"""Functions that numba was given, those inside others too, by ``path:qualified name``."""
+"""Functions passed to numba, including nested ones, as ``path:qualified name``."""
 
 
 def install(root: Path) -> set[str]:
-    """Let every module imported from now on name each function entered, and return their set.
+    """Make every module imported from now on record the functions entered; return their set.
 
-    A name is ``path:qualified name``, that of the outermost function.
+    A name is ``path:qualified name`` of the outermost function.
     """
     names: set[str] = set()
     plain: dict[tuple[str, int, str], CodeType] = {}
@@ -43,7 +43,7 @@ def install(root: Path) -> set[str]:
             return replaced[relative]
         if relative.split(os.sep)[0] not in PACKAGES:
             return own(loader, fullname)
-        if path not in made:  # a child that imports anew has it from its parent
+        if path not in made:  # a child that imports again has inherited it
             source = loader.get_data(path)
             for code in codes_in(compile(source, path, "exec", dont_inherit=True)):
                 plain[path, code.co_firstlineno, code.co_qualname] = code
@@ -58,7 +58,7 @@ def install(root: Path) -> set[str]:
 def _compile_as_written(
     plain: dict[tuple[str, int, str], CodeType], names: set[str], root: Path
 ) -> None:
-    """Hand to numba what is written, and note it: to its dispatchers and to its C callbacks."""
+    """Pass numba's dispatchers and C callbacks the code as written, and record the functions."""
     from numba.core.ccallback import CFunc
     from numba.core.dispatcher import Dispatcher
 
@@ -87,7 +87,7 @@ def _compile_as_written(
 
 
 def naming(source: bytes, relative: str) -> ast.Module:
-    """Return a module in which each function, and each lambda in one, begins by its name."""
+    """Return a module in which each function, and each lambda in one, first records its name."""
     tree = ast.parse(source)
     for name, top in list(outermost_functions(tree)):
         call = f"{ENTER}({f'{relative}:{name}'!r})"
@@ -102,6 +102,6 @@ def naming(source: bytes, relative: str) -> ast.Module:
 
 
 def codes_in(code: CodeType) -> list[CodeType]:
-    """Return a code object and all that it holds."""
+    """Return a code object and all code objects nested in it."""
     inner = [each for each in code.co_consts if isinstance(each, CodeType)]
     return [code, *(deeper for each in inner for deeper in codes_in(each))]

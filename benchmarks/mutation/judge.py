@@ -1,10 +1,10 @@
-"""How a change is put in place in a child, and what it says of it.
+"""Putting a change in place in a child process, and running tests or checks against it.
 
-A child begins with everything imported and all tests collected: the functions, classes and
-constants that live become as changed, the files stay as they are, and tests run until one fails.
-What is entered or named while modules are imported has left its results in them. Where no test
-failed, such changes are made again with the project imported anew, and so are, at once, those of
-what numba compiles; its store of compiled code is never written to.
+A child begins with everything imported and all tests collected. The existing functions, classes and
+constants are changed in memory, the files are left as they are, and tests run until one fails.
+Code that is entered or named while modules are imported has left its results in them. If no test
+fails, such changes are therefore tested again with the project imported again; changes of
+functions that numba compiles are tested only in this way. numba's cache is never written to.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Judge:
-    """Puts changes to tests, or to the checks of the derivations."""
+    """Runs the tests, or the checks of the derivations, against changes."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -35,7 +35,7 @@ class Judge:
     def by_tests(
         self, mutant: Mutant, tests: Sequence[str], write: Callable[[Answer], None]
     ) -> None:
-        """Run tests against a change until one fails; write which."""
+        """Run tests against a change until one fails, and write which test failed."""
         from numba.core import caching
 
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
@@ -49,35 +49,35 @@ class Judge:
     def by_checks(
         self, mutant: Mutant, checks: DerivationChecks, write: Callable[[Answer], None]
     ) -> None:
-        """Put a change to the checks of the derivations; write which step's check notices it."""
+        """Run the derivations' checks against a change; write the step whose check notices it."""
         write({"by": checks.noticing(mutant) if self._put(mutant) else None})
 
     def made_on_import(self, mutant: Mutant) -> bool:
-        """Return whether what is changed is made, or entered, while the project is imported."""
+        """Return whether the changed object is created, or entered, during the import."""
         at = mutant.function_at
         return not mutant.outermost or mutant.of_default or at in self._session.on_import
 
     def _used_on_import(self, mutant: Mutant) -> bool:
-        """Return whether importing the project leaves results of what is changed elsewhere."""
+        """Return whether importing the project leaves results of the changed code elsewhere."""
         if mutant.outermost:
             return mutant.function_at in self._session.on_import
         bound = names_bound(mutant.statement)
         return not bound or not bound.isdisjoint(self._session.names_on_import)
 
     def seconds_to_begin(self, mutant: Mutant) -> float:
-        """Return the processor seconds allowed for compiling or importing anew beside tests."""
+        """Return the processor seconds allowed, besides tests, for compiling or importing again."""
         if mutant.qualified in entered.compiled:
             return 120.0
         return 15.0 if self.made_on_import(mutant) else 2.0
 
     def _put(self, mutant: Mutant) -> bool:
-        """Give what lives the changed code and values; return whether that could be done."""
+        """Change the existing functions and values; return whether that was possible."""
         with mutant.made() as tree:
             if not mutant.outermost or mutant.of_default:
                 return put_statement(sys.modules[dotted(mutant.module)], mutant.statement)
             code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
         tops = [c for c in entered.codes_in(code) if c.co_qualname == mutant.outermost]
-        new = [c for top in tops for c in entered.codes_in(top)]  # with what it has returned before
+        new = [c for top in tops for c in entered.codes_in(top)]  # also nested ones it returned
         pairs = [
             (old, c)
             for c in new
@@ -89,7 +89,7 @@ class Judge:
         return bool(pairs)
 
     def _anew(self, mutant: Mutant, tests: Sequence[str], compiled: bool) -> str | None:
-        """Import the project anew with a change and run tests, in a session within this one."""
+        """Import the project again with a change and run tests, in a session within this one."""
         with mutant.made() as tree:
             code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
         entered.replaced[mutant.module] = code
@@ -99,7 +99,7 @@ class Judge:
         files = {name.split("::")[0] for name in tests}
         failures = Failures(tests)
         with tempfile.TemporaryDirectory(prefix="fronts-mutation-") as base:
-            if compiled:  # what calls the changed function would come from the store as it was
+            if compiled:  # callers of the function would come unchanged from the cache
                 from numba.core import config
 
                 vars(config)["CACHE_DIR"] = base

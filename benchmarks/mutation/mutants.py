@@ -1,10 +1,11 @@
 """The list of changes to one module, one at a time.
 
-Of formulas: a sign, factor, index or function. Of what judges: a comparison reversed or moved over
-its boundary; a term, a condition, a branch or a call dropped; two arguments swapped; a flag or a
-default value changed; a tolerance a thousandfold; a stated error divided by a hundred, or negative.
-Left alone are docstrings, annotations, messages, everything inside ``raise`` and ``assert``, the
-limits of parameters, numbers above 1e4, and wall-clock times.
+In formulas, a sign, a factor, an index or a function is changed. In code that makes decisions, a
+comparison is reversed or its boundary included or excluded; a term, a condition, a branch or a
+call is dropped; two arguments are swapped; a flag or a default value is changed; a tolerance is
+multiplied by a thousand; a stated error is divided by a hundred or made negative. Docstrings,
+annotations, messages, everything inside ``raise`` and ``assert``, the limits of parameters, numbers
+above 1e4, and wall-clock times are left unchanged.
 """
 
 from __future__ import annotations
@@ -58,10 +59,10 @@ FUNCTIONS = {
     "any": "all",
     "all": "any",
 }
-"""A function, method or attribute, and what takes its place."""
+"""Functions, methods and attributes, each with the one that replaces it."""
 
 NEGATED = frozenset({"exp", "expm1", "expj"})
-"""Functions whose argument changes its sign."""
+"""Functions whose argument is negated."""
 
 DROPPED = frozenset({"conj", "conjugate", "abs", "sqrt", "log", "log1p", "arcsinh", "asinh"})
 """Functions that are replaced by their argument."""
@@ -83,13 +84,13 @@ SYMMETRIC = frozenset(
         "same_file",
     }
 )
-"""Functions whose arguments are not swapped: it changes nothing, or leaves no program."""
+"""Functions whose arguments are not swapped: a swap has no effect, or breaks the program."""
 
 LOGS = frozenset({"info", "debug"})
-"""Calls that are neither dropped nor changed: what they write is for whoever debugs."""
+"""Calls that are neither dropped nor changed, since their output only serves debugging."""
 
 SMALLEST, LARGEST = 1e-5, 1e4
-"""Numbers below are tolerances, numbers above are limits."""
+"""Numbers below the first are treated as tolerances, numbers above the second as limits."""
 
 
 @dataclass(frozen=True)
@@ -103,13 +104,13 @@ class Mutant:
     function : str
         Qualified name of the function; ``<module>`` outside any.
     line : int
-        Where.
+        Line of the change.
     outermost : str
         Qualified name of the outermost function around it; empty outside any.
     change : str
         ``before -> after``, with ``#2`` for the second equal change in the function.
     tree, place, changed
-        The module as a syntax tree, where in it something is changed, and what it becomes.
+        The module as a syntax tree, the place of the change in it, and the new expression.
     """
 
     module: str
@@ -123,7 +124,7 @@ class Mutant:
 
     @property
     def qualified(self) -> str:
-        """``module:qualified name`` of the function, which may stand inside another one."""
+        """``module:qualified name`` of the function, which may be nested in another one."""
         return f"{self.module}:{self.function}"
 
     @property
@@ -138,7 +139,7 @@ class Mutant:
 
     @property
     def statement(self) -> ast.stmt:
-        """The statement of the module that holds the place, as it now is."""
+        """The statement of the module that contains the place, in its present form."""
         return next(
             each for each in reversed(self.tree.body)
             if min([each.lineno, *(d.lineno for d in getattr(each, "decorator_list", ()))])
@@ -147,7 +148,7 @@ class Mutant:
 
     @contextmanager
     def made(self) -> Iterator[ast.Module]:
-        """Give the tree with the change, for as long as the context lasts."""
+        """Yield the tree with the change, which is undone when the context ends."""
         self.place.put(self.changed)
         try:
             yield self.tree
@@ -187,7 +188,7 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
             changed = ast.copy_location(ast.fix_missing_locations(new), node)
             old = old or _short(node)
             text = f"{old} -> {_short(changed)}"
-            if scope.default:  # counted apart
+            if scope.default:  # counted separately
                 text = f"default {text}"
             seen[scope.function, text] += 1
             if seen[scope.function, text] > 1:
@@ -198,7 +199,7 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
 
 
 def by_statement(mutants: list[Mutant]) -> list[list[Mutant]]:
-    r"""Return the changes of one module statement by statement, of the innermost that holds each.
+    r"""Return the changes of one module, grouped by the innermost statement that contains each.
 
     Examples
     --------
@@ -207,7 +208,7 @@ def by_statement(mutants: list[Mutant]) -> list[list[Mutant]]:
     [['2 * x -> 2 / x', '2 -> 3'], ['y + 1 -> y - 1', 'y + 1 -> y', 'y + 1 -> 1', '1 -> 2']]
     """
     found: dict[ast.stmt, list[Mutant]] = {}
-    nodes = ast.walk(mutants[0].tree) if mutants else ()  # the outer come before the inner
+    nodes = ast.walk(mutants[0].tree) if mutants else ()  # outer statements come before inner ones
     statements = [node for node in nodes if isinstance(node, ast.stmt)]
     for mutant in mutants:
         around = [q for q in statements if q.lineno <= mutant.line <= (q.end_lineno or 0)]
@@ -221,7 +222,7 @@ def _short(node: ast.AST) -> str:
 
 
 def _changes(place: ExpressionPlace) -> Iterator[ast.expr | ast.AugAssign]:
-    """Yield what takes the place of an expression or statement, one after another."""
+    """Yield the replacements of an expression or statement, one after another."""
     node = place.node
     first = _of_a_formula(node)
     if first is not None:
@@ -231,7 +232,7 @@ def _changes(place: ExpressionPlace) -> Iterator[ast.expr | ast.AugAssign]:
 
 
 def _of_a_formula(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | None:
-    """Return the other sign, factor, index, comparison or function."""
+    """Return the expression with another sign, factor, index, comparison or function."""
     new: ast.expr | ast.AugAssign | None = None
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS and not _holds_text(node):
         new = ast.BinOp(node.left, OPERATORS[type(node.op)](), node.right)
@@ -254,7 +255,7 @@ def _of_a_formula(node: ast.expr | ast.AugAssign) -> ast.expr | ast.AugAssign | 
 
 
 def _of_a_judgement(place: ExpressionPlace, node: ast.expr) -> Iterator[ast.expr]:
-    """Yield what loosens, drops or exchanges: one boundary, term, condition, branch or call."""
+    """Yield the changes of a decision: a boundary, term, condition, branch or call each."""
     if isinstance(node, ast.Compare) and (moved := _compared(node, BOUNDARIES)):
         yield moved
     elif isinstance(node, ast.BinOp) and not _holds_text(node):
@@ -276,7 +277,7 @@ def _of_a_judgement(place: ExpressionPlace, node: ast.expr) -> Iterator[ast.expr
 
 
 def _of_a_setting(place: ExpressionPlace, node: ast.expr) -> Iterator[ast.expr]:
-    """Yield the other flag, a tolerance a thousandfold, a stated error too small or negative."""
+    """Yield the opposite flag, a tolerance times a thousand, a stated error reduced or negative."""
     if isinstance(node, ast.Constant) and isinstance(node.value, bool):
         yield ast.Constant(not node.value)
     value = getattr(node, "value", None)
@@ -296,7 +297,7 @@ def _compared(
 
 
 def _swapped(node: ast.Call) -> Iterator[ast.Call]:
-    """Yield the call with two neighbouring arguments swapped."""
+    """Yield the call with two adjacent arguments swapped."""
     if called(node) in SYMMETRIC:
         return
     for i, (one, other) in enumerate(pairwise(node.args)):

@@ -1,7 +1,8 @@
-"""What became of the changes: noticed, explained in ``explained/``, or left open.
+"""The outcome of the changes: noticed, explained in ``explained/``, or open.
 
-Open are also those that no test was asked about, because the tests that enter what is changed take
-longer than a test may: they are counted apart, and want longer tests or quicker ones.
+Changes for which no test was run, because all tests that enter the changed code exceed the time
+limit of a test, are also open. They are counted separately, and call for a higher limit or faster
+tests.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ from typing import Any
 from benchmarks.mutation.mutants import Mutant
 
 KILLED, SURVIVED, UNREACHED = "killed", "survived", "unreached"
-"""A test fails; none fails; none that may be asked enters what is changed."""
+"""A test fails; none fails; no test within the time limit enters the changed code."""
 
 
 EXPLAINED = Path(__file__).with_name("explained")
-"""The folder of explanations, a file for each package."""
+"""Folder of the explanations, with one file for each package."""
 
 
 def read_explained() -> dict[str, str]:
-    """Return the reasons why changes need not be noticed, by their names or forms of names."""
+    """Return the reasons why changes need not be noticed, by name or by pattern of names."""
     files = [
         tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(EXPLAINED.glob("*.toml"))
     ]
@@ -34,7 +35,7 @@ def read_explained() -> dict[str, str]:
 
 
 def source_digest(root: Path, module: str) -> str:
-    """Return a digest of the file of a module."""
+    """Return a digest of a module's file."""
     from verification.execution.digest import digest_of_files
 
     return digest_of_files(root, [root / module])
@@ -43,10 +44,10 @@ def source_digest(root: Path, module: str) -> str:
 def still_known(
     record: Mapping[str, Any], mutants: Sequence[Mutant], root: Path, explained: Collection[str]
 ) -> dict[str, str]:
-    """Return what became of changes by an earlier record, where their module is as it was.
+    """Return the outcomes in an earlier record of changes whose module has not been edited since.
 
-    Not of those that were left open or left out, nor where not all of a module was run, nor of
-    those whose explanation has been withdrawn since.
+    Changes that were left open or left out, changes of modules that were not run completely, and
+    changes whose explanation has since been withdrawn are not included.
     """
     sources, counts = record.get("sources", {}), record["counts"]
     same = {
@@ -65,7 +66,7 @@ def still_known(
 
 
 def matches(form: str, name: str) -> bool:
-    """Return whether a name has the form; ``...`` at the end of one stands for anything.
+    """Return whether a name matches a pattern, in which a final ``...`` stands for anything.
 
     Examples
     --------
@@ -76,21 +77,21 @@ def matches(form: str, name: str) -> bool:
 
 
 class MutationOutcome:
-    """What became of changes.
+    """The outcome of the chosen changes.
 
     Parameters
     ----------
     mutants : sequence of Mutant
-        The changes chosen.
+        The chosen changes.
     found : mapping
-        `KILLED`, `SURVIVED` or `UNREACHED` by name of each that was run.
+        `KILLED`, `SURVIVED` or `UNREACHED`, by the name of each change that was run.
     explained : mapping
-        Reasons by forms of names.
+        Reasons, by patterns of names.
 
     Attributes
     ----------
     why : dict
-        Of each change that no test noticed, the reason why none need; None if there is none.
+        For each change that no test noticed, the reason why none needs to; None if there is none.
     """
 
     def __init__(
@@ -105,17 +106,17 @@ class MutationOutcome:
 
     @property
     def open(self) -> list[Mutant]:
-        """The changes that are not explained."""
+        """The changes that are neither noticed nor explained."""
         return [m for m in self.mutants if m.name in self.why and self.why[m.name] is None]
 
     @property
     def unreached(self) -> list[Mutant]:
-        """Those of the open ones that no test was asked about: all that enter them are longer."""
+        """The open changes for which no test was run, since all that enter them take too long."""
         return [mutant for mutant in self.open if self.found[mutant.name] == UNREACHED]
 
     @property
     def stale(self) -> list[str]:
-        """The explanations about these modules that match no change which goes unnoticed."""
+        """The explanations for these modules that match no unnoticed change."""
         modules = {mutant.module for mutant in self.mutants}
         return [
             form
@@ -124,7 +125,7 @@ class MutationOutcome:
         ]
 
     def counts(self) -> dict[str, dict[str, int]]:
-        """Count by module, and of all."""
+        """Return the counts for each module and for all together."""
         modules = dict.fromkeys(mutant.module for mutant in self.mutants)
         parts = {module: [m for m in self.mutants if m.module == module] for module in modules}
         return {name: self._count(part) for name, part in {**parts, "all": self.mutants}.items()}
@@ -143,7 +144,7 @@ class MutationOutcome:
         }
 
     def __str__(self) -> str:
-        """Lay out the counts, a line each, and name what is open."""
+        """Format the counts, with a line for each module, and list the open changes."""
         lines = [f"{'module':44}" + "".join(f"{word:>10}" for word in self.counts()["all"])]
         for name, row in self.counts().items():
             lines.append(f"{name:44}" + "".join(f"{count:10}" for count in row.values()))
@@ -159,7 +160,7 @@ class MutationOutcome:
         selection: Mapping[str, Any],
         runs: Sequence[Mapping[str, Any]],
     ) -> None:
-        """Write what was selected, in which runs, and all of this to a file, as JSON."""
+        """Write the selection, the runs and this outcome to a file as JSON."""
         record = {
             "selection": selection,
             "runs": runs,
@@ -173,7 +174,7 @@ class MutationOutcome:
 
 
 def stamp(root: Path) -> dict[str, str | None]:
-    """Return the time, and the commit of the project."""
+    """Return the current time and the commit of the project."""
     git = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40"]
     done = subprocess.run(git, capture_output=True, text=True, check=False, timeout=30)
     return {

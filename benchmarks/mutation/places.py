@@ -1,4 +1,4 @@
-"""Where a module may be changed: every expression that computes, and the function around it."""
+"""The places where a module may be changed: its computing expressions, with their functions."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ UNCHANGED_CALLS = frozenset(
         "debug",
     }
 )
-"""Calls that hold checks, messages, logs and limits of loops."""
+"""Calls that contain checks, messages, logging and limits of loops; they are left unchanged."""
 
 SETTINGS = frozenset(
     {"limit", "maxsize", "order", "digits", "maxiter", "options", "repr", "strict"}
 )
-"""Keyword arguments that tune a method, how an object is printed, or what `zip` refuses."""
+"""Keyword arguments that tune a method, set how an object is printed, or make `zip` strict."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What surrounds a place: the functions, the classes and functions, a keyword, a signature."""
+    """The context of a place: function, outermost function, name prefix, keyword, signature."""
 
     function: str = "<module>"
     outermost: str = ""
@@ -44,7 +44,7 @@ class Scope:
 
 @dataclass(frozen=True)
 class ExpressionPlace:
-    """Where an expression, or a statement like ``x += 1``, hangs."""
+    """The place of an expression, or of a statement like ``x += 1``, in the syntax tree."""
 
     parent: ast.AST
     field: str
@@ -53,7 +53,7 @@ class ExpressionPlace:
     scope: Scope
 
     def put(self, node: ast.AST) -> None:
-        """Put another node there."""
+        """Put another node in this place."""
         if self.position is None:
             setattr(self.parent, self.field, node)
         else:
@@ -61,7 +61,7 @@ class ExpressionPlace:
 
 
 def places_of(tree: ast.AST, scope: Scope) -> Iterator[ExpressionPlace]:
-    """Yield each expression that may be changed, with where it hangs, outermost first."""
+    """Yield the place of each expression that may be changed, outermost first."""
     for field, value in ast.iter_fields(tree):
         if _left_alone(tree, field):
             continue
@@ -76,7 +76,7 @@ def places_of(tree: ast.AST, scope: Scope) -> Iterator[ExpressionPlace]:
 
 
 def _inner(tree: ast.AST, node: ast.AST, scope: Scope) -> Scope:
-    """Return what surrounds a node and all below it."""
+    """Return the context of a node and of all nodes below it."""
     if isinstance(node, ast.ClassDef):
         return replace(scope, within=f"{scope.within}{node.name}.")
     if isinstance(node, ast.FunctionDef):
@@ -112,14 +112,14 @@ def _left_alone(tree: ast.AST, field: str) -> bool:
 
 
 def called(node: ast.Call) -> str:
-    """Return the last name of what is called; empty if it has none."""
+    """Return the last name in the called expression; empty if it has none."""
     if isinstance(node.func, ast.Attribute):
         return node.func.attr
     return node.func.id if isinstance(node.func, ast.Name) else ""
 
 
 def outermost_functions(tree: ast.AST, within: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:
-    r"""Yield the functions that stand in no other, methods too, with their qualified names.
+    r"""Yield the functions and methods not nested in a function, with their qualified names.
 
     Examples
     --------

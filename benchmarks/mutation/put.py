@@ -1,4 +1,4 @@
-"""How a changed statement of a module takes the place of the one that lives."""
+"""Replacing a statement of an imported module by a changed one."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from benchmarks.mutation.entered import PACKAGES
 
 _OF_ITS_OWN = frozenset({"__dict__", "__weakref__", "__module__", "__doc__", "__qualname__",
                          "__annotations__", "__abstractmethods__", "_abc_impl"})  # fmt: skip
-"""What each class has of its own and a change of its statement leaves as it is."""
+"""Attributes that every class has of its own, and that a changed class statement leaves as is."""
 
 
 def names_bound(statement: ast.stmt) -> frozenset[str]:
-    """Return the names that a statement of a module gives to objects.
+    """Return the names that a statement of a module binds.
 
     Examples
     --------
@@ -32,7 +32,7 @@ def names_bound(statement: ast.stmt) -> frozenset[str]:
 
 
 def names_used_on_import(files: Iterable[Path]) -> frozenset[str]:
-    """Return the names whose objects statements of modules use: all but those inside functions."""
+    """Return the names used by the statements of modules, outside the bodies of functions."""
     found: set[str] = set()
 
     def collect(node: ast.AST) -> None:
@@ -54,7 +54,7 @@ def names_used_on_import(files: Iterable[Path]) -> frozenset[str]:
 
 
 def libraries_of(files: Iterable[Path]) -> list[str]:
-    """Return what files import, also inside functions, that is neither theirs nor Python's own."""
+    """Return the third-party libraries that files import, also inside functions."""
     found: set[str] = set()
     for file in files:
         for node in ast.walk(ast.parse(file.read_bytes())):
@@ -67,12 +67,13 @@ def libraries_of(files: Iterable[Path]) -> list[str]:
 
 
 def put_statement(module: ModuleType, statement: ast.stmt) -> bool:
-    """Run a changed statement of a module, and give what lives its outcome, where it was imported.
+    """Run a changed statement of a module, and update its existing objects wherever imported.
 
     Returns
     -------
     bool
-        Whether that could be done: not where a name would be another class, or nothing is named.
+        Whether that was possible: it is not if a name would denote another class, or if the
+        statement binds no name.
     """
     space = dict(vars(module))
     before = {name: space.get(name) for name in names_bound(statement)}

@@ -1,4 +1,4 @@
-"""What a test enters, and how long it takes."""
+"""The functions that a test enters, and the time that it takes."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer
 
 KEPT_WARM = frozenset({"verification.execution.imports"})
-"""What this keeps is read from the files of the project, which no change touches: seconds of
-reading that would be charged to each test which stores a result with the digest of its code."""
+"""Modules whose caches are not emptied. They hold what was read from the files of the project,
+which no change modifies; reading takes seconds, which would otherwise be charged to every test that
+stores a result with the digest of its code."""
 
 
 class TooLong(BaseException):
-    """A test is too long to be asked; no exception that the project catches, as a claim does."""
+    """A test takes too long; not an Exception, which code of the project (a claim) would catch."""
 
 
 class Recorder:
-    """What a test enters and how long it takes, with the fixtures that it shares with others."""
+    """Records what a test enters and how long it takes, including the fixtures that it shares."""
 
     def __init__(self, names: set[str]) -> None:
         self._names = names
@@ -51,7 +52,7 @@ class Recorder:
             self._names |= before
 
     def answer(self, item: pytest.Item) -> Answer:
-        """Return the processor seconds of the last test and what it entered."""
+        """Return the processor time of the last test, in seconds, and the functions it entered."""
         seconds = max(0.0, _spent() - self._begin - self._elsewhere)
         entered_ = set(self._names)
         for fixture in getattr(item, "fixturenames", ()):
@@ -62,9 +63,10 @@ class Recorder:
 
 
 def forget() -> None:
-    """Empty all caches of the project and its tests, as a child that runs a single test finds them.
+    """Empty all caches of the project and its tests, as they are in a child that runs one test.
 
-    What one test leaves in them another would not enter, and would seem cheaper than it is alone.
+    Otherwise a test would not enter functions whose results an earlier test left in a cache, and
+    would seem cheaper than it is alone.
     """
     for name, module in list(sys.modules.items()):
         if name.split(".")[0] in (*entered.PACKAGES, "tests") and name not in KEPT_WARM:
@@ -74,7 +76,7 @@ def forget() -> None:
 
 
 def _spent() -> float:
-    """Return the processor seconds of this process and of the children that have ended."""
+    """Return the processor time of this process and its ended children, in seconds."""
     return sum(os.times()[:4])
 
 

@@ -1,8 +1,8 @@
-"""What the tests of files entered, kept for as long as they would enter it again.
+"""Records of the functions that the tests of each file enter, kept while they remain valid.
 
-That is for as long as neither the test file nor what tests share has changed, nor a function that
-they entered, nor what their imports execute: then they take the same way. Data that tests read, and
-sources that they read as text, do not count.
+They remain valid while the test file, the files shared by tests, the functions entered and the code
+executed by imports are unchanged, since the tests then take the same path. Data that tests read,
+and sources that they read as text, are not taken into account.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.places import outermost_functions
 
 RECORDING = ("entered", "places", "recorder", "session")
-"""Modules of this folder that decide what is recorded."""
+"""Modules of this folder that determine what is recorded."""
 
 
 class Records:
-    """The records in a file, a line each; of one test file the last counts.
+    """The records in a file, one per line; for each test file the last one counts.
 
     Parameters
     ----------
     root : Path
-        The project.
+        Root of the project.
     path : Path
-        The file.
+        File of the records.
     limit : float
         Processor seconds of a test above which it is not recorded.
     """
@@ -44,7 +44,7 @@ class Records:
         self._known = {record["file"]: record for record in _whole_lines(path)}
 
     def known(self, file: str, imported: Collection[str]) -> list[dict[str, Any]] | None:
-        """Return what the tests of a file entered, if that is known and good."""
+        """Return the recorded answers for the tests of a file; None without a valid record."""
         record = self._known.get(file)
         if record is None or record["key"] != self._key(file, imported, record["entered"]):
             return None
@@ -58,14 +58,14 @@ class Records:
         entered: Collection[str],
         answers: list[dict[str, Any]],
     ) -> None:
-        """Write down what the tests of a file, and what it imports, entered."""
+        """Store the functions entered by the tests of a file and by its imports."""
         key = self._key(file, imported, entered)
         record = {"file": file, "key": key, "entered": sorted(entered), "answers": answers}
         with self._path.open("a", encoding="utf-8") as kept:
             kept.write(json.dumps(record) + "\n")
 
     def _key(self, file: str, imported: Collection[str], entered: Iterable[str]) -> str:
-        """Return a digest of all that decides which way the tests of a file take."""
+        """Return a digest of everything that determines the path taken by the tests of a file."""
         from verification.execution.digest import digest_of, digest_of_files
         from verification.execution.imports import code_of
 
@@ -73,7 +73,7 @@ class Records:
         shared = {"conftest.py", *imported} - of_project
         shared = {path for path in shared if not path.startswith("benchmarks/mutation/")}
         parts: list[object] = [_runner(), self._limit]
-        if file in of_project:  # its examples stand in docstrings
+        if file in of_project:  # its examples are in docstrings
             parts.append(digest_of_files(self._root, [self._root / file]))
         files = (self._root / path for path in sorted(shared))
         parts += [code_of(path) for path in files if path.exists()]
@@ -92,7 +92,7 @@ class Records:
 
 
 def _whole_lines(path: Path) -> Iterator[dict[str, Any]]:
-    """Yield the records in a file, but for lines that a kill cut short or an older runner wrote."""
+    """Yield the records in a file, except lines that are truncated or from an older runner."""
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         with suppress(json.JSONDecodeError):
             record = json.loads(line)
@@ -102,7 +102,7 @@ def _whole_lines(path: Path) -> Iterator[dict[str, Any]]:
 
 @cache
 def _runner() -> str:
-    """Return a digest of what records, and of the libraries there are."""
+    """Return a digest of the recording modules and of the installed libraries."""
     from verification.execution.digest import digest_of
     from verification.execution.imports import code_of
 
@@ -112,14 +112,14 @@ def _runner() -> str:
 
 
 def _parts(source: bytes) -> dict[str, str]:
-    """Return digests of the functions of a module by name; by no name, of all outside of them."""
+    """Return digests of a module's functions by name, and of the code outside them as ``""``."""
     from verification.execution.digest import digest_of
     from verification.execution.imports import shape
 
     tree = ast.parse(source)
-    found: dict[str, list[str]] = defaultdict(list)  # a property may be read and set
+    found: dict[str, list[str]] = defaultdict(list)  # a property may have a getter and a setter
     for name, function in list(outermost_functions(tree)):
         found[name].append(shape(function))
-        function.body = []  # what an import executes is the rest: defaults, decorators
+        function.body = []  # the rest is what an import executes: defaults, decorators
     found[""] = [shape(tree)]
     return {name: digest_of(each) for name, each in found.items()}

@@ -1,4 +1,4 @@
-"""The order in which tests are asked about changes: those that noticed others here come first."""
+"""The order of the tests for a change: those that noticed other changes nearby come first."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
 
 MAX_KNOWN = 3
-"""Tests that noticed the last changes of a function or its module, asked before all others."""
+"""Number of tests run first because they noticed the last changes of the function or module."""
 
 MAX_FILES = 6
-"""Files whose tests are asked about what an import computes: each is collected anew for that."""
+"""Largest number of test files for a change of code run on import; each is collected again."""
 
 OVERHEAD = 0.002
-"""Processor seconds that pytest takes for a test beside those of the test."""
+"""Processor seconds that pytest itself takes for each test."""
 
 
 class Runs:
-    """Changes to be run, and what became of those that were.
+    """Changes to be run, and the outcome of those that were run.
 
     Parameters
     ----------
     session, survey : Session, Survey
-        The tests, and which of them enter what.
+        The tests, and the functions that each of them enters.
     importing : dict
-        By test file, what it imports.
+        The files that each test file imports.
     seconds : float
-        Of tests, as recorded, spent on one change at most.
+        Largest total time of the tests, as recorded, for one change.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Runs:
         self.found: dict[str, str] = {}
 
     def tasks(self, mutants: Sequence[Mutant], until: float) -> Iterator[ChildTask]:
-        """Yield what children do, a change each, until a time of the monotonic clock."""
+        """Yield a child's task for each change, until a time of the monotonic clock."""
         for mutant in mutants:
             if time.monotonic() > until:
                 return
@@ -74,7 +74,7 @@ class Runs:
     def tasks_of_checks(
         self, mutants: Sequence[Mutant], checks: DerivationChecks, until: float
     ) -> Iterator[ChildTask]:
-        """Yield what children do with changes of derivations that no test noticed."""
+        """Yield a child's task for each change in derivations that no test noticed."""
         for mutant in mutants:
             if time.monotonic() > until:
                 return
@@ -92,7 +92,7 @@ class Runs:
               file=sys.stderr, flush=True)  # fmt: skip
 
     def _asked(self, mutant: Mutant) -> list[str]:
-        """Return the tests that noticed other changes here, then more as the time allows."""
+        """Return the tests that noticed other changes nearby, then others as time allows."""
         on_import = self._judge.made_on_import(mutant)
         reaching = self._survey.reaching(mutant, on_import, self._importing)
         known = self._killers[mutant.function_at]

@@ -1,4 +1,4 @@
-"""One session of pytest that imports everything and collects all tests once, for all children."""
+"""A pytest session that imports everything and collects all tests once, for all children."""
 
 from __future__ import annotations
 
@@ -26,25 +26,26 @@ OPTIONS = ("-q", "-s", "--no-header", "--assert=plain", "--tb=native", "--import
 
 
 class Session:
-    """The collected tests, the functions that live, and what importing them has entered.
+    """The collected tests, the existing functions, and the functions entered during imports.
 
     Parameters
     ----------
     root : Path
-        The project.
+        Root of the project.
     names : set of str
-        Of functions entered, as :func:`benchmarks.mutation.entered.install` returned it.
+        Names of functions entered, as returned by :func:`benchmarks.mutation.entered.install`.
 
     Attributes
     ----------
     missing : dict
-        By module that cannot be imported, the library that is not installed here.
+        For each module that cannot be imported, the library that is not installed here.
     on_import, before_tests : frozenset of str
-        Functions entered while all was imported; with those of what is kept for all tests.
+        Functions entered during imports; the same together with those entered in preparing what
+        is kept for all tests.
     names_on_import : frozenset of str
-        Whose objects statements of modules use.
+        Names used by the statements of modules.
     living : dict
-        The functions by ``path:line`` of their code.
+        The existing functions, by ``path:line`` of their code.
     """
 
     def __init__(self, root: Path, names: set[str]) -> None:
@@ -60,7 +61,7 @@ class Session:
     def collect(self, files: Sequence[str], work: Callable[[], None]) -> int:
         """Import the project, collect the tests of files, do the work; return pytest's exit code.
 
-        What a child imports would be imported, or compiled, in each child again.
+        Everything is imported here, since otherwise each child would import or compile it again.
         """
         self._work = work
         files_ = [self.root / each for each in self._modules()]
@@ -69,7 +70,7 @@ class Session:
                 import_module(name)
         from hypothesis import Phase, settings
 
-        # An example that fails is enough; to look for the simplest one takes minutes.
+        # One failing example is enough; the search for the simplest one takes minutes.
         first_one = (Phase.explicit, Phase.generate)
         settings.register_profile("mutation", phases=first_one, database=None)
         settings.load_profile("mutation")
@@ -86,16 +87,16 @@ class Session:
             return int(pytest.main([*options, *files], plugins=[self]))
 
     def _modules(self) -> list[str]:
-        """Return all modules of the project but those that run when they are imported."""
+        """Return all modules of the project except those that run when they are imported."""
         found = (path for each in entered.PACKAGES for path in (self.root / each).rglob("*.py"))
         paths = sorted(path for path in found if path.name != "__main__.py")
         return [path.relative_to(self.root).as_posix() for path in paths]
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """In the place of running all tests."""
+        """Do the work instead of running all tests."""
         self.items = {item.nodeid: item for item in session.items}
         self.on_import = frozenset(self.names)
-        files = {item.nodeid.split("::")[0] for item in session.items}  # their tables of cases
+        files = {item.nodeid.split("::")[0] for item in session.items}  # for their tables of cases
         imported = (self.root / each for each in {*self._modules(), *files})
         self.names_on_import = names_used_on_import(imported)
         gc.unfreeze()  # conftest.py freezes what collection leaves, and only the rest is listed
@@ -114,11 +115,10 @@ class Session:
         return True
 
     def record(self, file: str, limit: float, write: Callable[[Answer], None]) -> None:
-        """Run the tests of a file; write of each that passes its time and what it entered.
+        """Run the tests of a file; for each that passes, write its time and the functions entered.
 
-        A test that takes more than `limit` processor seconds counts as one that does not pass. The
-        last answer says that this is the end, and what all tests entered, whether they passed or
-        not.
+        A test that takes more than `limit` processor seconds counts as failed. The last answer
+        marks the end, and lists the functions entered by all tests, whether they passed or not.
         """
         recorder = Recorder(self.names)
         whole: set[str] = set()
@@ -126,7 +126,7 @@ class Session:
             failed = self.first_failing([item.nodeid], recorder, limit)
             answer = recorder.answer(item)
             whole.update(answer["entered"])
-            if failed is None and answer["seconds"] <= limit:  # with processes that it started
+            if failed is None and answer["seconds"] <= limit:  # including processes that it started
                 write({"test": item.nodeid, **answer})
         write({"entered by all": sorted(whole)})
 
@@ -137,7 +137,7 @@ class Session:
     def first_failing(
         self, tests: Sequence[str], plugin: object = None, limit: float = 0.0
     ) -> str | None:
-        """Run tests until one fails, each in a limit of processor seconds; return which."""
+        """Run tests until one fails, each within a limit of processor time; return its name."""
         if not tests:
             return None
         failures = Failures()
@@ -162,7 +162,7 @@ class Session:
 
 
 class Failures:
-    """The first test that fails; of the named tests only, in their order."""
+    """The first failing test; only the named tests are run, in their order."""
 
     def __init__(self, tests: Sequence[str] = ()) -> None:
         self.first: str | None = None
@@ -182,9 +182,9 @@ class Failures:
 
 
 def compile_steppers() -> None:
-    """Let numba compile what steps the chains, or load it, once for all children.
+    """Make numba compile or load the steppers of the chains once for all children.
 
-    Each would do it within the seconds of its first test, and that test would count as too long.
+    Otherwise each child would do so during its first test, and that test would count as too long.
     """
     from theory.chains.friction import FrictionChain
     from theory.chains.vdp import AveragedChain, VdpChain
@@ -199,7 +199,7 @@ def compile_steppers() -> None:
 
 
 def dotted(path: str) -> str:
-    """Return the name by which a module is imported.
+    """Return the dotted name by which a module is imported.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Which tests enter which function, and how long each takes: every test is run and recorded."""
+"""A survey of which tests enter which functions, and how long each test takes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from benchmarks.mutation.records import Records
 from benchmarks.mutation.session import Session, dotted
 
 FILE_SECONDS = 120.0
-"""Processor seconds for the tests of a file, beside twice the limit of each test."""
+"""Processor seconds for the tests of a file, in addition to twice the limit of each test."""
 
 EXCLUDED = (
     "test_benchmarks",
@@ -24,18 +24,18 @@ EXCLUDED = (
     "test_mutation_records",
     "test_report_browser",
 )
-"""Test files about other things, or about time."""
+"""Test files that concern other subjects, or measure time."""
 
 
 class Survey:
-    """What the recorded runs found.
+    """The results of the recorded runs.
 
     Attributes
     ----------
     seconds : dict
-        Test to its processor seconds, fixtures included, if it passes on the unchanged code.
+        Processor seconds, including fixtures, of each test that passes on the unchanged code.
     breadth : dict
-        Test to the number of functions it enters.
+        Number of functions that each test enters.
     """
 
     def __init__(self) -> None:
@@ -44,7 +44,7 @@ class Survey:
         self._entering: dict[str, set[str]] = defaultdict(set)
 
     def add(self, answers: Iterable[Answer]) -> None:
-        """Take in what the tests of a file entered."""
+        """Add the answers of the tests of a file."""
         for answer in answers:
             test = answer["test"]
             self.seconds[test] = answer["seconds"]
@@ -56,10 +56,11 @@ class Survey:
     def reaching(
         self, mutant: Mutant, on_import: bool, importing: dict[str, frozenset[str]]
     ) -> list[str]:
-        """Return the tests that can notice a change, those about few functions and fast ones first.
+        """Return the tests that can notice a change; those of few functions and fast ones first.
 
-        They enter the function. What an import leaves may change others: those that enter any
-        function of the module come next, then those of all files that import it.
+        These tests enter the function. A change of code that runs on import may affect other tests:
+        those that enter any function of the module come next, and then those of all files that
+        import the module.
         """
         tiers = [self._entering[mutant.function_at]]
         if on_import:
@@ -85,7 +86,7 @@ def test_files(root: Path) -> list[str]:
 
 
 def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
-    """Return by file the files of the project that it imports, directly or not, itself included."""
+    """Return, for each file, the project's files that it imports, indirectly too, and itself."""
     from verification.execution.imports import Imported, closure
 
     packages = (*PACKAGES, "benchmarks", "tests")
@@ -102,22 +103,22 @@ def closures(root: Path, files: Iterable[str]) -> dict[str, frozenset[str]]:
 def survey(
     session: Session, records: Records, imported: dict[str, frozenset[str]], limit: float, jobs: int
 ) -> Survey:
-    """Return what the tests of files enter, recorded in children where it is not known.
+    """Return the functions that the tests of files enter, recorded in children if not yet known.
 
-    What a child recorded that did not come to the end of its file is used, and not kept.
+    The record of a child that did not reach the end of its file is used, but not stored.
 
     Parameters
     ----------
     session : Session
-        With the tests collected.
+        Session with the collected tests.
     records : Records
-        What is known.
+        Existing records.
     imported : dict
-        By test file, what it imports.
+        The files that each test file imports.
     limit : float
-        Processor seconds of a test above which it is not asked.
+        Processor time of a test, in seconds, above which it is not used.
     jobs : int
-        Children at a time.
+        Number of children that run at the same time.
     """
     found = Survey()
 

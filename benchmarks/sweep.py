@@ -102,10 +102,10 @@ def measure(points: int = POINTS, workers: int = WORKERS) -> SweepCost:
     0
     """
     grid = grid_of_figure_15(points)
-    TASK(grid[0])  # compiled
+    TASK(grid[0])  # compiles
     _timed_sweep(
         TASK, grid_of_figure_15(min(points, 500)), workers
-    )  # whatever is loaded once is there
+    )  # loads all that is loaded once
     before, begin = _peak_memory(), perf_counter()
     table, seconds = _timed_sweep(TASK, grid, workers)
     wall, growth = perf_counter() - begin, _peak_memory() - before

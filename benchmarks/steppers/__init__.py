@@ -1,1 +1,1 @@
-"""Steppers that are here to be measured beside those of ``verification.steppers``."""
+"""Steppers used only in benchmarks, for comparison with those of ``verification.steppers``."""

@@ -1,4 +1,4 @@
-"""Equal steps of a smooth chain, all sites."""
+"""Integration of a smooth chain with steps of equal length, all sites active."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from verification.steppers.specialise import pointer, source_mark
 
 
 def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, order: int) -> None:
-    """Advance a state (y, w), shape (2, N), in place, by steps of length h of the kernel's time.
+    """Advance a state (y, w), shape (2, N), in place, by steps of length h in the kernel's time.
 
     Parameters
     ----------
     chain : SmoothChain
-        Parameters.
+        The chain.
     state : ndarray, shape (2, N)
-        Overwritten.
+        Initial state, which is overwritten.
     h, steps
         Length and number of steps.
     order : int
-        8 for DOP853, or 4 for the classical step.
+        8 for DOP853, or 4 for the classical Runge-Kutta step.
     """
     chain.check_unforced("equal steps")
     take_step = {8: compiled_step, 4: _classical_step}[order](chain)
@@ -42,7 +42,7 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
 
 
 def _classical_step(chain: SmoothChain) -> Any:
-    """Return the classical step of order 4 of a chain; from disk, if it is compiled already."""
+    """Return the classical step of order 4 for a chain, from disk if it is already compiled."""
     layout = (*chain.kernel_layout, chain.front_phase_step)
     if (key := (chain.kernel(), *layout)) not in _CLASSICAL:
         mark = "-".join([source_mark(chain.kernel()), *map(str, layout)])
@@ -51,7 +51,7 @@ def _classical_step(chain: SmoothChain) -> Any:
 
 
 def _slope(x: FloatArray, p: FloatArray, left: int, right: int, out: FloatArray) -> None:
-    """Stand for the right-hand side that the classical step is compiled with."""
+    """Serve as a placeholder for the right-hand side with which the step is compiled."""
     raise NotImplementedError
 
 

@@ -1,8 +1,9 @@
-"""A splitting for nearly integrable systems, compiled: SABA of Laskar and Robutel for (8).
+"""A compiled splitting for nearly integrable systems: SABA of Laskar and Robutel for (8).
 
-The harmonic motion, and the perturbation (coupling and damping at fixed y, an affine equation for
-ẏ), are each solved exactly; the error is O(ε h^{2n}) + O(ε² h²). Stable at any displacement, and
-grossly wrong at a large one: it is here to be measured, and wins only where ε is really small.
+The harmonic motion and the perturbation (coupling and damping at fixed y, an affine equation for
+ẏ) are each solved exactly; the error is O(ε h^{2n}) + O(ε² h²). The method is stable at any
+displacement, but grossly inaccurate at a large one. It is included for comparison, and is the
+fastest only where ε is very small.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def split_steps(
     Parameters
     ----------
     state : ndarray, shape (2, N)
-        Overwritten.
+        Initial state, which is overwritten.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
     periodic : bool
@@ -39,7 +40,7 @@ def split_steps(
     h, steps
         Length and number of steps.
     drifts, kicks : ndarray, shapes (n + 1,), (n,)
-        Parts of a step (:func:`saba`).
+        Fractions of a step (:func:`saba`).
     """
     a, b, c, eps = parameters[0], parameters[1], parameters[2], parameters[3]
     sites = state.shape[1]
@@ -66,7 +67,7 @@ def split_steps(
 
 @lru_cache(maxsize=8)
 def saba(stages: int) -> tuple[FloatArray, FloatArray]:
-    """Return drifts and kicks of SABA_n: Gauss-Legendre nodes' distances and weights on [0, 1].
+    """Return drifts and kicks of SABA_n: spacings and weights of Gauss-Legendre nodes on [0, 1].
 
     Examples
     --------

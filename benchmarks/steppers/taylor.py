@@ -1,14 +1,14 @@
-"""Taylor series in time for (8) and (43), compiled; slower than DOP853, and apart from it.
+"""Compiled Taylor series in time for (8) and (43), slower than DOP853 and independent of it.
 
-Both right sides are polynomials, so the Taylor coefficients of the solution follow one another by
-convolutions (Cauchy products):
+Both right-hand sides are polynomials, so the Taylor coefficients of the solution follow from one
+another by convolutions (Cauchy products):
 
     full      s = y², q = s², g = 1 - a s + b q, ẇ = -y - εc(2y - y₋ - y₊) - ε g w, ẏ = w
     envelope  s = |φ|², q = s², g = 1 - as/4 + bq/8, φ' = (ic/2)(2φ - φ₋ - φ₊) - g φ/2
 
-The step is chosen from the last two coefficients and from nothing else; none is ever rejected.
-The state is a row (u, v) of length 2m (``active``): (y, ẏ), or (Re φ, Im φ). Coefficients of each
-factor are in an array of shape (order + 1, m); all quantities are dimensionless.
+The step length is chosen from the last two coefficients only; no step is rejected. The state is a
+row (u, v) of length 2m (``active``): (y, ẏ) or (Re φ, Im φ). The coefficients of each factor are in
+an array of shape (order + 1, m); all quantities are dimensionless.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ Series = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 
 @inner()
 def series_room(order: int, m: int) -> Series:
-    """Return room for the coefficients of m sites, each of shape (order + 1, m)."""
+    """Return arrays for the coefficients of m sites, each of shape (order + 1, m)."""
     shape = (order + 1, m)
     return np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
 
 
 @inner(fastmath={"contract"}, error_model="numpy")
 def _square(target: FloatArray, A: FloatArray, k: int) -> None:
-    """Put coefficient k of the square of A into ``target``."""
+    """Store coefficient k of the square of A in ``target``."""
     if k % 2 == 0:
         u = A[k // 2]
         for n in range(target.size):
@@ -55,7 +55,7 @@ def _square(target: FloatArray, A: FloatArray, k: int) -> None:
 
 @inner(fastmath={"contract"}, error_model="numpy")
 def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
-    """Put coefficient k of A B into ``target``."""
+    """Store coefficient k of the product A B in ``target``."""
     target[:] = 0.0
     for j in range(k + 1):
         u = A[j]
@@ -68,12 +68,12 @@ def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
 def full_coefficients(
     series: Series, order: int, parameters: FloatArray, left: int, right: int
 ) -> None:
-    """Fill the coefficients k = 1 … order from the state, k = 0, for (8).
+    """Compute the coefficients k = 1 … order for (8) from the state, k = 0.
 
     Parameters
     ----------
     series : tuple of five ndarray, shape (order + 1, m)
-        Of y, ẏ, s, q and g.
+        Coefficients of y, ẏ, s, q and g.
     order : int
         Highest coefficient.
     parameters : ndarray, shape (4,)
@@ -103,9 +103,9 @@ def full_coefficients(
 def envelope_coefficients(
     series: Series, order: int, parameters: FloatArray, left: int, right: int
 ) -> None:
-    """Fill the coefficients k = 1 … order from the state, k = 0, for (43) in slow time.
+    """Compute the coefficients k = 1 … order for (43), in slow time, from the state, k = 0.
 
-    Parameters as in :func:`full_coefficients`; the series are of Re φ, Im φ, s, q and g.
+    Parameters are as in :func:`full_coefficients`; the series are those of Re φ, Im φ, s, q and g.
     """
     a, b, c = parameters[0], parameters[1], parameters[2]
     U, V, S, Q, G = series
@@ -132,7 +132,7 @@ def envelope_coefficients(
 
 @inner()
 def step_length(series: Series, order: int, tolerance: float) -> float:
-    """Return h at which the last two terms are within tolerance times the largest value."""
+    """Return the h for which the last two terms are within tolerance times the largest value."""
     u, v = series[0], series[1]
     size = tolerance * max(largest(u[0]), largest(v[0]))
     h = math.inf
@@ -147,7 +147,7 @@ def step_length(series: Series, order: int, tolerance: float) -> float:
 
 @inner(fastmath={"contract"})
 def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
-    """Put the state a time h after the expansion point into out, shape (2m,) (Horner)."""
+    """Store the state at a time h after the expansion point in out, shape (2m,) (Horner)."""
     m = out.size // 2
     for i in range(2):
         C = series[0] if i == 0 else series[1]
@@ -169,9 +169,9 @@ def taylor_steps(
     tolerance: float,
     order: int,
 ) -> int:
-    """Advance a state of shape (2, N) to ``end``, all sites.
+    """Advance a state of shape (2, N) to ``end``, with all sites active.
 
-    Returns the number of steps, or -1 if a number is not finite.
+    Return the number of steps, or -1 if a value is not finite.
     """
     sites = state.shape[1]
     left, right = end_codes(0, sites, sites, first, False)

@@ -1,6 +1,6 @@
 """A force of a cell given as functions that numba compiles, in place of a polynomial.
 
-It provides what the right-hand side of a chain needs of a `Polynomial`: parameter names and text.
+It provides what the right-hand side of a chain needs from a `Polynomial`: parameter names and text.
 """
 
 from __future__ import annotations

@@ -30,10 +30,10 @@ Up to here, evaluating points costs less than finding the roots that would make 
 unnecessary.
 """
 _MAX_POINTS = 2.0**40
-"""Upper limit of the number of points that fits a compiled integer; so many are never used."""
+"""Cap on the number of points, which fits a compiled integer and is never reached."""
 _BLOCK = 256
 SLOPE_SHARE = 10.0
-"""Upper bound of the truncation error of the derivatives by ln v and ln c over that of Σ."""
+"""Upper bound of the truncation error of ∂Σ/∂ln v and ∂Σ/∂ln c, divided by that of Σ."""
 
 
 def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:

@@ -27,7 +27,7 @@ _SHORTEST = 1e-10
 _LONG_AXIS = 4.0
 """Coupling above which the rule on the axis needs more points than `axis.MAX_PLAIN`."""
 _ARCH = 4
-"""Additional cost of a value by the rule for c > 3v, over the cost by the rule on the axis."""
+"""Extra cost of a value by the rule for c > 3v, in units of the cost by the rule on the axis."""
 
 
 @dataclass(frozen=True, kw_only=True)

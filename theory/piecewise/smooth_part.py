@@ -26,7 +26,8 @@ _ROUNDING = 1e-14
 _AT_ONCE = 256
 """Number of values whose nodes fit the processor's cache."""
 _HIGHEST = 2.0
-"""Bound on their height over max(√v, v) e^{-1/2v}/c^{3/2}: four times that sampled."""
+"""Bound on the height of these oscillations in units of max(√v, v) e^{-1/2v}/c^{3/2}: four times
+the largest height sampled."""
 WEAKEST = 2.0
 """Weakest coupling at which these bounds were sampled."""
 

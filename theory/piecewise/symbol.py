@@ -32,7 +32,7 @@ from theory.piecewise.sums.rules import sum_at
 
 _EPS = float(np.finfo(float).eps)
 _SMALLEST_TERM = 1e-30
-"""e^{-K/2v} at the last term K; on the largest circle searched, that term is the root of this."""
+"""e^{-K/2v} at the last term K; on the largest circle searched, that term is its square root."""
 _MAX_PRODUCTS = 10_000_000
 """Largest product of the numbers of terms and of points of the mean over κ: about 30 ms."""
 _MAX_POINTS = 1 << 20

@@ -13,7 +13,7 @@ from theory.piecewise.sums.result import KineticSum, PrecisionError
 _MAX_PIECES = 50_000
 
 LARGEST_COUPLING = 20.0
-"""Beyond it, peaks of width 1/c lie between QUADPACK's points, and its estimate is not a bound."""
+"""Largest c; beyond it QUADPACK misses peaks of width 1/c, and its estimate is not a bound."""
 
 
 def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSum:

@@ -326,7 +326,7 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
 
 
 def _growth_apart(found: Breather, exact: Breather) -> float | None:
-    """Return how far a growth is from the exact one, errors added; None if either is unknown."""
+    """Return the distance of a growth rate from the exact one plus both errors, if known."""
     if found.growth is None or exact.growth is None or exact.growth_error is None:
         return None
     return abs(found.growth - exact.growth) + exact.growth_error + (found.growth_error or 0.0)

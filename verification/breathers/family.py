@@ -78,7 +78,7 @@ class BreatherFamily(ABC):
         """Return a solution as a breather, with its error as a solution of these equations."""
 
     def finer(self) -> BreatherFamily:
-        """Return the same breathers, their integration, if there is one, in twice the steps."""
+        """Return the same breathers with twice the integration steps, if there are any."""
         return self
 
     def step_error(self, fold: Fold) -> float:

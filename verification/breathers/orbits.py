@@ -204,7 +204,7 @@ class Orbits(BreatherFamily):
         )
 
     def finer(self) -> Orbits:
-        """Return the same orbits, in twice the steps."""
+        """Return the same orbits with twice the integration steps."""
         return replace(self, steps=2 * self.count)
 
     def step_error(self, fold: Fold) -> float:

@@ -1,4 +1,4 @@
-"""How a front is measured on chains of any kind that are run: on longer and longer ones."""
+"""Measurement of a front by runs on successively longer chains, for any kind of chain."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class FrontPreparation:
         outruns: bool,
         earlier_steps: int = 0,
     ) -> Front:
-        """Return what was found as a front, in the chain's unit of time."""
+        """Return the result as a front, with velocities in the chain's unit of time."""
         chain = self.sized(found.sites)
         unit = chain.time_unit
         return Front(

@@ -49,7 +49,7 @@ class Pace:
 
 
 def paced(rate: Callable[..., Any], end: float) -> Callable[..., Any]:
-    """Return a right side that refuses to go on at too slow a pace from zero to the end.
+    """Return a right-hand side that aborts a run from zero to the end if it is too slow.
 
     Examples
     --------

@@ -34,10 +34,12 @@ EXTRA = 3
 """Number of sites added on each side to measure the effect of the finite chain on a threshold."""
 
 _SOLUTIONS = 40
-"""Solutions whose growth is looked at, usually: 10 on each branch, 10 at each loss of stability."""
+"""Usual number of solutions whose growth is computed: 10 on each branch, and 10 to locate each loss
+of stability."""
 
 _BEFORE = 1e-6, 1e-4, 1e-2
-"""Parts of a coupling by which the rate of a growth is found before it, in order of trial."""
+"""Relative distances below a crossing at which the slope of the growth is measured, in order of
+trial."""
 
 
 def breather_threshold(
@@ -127,19 +129,19 @@ def breather_threshold(
 
 
 class _Report:
-    """Progress by the number of solutions whose growth was looked at."""
+    """Progress, estimated from the number of solutions whose growth has been computed."""
 
     def __init__(self, progress: ProgressCallback | None) -> None:
         self.progress, self.seen = progress, 0
 
     def __call__(self) -> None:
-        """Report one more."""
+        """Report one more solution."""
         self.seen += 1
         if self.progress is not None:
             self.progress(self.seen / max(_SOLUTIONS, self.seen + 1))
 
     def beside(self, monitor: Monitor) -> Monitor:
-        """Return a monitor that reports."""
+        """Return the monitor, extended by a report at each call."""
 
         def reporting(u: FloatArray, c: float) -> tuple[float, ...]:
             self()
@@ -170,17 +172,18 @@ def _nearest(branch: ContinuationBranch, c: float) -> int:
 
 
 def _stable_to(crossing: Crossing | None, fold: Fold | None) -> float | None:
-    """Return up to which coupling nothing grows; None if it does from the start."""
+    """Return the coupling up to which no mode grows; None if one grows from the start."""
     if crossing is None:
         return None if fold is None else fold.parameter
     return None if crossing.from_start else crossing.parameter
 
 
 def _crossing_error(family: BreatherFamily, crossing: Crossing) -> float:
-    """Return by how much the coupling at which a growth passes zero is shifted on its own chain.
+    """Return the error of the coupling at which a growth rate crosses zero, on its own chain.
 
-    The growth is known to twice what counts as zero, and to what half the steps change; it rises
-    with c at a rate that is found a little before. All of c where no such rate is found.
+    The error of the growth rate is twice the value that counts as zero, plus the change when the
+    integration steps are halved. It is divided by the slope of the growth rate in c, measured just
+    below the crossing. If no slope can be measured, the error is c itself.
     """
     finer, c = family.finer(), crossing.parameter
     for part in _BEFORE:

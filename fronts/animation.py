@@ -86,10 +86,9 @@ def animate(
         axes.set_title("t")
         figure.draw_without_rendering()
         figure.set_layout_engine(None)  # the layout takes longer than a frame and never changes
-        moving = [*axes.lines, *axes.images, *axes.collections, axes.title]
-        for each in moving:
+        for each in _moving(axes):
             each.set_animated(True)
-        writer = _writer(animation, kind, frames_per_second, note, moving)
+        writer = _writer(animation, kind, frames_per_second, note, axes)
         with writer.saving(figure, str(path), dpi=100):
             for at, time in enumerate(run.times):
                 show(at)
@@ -100,9 +99,12 @@ def animate(
     return path
 
 
-def _writer(
-    animation: Any, kind: str, frames_per_second: float, note: str, moving: Sequence[Artist]
-) -> Any:
+def _moving(axes: Axes) -> Sequence[Artist]:
+    """Return what differs from frame to frame."""
+    return [*axes.lines, *axes.images, *axes.collections, axes.title]
+
+
+def _writer(animation: Any, kind: str, frames_per_second: float, note: str, axes: Axes) -> Any:
     if kind == ".mp4":
         return animation.FFMpegWriter(fps=frames_per_second, metadata={"comment": note})
 
@@ -122,8 +124,8 @@ def _writer(
                 canvas.draw()
                 self._still = canvas.copy_from_bbox(self.fig.bbox)
             canvas.restore_region(self._still)
-            for each in moving:
-                self.fig.draw_artist(each)
+            for each in _moving(axes):
+                axes.draw_artist(each)
             self._frames.append(Image.fromarray(np.array(canvas.buffer_rgba())))
 
         def finish(self) -> None:

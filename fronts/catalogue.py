@@ -76,8 +76,8 @@ class Measurement(CommandCall):
         ``module:Class`` of a cell that the function takes in place of a chain.
     curve : str
         ``module:name`` of a function that computes a curve in a better way than point by point,
-        from the chains, the parameter in which they differ, and its values; it returns None where
-        there is no better way.
+        from the chains at both ends, the parameter in which they differ, and its values; it returns
+        None where there is no better way.
     only : mapping of str to tuple of str
         Options that belong to certain values of ``--method`` only.
     sites : str

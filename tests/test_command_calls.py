@@ -215,11 +215,11 @@ def test_a_range_of_a_function_without_a_chain_becomes_its_values(called):
     assert (options["c"], options["eta"]) == ([0.3, 0.4, 0.5], 0.03125)
 
 
-def test_a_curve_that_can_be_followed_gets_the_chains_the_parameter_and_its_values(called):
+def test_a_curve_that_can_be_followed_gets_the_ends_the_parameter_and_its_values(called):
     (chains, along, values), options, _ = called(
         "front averaged --c 0.5:1:3 --eta 0.05 --method wave"
     )
-    assert ([chain.c for chain in chains], along, values) == ([0.5, 0.75, 1.0], "c", values)
+    assert ([chain.c for chain in chains], along, values) == ([0.5, 1.0], "c", [0.5, 0.75, 1.0])
     assert options == {"method": "wave"}
 
 

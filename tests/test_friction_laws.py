@@ -209,7 +209,7 @@ def test_stick_slip_of_a_law_that_does_not_fall_at_small_velocities_begins_at_on
         assert (run.log.size > 0) is sticks
 
 
-@pytest.mark.parametrize(("v_s", "xi"), [(0.5, 1e-3), (2.0, 1e-5), (0.05, 1e-6)])
+@pytest.mark.parametrize(("v_s", "xi"), [(0.5, 1e-3), (2.0, 1e-5), (0.05, 1e-6), (0.05, 1e-7)])
 def test_stick_slip_of_little_damping_begins_and_ends_where_work_is_balanced(
     v_s: float, xi: float
 ) -> None:

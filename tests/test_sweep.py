@@ -807,7 +807,7 @@ def test_a_failure_says_how_many_other_points_failed_if_any_did() -> None:
     assert str(sweeping._failed(failed[:1])) == (
         "Point(c=0.0) could not be computed: ValueError: odd"
     )
-    assert str(sweeping._failed(failed)).startswith("Point(c=0.0) and 2 other points could")
+    assert str(sweeping._failed(failed)).startswith("Point(c=0.0) and at 2 more could")
 
 
 def test_arrays_of_a_zarr_store_are_copied_chunk_by_chunk(tmp_path: Path) -> None:

@@ -359,7 +359,7 @@ def _identity(metadata: Metadata) -> dict[str, Any]:
 
 def _failed(failures: Sequence[tuple[Point, Exception]]) -> SweepError:
     point, error = failures[0]
-    others = f" and {len(failures) - 1} other points" if len(failures) > 1 else ""
+    others = f" and at {len(failures) - 1} more" if len(failures) > 1 else ""
     wrapped = SweepError(
         f"{point}{others} could not be computed: {type(error).__name__}: {error}", failures
     )

@@ -351,6 +351,7 @@ def resolved(
         nearest = start
         for i in range(1, _LOOKS + 1):
             nearest = min(nearest, s * site_value(w, n, h * i / _LOOKS))
+        nearest -= 0.125 * (h / _LOOKS) ** 2 * _largest_bend(w, n, h)  # between two samples
         if _seen(numbers, law, order, max(0.0, nearest), start, allowed):
             return h
         h *= 0.5
@@ -363,6 +364,15 @@ def absolute_sum(P: FloatArray, n: int, h: float) -> float:
     size = 0.0
     for k in range(P.shape[0] - 1, 0, -1):
         size = (size + abs(P[k, n])) * h
+    return size
+
+
+@inner
+def _largest_bend(P: FloatArray, n: int, h: float) -> float:
+    """Return Σ k (k - 1) |P_k| h^(k-2), a bound on the second derivative up to h."""
+    size = 0.0
+    for k in range(P.shape[0] - 1, 1, -1):
+        size = size * h + k * (k - 1) * abs(P[k, n])
     return size
 
 

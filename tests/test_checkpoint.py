@@ -201,7 +201,7 @@ def test_a_clock_that_is_none_or_stands_still_does_not_run_for_ever(tmp_path: Pa
         run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz")
     broken = Logistic()
     broken.clock[0] = np.nan
-    with pytest.raises(RunError, match="does not get on"):
+    with pytest.raises(RunError, match="does not advance"):
         run_to_end([broken], 3.0, 1)
 
 

@@ -367,7 +367,7 @@ def test_the_quick_benchmark_says_when_it_writes(capsys):
     with pytest.raises(SystemExit):
         main(["bench", "--help"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert "nothing written unless --out is given" in shown
+    assert "write nothing unless --out is given" in shown
 
 
 @pytest.mark.parametrize(

@@ -309,7 +309,7 @@ def test_a_branch_is_followed_of_alike_sites_along_a_line_only() -> None:
     ):
         with pytest.raises(ParameterError, match=words):
             threshold(chain, method="orbit")
-    with pytest.raises(ParameterError, match="bisection for the model chain"):
+    with pytest.raises(ParameterError, match="bisection or orbit for the model chain"):
         threshold(OscillatorChain(**line), method="envelope")
 
 

@@ -22,6 +22,7 @@ from verification.cells.cell import cell
 from verification.cells.result import Cell, CellCycle, CellStatus, OwnCell
 from verification.cells.shooting import longest_step
 from verification.cells.vdp import vdp_cell
+from verification.references.equations import damping
 from verification.references.network import oscillator_rate, states_by_scipy
 
 PERIOD, AMPLITUDE = 6.663286859323130, 2.008619860874843
@@ -378,7 +379,7 @@ def test_both_cycles_of_van_der_pol_close_in_scipy_with_their_multipliers() -> N
     a, b, eps = 2.5, 0.5, 0.1
     found = vdp_cell(a, b, eps, 1e-9)
     rate = oscillator_rate(
-        lambda y: y, lambda y, v: 1.0 - a * y**2 + b * y**4, np.zeros((1, 1)), c=0.0, eps=eps
+        lambda y: y, lambda y, v: damping(y, a, b), np.zeros((1, 1)), c=0.0, eps=eps
     )  # fmt: skip
     for cycle in (found.unstable_cycle, found.stable_cycle):
         assert cycle is not None
@@ -388,7 +389,7 @@ def test_both_cycles_of_van_der_pol_close_in_scipy_with_their_multipliers() -> N
         off = np.abs(path[-1] - start).max()
         assert off <= (1.0 + cycle.multiplier) * cycle.error  # what is off grows in the turn
         y = path[:-1, 0]
-        lost = eps * float(np.mean(1.0 - a * y**2 + b * y**4)) * cycle.period
+        lost = eps * float(np.mean(damping(y, a, b))) * cycle.period
         # By central differences: their step is a ten-thousandth of the cycle.
         assert cycle.multiplier == pytest.approx(np.exp(-lost), rel=1e-4)
 

@@ -102,7 +102,7 @@ def _in_place_of_runs(
         return SimpleNamespace(definition=definition)
 
     made = {
-        "breather_threshold": lambda *_: found(Definition.EXISTENCE),
+        "breather_threshold": lambda *_, **__: found(Definition.EXISTENCE),
         "_of_stability": lambda _: found(Definition.STABILITY),
         "sweep_threshold": lambda *_: found(of_a_sweep),
         "escape_range": lambda *_: found(Definition.FIRST),

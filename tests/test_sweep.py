@@ -201,7 +201,7 @@ def test_two_sweeps_do_not_write_one_file(tmp_path: Path) -> None:
 def test_a_failing_point_is_named_and_the_others_are_kept(workers: int, tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     points = {"x": range(1, 8)}
-    with pytest.raises(SweepError, match=r"Point\(x=2\) and 1 other.*no such point") as caught:
+    with pytest.raises(SweepError, match=r"Point\(x=2\) and at 1 more.*no such point") as caught:
         sweep(failing, points, out=out, workers=workers)
     assert [point["x"] for point, _ in caught.value.failures] == [2, 5]
     assert set(_stored(out)) == {"0", "2", "3", "5", "6"}

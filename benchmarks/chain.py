@@ -335,7 +335,7 @@ def _front_cost(lengths: Sequence[int]) -> Target:
 
 def _map(model: str, limit: float) -> Target:
     from verification.execution.sweep import sweep
-    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.task import StateTask, state_points
     from verification.maps.vdp_rules import FIGURE_15
 
     etas, couplings = np.linspace(0.01, 0.14, 14).tolist(), np.linspace(0.05, 1.0, 20).tolist()

@@ -133,7 +133,7 @@ def full_workers(count: float) -> object:
 
 def _map(points: int, count: int, full: bool = False) -> object:
     from verification.execution.sweep import sweep
-    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.task import StateTask, state_points
     from verification.maps.vdp_rules import FIGURE_15
 
     side = math.isqrt(points)

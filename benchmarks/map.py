@@ -32,7 +32,7 @@ from benchmarks.work_precision import (
 )
 from verification.execution.points import Point
 from verification.maps.state import State
-from verification.maps.state_map import StateTask
+from verification.maps.task import StateTask
 from verification.maps.vdp_rules import DISPLACEMENT, FIGURE_15
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import full_rate

@@ -28,7 +28,7 @@ from verification.execution.points import Grid, Point
 from verification.execution.record import Record
 from verification.execution.sweep import sweep
 from verification.execution.table import Table
-from verification.maps.state_map import StateTask
+from verification.maps.task import StateTask
 from verification.maps.vdp_rules import FIGURE_15
 
 POINTS = 100_000

@@ -19,7 +19,8 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.execution.pool import cluster
 from verification.execution.progress import ProgressCallback
-from verification.maps.state_map import StateMap, StateTask, boundary_path, state_map
+from verification.maps.state_map import StateMap, boundary_path, state_map
+from verification.maps.task import StateTask
 from verification.runs.excite import StartPoint
 
 MAX_POINTS = 100_000

@@ -34,7 +34,8 @@ from theory.parameters import ParameterError
 from verification.execution.files import FileError
 from verification.execution.store import Store
 from verification.execution.sweep import SweepError, sweep
-from verification.maps.state_map import StateTask, boundary_path, state_map
+from verification.maps.state_map import boundary_path, state_map
+from verification.maps.task import StateTask
 from verification.runs import checkpoint
 from verification.runs.checkpoint import run_to_end
 from verification.runs.excite import excite

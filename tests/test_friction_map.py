@@ -22,7 +22,7 @@ from verification.maps.boundary import Bisection, boundary_lines
 from verification.maps.friction_rules import HOLD, WINDOW, find_friction_state
 from verification.maps.rules import rules_of
 from verification.maps.state import State
-from verification.maps.state_map import StateTask, state_points
+from verification.maps.task import StateTask, state_points
 from verification.references.friction_events import run_events
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration

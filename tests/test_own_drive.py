@@ -16,7 +16,7 @@ from theory.parameters import ParameterError
 from verification.breathers.breather import breather
 from verification.fronts.measure import measure_front
 from verification.maps.smooth_rules import find_smooth_state
-from verification.maps.state_map import StateTask
+from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, overdamped_rate, states_by_scipy
 from verification.runs.excite import excite

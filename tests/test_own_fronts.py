@@ -22,7 +22,8 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, RunError
 from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
-from verification.maps.state_map import StateTask, state_map
+from verification.maps.state_map import state_map
+from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
 from verification.references.network import overdamped_rate, states_by_scipy
 from verification.runs.ensemble import ensemble

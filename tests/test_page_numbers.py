@@ -30,7 +30,7 @@ from verification.execution import pool
 from verification.execution.points import Point
 from verification.fronts import arrival_fit
 from verification.fronts.measure import measure_front
-from verification.maps.state_map import StateTask
+from verification.maps.task import StateTask
 from verification.maps.vdp_rules import FIGURE_15
 from verification.references.equations import damping
 from verification.runs import comparison

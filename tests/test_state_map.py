@@ -34,8 +34,9 @@ from verification.maps.friction_rules import find_friction_state
 from verification.maps.rules import StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import FoundState, Reason, State
-from verification.maps.state_map import StateTask, compare, state_map, state_points
+from verification.maps.state_map import compare, state_map
 from verification.maps.state_run import LONGEST, Rules, at_rest_for_ever, run_to_state
+from verification.maps.task import StateTask, state_points
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,

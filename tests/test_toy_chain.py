@@ -27,7 +27,8 @@ from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
 from verification.maps.smooth_rules import find_smooth_state
 from verification.maps.state import Reason, State
-from verification.maps.state_map import StateTask, state_map
+from verification.maps.state_map import state_map
+from verification.maps.task import StateTask
 from verification.quantities.judging import PointOutcome, judge
 from verification.quantities.registry import computation_named
 from verification.quantities.robustness import robustness

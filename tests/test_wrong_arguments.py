@@ -13,7 +13,7 @@ import pytest
 
 import fronts as fr
 from verification.breathers import breather as breathers
-from verification.maps.state_map import StateTask
+from verification.maps.task import StateTask
 from verification.thresholds import threshold as thresholds
 
 CHAINS = {

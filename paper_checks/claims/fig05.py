@@ -56,7 +56,7 @@ def state_map() -> FrictionStateMap:
     from verification.cells.friction import cycle_end_velocity
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
-    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.task import StateTask, state_points
 
     task = StateTask(chain=chain_of(0.0))
     points = state_points(task, {"c": COUPLINGS, "v_d": VELOCITIES})

@@ -106,7 +106,8 @@ def state_map() -> VdpStateMap:
     """Label the map by both equations, and bisect its boundaries by the averaged one."""
     from verification.execution.sweep import sweep
     from verification.maps.boundary import Bisection, boundary_lines
-    from verification.maps.state_map import StateTask, compare, state_points
+    from verification.maps.state_map import compare
+    from verification.maps.task import StateTask, state_points
     from verification.maps.vdp_rules import FIGURE_15
 
     full = StateTask(chain=FIGURE_15)
@@ -182,7 +183,7 @@ def alike() -> Alike:
     """Read both maps column by column, from weak to strong coupling."""
     from theory.chains.friction import FrictionChain
     from verification.execution.sweep import sweep
-    from verification.maps.state_map import StateTask, state_points
+    from verification.maps.task import StateTask, state_points
     from verification.maps.vdp_rules import FIGURE_15
 
     belt = StateTask(chain=FrictionChain(c=0.0)).alone()

@@ -253,6 +253,29 @@ def test_the_end_of_cycles_under_coulomb_friction_is_that_of_the_linear_equation
     assert friction_cell(replace(cell, v_d=0.9 * end)).status is CellStatus.BISTABLE
 
 
+@pytest.mark.parametrize("xi", [0.9, 0.05, 1e-3, 1e-4, 1e-6, 1e-8])
+def test_the_error_of_the_end_of_cycles_under_coulomb_friction_holds_to_round_off(
+    xi: float,
+) -> None:
+    """In precise arithmetic; runs at two tolerances agree to the last bit, or differ by chance."""
+    found = friction_cell(FrictionCell(law="coulomb", xi=xi))
+    with mp.workdps(40):
+        damping, drop = mp.mpf(xi), mp.mpf(0.5)
+        omega = mp.sqrt(1 - damping**2)
+
+        def excess(v_d: mp.mpf) -> mp.mpf:
+            at = (damping * v_d - drop) / omega  # w = e^(-ζt)(v_d cos ωt + at sin ωt), ẇ(0) = -Δ
+            turn = mp.atan2(omega * at - damping * v_d, omega * v_d + damping * at)
+            t = (turn + (2 * mp.pi if turn < 0 else 0)) / omega
+            return mp.exp(-damping * t) * (v_d * mp.cos(omega * t) + at * mp.sin(omega * t)) - v_d
+
+        exact = mp.findroot(excess, mp.mpf(found.cycle_end_velocity))
+        off = abs(exact - mp.mpf(found.cycle_end_velocity))
+    assert off <= found.cycle_end_error < 1e-12 / xi**2
+    lost = friction_cell(FrictionCell(law="coulomb", xi=1e-17))  # finds 3.5e6 for 4.5e7
+    assert lost.cycle_end_error == lost.error == math.inf
+
+
 def test_cells_whose_cycles_have_no_meaning_say_so() -> None:
     with pytest.raises(ParameterError, match="without damping every slip near steady sliding"):
         friction_cell(FrictionCell(law="coulomb", xi=0.0))

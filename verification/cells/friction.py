@@ -33,6 +33,8 @@ _SLOWEST_BELT = 1e-9
 """Slowest belt: below it a cycle can no longer be distinguished from the round-off of y."""
 _FASTEST_STRIBECK, _TRIED = 10.0, 60
 """Ratio v_d/v_s up to which a first cycle is searched for, and number of velocities tried."""
+_BESIDE = 1e-3
+"""Relative distance from the end of the cycles at which the slope of the grazing is taken."""
 _SLOW, _CERTAIN = 1e-5, 1e-3
 """Values of v_d/v_s: below the first, round-off decides the energy gained in slip; from the second
 on it does not."""
@@ -85,7 +87,8 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     else:
         status = CellStatus.BISTABLE if sliding_stable else CellStatus.CYCLE
     pairs = zip(limits, coarse_limits, strict=True)
-    end_error = max(0.0 if one == other else abs(one - other) for one, other in pairs)
+    gaps = (0.0 if one == other else abs(one - other) for one, other in pairs)
+    end_error = max(*gaps, _rounding_of_end(cell, end, tolerance))
     return BeltCell(
         model="friction",
         cell=cell,
@@ -169,6 +172,25 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
     while excess(high) > 0.0:
         low, high = high, 1.25 * high
     return first, float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
+
+
+def _rounding_of_end(cell: FrictionCell, end: float, tolerance: float) -> float:
+    """Return how far round-off of the slip phase moves the velocity at which the cycles end.
+
+    It is infinite if round-off hides how the grazing depends on the velocity (ξ of some 1e-13).
+    Under Coulomb's law slip is linear: runs at both tolerances then take the same steps, and their
+    difference is zero or decided by chance.
+    """
+    if not 0.0 < end < math.inf:
+        return 0.0
+    below, above = (
+        largest_after_release(replace(cell, v_d=end * (1.0 + part)), tolerance)
+        for part in (-_BESIDE, _BESIDE)
+    )
+    rounding = ROUND_OFF * (end + abs(replace(cell, v_d=end).release))
+    if below - above < 2.0 * rounding:
+        return math.inf
+    return 2.0 * _BESIDE * end * rounding / (below - above)
 
 
 def _with_error(

@@ -171,7 +171,7 @@ class BeltCell(Cell):
         there is no cycle at any velocity.
     cycle_end_error : float
         The larger of the two velocities' differences from a computation at a hundred times the
-        tolerance.
+        tolerance, but at least the effect of round-off on the velocity of the end.
     grazing : tuple of float or None
         Under Coulomb's law: turning points of the slip that just touches the velocity of the belt.
         It is not a cycle, but motion that starts inside it ends in steady sliding, and motion that

@@ -82,7 +82,14 @@ class Bound:
             else each
             for each in own
         )
-        return self._group("chain.", own, ranged=isinstance(self.call, Map | Measurement))
+        return self._group("chain.", own, ranged=self._of_ranges)
+
+    @property
+    def _of_ranges(self) -> str:
+        """What a field of the chain gives if it is a range; empty if it may not be one."""
+        if isinstance(self.call, Map):
+            return "an axis of the map"
+        return "a curve" if isinstance(self.call, Measurement) else ""
 
     @property
     def start(self) -> Group:
@@ -101,8 +108,9 @@ class Bound:
         """Options of the function itself."""
         return self._group("", described(self.function))
 
-    def _group(self, prefix: str, parameters: Sequence[Described], ranged: bool = False) -> Group:
-        shown = tuple(each for each in parameters if each.name not in self.call.hidden)
+    def _group(self, prefix: str, parameters: Sequence[Described], ranged: str = "") -> Group:
+        hidden = self.call.hidden
+        shown = tuple(each for each in parameters if prefix + each.name not in hidden)
         return Group(prefix, shown, {"nucleus.size": 1, **self.call.presets}, ranged)
 
     def required(self) -> str:
@@ -184,14 +192,16 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         The command for a given model.
     """
     if bound.fields.parameters:
-        group = parser.add_argument_group("the chain")
+        names = {each.name for each in bound.fields.parameters}
+        of_chain = not names.isdisjoint(("c", "sites", "ends"))
+        group = parser.add_argument_group("the chain" if of_chain else "the cell")
         eta = bound.takes_eta
         said = {name: ":".join(f"{part:g}" for part in each) for name, each in bound.axes.items()}
         if isinstance(bound.call, Measurement) and bound.call.sites:
             said["sites"] = "7 on each side of the nucleus"
         from_file = bound.takes_file
-        names = tuple(each.name for each in bound.fields.parameters) if from_file else ()
-        bound.fields.declare(group, (*(("a", "b") if eta else ()), *bound.axes, *names), said)
+        optional = (*(("a", "b") if eta else ()), *bound.axes, *(names if from_file else ()))
+        bound.fields.declare(group, optional, said)
         if from_file:
             group.add_argument("--model", dest="chain_file", type=Path, metavar="FILE",
                                default=argparse.SUPPRESS, help="a model file in TOML with these "

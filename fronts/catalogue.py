@@ -22,7 +22,8 @@ class CommandCall:
     presets : mapping
         Defaults of this command for parameters that have none, or another one, in the library.
     hidden : tuple of str
-        Parameters of the function or of the chain that are not options.
+        Parameters that are not options: those of the function by their names, others with a
+        prefix, as in ``chain.ends``.
     ranges : mapping of str to str
         ``module:NAME`` of the range that the function allows for a field of the chain, where it
         is narrower than that of the field.
@@ -76,8 +77,8 @@ class Measurement(CommandCall):
         ``module:Class`` of a cell that the function takes in place of a chain.
     curve : str
         ``module:name`` of a function that computes a curve in a better way than point by point,
-        from the chains at both ends, the parameter in which they differ, and its values; it returns
-        None where there is no better way.
+        from the chains at both ends of the range, the parameter in which they differ, and its
+        values; it returns None where there is no better way.
     only : mapping of str to tuple of str
         Options that belong to certain values of ``--method`` only.
     sites : str
@@ -138,7 +139,9 @@ _OF_RUNNING_FRONTS = (
 )  # fmt: skip
 _OWN_FRONT = Measurement(function=_FRONT, hidden=("point", "method"))
 
-_VDP_RUN = RunCall(presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start_point",))
+_VDP_RUN = RunCall(
+    presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start.start_point",)
+)
 
 _CELL = "verification.cells.cell:cell"
 _ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
@@ -154,7 +157,7 @@ _OWN_CELL = Measurement(
 _VDP_MAP = Map(
     presets={"chain.sites": 16},
     axes={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
-    hidden=("start_point", "pattern", "ends"),
+    hidden=("start_point", "nucleus.pattern", "chain.ends"),
 )
 
 _BREATHER = "verification.breathers.breather:breather"
@@ -230,31 +233,32 @@ COMMANDS: dict[str, Command] = {
   fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json
   fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling next-nearest:1,0.2
   fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling square --n 41x41 \\
-      --directions 8""",
+      --directions 8
+  fronts front averaged-chain --damping "1 - 4*y**2 + y**4/2" --c 0.6""",
         calls={
             "piecewise": Measurement(function="fronts.piecewise.simulated_front:piecewise_front"),
             "vdp": Measurement(
                 function=_FRONT,
                 presets={"chain.sites": 32},
-                hidden=("point", "ends", "method", "directions"),
+                hidden=("point", "chain.ends", "method", "directions"),
             ),
             "averaged": Measurement(
                 function=_FRONT,
                 presets={"chain.sites": 32},
                 curve="fronts.branches:front_branch",
-                hidden=("point", "ends", "directions"),
+                hidden=("point", "chain.ends", "directions"),
                 only=dict.fromkeys(_OF_RUNNING_FRONTS, ("run",)),
             ),
             "friction": Measurement(
                 function=_FRONT,
                 presets={"chain.sites": 101},
-                hidden=("left_boundary", "ends", "method", "directions"),
+                hidden=("left_boundary", "chain.ends", "method", "directions"),
             ),
             "chain": _OWN_FRONT,
             "averaged-chain": _OWN_FRONT,
             EVERY: Measurement(
                 function=_FRONT,
-                hidden=("point", "ends", "method", "directions"),
+                hidden=("point", "chain.ends", "method", "directions"),
             ),
         },
     ),
@@ -274,7 +278,7 @@ COMMANDS: dict[str, Command] = {
             "vdp": _VDP_RUN,
             "averaged": _VDP_RUN,
             "friction": RunCall(presets={"chain.c": 0.02, "t_end": 1000.0}, hidden=("level",)),
-            EVERY: RunCall(presets={"t_end": 1000.0}, hidden=("start_point",)),
+            EVERY: RunCall(presets={"t_end": 1000.0}, hidden=("start.start_point",)),
         },
     ),
     "cell": Command(
@@ -297,7 +301,7 @@ it is null if there is no such y, and [null, null] if it comes to rest from ever
                 curve="verification.cells.diagram:bifurcation",
             ),
             "vdp": replace(_VDP_CELL, ranges={"eps": "verification.cells.vdp:EPS_RANGE"}),
-            "averaged": _VDP_CELL,
+            "averaged": replace(_VDP_CELL, hidden=("tolerance",)),
             "chain": _OWN_CELL,
         },
     ),
@@ -310,7 +314,9 @@ it is null if there is no such y, and [null, null] if it comes to rest from ever
   fronts map friction --c 0:0.1:11 --v-d 1:2:11
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --out map.csv --picture map.png
   fronts map friction --c 0:0.1:21 --v-d 1:2:21 --nucleus 9 --out wide.csv --resume
-  fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --amplitudes --out map.zarr""",
+  fronts map averaged --eta 0.01:0.14:14 --c 0.05:1:20 --amplitudes --out map.zarr
+  fronts map chain --damping "1 - 4*y**2 + y**4/2" --c 0.2:0.6:3 --n 8 --refine 0
+  fronts map averaged-chain --damping "1 - 4*y**2 + y**4/2" --c 0.05:0.6:5 --n 16""",
         notes="""A map is a plane: a parameter with a default range takes it only if fewer than two
 others are given as ranges. Otherwise v_d is 1.25, a and b replace eta, and c must be given.
 The paper does not say whether a or b is kept constant while eta varies: here b = 0.5 is,
@@ -321,9 +327,9 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
             "averaged": _VDP_MAP,
             "friction": Map(
                 axes={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
-                hidden=("displacement", "pattern"),
+                hidden=("displacement", "nucleus.pattern"),
             ),
-            EVERY: Map(hidden=("start_point", "pattern")),
+            EVERY: Map(hidden=("start_point", "nucleus.pattern")),
         },
     ),
     "breather": Command(
@@ -335,11 +341,12 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
   fronts breather --c 0.1 --nucleus 3 --pattern=-+ --method envelope
   fronts breather --c 0.195 --method closed-form --reading tail
   fronts breather vdp --c 0.05:0.25:9 --method orbit --out branch.png
-  fronts breather averaged --c 0.1""",
+  fronts breather averaged --c 0.1
+  fronts breather chain --damping "1 - 2.5*y**2 + y**4/2" --c 0.1""",
         default="vdp",
         calls={
             "vdp": _VDP_BREATHER,
-            "chain": Measurement(function=_BREATHER, hidden=("method",), only=_OF_BREATHERS),
+            "chain": Measurement(function=_BREATHER, hidden=("method", "reading", "seed")),
             "averaged": _VDP_BREATHER,
         },
     ),
@@ -355,14 +362,16 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
   fronts threshold averaged --nucleus 1
   fronts threshold friction --place edge --nucleus 1
   fronts threshold friction --nucleus 3 --definition whole --final-time 2000 --json
-  fronts threshold friction --v-d 1.2:1.6:5 --place edge --accuracy 1e-4""",
+  fronts threshold friction --v-d 1.2:1.6:5 --place edge --accuracy 1e-4
+  fronts threshold chain --damping "1 - 2.5*y**2 + y**4/2" --method orbit --n 7
+  fronts threshold averaged-chain --damping "1 - 2.5*y**2 + y**4/2" --accuracy 1e-4""",
         calls={
             "vdp": _VDP_THRESHOLD,
             "averaged": _VDP_THRESHOLD,
             "friction": Measurement(
                 function=_THRESHOLD,
                 fixed={"c": 0.0},
-                hidden=("pattern", "method", "perturbation", "seed"),
+                hidden=("nucleus.pattern", "method", "perturbation", "seed"),
             ),
             "chain": Measurement(
                 function=_THRESHOLD,

@@ -180,6 +180,10 @@ def _examples(command: Command, model: str, required: str = "") -> str:
     shown = {model} if model != command.default else {model, *_not_models(command, named.values())}
     own = [each for each in every if named[each] in shown]
     notes = f"\n\n{command.notes}" if command.notes else ""
+    if command.default and model == command.default:
+        name = required.split(maxsplit=1)[0]
+        others = [f"\n  fronts {name} {each} --help" for each in command.calls if each != model]
+        notes += f"\n\nThe model is {model} unless another one is named:{''.join(others)}"
     return "\n  fronts ".join(["examples:", *(own or [required])]) + notes
 
 

@@ -74,7 +74,7 @@ def prepared(
         )
     if seed is not None and perturbation is None:
         raise ParameterError(
-            "seed", seed, "absent without a perturbation, which is the noise that it is of",
+            "seed", seed, "absent without a perturbation, for whose noise it is",
             "give a perturbation too",
         )  # fmt: skip
     if sites is None:

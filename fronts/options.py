@@ -82,8 +82,8 @@ class Group:
         All parameters, including those that are not options.
     presets : mapping
         Defaults of this command, for parameters that have none or another one.
-    ranged : bool
-        Whether a number may also be a range ``low:high:count``.
+    ranged : str
+        What a number gives if it is a range ``low:high:count``; empty if it may not be one.
     internal : frozenset of str
         Parameters that are not options.
     """
@@ -91,7 +91,7 @@ class Group:
     prefix: str
     every: tuple[Described, ...]
     presets: Mapping[str, Any]
-    ranged: bool = False
+    ranged: str = ""
     internal: frozenset[str] = INTERNAL
 
     @property
@@ -136,7 +136,7 @@ class Group:
                 parser.add_argument(*_names(self.prefix, each.name), dest=dest, action=kind,
                                     default=argparse.SUPPRESS, help=words)  # fmt: skip
                 continue
-            ranged = self.ranged and each.kind == "float"
+            ranged = bool(self.ranged) and each.kind == "float"
             parser.add_argument(
                 *_names(self.prefix, each.name),
                 dest=dest,
@@ -234,10 +234,10 @@ def _metavar(prefix: str, each: Described) -> str | None:
     return _names(prefix, each.name)[0].strip("-").upper().replace("-", "_")
 
 
-def _help(each: Described, default: Any, ranged: bool) -> str:
+def _help(each: Described, default: Any, ranged: str) -> str:
     words = each.help[:1].lower() + each.help[1:].rstrip(".") if each.help else ""
     if each.kind == "numbers" or (ranged and each.kind == "float"):
-        words += "; a range low:high:count gives a curve"
+        words += f"; a range low:high:count gives {ranged or 'a curve'}"
     value = getattr(default, "value", default)
     said = (
         isinstance(value, (str, int, float, Path)) and value != "" and not isinstance(value, bool)

@@ -215,7 +215,7 @@ def test_a_range_of_a_function_without_a_chain_becomes_its_values(called):
     assert (options["c"], options["eta"]) == ([0.3, 0.4, 0.5], 0.03125)
 
 
-def test_a_curve_that_can_be_followed_gets_the_ends_the_parameter_and_its_values(called):
+def test_a_curve_that_can_be_followed_gets_both_ends_the_parameter_and_its_values(called):
     (chains, along, values), options, _ = called(
         "front averaged --c 0.5:1:3 --eta 0.05 --method wave"
     )
@@ -364,7 +364,7 @@ def test_a_chain_that_restricts_no_ends_takes_all(monkeypatch):
 def test_ranges_are_for_the_fields_of_a_chain_and_not_of_a_run():
     for line, ranged in (("front vdp", True), ("map vdp", True), ("simulate vdp", False)):
         found = bound_to(line)
-        assert found.fields.ranged is ranged
+        assert bool(found.fields.ranged) is ranged
         assert not any(group.ranged for group in (found.start, found.nucleus, found.own))
 
 

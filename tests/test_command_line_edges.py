@@ -8,6 +8,7 @@ import json
 import math
 import shlex
 import sys
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
@@ -16,6 +17,8 @@ import pytest
 from derivations.catalogue import LISTING
 from fronts.__main__ import main as start
 from fronts.arguments import with_values_joined
+from fronts.bound import Bound, models_of
+from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.options import options_of
 from fronts.signatures import described, documented
@@ -83,6 +86,54 @@ def test_the_range_of_eps_in_the_help_is_that_of_the_check(capsys, command, rang
     with pytest.raises(SystemExit):
         main([*command.split(), "--help"])
     assert f"small parameter, {span(*range_in_help)};" in " ".join(capsys.readouterr().out.split())
+
+
+def test_what_is_hidden_of_a_function_is_not_hidden_of_the_chain():
+    """The seed of noise has no meaning for a threshold by bisection; that of the disorder has."""
+    for command, own in (("threshold", "start_point"), ("breather", "reading")):
+        bound = Bound(COMMANDS[command].calls["chain"], "chain")
+        assert {"disorder", "seed"} <= {each.name for each in bound.fields.parameters}
+        assert {"seed", own}.isdisjoint(each.name for each in bound.own.parameters)
+
+
+def test_every_hidden_option_is_one_of_its_command():
+    for command in COMMANDS.values():
+        calls = models_of(command) if command.calls and "" not in command.calls else command.calls
+        for model, call in calls.items():
+            bound = Bound(replace(call, hidden=()), model)
+            groups = (bound.fields, bound.start, bound.nucleus, bound.own)
+            known = {group.prefix + each.name for group in groups for each in group.every}
+            assert {name for name in call.hidden if name not in known} <= {"chain.ends"}, model
+
+
+@pytest.mark.parametrize(
+    ("line", "title", "of_a_range"),
+    [
+        ("cell friction", "the cell:", "gives a curve"),
+        ("front friction", "the chain:", "gives a curve"),
+        ("map friction", "the chain:", "gives an axis of the map"),
+    ],
+)
+def test_the_help_says_what_its_parameters_are_of_and_what_a_range_gives(
+    capsys, line, title, of_a_range
+):
+    with pytest.raises(SystemExit):
+        main([*line.split(), "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert title in shown
+    assert of_a_range in shown
+
+
+def test_the_help_of_a_command_with_a_default_model_names_the_others(capsys):
+    with pytest.raises(SystemExit):
+        main(["breather", "--help"])
+    shown = capsys.readouterr().out
+    assert "The model is vdp unless another one is named:" in shown
+    assert all(f"fronts breather {model} --help" in shown for model in ("averaged", "chain"))
+
+
+def test_a_cell_in_closed_form_takes_no_tolerance(capsys):
+    assert "--tolerance" in _refused(capsys, "cell averaged --tolerance 1e-8")["message"]
 
 
 def test_a_profile_from_a_negative_position_in_powers_of_ten(capsys):

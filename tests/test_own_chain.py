@@ -320,7 +320,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"values": ["a=4", "b"]}, "a name and a number"),
     ({"damping": "y**2 - c", "values": {"c": 1}}, "named parameter = c"),
     ({"disorder": {"a": 2.0}}, "disorder of a"),
-    ({"disorder": {"z": 0.1}}, "disorder of"),
+    ({"disorder": {"z": 0.1}}, "disorder = z .* that of one of a, b"),
     ({"coupling": "star"}, "coupling = 'star'"),
     ({"coupling": "next-nearest"}, "two weights or more"),
     ({"coupling": "next-nearest:1,nan"}, "finite numbers"),

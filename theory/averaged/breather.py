@@ -57,7 +57,11 @@ class BreatherStatus(Status):
     """The outcome of the search for a breather, by any method; each member has a sentence."""
 
     EXISTS = "exists", "the equations have a breather at this coupling."
-    NONE = "none", "there is no such breather at this coupling: its branch ends in a fold below it."
+    NONE = (
+        "none",
+        "there is no such breather at this coupling: its branch ends in a fold below it, if there "
+        "is a branch at all.",
+    )
     SETTLED = "settled", "the run repeats itself every period to the tolerance."
     UNSETTLED = (
         "unsettled",

@@ -37,7 +37,7 @@ class FrictionCell:
     law : FrictionLaw or str
         How friction decreases with velocity; by default as in (2).
     v_s : float
-        Stribeck velocity, positive; used by the law ``stribeck`` only.
+        Velocity of Stribeck's law, positive; used by the law ``stribeck`` only.
     viscous : float
         Coefficient κ of a viscous part κ|v_rel| of μ, zero or positive; used by every law.
 

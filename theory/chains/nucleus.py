@@ -80,8 +80,8 @@ class Nucleus:
             raise ParameterError(
                 "pattern",
                 repr(self.pattern),
-                f"{self.size - 1} of the signs {' '.join(STEPS)}, one a link of the nucleus",
-                "give one sign a link",
+                f"{self.size - 1} of the signs {' '.join(STEPS)}, one for each link of the nucleus",
+                "give one sign for each link",
             )
         object.__setattr__(self, "place", Place(self.place))
 

@@ -63,7 +63,10 @@ class OwnChain(SmoothChain):
     c: float = parameter("coupling, zero or positive", "c")
     stiffness: Any = parameter("polynomial g in y, the restoring force", "g", "y", kind="str")
     values: Any = parameter(
-        "value of a named parameter of both, as a=4; repeat for each", "values", {}, kind="strings"
+        "value of a parameter named in the two polynomials, as in a=4; repeat for each",
+        "values",
+        {},
+        kind="strings",
     )
     coupling: Any = parameter(
         "chain, ring, next-nearest:1,0.2, small-world:4,0.1,7, square, hexagonal, or a file of "
@@ -71,19 +74,21 @@ class OwnChain(SmoothChain):
     )  # fmt: skip
     eps: float = parameter(f"small parameter, {span(SMALLEST_EPS, LARGEST_EPS)}", "ε", 0.01)
     velocity_coupling: float = parameter("part of the coupling that acts on velocities", "d", 0.0)
-    overdamped: bool = parameter("without inertia: dy/dt in place of its derivative", "-", False)
+    overdamped: bool = parameter("without inertia: dy/dt takes the place of d²y/dt²", "-", False)
     disorder: Any = parameter(
-        "relative spread of a parameter over the sites, as a=0.1, normal, or a=uniform:0.1; "
+        "relative spread of a parameter over the sites: a=0.1 is normal, a=uniform:0.1 uniform; "
         "repeat for each", "-", {}, kind="strings",
     )  # fmt: skip
     seed: int = parameter("seed of the disorder", "-", 0)
     drive: Any = parameter(
-        "harmonic force F cos(wt + phase), as F,w@1 or F,w,phase@1,4:6 or F,w@all; repeat for "
+        "harmonic force F cos(wt + phase), as in F,w@1 or F,w,phase@1,4:6 or F,w@all; repeat for "
         "several", "F", (), kind="strings",
     )  # fmt: skip
     sites: int = parameter("number of sites, or rows x columns", "N", None, kind="shape")
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
-    shape: tuple[int, ...] | None = parameter("rows and columns; as a pair in sites", "-", None)
+    shape: tuple[int, ...] | None = parameter(
+        "rows and columns, as in 5,6; the same as sites = 5 x 6", "-", None
+    )
 
     def __post_init__(self) -> None:
         self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or more")

@@ -93,8 +93,8 @@ def checked_disorder(given: Any, names: Sequence[str]) -> dict[str, float | str]
     found = {}
     for name, spread in pairs("disorder", given).items():
         if name not in names:
-            known = ", ".join(names) or "none"
-            raise ParameterError("disorder of", name, f"one of {known}", "leave it out")
+            known = f"that of one of {', '.join(names)}" if names else "absent: no parameter has a name"
+            raise ParameterError("disorder", name, known, "leave it out")
         found[name] = _checked_spread(name, spread)
     return found
 

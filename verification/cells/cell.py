@@ -24,8 +24,8 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
         user-defined one. Coupling, sites and ends of a chain have no effect.
     tolerance : float, optional
         Local error of the integration relative to the size of the cycle, from 1e-14 to 1e-4
-        (friction) or 1e-13 to 1e-6 (Van der Pol). The stated errors are differences from results at
-        a hundred times this tolerance.
+        (friction) or 1e-13 to 1e-6 (otherwise); the cell of (43) does not depend on it. The stated
+        errors are at least the differences from results at a hundred times this tolerance.
 
     Returns
     -------

@@ -142,7 +142,7 @@ def ensemble(
     ----------
     function : callable
         `measure_front`, `threshold`, or a function in a module that maps a chain to a number or to
-        a result with ``v``, ``c``, ``frequency`` or ``value``.
+        a result with ``v``, ``c_crit``, ``frequency`` or ``value``.
     chain : OscillatorChain
         A chain with disorder.
     seeds : sequence of int, optional

@@ -285,7 +285,7 @@ def spreading_threshold(
     positive("lowest coupling", lowest)
     within("highest coupling", highest, 1.01 * lowest, 1e6, "it must be above the lowest")
     within("accuracy", accuracy, 1e-12, 0.1)
-    count_within("tests of monotony", tests, 0, 10_000)
+    count_within("tests of monotonicity", tests, 0, 10_000)
     search = _Search(chain, spreading, accuracy, lowest, highest)
     search.expect(2 * tests, progress)
     low, high = search.bracket()

@@ -93,7 +93,8 @@ def checked_disorder(given: Any, names: Sequence[str]) -> dict[str, float | str]
     found = {}
     for name, spread in pairs("disorder", given).items():
         if name not in names:
-            known = f"that of one of {', '.join(names)}" if names else "absent: no parameter has a name"
+            none = "absent: no parameter has a name"
+            known = f"that of one of {', '.join(names)}" if names else none
             raise ParameterError("disorder", name, known, "leave it out")
         found[name] = _checked_spread(name, spread)
     return found

@@ -238,12 +238,21 @@ def test_a_friction_front_may_begin_from_a_displacement(
         ({"tolerance": 1e-13}, "tolerance"),
         ({"excited": 0}, "excited sites"),
         ({"max_sites": 39}, "number of sites n"),
+        ({"max_sites": 33, "excited": 10}, "longest chain, max_sites,"),
     ],
 )
 def test_a_friction_front_is_asked_for_within_ranges(given: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError) as refusal:
         friction.friction_front(FrictionChain(c=0.02, sites=40), _request(**given))
     assert refusal.value.quantity == named
+
+
+def test_a_longest_chain_that_is_too_short_for_a_smooth_front_is_refused_by_its_name() -> None:
+    """It is not the number of sites that is out of range, and no longer chain than it is run."""
+    with pytest.raises(ParameterError, match=r"max_sites, = 31 .* from 32 to 1000000"):
+        measure.measure_front(replace(AVERAGED, sites=20), max_sites=31)
+    with pytest.raises(ParameterError, match=r"n = 41 .* from 2 to 40; .* more max_sites"):
+        measure.measure_front(replace(AVERAGED, sites=41), max_sites=40)
 
 
 @pytest.mark.parametrize(

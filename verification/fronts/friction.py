@@ -8,6 +8,7 @@ hence the coarser default accuracy.
 from __future__ import annotations
 
 from theory.cells.friction import check_sliding_stable
+from theory.chains.chain import MAX_SITES
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, count_within, within
@@ -38,8 +39,9 @@ def checked_friction_sites(sites: int, excited: int, max_sites: int = FRICTION_M
     """
     count_within("excited sites", excited, 1, 100)
     least = excited + 3 * MARGIN
+    count_within("longest chain, max_sites,", max_sites, least, MAX_SITES)
     remedy = "give such a length: it is doubled until the velocity settles"
-    return count_within("number of sites n", sites, least, max(max_sites, least), remedy)
+    return count_within("number of sites n", sites, least, max_sites, remedy)
 
 
 def friction_front(chain: FrictionChain, request: Request) -> Front:

@@ -84,9 +84,10 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         Lattice: the number of rows, by default 4. Lattice with ``directions``, or network: the
         number of sites nearest to its centre, by default 37.
     max_sites : int, optional
-        Length of the longest chain tried before a front is called unsteady: by default 1000 sites
-        beyond the excited ones, and 800 in total for the friction chain. For (44) the largest
-        number of sites that a front may pass, at least 80, by default 1000.
+        Length of the longest chain tried before a front is called unsteady: for a smooth chain the
+        number of sites beyond the excited ones, at least 32, by default 1000; for a friction chain
+        the total, at least 24 more than are excited, by default 800. For (44) the largest number of
+        sites that a front may pass, at least 80, by default 1000.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
         of having stopped; after twice this time it is called pinned or creeping. By default 60, and

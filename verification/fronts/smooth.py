@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from theory.chains.chain import SmoothChain
+from theory.chains.chain import MAX_SITES, SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, count_within
@@ -33,6 +33,8 @@ OUTRUNS = 1.01
 """Ratio of front velocity to wave velocity above which the front outruns the waves behind it."""
 
 EXCITED, MAX_EXCITED = 24, 1000
+_SHORTEST = 32
+"""Fewest sites beyond the excited ones to which v is fitted."""
 
 
 def smooth_front(chain: SmoothChain, request: Request) -> Front:
@@ -103,6 +105,10 @@ def _prepare_smooth(
     excited = EXCITED if request.excited is None else request.excited
     count_within("excited sites", excited, 4, MAX_EXCITED)
     max_sites = 1000 if request.max_sites is None else request.max_sites
+    count_within("longest chain, max_sites,", max_sites, _SHORTEST, MAX_SITES)
+    first = count_within(
+        "number of sites n", chain.sites, 2, max_sites, "take a shorter chain, or more max_sites"
+    )
     stall = (60.0 if request.stall_time is None else request.stall_time) * chain.time_unit
     on = boundary is LeftBoundary.WAVE
     waves = chain.trailing_wave_velocity
@@ -138,7 +144,7 @@ def _prepare_smooth(
         sized=sized,
         begin=begin,
         excited=excited,
-        sites=max(count_within("number of sites n", chain.sites, 2, max_sites), 32),
+        sites=max(first, _SHORTEST),
         max_sites=max_sites,
         accuracy=1e-3 if request.accuracy is None else request.accuracy,
         tolerance=1e-8 if request.tolerance is None else request.tolerance,

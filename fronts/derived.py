@@ -203,7 +203,6 @@ def _along(
     """Return the chains along one parameter."""
     name = _varied(bound, along)
     fixed = {each: value for each, value in fields.items() if each != along}
-
     return [bound.chain(**fixed, **{name: value}) for value in values]  # type: ignore[misc]
 
 

@@ -28,8 +28,8 @@ class FrontStatus(Status):
     PINNED = (
         "pinned",
         "The front is at rest, or slower than the uncertainty of v: no site was reached for a long "
-        "time and the amplitudes ahead no longer grow, or (44) proves that no site can cross the "
-        "threshold again.",
+        "time and the amplitudes ahead no longer grow, or c is at most c_pin, where the static "
+        "front of (43) ends, or (44) proves that no site can cross the threshold again.",
     )
     MARGINAL = "marginal", "The front is at rest within round-off of the threshold."
     CREEPING = (

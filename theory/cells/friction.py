@@ -70,7 +70,7 @@ class FrictionCell:
             object.__setattr__(self, name, number)
             return number
 
-        remedy = "give a positive number"
+        remedy = "give a positive number in this range"
         names = (
             ("v_d", "belt velocity v_d"),
             ("mu_st", "static friction mu_st"),
@@ -79,7 +79,7 @@ class FrictionCell:
         )
         for name, quantity in names:
             if check(name, quantity, 0.0, LARGEST, remedy) == 0.0:
-                raise ParameterError(quantity, 0, "positive", remedy)
+                raise ParameterError(quantity, 0, "positive", "give a positive number")
         check("mu_d", "dynamic friction mu_d", 0.0, 1e6, "give a value in this range")
         if not self.mu_d < self.mu_st:
             raise ParameterError(

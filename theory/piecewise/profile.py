@@ -257,7 +257,7 @@ def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tu
     if required > MAX_POINTS:
         raise PrecisionError(
             f"the profile at v = {v:.6g}, c = {c:.6g} needs {required:.2g} quadrature points, "
-            f"more than {MAX_POINTS}."
+            f"more than {MAX_POINTS}: take a smaller c."
         )
     points = int(smooth_number(max(required, 2 * math.ceil(extent) + 2)))
     truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))

@@ -124,7 +124,7 @@ class RotatingWaves(BreatherFamily):
             below `SMALLEST_ETA`.
         """
         chain, nucleus, c = self.chain, self.nucleus, min(start_of(self.chain), lowest)
-        remedy = "take the closed form, which differs by a part η of itself there"
+        remedy = "take the closed form, whose relative difference is of order η there"
         at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, remedy)
         phi = nucleus.envelope(chain)
         here = replace(chain, c=c)

@@ -258,7 +258,9 @@ def test_a_threshold_of_the_averaged_chain_says_of_which_equation_it_is():
     edge = fr.Nucleus(1, place="edge")
     friction = fr.FrictionChain(c=0, sites=11)
     runs = fr.threshold(friction, edge, accuracy=1e-2, tests=0, final_time=100.0)
-    assert runs.to_dict()["equation"] == "that of the chain itself"
+    assert runs.to_dict()["equation"] == "that of the model friction itself"
+    orbit = fr.threshold(chain.averaged(), method="orbit")  # of (8), though (43) was given
+    assert orbit.to_dict()["equation"] == "that of the model vdp itself"
 
 
 def test_what_has_no_picture_says_so():

@@ -34,7 +34,7 @@ _EQUATIONS = {
     ThresholdMethod.HOLD: _AVERAGED,
     ThresholdMethod.CLOSED_FORM: "(29) with (37), an approximation of the averaged chain (43)",
 }
-"""The equation to which a method's threshold refers, where it is not that of the chain itself."""
+"""The equation to which a method's threshold refers, where it is not that of its model."""
 
 
 class Definition(Status):
@@ -120,7 +120,7 @@ class Threshold(Result):
         """Equation to which the threshold refers; its difference from (8) is not in the error."""
         averaged = _EQUATIONS.get(self.method)
         if averaged is None:
-            return "that of the chain itself"
+            return f"that of the model {self.model} itself"
         return f"{averaged}; how far (8) is from it is not in the error"
 
     def to_dict(self) -> dict[str, Any]:

@@ -332,3 +332,15 @@ def test_at_small_eta_breathers_outlive_the_fold_of_the_average_as_runs_do() -> 
     found = breather(chain, method="orbit")
     assert (found.status, found.stable) == (BreatherStatus.EXISTS, True)
     assert breather(chain.replace(c=0.1), method="orbit").stable is False
+
+
+@pytest.mark.parametrize("b", [0.69, 0.7, 0.71])
+def test_a_breather_that_is_stable_up_to_its_fold_is_lost_by_the_fold(b: float) -> None:
+    """Its growth rate is zero at the fold itself, and was found just above it for two of these."""
+    chain = AveragedChain(a=2.5, b=b, c=0)
+    found = breather_threshold(chain, Nucleus(1))
+    assert found.lost_by is Mechanism.FOLD
+    assert found.stable_to == found.c_crit
+    assert found.stable_to_error is not None
+    assert found.stable_to_error < 1e-11
+    assert breather(replace(chain, c=found.c_crit - 1e-7)).stable

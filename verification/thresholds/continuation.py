@@ -100,8 +100,12 @@ def breather_threshold(
         else branch.fold.parameter
     )
     error = branch.fold.error + finite + family.step_error(branch.fold)
-    crossing = first_crossing(family.system(), branch, report.beside(family.monitor), 0)
-    beside = first_crossing(longer.system(), other, report.beside(longer.monitor), 0)
+    crossing = _before(
+        branch.fold, first_crossing(family.system(), branch, report.beside(family.monitor), 0)
+    )
+    beside = _before(
+        other.fold, first_crossing(longer.system(), other, report.beside(longer.monitor), 0)
+    )
     at_half = _nearest(branch, 0.5 * branch.fold.parameter)
     mirrored = nucleus.mirrored(here.sites)
     c_stable = _stable_to(crossing, branch.fold)
@@ -169,6 +173,17 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
 def _nearest(branch: ContinuationBranch, c: float) -> int:
     before = branch.points[: len(branch.monitored)]
     return min(range(len(before)), key=lambda place: abs(before[place].parameter - c))
+
+
+def _before(fold: Fold | None, crossing: Crossing | None) -> Crossing | None:
+    """Return a loss of stability on the way to a fold; None if it is the fold, within errors.
+
+    At a fold a growth rate is zero, and it may be found on either side of it.
+    """
+    if fold is None or crossing is None or crossing.from_start:
+        return crossing
+    apart = fold.parameter - crossing.parameter
+    return crossing if apart > fold.error + crossing.error else None
 
 
 def _stable_to(crossing: Crossing | None, fold: Fold | None) -> float | None:

@@ -276,6 +276,23 @@ def test_the_error_of_the_end_of_cycles_under_coulomb_friction_holds_to_round_of
     assert lost.cycle_end_error == lost.error == math.inf
 
 
+def test_a_curve_of_cells_under_coulomb_friction_is_that_of_its_points() -> None:
+    """Sliding is stable at every velocity, so that 0 takes the place of the Hopf velocity."""
+    cell = FrictionCell(law="coulomb")
+    diagram = cell_diagram(cell, [0.3, 0.5, 0.6])
+    found = diagram.to_dict()
+    points = [friction_cell(replace(cell, v_d=v_d)) for v_d in (0.3, 0.5, 0.6)]
+    assert found["hopf_velocity"] == points[0].hopf_velocity == 0.0
+    assert found["cycle_end_velocity"] == pytest.approx(points[0].cycle_end_velocity, rel=1e-9)
+    cycles = [point.stable_cycle for point in points]
+    assert found["stable_max"] == [
+        None if each is None else pytest.approx(each.max, rel=1e-9) for each in cycles
+    ]
+    labels = [line.get_label() for line in diagram.plot().lines]
+    assert "steady sliding, stable" in labels
+    assert "steady sliding, unstable" not in labels
+
+
 def test_cells_whose_cycles_have_no_meaning_say_so() -> None:
     with pytest.raises(ParameterError, match="without damping every slip near steady sliding"):
         friction_cell(FrictionCell(law="coulomb", xi=0.0))

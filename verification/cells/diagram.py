@@ -58,6 +58,11 @@ class Bifurcation(Result):
     end: float
     seconds: float
 
+    @property
+    def hopf_velocity(self) -> float:
+        """Velocity above which steady sliding is stable; 0 under Coulomb's law."""
+        return 0.0 if self.cell.law is FrictionLaw.COULOMB else self.cell.hopf_velocity
+
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row per velocity; nan where a cycle does not exist."""
         return {
@@ -73,7 +78,7 @@ class Bifurcation(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return the two limits of the belt velocity, the columns, and ``seconds``."""
         return {
-            "hopf_velocity": plain(self.cell.hopf_velocity),
+            "hopf_velocity": plain(self.hopf_velocity),
             "cycle_end_velocity": plain(self.end),
             **plain(self.columns()),
             "seconds": self.seconds,
@@ -131,7 +136,7 @@ def bifurcation(
     Parameters
     ----------
     cells : sequence of FrictionCell
-        One cell for each value; the first has the other parameters.
+        The cells at both ends of the values; the first has the other parameters.
     along : str
         The parameter in which they differ.
     values : sequence of float

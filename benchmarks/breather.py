@@ -112,7 +112,7 @@ def by_scipy(chain: VdpChain, tolerance: float) -> FloatArray:
     found = root(system, orbit_guess(chain, Nucleus(1)), tol=tolerance,
                  options={"eps": math.sqrt(tolerance)})  # fmt: skip
     if float(np.abs(found.fun).max()) > 1e3 * tolerance:
-        raise ArithmeticError(f"root gave up: {found.message}")
+        raise ArithmeticError(f"root failed: {found.message}")
     times = np.arange(_SAMPLES) * (found.x[-1] / _SAMPLES)
     y = flow(found.x, np.append(times, found.x[-1]))[: chain.sites, :-1]
     return np.append(_peaks(y), 2.0 * math.pi / found.x[-1])
@@ -178,7 +178,7 @@ def _long(chain: VdpChain, end: float, tolerance: float) -> MethodAnswer:
         events=_Rising(centre), rtol=tolerance, atol=tolerance,
     )  # fmt: skip
     if run.t_events is None:
-        raise ArithmeticError("no period was seen")
+        raise ArithmeticError("no period was found")
     zeros = run.t_events[0]
     period = float(zeros[1] - zeros[0])
     y = run.y[: chain.sites, run.t <= period]
@@ -209,9 +209,9 @@ BENCHMARK = WorkPrecision(
     quick_effort=Effort(seconds=0.1, least=1, most=5, once_from=0.3, limit=20.0),
     style=Style(
         xlabel="largest error (right is better)",
-        ylabel="processor seconds a breather",
+        ylabel="processor seconds per breather",
         caption="Error against run time of a breather of (8), seven sites. The averaged chain is "
-        "solved exactly, and errs by a term of order ε.",
+        "solved exactly; it differs from (8) by a term of order ε.",
         methods={
             ENVELOPE: ("green", "^"),
             SHOOTING: ("blue", "o"),

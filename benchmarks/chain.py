@@ -391,9 +391,9 @@ BENCHMARK = WorkPrecision(
     quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.3, limit=20.0),
     style=Style(
         xlabel="largest error (right is better)",
-        ylabel="processor seconds a run",
-        caption="Error against run time, Van der Pol chain, N = 31. Pale: settings that another "
-        "one of the same method beats. Grey: errors of the order of the motion itself.",
+        ylabel="processor seconds per run",
+        caption="Error against run time, Van der Pol chain, N = 31. Pale: settings surpassed by "
+        "another one of the same method. Grey: errors of the order of the motion itself.",
         methods={
             OURS: ("blue", "o"),
             STATED: ("blue", "P"),
@@ -411,12 +411,15 @@ BENCHMARK = WorkPrecision(
     ),
     variants=(STATED,),
     reasons={
-        FIXED8: "its step was found by trial at this problem: it knows no error and adapts to none",
-        SPLIT: "its step was found by trial at this problem: it knows no error and adapts to none",
+        FIXED8: "its step was found by trial at this problem: it neither "
+        "estimates its error nor adapts",
+        SPLIT: "its step was found by trial at this problem: it neither "
+        "estimates its error nor adapts",
         "heyoka": "it compiles in every process, for every number of sites and every tolerance, "
         "and is an optional extra; it has no active window",
         SERIES: "faster at an error of 1e-9 and at this problem only, of 31 sites that all move, "
-        "where the settings of the default are a factor of 100 apart: one stepper serves all",
+        "where the settings of the default are a factor of 100 apart: one "
+        "stepper is used for all problems",
         "jitcode dop853": "it needs a C compiler and compiles anew for every chain",
     },
     first={

@@ -23,7 +23,7 @@ from verification.execution.files import write_json
 from verification.execution.metadata import staleness
 from verification.quantities.quantity import Quantity
 
-NO_REASON = "no reason is given: the default is to be changed"
+NO_REASON = "no reason is given: the default must be changed"
 
 NOISE = 1.1
 """Ratio of run times below which two methods count as equally fast."""
@@ -207,9 +207,9 @@ def as_text(rows: Sequence[Choice]) -> str:
             )
             lines.append(f"{'':16} {by} is faster: {there}")
             if by in row.reasons:
-                lines.append(f"{'':16} the default all the same: {row.reasons[by]}")
+                lines.append(f"{'':16} the default is kept: {row.reasons[by]}")
         for name, what in row.others.items():
-            lines.append(f"{'':16} {name} is no rival: {what}")
+            lines.append(f"{'':16} {name} is not comparable: {what}")
         if row.stale:
             lines.append(f"{'':16} stale: {row.stale}")
     return "\n".join(lines)

@@ -155,7 +155,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
 def _derived(name: str, order: int, limit: float, repeats: int | None) -> MethodAnswer:
     runs = answers(name, order, limit, repeats)
     undriven = "" if runs[0]["driven"] else (
-        "resonance: a drive at the linear frequency does not enter the equation"
+        "resonance: a force at the linear frequency does not enter the equation"
     )  # fmt: skip
     seconds = tuple(run["seconds"] for run in runs)
     return MethodAnswer(value=judged(runs[0], order), seconds=seconds, defect=undriven)
@@ -204,7 +204,7 @@ def judged(found: dict[str, Any], order: int) -> float:
     if order == 1:
         error = cycles_error(found["rate"])
         if not math.isfinite(error):
-            raise ArithmeticError("the rate has not two zeros")
+            raise ArithmeticError("the rate does not have two zeros")
         return error
     if found["shift"] == "None":
         raise ArithmeticError("no shift of the frequency")
@@ -281,7 +281,7 @@ BENCHMARK = WorkPrecision(
     quick_problems=2,
     style=Style(
         xlabel="error of the result (right is better)",
-        ylabel="seconds, imports apart",
+        ylabel="seconds, without imports",
         caption="Error against run time of the modulation equations of one cell. The second order "
         "is compared with an orbit at ε = 0.001, which limits the error that can be seen.",
         methods={

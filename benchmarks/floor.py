@@ -360,6 +360,6 @@ def as_text(floors: list[Floor]) -> str:
         for each in floors
     ]
     lines.append(
-        f"    at {simple:.3g} multiplications and additions, {divisions:.3g} divisions a s"
+        f"    at {simple:.3g} multiplications and additions, {divisions:.3g} divisions per s"
     )
     return "\n".join(lines)

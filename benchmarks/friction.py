@@ -104,7 +104,7 @@ def _switch(
 ) -> MethodAnswer:
     run = run_switch(chain, start, end, samples=SAMPLES, **options)
     if run.reached < end:
-        raise ArithmeticError(f"gave up at tau = {run.reached:.4g}")
+        raise ArithmeticError(f"stopped at tau = {run.reached:.4g}")
     return MethodAnswer(value=run.y)
 
 
@@ -120,7 +120,7 @@ def _regularised(
         chain, start, end, solver=solver, delta=delta, tolerance=tolerance, samples=SAMPLES
     )
     if not run.finished:
-        raise ArithmeticError("the solver gave up")
+        raise ArithmeticError("the solver failed")
     return MethodAnswer(value=run.y)
 
 
@@ -169,9 +169,9 @@ BENCHMARK = WorkPrecision(
     quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.2, limit=10.0),
     style=Style(
         xlabel="largest error of y (right is better)",
-        ylabel="processor seconds a run",
-        caption="Error against run time, friction chain, N = 31. Pale: settings that another one "
-        "of the same method beats. Grey: errors of the order of the motion itself.",
+        ylabel="processor seconds per run",
+        caption="Error against run time, friction chain, N = 31. Pale: settings surpassed by "
+        "another one of the same method. Grey: errors of the order of the motion itself.",
         methods={
             EXACT: ("blue", "o"),
             STATED: ("blue", "P"),

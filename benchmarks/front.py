@@ -221,9 +221,9 @@ BENCHMARK = WorkPrecision(
     quick_problems=2,
     style=Style(
         xlabel="error of v (right is better)",
-        ylabel="processor seconds a velocity",
-        caption="Error against run time of the velocity of a front. What the averaged chain says "
-        "of (8) is off by a term of order ε.",
+        ylabel="processor seconds per velocity",
+        caption="Error against run time of the velocity of a front. The averaged chain "
+        "differs from (8) by a term of order ε.",
         methods={
             OURS: ("blue", "o"),
             WAVE: ("black", "D"),
@@ -236,10 +236,10 @@ BENCHMARK = WorkPrecision(
     ),
     others={SHORTCUT: "the averaged chain (43), whose front differs by a term of order eps"},
     reasons={
-        WAVE: "it is for (43) alone, and for a front that is steady; a run says what becomes of "
-        "any front, from any start",
-        WHOLE: "it states no error and is so near by chance: on a longer chain, at a smaller "
-        "tolerance, it is farther off; ours says how far it may be",
+        WAVE: "it is for (43) alone, and for a front that is steady; a run shows how "
+        "any front develops from any start",
+        WHOLE: "it states no error and is accurate by accident: on a longer chain, at a smaller "
+        "tolerance, its error is larger; ours states a bound",
     },
     first={name: partial(_first, name) for name in (OURS, WHOLE)},
 )

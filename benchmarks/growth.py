@@ -181,7 +181,7 @@ def as_text(rows: Sequence[Growth]) -> str:
             f"{row.seconds[-1]:12.3g} {_shown(row.megabytes[-1], '.3g'):>8} {row.exponent:9.2f} "
             f"{expected:>9} {_shown(row.memory_exponent, '.2f'):>10}"
         )
-        lines.append(f"    {row.why}" + ("; seconds of the wall" if row.wall else ""))
+        lines.append(f"    {row.why}" + ("; wall-clock seconds" if row.wall else ""))
         if row.remark:
             lines.append(f"    not {row.expected:g}: {row.remark}")
     return "\n".join(lines)

@@ -147,23 +147,24 @@ WORKS = (
     Work(
         "front of (43), moving window", "sites", front, (10, 100, 1000, 3000),
         (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000), 1.0,
-        "the time to cross is N, the window is constant",
+        "the crossing time grows as N, the window is constant",
     ),
     Work(
         "front of (8), moving window", "sites", full_front, (10, 100, 300),
         (10, 30, 100, 300, 1000, 3000, 10_000), 1.0,
-        "the time to cross is N, the window is constant",
+        "the crossing time grows as N, the window is constant",
     ),
     Work(
         "front of (43), all sites", "sites", whole_front, (50, 100, 200),
-        (50, 100, 200, 400, 800, 1600), 2.0, "the time to cross is N, and so are the sites",
+        (50, 100, 200, 400, 800, 1600), 2.0, "the crossing time and the number of sites grow as N",
     ),
     Work(
         "front of (5)", "sites", friction_front, (20, 40, 80),
         (20, 40, 80, 160, 320, 640, 1000), 2.0,
-        "the time to cross is N and all sites behind go on switching: N² events, each of which "
+        "the crossing time grows as N and all sites behind continue to switch: N² events, each "
+        "of which "
         "asks for new series at a few sites",
-        remark="on few sites what a frame costs whatever its sites counts beside them",
+        remark="for few sites the constant cost of a frame is not negligible",
     ),
     Work(
         "random sites of (5)", "sites", friction_sites, (100, 300, 1000),
@@ -189,22 +190,22 @@ WORKS = (
     ),
     Work(
         "velocities near pinning", "1/v", slow_front, (3, 6, 12), (3, 6, 12, 24, 48), 1.0,
-        "|Σ| turns in 1/v and every turn is looked at",
-        remark="the overhead of arrays rules; there is no farther to go, since below v = 1/54 "
+        "|Σ| oscillates in 1/v, and every oscillation is examined",
+        remark="the overhead of arrays dominates; smaller v cannot be used, since below v = 1/54 "
         "|Σ| is flat to rounding",
     ),
     Work(
         "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
-        (16, 64, 256, 1024, 4096), 1.0, "a point knows nothing of the others",
+        (16, 64, 256, 1024, 4096), 1.0, "the points are independent",
     ),
     Work(
         "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
-        "half the points a worker", 1, True,
-        "a point takes a millisecond, and to start workers and hand points over costs more",
+        "half the points per worker", 1, True,
+        "a point takes a millisecond, and starting workers and transferring points cost more",
     ),
     Work(
         "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
-        "half the points a worker", 1, True,
+        "half the points per worker", 1, True,
         "each worker takes a second to start, and the cores share their memory",
     ),
 )  # fmt: skip

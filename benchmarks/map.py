@@ -151,12 +151,12 @@ def reaches_the_end(eta: float, c: float) -> bool:
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Target]:
-    """Return the number of boundaries per second for each setting."""
+    """Return the number of boundaries a second for each setting."""
     return [
         Target(
             ", ".join((point.method, point.knob, point.problem)), 1.0 / point.seconds,
             "no target", None,
-            "boundaries a second", f"off by {point.error:.1e} in c",
+            "boundaries a second", f"error {point.error:.1e} in c",
         )
         for point in points
     ]  # fmt: skip
@@ -178,7 +178,7 @@ BENCHMARK = WorkPrecision(
     quick_effort=Effort(seconds=0.1, least=1, most=3, once_from=0.2, limit=20.0),
     style=Style(
         xlabel="distance in c from the boundary (right is better)",
-        ylabel="processor seconds a boundary",
+        ylabel="processor seconds per boundary",
         caption="Error against run time of the boundary of fronts in the map of Fig. 15, by "
         "bisection of states to a thousandth of the interval.",
         methods={FULL: ("blue", "o"), AVERAGED: ("green", "^"), PEER: ("vermilion", "s")},

@@ -23,7 +23,7 @@ from derivations.chain import ChainModel
 from derivations.symbols import c
 
 EXAMPLE = """examples:
-  python -m benchmarks.other_models 3001:3040    a model a seed, some ten seconds each
+  python -m benchmarks.other_models 3001:3040    one model for each seed, some ten seconds each
   python -m benchmarks.other_models 7
 
 Exit code 1: a check fails for a model, or its derivation ends in anything but a refusal."""
@@ -112,7 +112,7 @@ def _seeds(text: str) -> range:
         seeds = range(0)
     if not seeds:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no seed: give a whole number such as 7, or the first and the last of "
+            f"{text!r} is not a seed: give a whole number such as 7, or the first and the last of "
             "several, such as 3001:3040"
         )
     return seeds

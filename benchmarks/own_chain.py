@@ -4,7 +4,7 @@ There are two problems to t = 200: 31 Duffing-Van der Pol cells with different a
 second neighbours, and a square lattice of 100 x 100 cells, of which nine are excited. Our method is
 the default stepper with all sites active; compile times are reported separately. The error is the
 largest error of y and ẏ at the end, with respect to scipy's DOP853 at 1e-13 with the equation
-written a second time. In addition, the time per step and the bytes per site are measured for a
+written a second time. In addition, the time per step and the bytes a site are measured for a
 million sites. Times are seconds of processor time.
 """
 
@@ -168,7 +168,7 @@ def _ratio(points: Sequence[WorkPoint], problem: str, peer: str) -> Target:
 
 
 def _million(report: Report) -> tuple[Target, Target]:
-    """Return seconds per step and bytes per site for a square lattice of 1000 x 1000 sites."""
+    """Return seconds per step and bytes a site for a square lattice of 1000 x 1000 sites."""
     steps = 20
     report("stepping a million sites")
     chain = chain_of({**timed("own-chain")[-1].values, "rows": 1000, "sites": 1_000_000})
@@ -209,9 +209,9 @@ BENCHMARK = WorkPrecision(
     quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.3, limit=20.0),
     style=Style(
         xlabel="largest error (right is better)",
-        ylabel="processor seconds a run",
-        caption="Error against run time, chains of one's own. Pale: settings that another one of "
-        "the same method beats. Grey: errors of the order of the motion itself.",
+        ylabel="processor seconds per run",
+        caption="Error against run time, user-defined chains. Pale: settings surpassed by "
+        "another one of the same method. Grey: errors of the order of the motion itself.",
         methods={
             OURS: ("blue", "o"),
             STATED: ("blue", "P"),

@@ -192,8 +192,8 @@ BENCHMARK = WorkPrecision(
     style=Style(
         xlabel="largest error of 41 roots (right is better)",
         ylabel="processor seconds",
-        caption="Error against run time of 41 consecutive roots of (50). Methods that leave roots "
-        "out are failures and not drawn.",
+        caption="Error against run time of 41 consecutive roots of (50). Methods that miss roots "
+        "count as failures and are not drawn.",
         methods={
             DOUBLE: ("blue", "o"),
             PRECISE: ("sky", "P"),
@@ -206,7 +206,7 @@ BENCHMARK = WorkPrecision(
         floor=1e-40,
     ),
     reasons={
-        NEWTON: "it says neither which root it has found, nor how far off it may be, nor whether "
+        NEWTON: "it states neither which root it has found, nor its error, nor whether "
         "one is left out; ours labels every root and bounds its error",
     },
     first={

@@ -408,9 +408,9 @@ BENCHMARK = WorkPrecision(
     quick_problems=3,
     style=Style(
         xlabel="error of Σ (right is better)",
-        ylabel="seconds an evaluation",
-        caption="Error against run time of Σ(v, c). Pale: settings that another one of the same "
-        "method beats. Below 1e-16 a double shows nothing.",
+        ylabel="seconds per evaluation",
+        caption="Error against run time of Σ(v, c). Pale: settings surpassed by another one of "
+        "the same method. Errors below 1e-16 cannot be seen in double precision.",
         methods={
             BATCH: ("blue", "o"),
             ONE_CALL: ("sky", "o"),

@@ -156,9 +156,9 @@ def _peak_memory() -> int:
 def in_words(cost: SweepCost) -> str:
     """Return the measurement in words."""
     return (
-        f"{cost.points} points on {cost.workers} workers: {cost.map_us:.0f} µs a point, "
+        f"{cost.points} points on {cost.workers} workers: {cost.map_us:.0f} µs per point, "
         f"{cost.loop_us:.0f} µs in a bare loop, {cost.own_us:.0f} µs of the sweep itself; "
-        f"memory {cost.growth:.0f} bytes a point; {cost.different} rows differ; "
+        f"memory {cost.growth:.0f} bytes per point; {cost.different} rows differ; "
         f"{cost.wall_seconds:.0f} s."
     )
 

@@ -33,7 +33,7 @@ def _points(run: BenchmarkRecord) -> Iterator[str]:
             beyond = point.claimed is not None and (
                 point.error > point.claimed + run.agreement[problem]
             )
-            mark = "  WORSE THAN IT CLAIMS" if beyond else ""
+            mark = "  ERROR LARGER THAN CLAIMED" if beyond else ""
             warned = f"  warned: {point.warning[:50]}" if point.warning else ""
             yield (
                 f"  {point.method:22} {point.knob:30} {point.error:8.1e} {claimed:>8} "
@@ -45,7 +45,7 @@ def _first_calls(run: BenchmarkRecord) -> Iterator[str]:
     if not run.first_calls:
         return
     yield ""
-    yield "first call in a fresh process, seconds of the wall"
+    yield "first call in a fresh process, wall-clock seconds"
     yield f"  {'method':32} {'cold':>9} {'loaded':>9} {'again':>9}"
     for each in run.first_calls:
         times = (each.cold, each.loaded, each.again)
@@ -64,7 +64,7 @@ def _targets(run: BenchmarkRecord) -> Iterator[str]:
     if not run.targets:
         return
     yield ""
-    yield "promised speeds, and what else was timed"
+    yield "promised speeds, and other timings"
     for each in run.targets:
         measured = "-" if each.measured is None else f"{each.measured:.3g}"
         required = "" if each.limit is None else f"{each.relation} {each.limit:g}, "

@@ -167,7 +167,7 @@ def _by_series(c: float, eta: float, bracket: Interval, digits: int) -> MethodAn
     return MethodAnswer(value=value)
 
 
-_ONE = "one branch in an interval that it is given; the default finds all branches, given nothing"
+_ONE = "one branch in a given interval; the default finds all branches without one"
 
 BENCHMARK = WorkPrecision(
     name="velocity",
@@ -177,9 +177,9 @@ BENCHMARK = WorkPrecision(
     quick_problems=2,
     style=Style(
         xlabel="error of v (right is better)",
-        ylabel="processor seconds a velocity",
-        caption="Error against run time of the front velocity. Ours return every branch; the "
-        "others were given an interval with one. Grey: not a velocity.",
+        ylabel="processor seconds per velocity",
+        caption="Error against run time of the front velocity. Our methods return every branch; "
+        "the others were given an interval with one. Grey: not a velocity.",
         methods={
             ALL: ("blue", "o"),
             BATCH: ("blue", "P"),

@@ -17,7 +17,7 @@ LISTING = {
         "multiple_scales.steps", "the central particle by multiple scales", "8-30"
     ),
     "averaging": (
-        "averaging.steps", "the averaged chain and what decays along it", "31-38, 43"
+        "averaging.steps", "the averaged chain and its decaying solutions", "31-38, 43"
     ),
     "linearisation": ("linearisation.steps", "the Jacobian, for a ring and for free ends", "39-42"),
     "piecewise-front": ("front.steps", "the front, its roots and its speed", "44-54"),

@@ -78,7 +78,7 @@ def page(report: EquationReport) -> str:
     wrong = [found for found in report.judgements
              if found.printed.verdict in (EquationVerdict.MISPRINT, EquationVerdict.AMBIGUOUS,
                                           EquationVerdict.INCONSISTENT)]  # fmt: skip
-    parts = ["", "### Equations that are not right as they stand", ""]
+    parts = ["", "### Equations that are not correct as printed", ""]
     for found in wrong:
         parts += [_entry(found), ""]
     return (HEAD + "\n".join(lines + parts) + TAIL).rstrip()

@@ -101,7 +101,7 @@ def real_or_range(text: str) -> float | tuple[float, float, int]:
     low, high, count = real(parts[0]), real(parts[1]), whole(parts[2])
     if not -math.inf < low < high < math.inf:
         raise BadText(
-            text, "low:high:count with low below high", "let it rise, as in 0.3:3:200, or give one"
+            text, "low:high:count with low below high", "begin with the smaller, or give one"
             " number"
         )  # fmt: skip
     if not 2 <= count <= MAX_POINTS:

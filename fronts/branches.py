@@ -136,7 +136,7 @@ def follow_front(
         return _fronts(chain, "c", ascending("coupling c", couplings))
     if couplings is not None:
         remedy = "follow one parameter at a time"
-        raise ParameterError("couplings", couplings, "absent beside etas", remedy)
+        raise ParameterError("couplings", couplings, "absent when etas are given", remedy)
     return _fronts(chain, "eta", ascending("eta = b/a^2", etas))
 
 

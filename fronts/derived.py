@@ -249,7 +249,9 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
             raise UsageError("give --eta, or both --a and --b.")
         return fields
     if {"a", "b"} & {name for name in fields if hasattr(options, f"chain.{name}")}:
-        raise UsageError("--eta and --a, --b say the same thing twice: give one of them.")
+        raise UsageError(
+            "--eta determines the same ratio as --a and --b: give either --eta or --a and --b."
+        )
     from theory.cells.vdp import SMALLEST_ETA, checked_eta
     from theory.chains.vdp import LARGEST_DAMPING
     from theory.parameters import within
@@ -263,7 +265,7 @@ def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace)
         }
     # b, which is refused by its own name, is not what was given.
     checked_eta(eta)
-    number = within("eta = b/a^2", eta, SMALLEST_ETA, LARGEST_DAMPING, "give one below 1/8")
+    number = within("eta = b/a^2", eta, SMALLEST_ETA, LARGEST_DAMPING, "give a value below 1/8")
     return {**fields, "a": 1.0, "b": number}
 
 

@@ -65,7 +65,9 @@ def check_files(
         if path.suffix.lower() == ".zarr":
             optional_package("zarr")
         if path.resolve() in seen:
-            raise UsageError(f"{seen[path.resolve()]} and {path} are one file: name two.")
+            raise UsageError(
+                f"{seen[path.resolve()]} and {path} are the same file: name two different ones."
+            )
         seen[path.resolve()] = path
 
 
@@ -259,7 +261,9 @@ def _film(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
     from verification.runs.trajectory import Trajectory
 
     if not isinstance(result, Trajectory):
-        raise TypeError(f"there is no film of {type(result).__name__}.")
+        raise TypeError(
+            f"a result of the class {type(result).__name__} cannot be written as a film."
+        )
     run, said = result, json.dumps(provenance)
 
     def write(path: Path) -> None:

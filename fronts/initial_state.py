@@ -70,11 +70,11 @@ def prepared(
     """
     if start_point is not None and displacement is not None:
         raise ParameterError(
-            "start point", start_point, "absent beside a displacement", "give one of them"
+            "start point", start_point, "absent with a displacement", "give one of them"
         )
     if seed is not None and perturbation is None:
         raise ParameterError(
-            "seed", seed, "absent without a perturbation, for whose noise it is",
+            "seed", seed, "absent without a perturbation",
             "give a perturbation too",
         )  # fmt: skip
     if sites is None:

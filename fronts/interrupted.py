@@ -40,7 +40,9 @@ def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
 
         left = [path for out in outs if out is not None for path in [part_path(out)]]
         names = " and ".join(str(path) for path in left if path.exists())
-        return f"{names} is there: the same command with --resume goes on from it" if names else ""
+        return (
+            f"{names} is there: the same command with --resume continues from it" if names else ""
+        )
 
     return resumable(said)
 
@@ -51,6 +53,6 @@ def resumable_run(checkpoint: Path | None) -> AbstractContextManager[None]:
     def said() -> str:
         if checkpoint is None or not checkpoint.exists():
             return ""
-        return f"{checkpoint} is there: the same command with this --checkpoint goes on from it"
+        return f"{checkpoint} is there: the same command with this --checkpoint continues from it"
 
     return resumable(said)

@@ -64,7 +64,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
     refine : float, optional
         Bisect boundaries down to this fraction of the grid spacing; 0 for no bisection.
     workers : int, optional
-        Number of processes; by default one per core, for the averaged chain 1.
+        Number of processes; by default 1 for the averaged chain, otherwise one per core.
     scheduler : str, optional
         Address of a dask scheduler, as in tcp://host:8786, whose workers compute the points.
     out : Path, optional
@@ -100,7 +100,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
     _check_resumption(out, resume)
     if scheduler is not None and workers is not None:
         raise UsageError(
-            "--workers counts processes of this machine: leave it out beside --scheduler."
+            "--workers counts processes of this machine: leave it out with --scheduler."
         )
     task = StateTask(
         chain=chain, held=held, nucleus=nucleus, displacement=displacement, point=start_point,
@@ -134,7 +134,7 @@ def mapped(  # noqa: PLR0913  (options of a command, by name)
 def _check_resumption(out: Path | None, resume: bool) -> None:
     if resume and out is None:
         raise UsageError(
-            "--resume needs --out with a .csv or .zarr file: what can be resumed is beside it."
+            "--resume needs --out with a .csv or .zarr file, the file of the interrupted run."
         )
     if out is None:
         return
@@ -143,4 +143,4 @@ def _check_resumption(out: Path | None, resume: bool) -> None:
     part = part_path(boundary_path(out))
     # checked before the map overwrites the results of an interrupted run
     if part.exists() and not resume:
-        raise UsageError(f"{part} is left by an interrupted run: --resume it, or remove it.")
+        raise UsageError(f"{part} was left by an interrupted run: give --resume, or remove it.")

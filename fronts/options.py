@@ -214,7 +214,7 @@ def refuse_beside(question: str, **given: Any) -> None:
             f"{question}: leave out {' and '.join(named)}.",
             quantity=first,
             value=named[first],
-            allowed=f"absent beside {question.split(maxsplit=1)[0]}",
+            allowed=f"absent when {question.split(maxsplit=1)[0]} is given",
             remedy="leave it out",
         )
 

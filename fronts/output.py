@@ -73,7 +73,7 @@ def check_output(options: argparse.Namespace, filmed: bool) -> None:
         return
     check_writable(checkpoint, (".npz",), "--checkpoint")
     if any(same_file(path, checkpoint) for path, _ in named):
-        raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two files.")
+        raise UsageError(f"--out and --checkpoint are both {checkpoint}: name two different files.")
 
 
 def write_output(

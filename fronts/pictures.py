@@ -62,7 +62,9 @@ def need_picture(names: Sequence[str]) -> None:
         If none has a picture; the message names the first class.
     """
     if DRAWINGS.keys().isdisjoint(names):
-        raise TypeError(f"there is no picture of {names[0]}: its numbers are in a .json file.")
+        raise TypeError(
+            f"a result of the class {names[0]} cannot be drawn: write its numbers to a .json file."
+        )
 
 
 def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:
@@ -273,7 +275,7 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
         return
     if not result.arrivals.size:
         raise TypeError(
-            "there is no picture of a front without arrivals: its numbers are in a .json file."
+            "a front without arrivals cannot be drawn: write its numbers to a .json file."
         )
     count = np.arange(1, result.arrivals.size + 1)
     unit = result.chain.time_unit  # v is the slope: sites in this time

@@ -210,7 +210,7 @@ def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     write_record(run, tmp_path / "run.json")
     assert read_record(tmp_path / "run.json") == run
     text = tables.as_text(run)
-    assert "WORSE THAN IT CLAIMS" in text
+    assert "ERROR LARGER THAN CLAIMED" in text
     assert "not met" in text
 
 
@@ -410,9 +410,9 @@ def test_a_method_that_solves_another_problem_is_no_rival_and_is_named():
     assert row.reasons == {"peer": "it is inexact"}
     assert row.others == {"one root": "one root in an interval"}
     text = choice.as_text([row])
-    assert "the default all the same: it is inexact" in text
-    assert "one root is no rival: one root in an interval" in text
-    assert "stale: it does not say which code it depends on" in text
+    assert "the default is kept: it is inexact" in text
+    assert "one root is not comparable: one root in an interval" in text
+    assert "stale: it does not state the code on which it depends" in text
 
 
 def test_a_rival_without_a_reason_is_said_to_have_none():
@@ -541,13 +541,16 @@ def test_bench_judges_the_defaults(capsys):
     ("line", "words"),
     [
         (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
-        (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "make it first")),
+        (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "create it first")),
         (["bench", "--list", "--defaults"], ("--list and --defaults",)),
         (["bench", "--quik"], ("--quik", "--quick")),
         (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
         (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
         (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),
-        (["bench", "growth", "--defaults"], ("no default method of growth", "leave out growth")),
+        (
+            ["bench", "growth", "--defaults"],
+            ("not judge any default method of growth", "leave out growth"),
+        ),
     ],
 )
 def test_bad_input_to_bench_is_one_sentence(line, words, capsys):

@@ -300,7 +300,7 @@ def test_a_refusal_names_the_file_what_it_must_be_and_what_to_do(path: Path) -> 
         load_checkpoint(path, blank(), METADATA)
     told = refusal.value
     assert (told.quantity, told.value) == ("checkpoint", path)
-    assert told.allowed == "a checkpoint as this toolkit writes them"
+    assert told.allowed == "a checkpoint written by this toolkit"
     assert told.remedy == "remove it, or name another file"
 
 

@@ -252,7 +252,7 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
         ("map vdp --a 3 --b 0.5", "--b is not allowed with --a while eta varies"),
         ("front vdp --c 0.6", "give --eta, or both --a and --b"),
         ("front vdp --c 0.6 --a 4", "give --eta, or both --a and --b"),
-        ("front vdp --c 0.6 --a 4 --eta 0.05", "say the same thing twice"),
+        ("front vdp --c 0.6 --a 4 --eta 0.05", "determines the same ratio"),
         ("front vdp --c 0.6 --eta -0.1:0.06:3", "eta = "),
         ("front vdp --c 0.5:1:3 --eta 0.05 --eps 0.01:0.1:2", "a range for --c or for --eps"),
         ("front chain --c 0.5", "give --damping, or a model file"),
@@ -473,7 +473,7 @@ def test_a_checkpoint_is_none_of_the_files(tmp_path):
     path = tmp_path / "r.npz"
     named = [(tmp_path / "p.png", "--picture"), (path, "--out")]
     check_output(argparse.Namespace(named=named[:1], checkpoint=path), filmed=True)
-    with pytest.raises(UsageError, match="name two files"):
+    with pytest.raises(UsageError, match="name two different files"):
         check_output(argparse.Namespace(named=named, checkpoint=path), filmed=True)
 
 

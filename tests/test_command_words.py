@@ -573,7 +573,7 @@ def test_a_film_is_of_the_run_and_says_its_command_and_of_no_other_result(
     monkeypatch.setattr(animation, "animate", animate)
     write_result(tmp_path / "run.gif", run, {"c": 0.3})
     assert filmed == [(run, {"c": 0.3})]
-    with pytest.raises(UsageError, match="there is no film of Cell"):
+    with pytest.raises(UsageError, match="Cell cannot be written as a film"):
         write_result(tmp_path / "cell.gif", fr.cell(chain), {})
 
 
@@ -646,7 +646,7 @@ def test_a_picture_that_there_is_not_is_refused_before_any_work(
 
     monkeypatch.setattr(sys.modules[function.__module__], function.__name__, worked)
     assert main([*line.split(), "-o", str(tmp_path / "x.png")]) == 2
-    assert "there is no picture of" in capsys.readouterr().err
+    assert "cannot be drawn" in capsys.readouterr().err
 
 
 def test_a_single_cell_has_its_cycles_in_every_table(tmp_path: Path, capsys: Capture) -> None:

@@ -493,7 +493,7 @@ def test_a_wave_depends_on_no_option_of_runs_in_the_library_as_in_the_shell(opti
     shell = COMMANDS["front"].calls["averaged"]
     assert isinstance(shell, Measurement)
     assert (option in shell.only) is (option not in shell.hidden)
-    with pytest.raises(ParameterError, match=f"{option} = .* absent beside the method wave"):
+    with pytest.raises(ParameterError, match=f"{option} = .* absent with the method wave"):
         measure.measure_front(AVERAGED, method="wave", **{option: GIVEN[option]})
 
 

@@ -256,7 +256,7 @@ def test_the_error_has_its_three_parts(
 
 def test_a_front_that_creeps_is_not_called_pinned() -> None:
     fold = static_fold(ETA)
-    with pytest.raises(NoFrontError, match=r"slower than 0\.001; beside c_pin = 0\.1019"):
+    with pytest.raises(NoFrontError, match=r"slower than 0\.001; near c_pin = 0\.1019"):
         front_wave(fold.c * (1.0 + 1e-7), ETA)
     with pytest.raises(NoFrontError, match="pinned up to"):
         front_wave(fold.c, ETA)
@@ -466,7 +466,7 @@ def test_a_fold_of_the_branch_has_both_parameters(monkeypatch: pytest.MonkeyPatc
 
 def test_one_parameter_is_followed() -> None:
     chain = fr.AveragedChain(a=4, b=0.5, c=0.6)
-    with pytest.raises(ParameterError, match="absent beside etas"):
+    with pytest.raises(ParameterError, match="absent when etas are given"):
         fr.follow_front(chain, [0.4], etas=[0.02])
     for etas, said in (([], "sequence"), ([0.02, 0.12], "0.11"), ([5e-4, 0.02], "0.001")):
         with pytest.raises(ParameterError, match=said):

@@ -70,7 +70,7 @@ def test_what_names_no_seed_is_refused_and_not_found_to_hold(
 ) -> None:
     with pytest.raises(SystemExit, match="2"):
         main([text])
-    assert f"{text!r} is no seed: give a whole number" in capsys.readouterr().err
+    assert f"{text!r} is not a seed: give a whole number" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

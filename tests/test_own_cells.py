@@ -242,7 +242,7 @@ def test_a_jump_of_the_map_of_maxima_is_no_cycle(
     )  # fmt: skip
     limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
     cell: Any = SimpleNamespace(cycles=limits)
-    with pytest.raises(ParameterError, match="small enough for averaging"):
+    with pytest.raises(ParameterError, match="so small that averaging"):
         shooting._fixed(cell, 0.1, 0, 1e-9)
 
 

@@ -306,7 +306,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"damping": "(y + 1"}, "it cannot be read"),
     ({"damping": None}, "damping = NoneType is not allowed"),
     ({"stiffness": "y + v"}, "put v into the damping"),
-    ({"stiffness": "y + 1"}, "the chain is at rest there"),
+    ({"stiffness": "y + 1"}, "y = 0 is a state of rest"),
     ({"stiffness": "y**3 - y"}, "minimum of the potential"),
     ({"stiffness": "y - y**3"}, "motion stays bounded"),
     ({"stiffness": "y + y**2"}, "motion stays bounded"),

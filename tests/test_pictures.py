@@ -443,7 +443,7 @@ def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None
     )
     picture.show(Settings(), {"breather": unstable})
     assert picture.caption.text.startswith(
-        "not stable: the largest |μ| but the trivial one is 2.2;"
+        "not stable: the largest |μ| apart from the trivial one is 2.2;"
     )
     circle = picture.figure.renderers[0].data_source.data
     assert np.allclose(np.hypot(circle["x"], circle["y"]), 1.0)

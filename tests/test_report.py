@@ -349,7 +349,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
         "ours, compiled31 s0.25 s0.001 s",
         "theirs---not <installed>",
         "beside-the-foldstiff",
-        "Stale: sum; it does not say which code it depends on.",
+        "Stale: sum; it does not state the code on which it depends.",
         "sites, 10 to 100",
         " (faster ones take minutes)10",
         "all1062110000",

@@ -256,7 +256,7 @@ def test_a_stale_one_that_takes_long_is_shown_and_says_so(capsys, tmp_path, pack
     assert "Stale stored findings: slow;" in (" ".join(capsys.readouterr().out.split()))
     page = (tmp_path / "out" / "index.html").read_text()
     assert "stale; stored" in page.split('id="claim-slow"')[1]
-    assert "Stale: the code it depends on has changed since." in page
+    assert "Stale: the code on which it depends has changed since." in page
     assert "The findings of 1 were stored by an earlier run" in page
 
 

@@ -32,5 +32,5 @@ def test_the_stored_record_is_of_the_whole_map_without_an_error_and_in_flat_memo
 def test_the_page_of_sweeps_says_what_the_record_says() -> None:
     cost = json.loads(benchmark.RECORD.read_text(encoding="utf-8"))["sweep"]
     page = generated_pages.sweeps()
-    for said in (f"{cost['map_us']:.0f} µs", f"{cost['growth']:.0f} bytes a point"):
+    for said in (f"{cost['map_us']:.0f} µs", f"{cost['growth']:.0f} bytes per point"):
         assert said in page

@@ -214,7 +214,7 @@ def test_an_option_of_another_method_of_thresholds_is_refused(
         monkeypatch.setattr(thresholds, work, _begun)
     chain = CHAINS["friction" if method == "bisection" else "vdp"]
     read = option in READ_BY_THRESHOLDS[method]
-    words = None if read else f"{option} = .* absent beside the method {method}"
+    words = None if read else f"{option} = .* absent with the method {method}"
     with pytest.raises(_BegunError if read else fr.ParameterError, match=words):
         fr.threshold(chain, method=method, **{option: OF_THRESHOLDS[option]})
     usual = signature(fr.threshold).parameters[option].default
@@ -240,7 +240,7 @@ def test_an_option_of_another_method_of_breathers_is_refused(
         chain, how = CHAINS["own"], {}
         monkeypatch.setattr(breathers, "OwnOrbits", _begun)
     with pytest.raises(_BegunError if read else fr.ParameterError,
-                       match=None if read else f"{option} = .* absent beside"):  # fmt: skip
+                       match=None if read else f"{option} = .* absent with"):  # fmt: skip
         fr.breather(chain, **how, **{option: given})
     with pytest.raises(_BegunError):
         fr.breather(chain, **how, **{option: signature(fr.breather).parameters[option].default})

@@ -263,10 +263,10 @@ def refuse_unread(
 
     Examples
     --------
-    >>> refuse_unread({"seed": 0, "tests": 3}, {"seed": 0, "tests": 12}, (), "beside an orbit")
+    >>> refuse_unread({"seed": 0, "tests": 3}, {"seed": 0, "tests": 12}, (), "with an orbit")
     Traceback (most recent call last):
     ...
-    theory.parameters.ParameterError: tests = 3 is not allowed: it must be absent beside an orbit; \
+    theory.parameters.ParameterError: tests = 3 is not allowed: it must be absent with an orbit; \
 leave it out: nothing depends on it.
     """
     for name in given.keys() - {*read}:
@@ -458,7 +458,9 @@ def end_time(quantity: str, value: float) -> float:
         If the time is not in this range.
     """
     allowed = f"positive and at most {LATEST:g}"
-    return _checked(quantity, value, allowed, "give such a time", lambda x: 0.0 < x <= LATEST)
+    return _checked(
+        quantity, value, allowed, "give a time in this range", lambda x: 0.0 < x <= LATEST
+    )
 
 
 def _checked(

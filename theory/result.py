@@ -321,7 +321,7 @@ def plain(value: object) -> Any:
         return {str(plain(key)): plain(each) for key, each in value.items()}
     if isinstance(value, Collection):
         return [plain(each) for each in value]
-    raise TypeError(f"a value of type {type(value).__name__} has no form in JSON.")
+    raise TypeError(f"a value of type {type(value).__name__} cannot be represented in JSON.")
 
 
 def _compared(result: Result) -> list[str]:
@@ -366,7 +366,9 @@ def _dimensions(result: Result) -> dict[str, tuple[str, ...]]:
         if over and getattr(result, each.name) is not None:
             dims[each.name] = (over,) if isinstance(over, str) else tuple(over)
     if not dims:
-        raise TypeError(f"{type(result).__name__} is not tabular: take to_dict() instead.")
+        raise TypeError(
+            f"{type(result).__name__} cannot be written as a table: use to_dict() instead."
+        )
     return dims
 
 

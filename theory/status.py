@@ -45,7 +45,9 @@ class Status(StrEnum, metaclass=_FoundByWord):
     def __new__(cls, value: str, sentence: str = "") -> Self:
         """Return a member that carries its sentence."""
         if not sentence.endswith("."):
-            raise TypeError(f"{cls.__name__} member {value!r} needs a sentence that says it.")
+            raise TypeError(
+                f"{cls.__name__} member {value!r} needs a sentence that states its meaning."
+            )
         member = str.__new__(cls, value)
         member._value_ = value
         member.sentence = sentence

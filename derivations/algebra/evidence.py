@@ -139,7 +139,7 @@ def at_points(
             *owner, candidate = arguments
             pieces, worst, count = parts_of(candidate), 0.0, 0
             if not pieces:
-                return Evidence(False, "no equation: it says nothing")
+                return Evidence(False, "not an equation: it has no content")
             if parts is not None and len(pieces) != parts:
                 return Evidence(False, f"{len(pieces)} equations where {parts} are expected")
             for count, (point, references) in enumerate(points(*owner), start=1):
@@ -152,7 +152,7 @@ def at_points(
                     worst = max(worst, abs(found - reference) / size if size else 0.0)
                     if count == 1 and reference == 0 and holds_anywhere(piece, point):
                         return Evidence(
-                            False, "it holds for other numbers as well: it says nothing"
+                            False, "it holds for other numbers as well, so it has no content"
                         )
             verb = "agrees with" if worst <= tolerance else "differs from"
             return Evidence(

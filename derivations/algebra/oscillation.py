@@ -42,7 +42,7 @@ def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
             rules[wave] = turn ** sp.cancel(turning / (sp.I * fast)) * sp.exp(rest)
     plain = sp.expand(plain.xreplace(rules), power_exp=False)
     if plain.has(fast):
-        raise OperationError(f"{spoken(phase)} is left outside of harmonics")
+        raise OperationError(f"{spoken(phase)} remains outside the harmonics")
     found: dict[int, sp.Expr] = {}
     for term in sp.Add.make_args(plain):
         slow, wave = term.as_independent(turn, as_Add=False)

@@ -348,7 +348,7 @@ class AveragingChecks:
 
     # Phase steps of -π/2.
 
-    @equals("a quarter turn a site")
+    @equals("a rotation by a quarter turn per site")
     def turned(self, rng: random.Random) -> Point:
         """Rotate a real amplitude by -π/2 per site, and all sites by the shift in frequency."""
         p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)

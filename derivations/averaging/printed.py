@@ -222,7 +222,7 @@ _DECAYING = (
         latex=r"A_n = \alpha_0 e^{k_1|n|}",
         expression=equation(A_n, alpha_0 * sp.exp(k_1 * sp.Abs(n))),
         verdict=EquationVerdict.HOLDS,
-        note="The amplitude of (9), said again, with its one ratio of neighbours.",
+        note="The amplitude of (9) again, with its constant ratio of neighbours.",
     ),
 )  # fmt: skip
 

@@ -124,7 +124,7 @@ def _chain(draft: Draft, given: ChainModel, chain: str) -> None:
     spin = sp.exp(-i * sp.pi * n / 2) * sp.exp(i * epsilon * given.total_coupling * t)
     draft.ansatz("quarter turns to second order",
                  equation(amplitude(n, t), -i / 2 * rho(n, t) * spin),
-                 "phase steps of -π/2; ρ holds what turns beyond them",
+                 "phase steps of -π/2; ρ contains any further rotation",
                  check=checks.turned)
     sites = tuple(n + at for at in range(-2 * given.reach, 2 * given.reach + 1))
     draft.derived("chain in quarter turns to second order",
@@ -132,4 +132,4 @@ def _chain(draft: Draft, given: ChainModel, chain: str) -> None:
                    SolveFor(rho(n, t).diff(t))),
                   "modulation by multiple scales, chain", "quarter turns to second order",
                   check=checks.quarter_turn,
-                  note="What is not real turns the phases and shifts the frequency")
+                  note="The imaginary part rotates the phases and shifts the frequency")

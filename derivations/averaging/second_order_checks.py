@@ -140,7 +140,7 @@ class SecondOrderChecks:
                     for at in range(-reach, reach + 1)}  # fmt: skip
             exact = e * np.mean(self._right_side(full, p))
             errors.append(float(abs(exact - self._predicted(candidate, unknown, names, e))))
-        what = "what the sampled mean leaves of the predicted flow"
+        what = "the part of the predicted flow that remains after averaging by sampling"
         if self._is_linear:  # this order is then exact
             return Evidence(max(errors) < _ROUNDING, f"{what}: {max(errors):.1e}, rounding")
         return _slope(errors, 3, what)
@@ -155,7 +155,7 @@ class SecondOrderChecks:
             worst = max(worst, abs(found - exact))
         return Evidence(worst < 1e-12, f"Fourier coefficient of y: off by at most {worst:.1e}")
 
-    @equals("a quarter turn a site")
+    @equals("a rotation by a quarter turn per site")
     def turned(self, rng: random.Random) -> Point:
         """Rotate a real amplitude by -π/2 per site, and all sites by the shift in frequency."""
         p, place, when = drawn(self.model, rng), rng.choice((1, 3, 5)), rng.uniform(0, 4)
@@ -193,8 +193,7 @@ class SecondOrderChecks:
             raise DerivationInputError(
                 "damping", self.model.damping_of(sp.Symbol("y")), "that of a cell with a limit "
                 "cycle at some positive values of its letters",
-                "the second order of other cells has nothing that it can be checked against: "
-                "leave it out",
+                "for other cells the second order cannot be checked: leave it out",
             )  # fmt: skip
         holds = all(slope > order - 0.35 for slope in slopes)
         shown = ", ".join(f"{slope:.2f}" for slope in slopes)

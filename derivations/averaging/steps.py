@@ -142,14 +142,14 @@ def _at_sites(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
 def _quarter_turn(draft: Draft, model: ChainModel, checks: AveragingChecks) -> None:
     turn = sp.exp(-i * sp.pi * n / 2) * sp.exp(i * epsilon * model.total_coupling * t)
     draft.ansatz("quarter-turn phase steps", equation(phi(n, t), r(n, t) * turn),
-                 "what is true instead: phase steps of -π/2 from site to site, n ≥ 0",
+                 "the correct solution: phase steps of -π/2 from site to site, n ≥ 0",
                  check=checks.turned)
     unknown = r(n, t).diff(t)
     draft.derived("amplitudes in quarter turns",
                   (Substitute(index=n, at=_sites(model)), Divide(turn), SolveFor(unknown)),
                   "averaged chain at unit frequency", "quarter-turn phase steps",
                   check=checks.quarter_turn,
-                  note="Springs to odd neighbours have real coefficients: real r stay real")
+                  note="Springs to odd neighbours have real coefficients: real r remain real")
     draft.derived("averaged centre", (Substitute({n: 0}), mirrored(phi, t, model.reach)),
                   "averaged chain at unit frequency",
                   check=checks.averaged_centre)

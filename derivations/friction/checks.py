@@ -104,7 +104,7 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
         worst = max(worst, abs(value(inside.lhs, filled) - value(inside.rhs, filled)))
         weaker = {**filled, force: 0.9 * filled[force]}
         if abs(value(inside.lhs, weaker) - value(inside.rhs, weaker)) <= 1e-9:
-            return Evidence(False, "it holds for another force as well: it says nothing")
+            return Evidence(False, "it holds for another force as well, so it has no content")
     where = [bool(part.subs(speed, sp.Rational(fast))) for part in (moving, resting)
              for fast in (1, -1, 0)]  # fmt: skip
     if where != [True, True, False, False, False, True]:
@@ -112,7 +112,7 @@ def _is_law(candidate: sp.Basic, point: Point, names: tuple[sp.Symbol, sp.Symbol
     if worst > 1e-9:
         return Evidence(False, f"the force differs by {worst:.1e}")
     if not _sticks(bound, point, force, limit):
-        return Evidence(False, "at the limit, where slip begins, it gives no law")
+        return Evidence(False, "at the limit, where slip begins, it defines no force")
     return Evidence(
         True,
         "opposes slip at four velocities, and in stick allows the force up to the limit that slip "
@@ -310,7 +310,7 @@ class FrictionChecks:
     def scaled_law(candidate: sp.Basic) -> Evidence:
         """Judge (6): the force of (3) over F_N, with the dimensional velocity in mu only."""
         if candidate.replace(s.mu, lambda _: sp.S.One).has(s.F_N, s.omega_n, s.y_0):
-            return Evidence(False, "a quantity with a dimension stands outside of mu")
+            return Evidence(False, "a quantity with a dimension occurs outside mu")
         point = {s.mu_st: _STATIC, s.F_N: 1.7, s.omega_n: 1.3, s.y_0: 0.6}
         return _is_law(candidate, point, (s.F_tilde, s.v_tilde_rel),
                        unit=1.0, limit=_STATIC, velocity=1.3 * 0.6)  # fmt: skip
@@ -332,7 +332,7 @@ class FrictionChecks:
             value(found[own], {new: 1.7, unit: 2.3}) == value(new * unit, {new: 1.7, unit: 2.3})
             for own, (new, unit) in expected.items()
         )
-        return Evidence(holds, "each quantity is its unit times its scaled value")
+        return Evidence(holds, "each quantity is the product of its unit and its scaled value")
 
     @staticmethod
     @at_points("a scaled motion differentiated numerically", tolerance=1e-8)
@@ -362,7 +362,7 @@ class FrictionChecks:
         found = {part.lhs: part.rhs for part in parts_of(candidate)}
         off = max(abs(float(found[own]) - expected[own]) for own in expected)
         complete = set(found) == set(expected)
-        return Evidence(complete and off < 1e-12, "the numbers of the caption of Fig. 2")
+        return Evidence(complete and off < 1e-12, "the numbers in the caption of Fig. 2")
 
     @equals("the dimensional equation divided by F_N")
     def in_scales(self, rng: random.Random) -> tuple[Point, list[complex]]:

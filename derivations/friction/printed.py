@@ -81,7 +81,7 @@ EQUATIONS = (
         note="The bound must include equality: at the instant of breaking away |F| = mu_st F_N, "
              "the value from which slip goes on, and as printed there is no law for it. mu is that "
              "of the corrected (2).",
-        affects="(6). In a run nothing: the instant has no duration.",
+        affects="(6). Simulations are not affected: the instant has no duration.",
         amendments=((r"|F| <", r"|F| \leq"),),
     ),
     PrintedEquation(

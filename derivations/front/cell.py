@@ -60,7 +60,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
                   "averaged cell in parts", check=checks.amplitude_rate)
     draft.derived("phase of the cell", (Take(1), SolveFor(phase.diff(t))), "averaged cell in parts",
                   check=checks.phase_rate,
-                  note="without nonlinear stiffness it rests: no phase is preferred")
+                  note="without nonlinear stiffness it is constant: no phase is preferred")
     forcing = forcing_parameter(chain)
     if forcing is None:
         return
@@ -73,7 +73,7 @@ def steps(draft: Draft, chain: ChainModel) -> None:
     draft.derived("ratio of the cycles", RatioOfAmplitudes(2), "cycles",
                   check=checks.ratio)
     draft.definition("forcing parameter", equation(eta, forcing),
-                     "what is left of the coefficients when amplitudes are scaled",
+                     "the coefficients that remain after amplitudes have been scaled",
                      check=checks.forcing)
     if eliminated(chain):
         draft.derived("ratio by η",

@@ -105,7 +105,7 @@ class FrontCellChecks(SampledChecks):
         for sample, rng in self._cells():
             point = as_point(sample.chain, sites(self.model, rng), complex_number(rng))
             worst = max(worst, abs(residual(candidate, point)[0]))
-        return Evidence(worst < 1e-9, f"nothing is left, for random states: {worst:.1e}")
+        return Evidence(worst < 1e-9, f"no terms remain, for random states: {worst:.1e}")
 
     @at_points("a displaced number")
     def shifted(self) -> Points:

@@ -118,7 +118,7 @@ EQUATIONS = (
             equation(_right, phi(_place + 1)), equation(phi(_place + 1), phi(zeta + 1)),
             equation(_left, phi(_place - 1)), equation(phi(_place - 1), phi(zeta - 1))),
         verdict=EquationVerdict.DEFINITION,
-        note="A travelling wave that does not turn its phase on the way; the fixed phase of phi_s "
+        note="A travelling wave with a phase that does not rotate; the fixed phase of phi_s "
              "in (44) forces that.",
     ),
     PrintedEquation(
@@ -127,7 +127,7 @@ EQUATIONS = (
         expression=_passage(_own, phi_us), verdict=EquationVerdict.ASSUMPTION,
         note="To be checked for each solution. Read by modulus, as (44). It holds for the front of "
              "Fig. 16.",
-        affects="(48)-(54); fronts that fail it are to be dropped.",
+        affects="(48)-(54); fronts that violate it must be discarded.",
         amendments=((r"\varphi_n > \varphi_{us}", r"|\varphi_n| > |\varphi_{us}|"),),
     ),
     PrintedEquation(
@@ -206,6 +206,6 @@ EQUATIONS = (
             equation(2 * sp.Abs(phi_us) / sp.Abs(phi_s), 2 * sp.sqrt((1 - _root) / (1 + _root))),
             equation(eta, b / a**2)),
         verdict=EquationVerdict.HOLDS,
-        note="By modulus, for eta < 1/8. Several v_hat can solve it; (47) chooses.",
+        note="By modulus, for eta < 1/8. Several v_hat can solve it; (47) selects one.",
     ),
 )  # fmt: skip

@@ -300,7 +300,7 @@ class SampledChecks:
             worst = max(worst, *_differences(candidate, sample, lattice, fast, here))
         other = Lattice(1.1 * lattice.decay, lattice.springs)
         if min(_differences(candidate, sample, other, fast, 1.1 * here)) < 1e-7:
-            return Evidence(False, "it holds for another front as well: it says nothing")
+            return Evidence(False, "it holds for another front as well, so it has no content")
         return Evidence(worst < 1e-7, f"φ(0) of the front from its history: off by {worst:.1e}")
 
 

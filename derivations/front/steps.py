@@ -132,12 +132,12 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
     """Derive (44) to (52)."""
     own = phi(n, t)
     draft.model("two lines", two_lines(chain),
-                "two lines of equal slope in place of the nonlinear term, switched "
+                "two lines of equal slope replace the nonlinear term, switched "
                 "where |φ_n| passes |φ_us|", check=checks.two_lines, number=44)
     draft.derived("force", WriteWithStep(F), "two lines", check=checks.force,
                   number=45)
     draft.ansatz("travelling wave", travelling_wave(chain.reach),
-                 "a travelling wave that does not turn its phase on the way", check=checks.moving,
+                 "a travelling wave with a phase that does not rotate", check=checks.moving,
                  number=46)
     once = sp.Equivalent(sp.Gt(sp.Abs(own), sp.Abs(phi_us)), sp.Lt(zeta, 0), evaluate=False)
     draft.ansatz("one passage", once, "each site passes the threshold once, at ζ = 0",
@@ -184,7 +184,7 @@ def _to_kinetic_relation(draft: Draft, checks: ProfileChecks) -> None:
     draft.derived("front from behind", (TakeBranch(zeta < 0), Substitute({zeta: 0})), summed,
                   check=checks.at_front)
     draft.definition("threshold at the front", equation(phi(0), phi_us),
-                     "the front is where the threshold is passed",
+                     "the front is at the point where the threshold is passed",
                      check=checks.meeting)
     draft.derived("threshold", (Substitute(), SolveFor(total)), "front from ahead",
                   "threshold at the front", check=checks.at_front, number=53)

@@ -88,7 +88,7 @@ def _outer(draft: Draft, checks: StrongChecks) -> None:
                   check=checks.inner_frame)
     draft.definition("speed and dispersion",
                      sp.Tuple(equation(speed, epsilon * v), equation(w_3, -w_3_size)),
-                     "the speed a unit of εt; the third derivative is negative at "
+                     "the speed per unit of εt; the third derivative is negative at "
                      "a maximum of the second", check=checks.sizes)
     draft.derived("inner front", (Substitute(), Divide(epsilon)), "front in the inner scale",
                   "speed and dispersion", check=checks.inner_named)

@@ -98,13 +98,13 @@ EQUATIONS = (
               r"\varepsilon x_{2N}(1 - ax_N^2 + bx_N^4) \end{pmatrix}",
         expression=_field(),
         verdict=EquationVerdict.INCONSISTENT,
-        note="The printed corners, like those of (42), close the chain to a ring; Figs. 12 and 15 "
+        note="The printed corners, as those of (42), close the chain into a ring; Figs. 12 and 15 "
              "state open ends, and (8) does not say.",
         affects="Fig. 9. For a breather far from the ends the difference is of the size of its "
                 "tail.",
         readings=(
             EquationReading("the open ends of Figs. 12 and 15", _field(), False,
-                            "the rows of sites 1 and N have a neighbour too many", _open_check),
+                            "the rows of sites 1 and N have one neighbour too many", _open_check),
             EquationReading(
                 "for an open chain: rows -x_1 - eps c (x_1 - x_2) - ... and its mirror for N",
                 _open_field(), True,

@@ -73,7 +73,7 @@ def derive(chain: ChainModel = PAPER, sites: int | None = None) -> Derivation:
                       Linearise(dict(zip(own, change, strict=True)), delta_rate),
                       f"first-order system{suffix}", check=checks.linear(chain, ends),
                       number=41 if numbered else None,
-                      note="what is omitted is of second order in the perturbation")
+                      note="the terms omitted are of second order in the perturbation")
         draft.derived(f"Jacobian{suffix}", ReadMatrix(change, J), f"linearised system{suffix}",
                       check=checks.jacobian(chain, ends),
                       number=42 if numbered else None)
@@ -94,4 +94,4 @@ def _extra_term(draft: Draft) -> None:
                  check=checks.waves)
     draft.derived("resonant part of the added term", (Substitute(), CollectHarmonic(t, resonant)),
                   "term added by print", "oscillation and deviation", check=checks.mean,
-                  note="it vanishes, so print errs at O(eps^2) only")
+                  note="it vanishes, so the printed equation is in error at O(eps^2) only")

@@ -234,7 +234,7 @@ class ScalesChecks:
     # Definitions and ansätze.
 
     @staticmethod
-    @equals("a motion multiplied by one complex factor a site")
+    @equals("a motion multiplied by one complex factor per site")
     def ansatz(rng: random.Random) -> Point:
         """Compare the assumed motion with one that is multiplied by a complex factor per site."""
         place, when, w = rng.choice([-3, -1, 2]), rng.uniform(0, 1), rng.uniform(0.5, 1.5)

@@ -149,7 +149,7 @@ def _to_breather(draft: Draft, given: ChainModel, checks: ScalesChecks) -> None:
                   "frequency with neighbours at rest", check=checks.close_frequency, number=27,
                   assumes=True)
     draft.derived("detuning", (Take(1), SolveFor(omega_1)), "own amplitude", check=checks.detuning,
-                  note="By (27) what is added to the frequency with neighbours at "
+                  note="By (27) the addition to the frequency with neighbours at "
                        "rest is δ itself: it vanishes where the neighbours pull in "
                        "quadrature, k₂ - θ = 0 for the nearest ones")
     draft.derived("modulus with detuning", Substitute(), "modulus", "close frequency",

@@ -274,7 +274,7 @@ def sweeps() -> str:
         ("time for a point of the map", f"{cost['map_us']:.0f} µs of processor time"),
         ("time for a point in a simple loop, nothing stored", f"{cost['loop_us']:.0f} µs"),
         ("overhead of the sweep for a point", f"{cost['own_us']:.0f} µs"),
-        ("growth of memory", f"{cost['growth']:.0f} bytes a point"),
+        ("growth of memory", f"{cost['growth']:.0f} bytes per point"),
         ("rows that differ from those of the loop", f"{cost['different']}"),
     )
     return (

@@ -60,9 +60,9 @@ def bench(
     growth = GROWTH in quantity or not quantity
     selected = chosen(names) if names or not quantity else ()
     if out is not None and not out.is_dir():
-        raise UsageError(f"--out {out} is not a folder that exists: make it first.")
+        raise UsageError(f"--out {out} is not an existing folder: create it first.")
     if listing and defaults:
-        raise UsageError("--list and --defaults are two questions: ask one of them.")
+        raise UsageError("--list and --defaults exclude each other: give one of them.")
     if listing:
         refuse_beside("--list measures nothing", quick=quick)
         refuse_beside("--list reads and writes no record", out=out)
@@ -71,7 +71,7 @@ def bench(
         refuse_beside("--defaults measures nothing", quick=quick)
         if GROWTH in quantity:
             raise UsageError(
-                f"--defaults has no default method of growth to judge: leave out {GROWTH}."
+                f"--defaults does not judge any default method of growth: leave out {GROWTH}."
             )
         return _defaults(selected, out or RESULTS)
     folder = out or (None if quick else RESULTS)

@@ -146,7 +146,7 @@ def _judged(
             return ""
         return (
             f"{shown.finished} of {len(entries)} claims are judged and stored; "
-            f"'fronts check --out {folder} --resume' goes on from there"
+            f"'fronts check --out {folder} --resume' continues from there"
         )
 
     identity = {"source": source, "versions": versions}

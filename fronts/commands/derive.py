@@ -151,7 +151,7 @@ def _written(answer: Answer, out: Path, asked: Mapping[str, Any], form: str) -> 
     if ending in TABLES or (ending == ".json" and form == "text"):
         rows = next((name for name in _ROWS if name in answer.payload), None)
         if rows is None:
-            raise UsageError(f"{out} cannot be written: there are no rows of this answer.")
+            raise UsageError(f"{out} cannot be written: this answer has no rows.")
         return with_table(answer, rows, out, asked)
     write_by(out, lambda path: _write(path, answer.text))
     return Answer(answer.payload, f"wrote {out}", answer.exit_code)
@@ -269,8 +269,8 @@ def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool)
     if cell.damping is None:
         raise UsageError('a cell needs its damping, as in --damping "1 - a*y**2 + b*y**4".')
     if equation is not None or cell.weights is not None:
-        raise UsageError("'cell' takes neither --equation nor --weights: a cell has no number in "
-                         "the paper, and nearest neighbours.")  # fmt: skip
+        raise UsageError("'cell' takes neither --equation nor --weights: a cell has no equation "
+                         "number in the paper, and no neighbours.")  # fmt: skip
     if order not in (1, 2):
         raise UsageError(f"--order {order} is not allowed: it must be 1 or 2.")
     from derivations.algebra.errors import DerivationInputError
@@ -318,8 +318,8 @@ def _values(pairs: Sequence[str]) -> dict[str, str]:
     for pair in pairs:
         name, equals, number = pair.partition("=")
         if not equals or not name or not number:
-            raise UsageError(f"--value {pair} is not NAME=NUMBER, as in --value a=4.")
+            raise UsageError(f"--value {pair} is not of the form NAME=NUMBER, as in --value a=4.")
         if name in found:
-            raise UsageError(f"--value gives {name} twice.")
+            raise UsageError(f"--value gives {name} more than once.")
         found[name] = number
     return found

@@ -96,7 +96,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
             "--record keeps the table of all quantities: leave out --quantity.",
             quantity="--quantity",
             value=quantity[0],
-            allowed="absent beside --record",
+            allowed="absent when --record is given",
             remedy="leave it out",
         )
     points, seed = 1000 if points is None else points, seed or 0
@@ -130,7 +130,7 @@ def _checked_table(out: Path | None, resume: bool, workers: int | None) -> Path 
         check_files([(out, "--out")], filmed=False, formats=(*RESUMABLE, ".json"))
     table = out if out is not None and out.suffix.lower() in RESUMABLE else None
     if resume and table is None:
-        raise UsageError("--resume needs --out: what an earlier run has left is beside it.")
+        raise UsageError("--resume needs --out, the file of the interrupted run.")
     if workers is not None:
         count_within("workers", workers, 1, 1024)
     return table

@@ -212,7 +212,9 @@ class StatesPicture(ExplorerPicture):
             for state, source in self.squares.items():
                 here = table["label"] == state
                 source.data = {"x": table["eta"][here], "y": table["c"][here]}
-        return "What becomes of 16 sites of (43), the last one displaced by 6 (Fig. 15), b = 0.5."
+        return (
+            "State of 16 sites of (43) after displacement of the last one by 6 (Fig. 15), b = 0.5."
+        )
 
 
 class RunPicture(ExplorerPicture):
@@ -312,8 +314,8 @@ class MultipliersPicture(ExplorerPicture):
         largest = np.abs(np.delete(multipliers, trivial)).max()
         kind = "stable" if breather.stable else "not stable"
         return (
-            f"{kind}: the largest |μ| but the trivial one is {largest:.6g}; "
-            f"the trivial one is off 1 by {breather.trivial:.1g}."
+            f"{kind}: the largest |μ| apart from the trivial one is {largest:.6g}; "
+            f"the trivial one differs from 1 by {breather.trivial:.1g}."
         )
 
 

@@ -162,7 +162,7 @@ def damping_ratio(eta: Any, a: float | None, b: float | None) -> Any:
     """Return η, given as such or by a and b."""
     if eta is not None:
         if a is not None or b is not None:
-            raise ParameterError("eta", eta, "absent beside a and b", "give one of them")
+            raise ParameterError("eta", eta, "absent when a and b are given", "give one of them")
         return real_array("eta", eta)
     if a is None or b is None:
         raise ParameterError(

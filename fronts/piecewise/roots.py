@@ -133,10 +133,16 @@ def roots(
 
     v, c, certify = decimal("velocity v", v), decimal("coupling c", c), truth("certify", certify)
     v_, c_ = float(v), float(c)
-    remedy = "certified radii are of doubles: leave one of them out" if certify else None
+    remedy = (
+        "certified radii are available in double precision only: leave one of them out"
+        if certify
+        else None
+    )
     digits = count_within("digits", digits, 1, DOUBLE if certify else MAX_DIGITS, remedy)
     if count is not None and extent is not None:
-        raise ParameterError("extent |Re k|", extent, "absent beside a count", "give one of them")
+        raise ParameterError(
+            "extent |Re k|", extent, "absent when a count is given", "give one of them"
+        )
     number = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
     halves = [
         nearest_roots(v_, c_, number, upper)

@@ -62,16 +62,16 @@ class BreatherStatus(Status):
         "there is no such breather at this coupling: its branch ends in a fold below it, if there "
         "is a branch at all.",
     )
-    SETTLED = "settled", "the run repeats itself every period to the tolerance."
+    SETTLED = "settled", "the motion is periodic to within the tolerance."
     UNSETTLED = (
         "unsettled",
-        "the run was still changing when its time was over: give it more slow time, or solve for "
+        "the motion was still changing at the end of the run: allow more slow time, or solve for "
         "the orbit.",
     )
     ESCAPED = (
         "escaped",
-        "a site that was at rest passed the unstable cycle; whether there is an unstable breather "
-        "the run does not show; solve for the orbit.",
+        "a site that was at rest passed the unstable cycle; the run does not show whether there is "
+        "an unstable breather: solve for the orbit.",
     )
     DIED = (
         "died",
@@ -160,7 +160,7 @@ def check_closed_form(nucleus: Nucleus, sites: int) -> None:
         return
     remedy = "take the method envelope or orbit"
     if has_closed_form(nucleus, MAX_SITES):
-        allowed = "at least 3: (9) has two neighbours of its centre"
+        allowed = "at least 3: in (9) the centre has two neighbours"
         raise ParameterError("number of sites n", sites, allowed, remedy)
     allowed = "one site in the bulk: (9) has one centre"
     raise ParameterError("nucleus", nucleus.size, allowed, remedy)
@@ -260,7 +260,9 @@ def solve_breather(
 def _check_range(chain: VanDerPolChain) -> None:
     if chain.c == 0:
         raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
-    remedy = "take a larger one: at small c the decay is c itself, and the centre the stable cycle"
+    remedy = (
+        "take a larger one: at small c the decay equals c, and the centre is on the stable cycle"
+    )
     at_least("coupling c", chain.c, SMALLEST_C, remedy)
 
 

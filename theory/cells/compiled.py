@@ -61,7 +61,8 @@ class CompiledForce:
             if arguments != (*self.variables, *self.names) or {"y", "v"} & {*self.names}:
                 raise ParameterError(
                     f"arguments of {each.__name__}", ", ".join(arguments), allowed,
-                    "name the variables so, then the named parameters, alike in all functions",
+                    "use these names for the variables, then the named parameters, in the same "
+                    "order in all functions",
                 )  # fmt: skip
         content = "\n".join(map(function_content, self.functions))
         object.__setattr__(self, "digest", hashlib.sha256(content.encode()).hexdigest()[:12])
@@ -122,7 +123,7 @@ class CompiledForce:
                 raise ParameterError(
                     f"function {each.__name__}", type(error).__name__,
                     "one of numbers that numba compiles and that returns a number",
-                    "call it by itself to see what fails",
+                    "call it directly to see what fails",
                 ) from error  # fmt: skip
 
     def __str__(self) -> str:

@@ -66,7 +66,7 @@ class CompiledCell(Oscillator):
         at_rest = self.stiffness(0.0)
         if at_rest != 0.0:
             raise ParameterError(
-                "stiffness at y = 0", f"{at_rest:g}", "zero: the chain is at rest there",
+                "stiffness at y = 0", f"{at_rest:g}", "zero, so that y = 0 is a state of rest",
                 "measure y from a rest state of the cell, if it has one",
             )  # fmt: skip
         if not self._slope > 0.0:
@@ -173,7 +173,7 @@ class CompiledCell(Oscillator):
             columns.append(column)
         if not columns:
             raise ParameterError(
-                "stiffness near y = 0", "infinite or not a number", "finite", "mend the function"
+                "stiffness near y = 0", "infinite or not a number", "finite", "correct the function"
             )
         return _PANELS[: len(columns) + 1], np.array(columns).T
 

@@ -204,7 +204,10 @@ def friction_force(cell: FrictionCell, v_rel: float) -> float:
     """
     if v_rel == 0.0:
         raise ParameterError(
-            "relative velocity", v_rel, "different from zero", "in stick the force is what holds"
+            "relative velocity",
+            v_rel,
+            "different from zero",
+            "in stick the friction force is whatever balances the other forces",
         )
     return -math.copysign(friction_coefficient(cell, v_rel), v_rel)
 

@@ -115,7 +115,7 @@ def _value(value: Any, name: str, within: tuple[Any, ...]) -> str:
     elif kind is np.ufunc or kind.__module__.startswith("numba.core.types"):
         return str(value)
     raise ParameterError(
-        f"what {within[-1].__name__} takes from outside as {name}", kind.__name__,
+        f"the variable {name}, which {within[-1].__name__} takes from outside", kind.__name__,
         "a number, a text, an array or a tuple of these, or a function compiled by numba.njit",
         "give its numbers as such, or as named parameters",
     )  # fmt: skip

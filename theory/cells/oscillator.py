@@ -203,7 +203,7 @@ class OscillatorCell(Oscillator):
         object.__setattr__(self, "stiffness", g)
         if 0 in g:
             raise ParameterError(
-                "stiffness at y = 0", f"{g[0]:g}", "zero: the chain is at rest there",
+                "stiffness at y = 0", f"{g[0]:g}", "zero, so that y = 0 is a state of rest",
                 "measure y from a rest state of the cell, if it has one",
             )  # fmt: skip
         if not g.get(1, 0.0) > 0.0:

@@ -172,8 +172,8 @@ def read_polynomial(text: str, quantity: str = "polynomial") -> Polynomial:
     Traceback (most recent call last):
     ...
     theory.parameters.ParameterError: polynomial = 'sin(y)' is not allowed: it must be a \
-polynomial in y and v = dy/dt such as 1 - a*y**2 + b*y**4; 'sin(y)' is none: use numbers, names, \
-+ - * / ** and brackets only.
+polynomial in y and v = dy/dt such as 1 - a*y**2 + b*y**4; 'sin(y)' is not allowed in one: use \
+numbers, names, + - * / ** and brackets only.
     """
 
     def refuse(why: str) -> ParameterError:
@@ -234,7 +234,7 @@ class _TermReader:
             case ast.BinOp(left=left, op=ast.Div(), right=right):
                 divisor = {key: each for key, each in self.terms(right).items() if each}
                 if set(divisor) != {()}:
-                    raise _NotPolynomialError("it divides by what is no number other than zero")
+                    raise _NotPolynomialError("it may be divided only by a number other than zero")
                 return _scaled(self.terms(left), 1 / divisor[()])
             case ast.BinOp(left=left, op=ast.Pow(), right=ast.Constant(value=int() as power)):
                 if not 0 <= power <= HIGHEST:
@@ -245,7 +245,7 @@ class _TermReader:
                     found = _multiplied(found, base)
                 return found
         part = ast.get_source_segment(self.text, node) or "a part of it"
-        raise _NotPolynomialError(f"'{part[:40]}' is none")
+        raise _NotPolynomialError(f"'{part[:40]}' is not allowed in one")
 
 
 def _scaled(terms: Mapping[Monomial, Fraction], by: Fraction) -> dict[Monomial, Fraction]:

@@ -51,7 +51,7 @@ def checked_eta(eta: float) -> float:
     ParameterError
         If η is not finite, or below ``SMALLEST_ETA``.
     """
-    remedy = "give such a value; below it v is near the limit sqrt(c/(8 r)), r = sqrt(2 eta)"
+    remedy = "give a larger value; below it v is near the limit sqrt(c/(8 r)), r = sqrt(2 eta)"
     return at_least("eta = b/a^2", eta, SMALLEST_ETA, remedy)
 
 
@@ -70,7 +70,7 @@ def bistable_eta(eta: float) -> float:
     """
     allowed, remedy = (
         "greater than 0 and at most 1/8",
-        "take such a value: beyond it there are no cycles",
+        "take a value in this range: above 1/8 there are no cycles",
     )
     found = number("eta = b/a^2", eta, allowed, remedy)
     if not 0 < found <= ETA_END:

@@ -158,7 +158,12 @@ class Chain(ABC):
         return found
 
     def _check_number(
-        self, name: str, quantity: str, low: float, high: float, remedy: str = "give such a number"
+        self,
+        name: str,
+        quantity: str,
+        low: float,
+        high: float,
+        remedy: str = "give a number in this range",
     ) -> None:
         """Check a real parameter and store it as a float."""
         checked = real_number(quantity, getattr(self, name), low, high, remedy)

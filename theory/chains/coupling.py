@@ -227,7 +227,9 @@ def _chain(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) 
         )
     if len(by_distance) >= shape[0] // 2 + 1:
         raise _refused(
-            repr(text), f"of fewer weights for {shape[0]} sites", "take more sites or fewer weights"
+            repr(text),
+            f"with fewer weights for {shape[0]} sites",
+            "take more sites or fewer weights",
         )
     steps: Steps = {(s * d,): w for d, w in enumerate(by_distance, 1) for s in (-1, 1)}
     return _lattice(shape, ends, steps, lambda n: n.astype(float))
@@ -269,7 +271,9 @@ def _hexagonal(text: str, numbers: list[float], shape: tuple[int, ...], ends: En
 def _two(text: str, shape: tuple[int, ...]) -> tuple[int, ...]:
     if len(shape) != 2:
         raise _refused(
-            repr(text), "a coupling of one row of sites", "give sites as rows x columns, as 60x60"
+            repr(text),
+            "a coupling for a single row of sites",
+            "give sites as rows x columns, as 60x60",
         )
     return shape
 
@@ -281,8 +285,8 @@ def _small_world(text: str, numbers: list[float], shape: tuple[int, ...], ends: 
     fits = k == int(k) and k % 2 == 0 and 2 <= k < count and 0.0 <= part <= 1.0
     if not fits:
         raise _refused(
-            repr(text), "an even number of neighbours below that of sites, a part from 0 to 1, a "
-            "seed", "as in small-world:4,0.1,7",
+            repr(text), "an even number of neighbours below that of sites, a fraction from 0 to 1, "
+            "a seed", "as in small-world:4,0.1,7",
         )  # fmt: skip
     random = np.random.default_rng(random_seed(seed))
     links = [
@@ -374,11 +378,11 @@ def _of_matrix(given: Any, shape: tuple[int, ...]) -> Network:
         ) from None  # fmt: skip
     if matrix.shape != (count, count):
         raise _refused(
-            f"a matrix of shape {matrix.shape}", f"of shape ({count}, {count}), a row a site",
-            "give such a matrix, or leave the number of sites to it",
+            f"a matrix of shape {matrix.shape}", f"of shape ({count}, {count}), a row per site",
+            "give such a matrix, or omit the number of sites",
         )  # fmt: skip
     if not np.all(np.isfinite(matrix.data)):
-        raise _refused("a matrix with NaN or infinity in it", "finite", "mend its entries")
+        raise _refused("a matrix with NaN or infinity in it", "finite", "correct its entries")
     wall = matrix.diagonal()
     every = matrix.tocoo()
     apart = every.row != every.col

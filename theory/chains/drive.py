@@ -95,7 +95,9 @@ def _read(given: Any, sites: int) -> Drive:
         raise _refused(repr(given)[:60])
     limits = (MAX_FORCE, MAX_FREQUENCY, MAX_FREQUENCY)
     checked = [
-        real_number(f"{key} of the drive", _number(named[key]), -high, high, "give such a number")
+        real_number(
+            f"{key} of the drive", _number(named[key]), -high, high, "give a number in this range"
+        )
         for key, high in zip(_KEYS, limits, strict=False)
     ]
     return Drive(

@@ -37,7 +37,7 @@ def read_model(
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         why = getattr(error, "strerror", None) or str(error)
         raise ParameterError(
-            "model file", path, f"readable TOML: {why}", "mend it, or name another"
+            "model file", path, f"readable TOML: {why}", "correct the file, or name another one"
         ) from None
     for key in found:
         if key not in known:

@@ -212,7 +212,7 @@ def outward_pattern(size: int) -> str:
     if size % 2 == 0:
         lopsided = "+" * (size // 2) + "-" * (size // 2 - 1)
         raise ParameterError(
-            "nucleus", size, "odd, or 2, for a breather that sites in phase relax to",
+            "nucleus", size, "odd, or 2, for a breather to which sites in phase relax",
             f"name a pattern of + and -, as '{lopsided}'",
         )  # fmt: skip
     half = (size - 1) // 2

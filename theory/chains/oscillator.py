@@ -198,9 +198,14 @@ sites, ends, shape
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.check_unforced("the averaged chain, whose frequency is its own")
+        self.check_unforced("the averaged chain, which assumes free oscillations")
         if self.overdamped:
-            raise ParameterError("overdamped", "true", "false: it has no period", "leave it out")
+            raise ParameterError(
+                "overdamped",
+                "true",
+                "false: without inertia the chain does not oscillate",
+                "leave it out",
+            )
         for name in ("damping", "stiffness"):
             if not isinstance(getattr(self, name), str):
                 raise ParameterError(
@@ -212,7 +217,7 @@ sites, ends, shape
             raise ParameterError(
                 "stiffness", repr(self.stiffness), "linear up to terms of order eps: the phase of "
                 f"the averaged chain would be wrong by {off:.2g} in a unit of eps t",
-                "make what is nonlinear smaller, or run the full chain",
+                "reduce the nonlinear terms, or run the full chain",
             )  # fmt: skip
 
     def _phase_lost(self) -> float:

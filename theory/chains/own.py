@@ -91,7 +91,7 @@ class OwnChain(SmoothChain):
     )
 
     def __post_init__(self) -> None:
-        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or more")
+        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or a positive number")
         self._check_number("eps", "small parameter eps", SMALLEST_EPS, LARGEST_EPS)
         self._check_number("velocity_coupling", "velocity coupling", -1e6, 1e6)
         self._check_ends()
@@ -126,7 +126,7 @@ class OwnChain(SmoothChain):
             count = sides[0] * sides[1]
             if given is not None and given != count:
                 raise ParameterError(
-                    "number of sites n", given, f"{sides[0]} x {sides[1]} as the lattice",
+                    "number of sites n", given, f"{sides[0]} x {sides[1]} as for the lattice",
                     "give rows x columns as in 60x60",
                 )  # fmt: skip
             object.__setattr__(self, "shape", sides)
@@ -278,7 +278,7 @@ class OwnChain(SmoothChain):
         above = [each.amplitude for each in cycles if each.stable and each.amplitude > level]
         if not above:
             raise ParameterError(
-                "cell", "without a stable cycle", "one with an excited state where that is needed",
+                "cell", "without a stable cycle", "one whose cell has an excited state",
                 "change its parameters, or give a level and a displacement",
             )  # fmt: skip
         return (level or 0.5 * above[0]), above[0]

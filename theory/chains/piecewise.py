@@ -73,7 +73,7 @@ class PiecewiseChain(Chain, model="piecewise"):
             eta = ratio
         if eta is None:
             raise ParameterError("eta = b/a^2", "none", "given", "give eta, or a and b")
-        remedy = "take such a value: beyond 1/8 there are no cycles"
+        remedy = "take a smaller value: above 1/8 there are no cycles"
         checked = real_number("eta = b/a^2", eta, SMALLEST_ETA, ETA_END, remedy)
         object.__setattr__(self, "eta", checked)
 

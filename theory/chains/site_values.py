@@ -31,7 +31,7 @@ def pairs(quantity: str, given: Any) -> dict[str, Any]:
         if not (name.strip() and sign and value.strip()):
             raise ParameterError(quantity, repr(each), "a name and a number, as a=4", "as a=4")
         if name.strip() in found:
-            raise ParameterError(quantity, repr(each), "one value a name", "give it once")
+            raise ParameterError(quantity, repr(each), "one value for each name", "give it once")
         found[name.strip()] = value.strip()
     return found
 
@@ -67,7 +67,7 @@ def _checked_value(name: str, given: Any, sites: int) -> float | FloatArray:
         except ValueError:
             raise ParameterError(name, repr(given), "a number", f"as {name}=4") from None
     if np.ndim(given) == 0:
-        remedy = "give such a number"
+        remedy = "give a number in this range"
         return real_number(name, given, -_LARGEST_VALUE, _LARGEST_VALUE, remedy)
     try:
         array = np.array(given, dtype=float)
@@ -76,7 +76,7 @@ def _checked_value(name: str, given: Any, sites: int) -> float | FloatArray:
     if array.shape != (sites,) or not np.all(np.isfinite(array)):
         raise ParameterError(
             name, f"an array of shape {array.shape}", f"finite, of shape ({sites},)",
-            "give one number, or one a site",
+            "give one number, or one for each site",
         )  # fmt: skip
     array.setflags(write=False)
     return array

@@ -173,9 +173,9 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     """Decide by steepest descent near ζ = 0, and by the sums over roots beyond."""
     reason = None
     if not SMALLEST <= abs(v) <= LARGEST:
-        reason = f"velocities beyond {LARGEST:g} are not looked at"
+        reason = f"velocities above {LARGEST:g} are not examined"
     elif c > _MAX_LABEL * abs(v):
-        reason = f"fronts with c/v above {_MAX_LABEL:g} are not looked at"
+        reason = f"fronts with c/v above {_MAX_LABEL:g} are not examined"
     if reason is not None:
         return Admissibility(None, None, (math.inf, math.inf), 0, reason)
     shape = _Descent(NearShape(v, c))

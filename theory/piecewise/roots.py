@@ -138,7 +138,7 @@ def labelled_roots(
                 missing = missing[~good]
     if missing.size:
         raise IncompleteRootsError(
-            f"no root found in strips {labels[missing].tolist()} at v = {v[missing]}, "
+            f"no root was found in strips {labels[missing].tolist()} at v = {v[missing]}, "
             f"c = {c[missing]}"
         )
     for _ in range(2):

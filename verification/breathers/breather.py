@@ -178,7 +178,7 @@ class _Choice(NamedTuple):
         """Refuse options that have no effect with the chosen method."""
         read = {BreatherMethod.CLOSED_FORM: ["reading"], BreatherMethod.SIMULATION: ["seed"]}
         usual = {name: each.default for name, each in signature(breather).parameters.items()}
-        refuse_unread(self._asdict(), usual, read.get(method, []), f"beside the method {method}")
+        refuse_unread(self._asdict(), usual, read.get(method, []), f"with the method {method}")
 
 
 def with_pattern(nucleus: Nucleus, sites: int) -> Nucleus:
@@ -196,7 +196,7 @@ def _check_length(chain: VanDerPolChain, method: BreatherMethod) -> None:
     if chain.sites > MAX_SITES[method]:
         raise ParameterError(
             "number of sites n", chain.sites, f"at most {MAX_SITES[method]} for {method}",
-            "take fewer: a breather needs a few sites",
+            "take fewer: a breather needs only a few sites",
         )  # fmt: skip
 
 

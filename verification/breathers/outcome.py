@@ -63,7 +63,7 @@ class NucleusOutcome(Status):
     SHRUNK = "shrunk", "fewer sites oscillate at the end than at the start."
     HELD = "held", "no site joined."
     LARGER = "larger nucleus", "sites joined, but none in the last half of the run."
-    UNDECIDED = "undecided", "few sites joined by the end of the run: give it more time."
+    UNDECIDED = "undecided", "few sites joined by the end of the run: allow more time."
     FRONT = "front", "sites join one after the other without a long pause."
     CREEP = "creep", "the nucleus grows by jumps, between which it hardly changes."
 

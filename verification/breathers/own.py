@@ -183,7 +183,7 @@ def check_orbits(chain: OscillatorChain) -> None:
     ParameterError
         The message states the reason.
     """
-    chain.check_unforced("a breather, which is motion of a chain that is left alone")
+    chain.check_unforced("a breather, which requires a chain without external forces")
     if chain.overdamped:
         raise ParameterError("overdamped", "true", "false for a breather", "change it")
     if chain.sites > MAX_SITES:
@@ -212,7 +212,7 @@ def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> FloatArray:
     above = np.flatnonzero(run.sampled_amplitude.max(axis=0) > chain.unstable_amplitude) + 1
     if above.tolist() != list(sites):
         raise ParameterError(
-            "coupling c", chain.c, "one at which the nucleus stays as it is: after "
+            "coupling c", chain.c, "one at which the nucleus stays localised: after "
             f"{SETTLED:g} units of slow time {above.size} sites are excited", "take a smaller one",
         )  # fmt: skip
     y = run.samples[:, 0, centre]

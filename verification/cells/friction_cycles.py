@@ -145,7 +145,7 @@ def never_sticks(cell: FrictionCell) -> ParameterError:
     """Return the error for a cell that slips both ways for ever."""
     return ParameterError(
         "belt velocity v_d", f"{cell.v_d:g} at damping xi = {cell.xi:g}",
-        "low enough for the cell to stick after it has been released",
+        "so low that the cell sticks after it has been released",
         "take a lower velocity or more damping",
     )  # fmt: skip
 

@@ -37,7 +37,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
     """
     begin = perf_counter()
     within("tolerance", tolerance, 1e-13, 1e-6)
-    chain.check_unforced("the cycles of a cell, which is left alone")
+    chain.check_unforced("the cycles of a cell without external forces")
     if chain.overdamped:
         raise ParameterError(
             "overdamped", "true", "false for cycles: without inertia a cell only has rest states",

@@ -183,6 +183,6 @@ def _fixed(cell: Oscillator, eps: float, at: int, tolerance: float) -> float:
                 return found
             break
     raise ParameterError(
-        "small parameter eps", eps, "small enough for averaging to locate the cycles",
-        "take a smaller eps, or parameters further from where cycles meet",
+        "small parameter eps", eps, "so small that averaging locates the cycles approximately",
+        "take a smaller eps, or parameters farther from those at which cycles meet",
     )  # fmt: skip

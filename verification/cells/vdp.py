@@ -46,7 +46,9 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     """
     begin = perf_counter()
     eta_from_damping(a, b)  # refuses what is out of range
-    remedy = "give such a value; for smaller ones take the averaged cell, which is their limit"
+    remedy = (
+        "give a value in this range; for smaller ones use the averaged cell, which is their limit"
+    )
     within("small parameter eps", eps, *EPS_RANGE, remedy)
     within("tolerance", tolerance, 1e-13, 1e-6)
     damping = {(0, 0): 1.0, (2, 0): -a, (4, 0): b}

@@ -318,7 +318,7 @@ class _Column:
         if self.shape and self._flat:
             raise ParameterError(
                 f"column {self.name}", f"an array of shape {self.shape}",
-                "one number or word a point where the table is CSV",
+                "one number or word for each point where the table is CSV",
                 "name a file ending in .zarr or .npz",
             )  # fmt: skip
         self._values = self._zeros((len(self._values), *self.shape), _TYPES[kind])
@@ -326,8 +326,8 @@ class _Column:
     def _widen(self, kind: str) -> None:
         if "U" in (kind, self._kind):
             raise ParameterError(
-                f"column {self.name}", "numbers beside words", "of one kind",
-                "return numbers everywhere, or words",
+                f"column {self.name}", "numbers and words", "of one kind",
+                "return only numbers, or only words",
             )  # fmt: skip
         if self._kind != "f":
             narrow = self._values
@@ -343,8 +343,8 @@ class _Column:
         if not word or word != word.strip() or any(sign in word for sign in FORBIDDEN):
             raise ParameterError(
                 f"word in column {self.name}", repr(word),
-                "one that no reader of CSV would misread: without #, ends of lines, or blanks at "
-                "its ends",
+                "a word that every reader of CSV reads correctly: without #, line ends, or blanks "
+                "at its ends",
                 "replace them",
             )  # fmt: skip
 

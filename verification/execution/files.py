@@ -34,10 +34,10 @@ _REMEDIES = {
     errno.ENOSPC: "free some space, or name a file on another disk",
     errno.EDQUOT: "free some space, or name a file on another disk",
     errno.EFBIG: "raise the limit on the size of files (ulimit -f), or name a file elsewhere",
-    errno.EPIPE: "keep its reader open until all is written",
-    errno.EIO: "look after the disk, or name a file on another one",
-    errno.ELOOP: "mend the symbolic link, or name another file",
-    errno.ENOENT: "make the folder first, or name another file",
+    errno.EPIPE: "keep its reader open until everything is written",
+    errno.EIO: "check the disk, or name a file on another one",
+    errno.ELOOP: "repair the symbolic link, or name another file",
+    errno.ENOENT: "create the folder first, or name another file",
 }
 
 
@@ -277,7 +277,7 @@ def _locked(path: Path, lock: Path) -> int:
             raise FileError(
                 path,
                 "is in use by another run",
-                "wait for that one to end, or name another file",
+                "wait until that run has ended, or name another file",
                 errno.EBUSY,
             ) from None
         os.close(handle)  # its holder has just removed it
@@ -291,7 +291,7 @@ def _target(path: Path) -> Path | None:
         target = Path(os.path.realpath(path))
         if not target.parent.is_dir():
             why = f"cannot be written: the folder {target.parent} does not exist"
-            raise FileError(path, why, "make the folder first", errno.ENOENT) from None
+            raise FileError(path, why, "create the folder first", errno.ENOENT) from None
         return target
     except (OSError, ValueError) as error:
         said = error if isinstance(error, OSError) else OSError(errno.EINVAL, str(error))

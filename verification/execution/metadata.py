@@ -22,8 +22,8 @@ TOOLKIT = "excitation-fronts"
 COMPUTING = ("numpy", "scipy", "mpmath", "sympy", "numba")
 """Packages with which the toolkit computes."""
 
-CHANGED = "the code it depends on has changed since"
-UNKNOWN = "it does not say which code it depends on"
+CHANGED = "the code on which it depends has changed since"
+UNKNOWN = "it does not state the code on which it depends"
 
 
 def installed_versions(packages: Iterable[str] = COMPUTING) -> dict[str, str | None]:
@@ -173,7 +173,7 @@ def staleness(code: Code | Mapping[str, Any] | None, packages: Collection[str] =
     Examples
     --------
     >>> staleness(None)
-    'it does not say which code it depends on'
+    'it does not state the code on which it depends'
     >>> staleness(Code.of(["theory.parameters"]))
     ''
     """

@@ -131,14 +131,17 @@ def points_of(points: Sequence[Mapping[str, Scalar]] | Mapping[str, Any]) -> Seq
     except (TypeError, ValueError) as wrong:
         raise ParameterError(
             "points", type(points).__name__, "mappings of names to numbers or words, or names with "
-            "the values on each axis", f"mend them: {wrong}".rstrip("."),
+            "the values on each axis", f"correct them: {wrong}".rstrip("."),
         ) from None  # fmt: skip
     if isinstance(found, Grid):
         return found
     for point in found:
         if list(point) != list(found[0]):
             raise ParameterError(
-                "points", f"{point} beside {found[0]}", "all of the same names", "name them alike"
+                "points",
+                f"{point} beside {found[0]}",
+                "all of the same names",
+                "give all points the same names",
             )
     return found
 
@@ -152,7 +155,7 @@ def _listed(points: Any) -> Grid | tuple[Point, ...]:
     given = (points,) if isinstance(points, Point) else tuple(points)
     for each in given:
         if not isinstance(each, Mapping):
-            raise TypeError(f"{each!r:.40} is no mapping")
+            raise TypeError(f"{each!r:.40} is not a mapping")
         _need_names(each)
     return tuple(each if isinstance(each, Point) else Point(each) for each in given)
 
@@ -160,7 +163,7 @@ def _listed(points: Any) -> Grid | tuple[Point, ...]:
 def _need_names(names: Iterable[Any]) -> None:
     for name in names:
         if not isinstance(name, str):
-            raise TypeError(f"{name!r:.40} is no name")
+            raise TypeError(f"{name!r:.40} is not a name")
 
 
 def coordinates(points: Sequence[Point]) -> dict[str, Array]:

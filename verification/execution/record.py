@@ -97,7 +97,7 @@ class Record:
         """Return the record that `to_dict` produced; errors as in `load`."""
         remedy = "remove it, and compute the result again"
         if not isinstance(body, dict) or "kind" not in body:
-            raise ParameterError("record", source, "a record as this toolkit writes them", remedy)
+            raise ParameterError("record", source, "a record written by this toolkit", remedy)
         if body["kind"] != kind or body.get("format") != FORMAT:
             raise ParameterError(
                 "record", source, f"of the kind '{kind}' in format {FORMAT}", remedy

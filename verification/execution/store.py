@@ -225,7 +225,7 @@ class Store:
             raise self._refusal("damaged", "a file of finished results")
         if not resume:
             raise ParameterError(
-                f"store {self._path}", "left by an interrupted run", "absent where a run begins",
+                f"store {self._path}", "left by an interrupted run", "absent when a run begins",
                 "resume it (--resume), or remove it",
             )  # fmt: skip
         if found != self._identity:
@@ -245,7 +245,10 @@ class Store:
 
     def _sentence(self, error: Exception) -> FileError | ParameterError:
         if _in_use(error):
-            why, remedy = "is in use by another run", "wait for that one to end, or name another"
+            why, remedy = (
+                "is in use by another run",
+                "wait until that run has ended, or name another",
+            )
             return FileError(self._path, why, remedy, errno.EBUSY)
         if _cannot_write(error):
             number = errno.ENOSPC if "full" in str(error) else errno.EIO

@@ -251,7 +251,7 @@ class _Found:
             plain = isinstance(cell, float | int | str)  # comparing arrays costs microseconds
             if not (cell == own if plain else np.array_equal(np.asarray(cell), np.asarray(own))):
                 raise ParameterError(
-                    f"result {name}", cell, f"of another name, or what the coordinate is, {own}",
+                    f"result {name}", cell, f"{own}, the coordinate of the same name",
                     "rename the result",
                 )  # fmt: skip
         return {name: cell for name, cell in row.items() if name not in self.coordinates}

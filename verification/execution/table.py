@@ -95,7 +95,7 @@ class Table(Result):
             if column.ndim > 1:
                 raise ParameterError(
                     f"column {name}", f"arrays of shape {column.shape[1:]}",
-                    "one number or word a point in CSV or a data frame",
+                    "one number or word for each point in CSV or a data frame",
                     "take to_xarray(), or name a file ending in .zarr or .npz",
                 )  # fmt: skip
         return dict(self.arrays)
@@ -374,7 +374,7 @@ def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -
     for name in dims:
         if not shapes.get(name):
             raise ParameterError(
-                "dims", name, "of results that are arrays", "leave it out, or mend the name"
+                "dims", name, "of results that are arrays", "leave it out, or correct the name"
             )
     for name, shape in shapes.items():
         if not shape:
@@ -394,7 +394,7 @@ def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -
             if sizes.setdefault(each, size) != size:
                 raise ParameterError(
                     f"dimension {each}", f"{size} and {sizes[each]} entries", "of one length",
-                    "give each length a name of its own",
+                    "give each length a different name",
                 )  # fmt: skip
         found[name] = names
     return found

@@ -151,7 +151,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         progress=progress,
     )
     if method == "wave":
-        request.reads(where="beside the method wave")
+        request.reads(where="with the method wave")
         return front_of_wave(chain)
     if getattr(chain, "c", 1.0) == 0.0:
         raise ParameterError("coupling c", 0.0, "positive for a front", "give a coupling")
@@ -170,7 +170,7 @@ def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
     """
     if not isinstance(chain, AveragedChain):
         raise ParameterError(
-            "method", "wave", f"run for the model {chain.model}: a wave of (43) is solved for",
+            "method", "wave", f"run for the model {chain.model}: the wave is a solution of (43)",
             "take the model averaged",
         )  # fmt: skip
     begin = perf_counter()

@@ -341,7 +341,7 @@ def spreading_front(chain: OwnChain, request: Request) -> Front:
     """Return the front of a lattice or a network."""
     read = ("accuracy", "tolerance", "excited", "stall_time")
     if chain.shape is None:
-        request.reads(*read, where="on a network that is no lattice")
+        request.reads(*read, where="on a network that is not a lattice")
     else:
         request.reads(*read, "directions", where="on a lattice")
     stall = 60.0 if request.stall_time is None else request.stall_time

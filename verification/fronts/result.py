@@ -16,7 +16,7 @@ class LeftBoundary(Status):
     """What lies to the left of the first site; it matters only where waves overtake the front."""
 
     FREE = "free", "Nothing: the first site is a free end."
-    WAVE = "wave", "A wave that goes on for ever, with the phase step of the front at each site."
+    WAVE = "wave", "A wave without end, with the phase step of the front at each site."
 
 
 @dataclass(frozen=True, kw_only=True)

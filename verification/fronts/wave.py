@@ -299,7 +299,7 @@ class Window:
                 "a larger coupling."
             )
         return NoFrontError(
-            f"the front at {here} is slower than {SLOWEST:g}; beside c_pin = {fold.c:.12g} its "
+            f"the front at {here} is slower than {SLOWEST:g}; near c_pin = {fold.c:.12g} its "
             f"velocity is {fold.square_root:.6g} sqrt(c - c_pin)."
         )
 

@@ -42,7 +42,7 @@ SAMPLES = 16
 HOLD = 4
 STEADY = 1e-5
 SMALL = 1e-3
-_STATE = "a map of states, which are of motion that is left alone"
+_STATE = "a map of states, which requires a chain without external forces"
 
 
 class SmoothRules(StateRules):

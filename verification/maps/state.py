@@ -12,7 +12,7 @@ from theory.status import Status
 class State(Status):
     """The state of a chain at the end of a run."""
 
-    FRONT = "front", "the disturbance has filled the chain, which stays filled."
+    FRONT = "front", "the disturbance has filled the chain and persists."
     BREATHER = "breather", "some sites continue to oscillate steadily, and no further one joins."
     FIXED_POINT = "fixed point", "the chain is certain to be at rest for ever."
     UNDECIDED = "undecided", "none of the rules applied in time; the reason is stated."
@@ -22,11 +22,11 @@ class Reason(Status):
     """Why a state was assigned, or why it is undecided."""
 
     DECIDED = "decided", "a rule applied, in the first half of the time."
-    END_TIME = "end time", "no rule applied by half of the end time: take a later one."
-    PERTURBATION = "perturbation", "a perturbed start has another state: a boundary is close."
+    END_TIME = "end time", "no rule applied in the first half of the time: take a later end time."
+    PERTURBATION = "perturbation", "a perturbed start leads to another state: a boundary is close."
     UNSTABLE_BACKGROUND = (
         "unstable background",
-        "it looks like a breather, but the sites at rest around it cannot stay there.",
+        "it looks like a breather, but the sites around it cannot remain at rest.",
     )
 
 

@@ -243,7 +243,7 @@ def state_map(
     out = None if out is None else Path(out)
     if task.amplitudes and out is not None and out.suffix not in ARRAY_FORMATS:
         raise ParameterError(
-            "file of a map with amplitudes", out, "one with a place for arrays",
+            "file of a map with amplitudes", out, "a file that can hold arrays",
             "name a file ending in .zarr or .npz",
         )  # fmt: skip
     points = state_points(task, axes)

@@ -36,7 +36,7 @@ class Curves(dict[str, "Mapping[str, Column]"]):
         ['series,c,v', 'chain,1,0.5', 'chain,2,0.7']
         """
         if name in self:
-            raise ValueError(f"there is a curve '{name}': give this one another name.")
+            raise ValueError(f"there is a curve '{name}': choose another name for this one.")
         self[name] = columns
         x, y, *_ = columns.values()
         return x, y

@@ -81,7 +81,7 @@ def _run_of(kind: type[SmoothChain]) -> Computation:
         check=partial(_check_run, kind, names),
         seconds=60.0,
         share=0.2,
-        limits="the chain says of no parameter where its range ends",
+        limits="the chain states no range for its parameters",
     )
 
 

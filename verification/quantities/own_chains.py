@@ -100,19 +100,19 @@ def own_precisely(at: Mapping[str, float], stated: StatedValue) -> ReferenceChec
 
 _RUN = Computation(
     name="run-chain",
-    title="state of a chain of one's own at t = 30 from one displaced site",
+    title="state of a user-defined chain at t = 30 from one displaced site",
     axes=axes(
         k=(1e-6, 1.0), far=(1e-3, 1.0), d=(1e-6, 1.0), spread=(1e-6, 0.3), c=(1e-8, 10.0),
         eps=(1e-6, 1.0), force=(1e-6, 1.0), sites=(5, 60), displacement=(1e-6, 3.0),
         tolerance=(1e-12, 1e-4),
     ),
     compute=own_run, check=own_precisely, seconds=60.0, share=0.3,
-    limits="one polynomial stands for all; stronger damping takes scipy minutes",
+    limits="one polynomial represents all; with stronger damping scipy takes minutes",
 )  # fmt: skip
 
 QUANTITIES = (
     Quantity(
-        name="own-chain", title="trajectory of a chain of one's own", equation="(8)",
+        name="own-chain", title="trajectory of a user-defined chain", equation="(8)",
         problems="own-chain", reference="scipy's DOP853 at 1e-13, the equation written again",
         accuracy=1e-8, default=OURS, useful=(1e-10, 1e-3), computations=(_RUN,),
     ),

@@ -58,7 +58,7 @@ def _label_holds(at: Mapping[str, float], stated: StatedValue, full: bool) -> Re
     from scipy.integrate import solve_ivp
 
     if stated.value is None:
-        raise NoReferenceError("an undecided run promises nothing.")
+        raise NoReferenceError("an undecided run makes no statement.")
     chain = vdp_chain({**_GIVEN, **at})
     given, psi = stated.extra
     rate, start = (full_rate(chain), as_state(psi)) if full else (averaged_rate(chain), psi)
@@ -103,14 +103,14 @@ QUANTITIES = (
         computations=(
             Computation(
                 name="label-averaged",
-                title="front, breather or rest: what becomes of a displaced site of (43)",
+                title="front, breather or rest: final state after displacement of one site of (43)",
                 axes=_AXES,
                 compute=partial(_label, full=False), check=partial(_label_holds, full=False),
                 seconds=20.0, share=0.2, problems="map", limits=_LIMITS,
             ),
             Computation(
                 name="label-vdp",
-                title="front, breather or rest: what becomes of a displaced site of (8)",
+                title="front, breather or rest: final state after displacement of one site of (8)",
                 axes=(*_AXES, *axes(eps=(1e-2, 1.0))),
                 compute=partial(_label, full=True), check=partial(_label_holds, full=True),
                 seconds=20.0, share=0.2, problems="map", limits=_LIMITS,

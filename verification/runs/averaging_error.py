@@ -124,7 +124,7 @@ def averaging_error(
     )
     slow_time = positive("slow time", slow_time)
     if slow_time > 100.0:
-        raise ParameterError("slow time", slow_time, "at most 100", "compare over a shorter one")
+        raise ParameterError("slow time", slow_time, "at most 100", "take a shorter time")
     halvings = whole_number("halvings of eps", halvings, 2, 8)
     if start is None:
         start = excite(chain, [(chain.sites + 1) // 2])

@@ -47,7 +47,7 @@ _MAX_HEADER = 1_000_000
 _DEPENDS_ON = ("python", "numpy", "scipy", "numba")
 """Packages whose versions may change the last bit of a run."""
 
-_WRITTEN = "a checkpoint as this toolkit writes them"
+_WRITTEN = "a checkpoint written by this toolkit"
 
 Arrays = Mapping[str, AnyArray]
 
@@ -148,7 +148,7 @@ def _resumed(
         except ValueError as error:
             raise _refusal(path, f"a state of this run ({error})") from None
         if not 0.0 <= each.time <= end:  # with a time of NaN the run would never end
-            raise _refusal(path, f"of a run whose time is from 0 to {end:g}, not {each.time:g}")
+            raise _refusal(path, f"of a run with times from 0 to {end:g}, not {each.time:g}")
     return seconds
 
 
@@ -239,7 +239,7 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
             RuntimeError, zipfile.BadZipFile, zipfile.LargeZipFile, OverflowError):  # fmt: skip
         raise _refusal(path, _WRITTEN) from None
     if digest_of_arrays(found) != header["digest"]:
-        raise _refusal(path, "as it was written; its content is damaged")
+        raise _refusal(path, "unchanged since it was written; its content is damaged")
     for name, array in arrays.items():
         array[...] = found[name]
     return float(header["seconds"])
@@ -267,7 +267,7 @@ def _check_header(path: Path, header: Mapping[str, Any], metadata: Mapping[str, 
         said = differences(header["metadata"], here)
         raise _refusal(
             path, f"of a run with the same parameters, code and versions ({said})",
-            "repeat those, or name another file",
+            "use the same ones, or name another file",
         )  # fmt: skip
 
 

@@ -102,7 +102,9 @@ class SeedTask:
         value = getattr(found, name) if name else found
         if value is None:
             status = getattr(found, "status", None)
-            return _MISSING | {"reason": getattr(status, "sentence", "there is no such number.")}
+            return _MISSING | {
+                "reason": getattr(status, "sentence", "the result has no such number.")
+            }
         value = _number(name or "value", value)
         error = getattr(found, f"{name}_error", getattr(found, "error", None))
         if not math.isfinite(value):
@@ -178,7 +180,7 @@ def ensemble(
     """
     begin = perf_counter()
     kinds = OscillatorChain, AveragedOscillatorChain
-    need_instance("chain", chain, kinds, "write the cell as text: it takes disorder")
+    need_instance("chain", chain, kinds, "give the cell as text, so that disorder can be applied")
     if not chain.disorder:
         raise ParameterError("disorder", "none", "a spread", "give one, as disorder={'a': 0.1}")
     if not callable(function):
@@ -190,7 +192,7 @@ def ensemble(
     table = {name: [row[name] for row in rows] for name in rows[0]}
     names = [name for name in table["quantity"] if name]
     if not names:
-        raise RunError(f"there is no such number at any seed: {table['reason'][0]}")
+        raise RunError(f"the function gave no such number at any seed: {table['reason'][0]}")
     return Ensemble(
         chain=chain,
         quantity=names[0],
@@ -210,5 +212,5 @@ def _distinct(seeds: Sequence[int]) -> list[int]:
     if not given:
         raise ParameterError("seeds", "none", "at least one", "give range(16)")
     if len({*given}) < len(given):
-        raise ParameterError("seeds", given, "all different", "give each once")
+        raise ParameterError("seeds", given, "all different", "give each seed once")
     return given

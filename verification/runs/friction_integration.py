@@ -287,7 +287,7 @@ class FrictionIntegration(Integration):
             )
         if ended is StopCode.STEP_TOO_SHORT:
             raise StandstillError(
-                f"time stands still at tau = {self.time:.6g}; take a larger v0 or a smaller c."
+                f"the time step vanished at tau = {self.time:.6g}; take a larger v0 or a smaller c."
             )
 
     def going_to_rest(self) -> bool:

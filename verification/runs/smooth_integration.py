@@ -366,8 +366,8 @@ def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> i
     if chain.network is not None:
         if trailing_sites or wave:
             raise ParameterError(
-                "left boundary", "a wave", "free where sites are coupled to others than their "
-                "neighbours", "leave it out",
+                "left boundary", "a wave", "free where sites are coupled to sites other "
+                "than their neighbours", "leave it out",
             )  # fmt: skip
         return NETWORK
     if chain.ends is Ends.PERIODIC:
@@ -375,7 +375,7 @@ def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> i
             raise ParameterError("trailing sites", trailing_sites, "0 on a ring", "take free ends")
         return RING
     if chain.ends is not Ends.FREE:
-        raise ParameterError("ends", chain.ends.value, "free or periodic", "take such ends")
+        raise ParameterError("ends", chain.ends.value, "free or periodic", "choose one of these")
     return FOLLOWING if wave else FREE
 
 

@@ -20,17 +20,17 @@ class RunStatus(Status):
     RESOLVED = (
         "resolved",
         "At every sample the error is below the largest amplitude so far, and the events are the "
-        "same at other tolerances: the motion is as accurate as the error states, and no more.",
+        "same at other tolerances: the motion is as accurate as the error states.",
     )
     EVENTS_DIFFER = (
         "events differ",
-        "The runs at other tolerances had a different number of events: an event is as small as "
-        "the error, or the motion is chaotic.",
+        "The runs at other tolerances had a different number of events: some event is decided "
+        "by amounts below the error, or the motion is chaotic.",
     )
     NOT_RESOLVED = (
         "not resolved",
-        "The error is larger than the amplitude: what the run shows after the time up to which it "
-        "is resolved is one of many possible motions. Take a smaller tolerance, or an earlier end.",
+        "The error is larger than the amplitude: beyond the time up to which it is resolved, the "
+        "run shows one of many possible motions. Take a smaller tolerance, or an earlier end.",
     )
     NOT_COMPARED = "not compared", "No run at another tolerance was made, so the error is unknown."
 

@@ -19,7 +19,10 @@ class StopCode(IntEnum):
         return member
 
     REACHED = 0, "The requested time is reached."
-    STEP_TOO_SHORT = 1, "The tolerance requires steps that are too short, or time stands still."
+    STEP_TOO_SHORT = (
+        1,
+        "The tolerance requires steps that are too short, or the time step vanished.",
+    )
     NOT_FINITE = 2, "The state has left the range of double precision."
     BUDGET_SPENT = 3, "The number of steps allowed has been taken; the next call continues."
     CONDITION = 4, "The stop condition is met."

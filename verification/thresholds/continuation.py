@@ -162,8 +162,8 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
     if isinstance(chain, OscillatorChain):
         if not chain.along_line or any(np.ndim(each) for each in chain.site_values.values()):
             raise ParameterError(
-                "chain", "one whose sites differ, or a network", "of sites that are alike, along a "
-                f"line, for the method {method}", "take bisection",
+                "chain", "one whose sites differ, or a network", "of identical sites along a line "
+                f"for the method {method}", "take bisection",
             )  # fmt: skip
         return chain.replace(sites=sites)
     kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain

@@ -140,7 +140,7 @@ def measure_delay(chain: VanDerPolChain, preparation: NucleusPreparation) -> Del
         found = sweep_envelope(chain, preparation, rate)
         if found is None:
             raise ParameterError(
-                "sweep rate", rate, "such that the nucleus escapes", "hold c instead"
+                "sweep rate", rate, "such that the nucleus escapes", "use the method hold"
             )
         escapes.append(found)
     return fit_delay(RATES, escapes, time.perf_counter() - started)

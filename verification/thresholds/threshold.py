@@ -154,7 +154,7 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         "perturbation": perturbation, "seed": seed,
     }  # fmt: skip
     usual = {name: each.default for name, each in signature(threshold).parameters.items()}
-    refuse_unread(given, usual, _OPTIONS.get(how, ()), f"beside the method {how}")
+    refuse_unread(given, usual, _OPTIONS.get(how, ()), f"with the method {how}")
     if how is ThresholdMethod.BISECTION:
         spreading = Spreading(
             nucleus.size, nucleus.place, what, final_time, pattern=nucleus.pattern,
@@ -233,7 +233,7 @@ def _start_point(chain: Chain, point: StartPoint | None, displacement: float | N
         return StartPoint.MAXIMUM
     if displacement is not None or not isinstance(chain, FrictionChain):
         raise ParameterError(
-            "start point", str(point), "absent beside a displacement, and for other chains than "
+            "start point", str(point), "absent with a displacement, and for chains other than "
             "the friction chain", "leave it out",
         )  # fmt: skip
     return StartPoint(point)

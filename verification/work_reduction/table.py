@@ -74,7 +74,7 @@ class Reduction:
             "difference": found.changed,
             "difference_allowed": found.bound,
             "holds": found.holds,
-            "measured": f"{spent:.4g} in place of {whole:.4g} {self.unit}: {times}",
+            "measured": f"{spent:.4g} instead of {whole:.4g} {self.unit}: {times}",
             "changed": str(found),
             "test": self.test,
         }
@@ -101,7 +101,7 @@ REDUCTIONS: tuple[Reduction, ...] = (
     ),
     Reduction(
         what="quadrature points",
-        decided="the effect of the roots beside the path is taken away in closed form",
+        decided="the effect of the roots near the path is subtracted in closed form",
         bound="2M/(e^{N sigma} - 1) of what is left, in the error returned",
         unit="points for 200 velocities to 1e-13 (equispaced, none taken away)",
         compare=few_points,
@@ -186,7 +186,7 @@ REDUCTIONS: tuple[Reduction, ...] = (
     Reduction(
         what="harmonics",
         decided="orbits are found by shooting, whose unknowns are one state and the period",
-        bound="the error of the orbit: it has every harmonic all the same",
+        bound="the error of the orbit: all harmonics are contained nevertheless",
         unit="unknowns (harmonic balance with every harmonic above that error)",
         compare=harmonics_not_solved_for,
         test=_TESTS + "test_harmonics_not_solved_for_change_less_than_the_error_of_the_orbit",

@@ -651,7 +651,7 @@ def test_an_operation_says_what_it_did(name):
         (Substitute(index=n, at=(0,)), "substitute (2) at n = 0 into (1)"),
         (Substitute(index=n, at=(0, n + 1)), "substitute (2) at the sites 0 and n + 1 into (1)"),
         (CountAbove(k, -1, name), "count the roots of (1) with -π < Re k < 0 above the axis: by "
-         "(2) only the far end turns the argument"),
+         "(2) only the far end changes the argument"),
         (CollectPower(e, 0), "collect the terms of order 1 of (1)"),
         (CollectPower(e, 1), "collect the terms of order e of (1)"),
         (Linearise({z: z}, at_rest=True), "linearise (1) about rest"),

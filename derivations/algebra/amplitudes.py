@@ -192,7 +192,7 @@ class NextHarmonics(Operation):
         ``e^{it}``.
     """
 
-    phrase: ClassVar[str] = "solve {sources} at order ε for what is not resonant"
+    phrase: ClassVar[str] = "solve {sources} at order ε for the non-resonant terms"
     small: sp.Symbol
     amplitude: sp.FunctionClass
     name: sp.Symbol

@@ -55,7 +55,7 @@ class CountAbove(Operation):
         left, right = (spoken(edge * sp.pi) for edge in (self.left, self.left + 1))
         return (
             f"count the roots of {labels[0]} with {left} < Re {spoken(self.wavenumber)} < {right} "
-            f"above the axis: by {listed(labels[1:])} only the far end turns the argument"
+            f"above the axis: by {listed(labels[1:])} only the far end changes the argument"
         )
 
 
@@ -111,7 +111,7 @@ class ParametriseRadical(Operation):
         radicand = sp.expand(roots[0].base)
         real, imaginary = radicand.as_real_imag()
         if real.has(self.variable) or not (-imaginary).is_positive:
-            raise OperationError("the radicand is not a constant minus i times what is positive")
+            raise OperationError("the radicand is not a constant minus i times a positive term")
         partner = sp.sqrt(self.parameter**2 - real)
         (value,) = sp.solve(imaginary + 2 * self.parameter * partner, self.variable)
         return sp.Tuple(

@@ -166,7 +166,7 @@ _DECAYING = (
             EquationReading("at one site n >= 1", _BALANCE, True, "the substitution is right"),
             EquationReading(
                 "at every n >= 1", _BALANCE, False,
-                "three sites force equal amplitudes: no decaying solution exists; what is true "
+                "three sites require equal amplitudes: no decaying solution exists; what is true "
                 "instead are real amplitudes with phase steps of -pi/2 and a varying ratio",
                 readings.at_every_site),
         ),

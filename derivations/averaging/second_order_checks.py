@@ -29,7 +29,7 @@ _SMALLEST = 1e-13
 """Smallest error of which a slope is computed; the errors of orbits are limited by rounding."""
 _ROUNDING = 1e-15
 """Largest residual of rates of order eps that counts as rounding."""
-_ALONG = "what the equation of motion leaves at e^{it} along the predicted flow"
+_ALONG = "the residual of the equation of motion at e^{it} along the predicted flow"
 _PLAIN = 0.02
 """Value of eps used; larger where damping and stiffness are weak."""
 _WEAK = 0.2

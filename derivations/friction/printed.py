@@ -79,7 +79,7 @@ EQUATIONS = (
             sp.Lt(sp.Abs(F), mu_st * F_N, evaluate=False), equation(v_rel, 0)),
         verdict=EquationVerdict.MISPRINT,
         note="The bound must include equality: at the instant of breaking away |F| = mu_st F_N, "
-             "the value from which slip goes on, and as printed there is no law for it. mu is that "
+             "the value at which slip begins, and as printed there is no law for it. mu is that "
              "of the corrected (2).",
         affects="(6). Simulations are not affected: the instant has no duration.",
         amendments=((r"|F| <", r"|F| \leq"),),

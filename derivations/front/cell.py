@@ -97,7 +97,7 @@ def comparison(draft: Draft, chain: ChainModel) -> None:
                   note="(44) has the rest state of (43), its decay and its springs")
     draft.definition("deviation from the cycle", equation(phi(n, t), phi_s * (1 + deviation)),
                      "a relative deviation: its real part is radial, its imaginary "
-                     "part turns the phase", check=checks.shifted)
+                     "part changes the phase", check=checks.shifted)
     draft.derived("two lines near the cycle",
                   (TakeBranch(above), alike(phi, n, t, chain.reach), Rewrite(Form.EXPANDED)),
                   "two lines", check=checks.upper)

@@ -85,7 +85,7 @@ def _extra_term(draft: Draft) -> None:
     """Derive the resonant part of ``-y' delta``, which the '1' in print adds."""
     wave = sp.exp(i * t)
     draft.definition("term added by print", equation(resonant, -motion.diff(t) * deviation),
-                     "what the '1' in the bracket of the printed (42) adds, over eps",
+                     "contribution of the '1' in the bracket of the printed (42), over eps",
                      check=checks.added)
     draft.ansatz("oscillation and deviation",
                  sp.Tuple(*(equation(own, size * wave + sp.conjugate(size) / wave)

@@ -65,7 +65,7 @@ class NucleusOutcome(Status):
     LARGER = "larger nucleus", "sites joined, but none in the last half of the run."
     UNDECIDED = "undecided", "few sites joined by the end of the run: allow more time."
     FRONT = "front", "sites join one after the other without a long pause."
-    CREEP = "creep", "the nucleus grows by jumps, between which it hardly changes."
+    CREEP = "creep", "the nucleus grows in jumps, between which it hardly changes."
 
 
 @dataclass(frozen=True, kw_only=True)

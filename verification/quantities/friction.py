@@ -120,9 +120,7 @@ def friction_state(at: Mapping[str, float]) -> StatedValue:
     run = simulate(chain, start, _TAU, samples=2, tolerance=1e-10)
     assert run.error is not None
     if run.status is not RunStatus.RESOLVED:
-        raise RunError(
-            "the run says that runs at other tolerances see other events: rounding decides."
-        )
+        raise RunError("runs at other tolerances have other events: rounding decides.")
     return StatedValue(value=run.y[-1], error=run.error, extra=start)
 
 

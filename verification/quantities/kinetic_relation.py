@@ -140,7 +140,7 @@ def _by_newton(
         with mp.workdps(100):
             x, given = mp.mpf(stated.value), mp.mpf(at[name])
             if x == 0:
-                return ReferenceCheck.exact(defect(x, given) == 0, "zero put in")
+                return ReferenceCheck.exact(defect(x, given) == 0, "substitution of zero")
             h = x * mp.mpf(10) ** -40
             here = defect(x, given)
             slope = (defect(x + h, given) - defect(x - h, given)) / (2 * h)

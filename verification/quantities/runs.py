@@ -145,7 +145,7 @@ def _where_it_moves(
 
     first = _FIRST_PART + 1.2 * reach
     if min(first, sites) > _MAX_PART:
-        raise NoReferenceError("motion leaves the part that a reference in Python follows")
+        raise NoReferenceError("the motion leaves the sites that a reference in Python includes")
     part = moving_sites(at_rest, sites, round(first), _MAX_PART)
     tight = precise(part, extrapolation.TOLERANCE)
     looser = precise(min(sites, part + _FIRST_PART // 2), extrapolation.LOOSER)

@@ -48,7 +48,7 @@ def moving_sites(at_rest: Callable[[int], bool], sites: int, first: int, most: i
     part = min(sites, first)
     while part < sites and not at_rest(part):
         if part == most:
-            raise NoReferenceError("motion leaves the part that a slow reference follows")
+            raise NoReferenceError("the motion leaves the sites that a slow reference includes")
         part = min(sites, 2 * part, most)
     return part
 

@@ -55,12 +55,12 @@ class Mechanism(Status):
     FOLD = "fold", "it ends in a fold: it meets its unstable partner and neither exists beyond."
     SYMMETRY_BREAKING = (
         "symmetry-breaking",
-        "it loses stability before its fold to a mode that breaks mirror symmetry.",
+        "before its fold it becomes unstable to a mode that breaks mirror symmetry.",
     )
-    REAL_EXPONENT = "real exponent", "it loses stability before its fold by a real exponent."
+    REAL_EXPONENT = "real exponent", "before its fold a real exponent becomes positive."
     COMPLEX_EXPONENTS = (
         "complex exponents",
-        "it loses stability before its fold by a pair of complex exponents.",
+        "before its fold a pair of complex exponents acquires a positive real part.",
     )
     NEVER_STABLE = "never stable", "it is stable at no coupling on its branch."
     SPREADING = "spreading by the final time", "new sites are reached by the final time."

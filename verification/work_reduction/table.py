@@ -127,7 +127,7 @@ REDUCTIONS: tuple[Reduction, ...] = (
     Reduction(
         what="values of the sum in a search",
         decided="cells whose slopes cannot bring |Sum| to 2r are dropped, others halved",
-        bound="nothing: the same velocities, each in a cell in which a scan sees a change of sign",
+        bound="none: the same velocities, each in a cell in which a scan finds a change of sign",
         unit="values of the sum just above a fold (a scan that parts the pair)",
         compare=few_values_in_a_search,
         test=_TESTS + "test_values_left_out_of_a_search_lose_no_velocity",
@@ -162,7 +162,7 @@ REDUCTIONS: tuple[Reduction, ...] = (
         what="events",
         decided="a crossing is sought only where a chord less F h^2/8 reaches the threshold, F a "
         "bound on the second derivative of |phi|^2",
-        bound="nothing: the same crossings to the last bit",
+        bound="none: the crossings are the same to the last bit",
         unit="searches for six crossings (every site in every interval)",
         compare=crossings_sought,
         test=_TESTS + "test_searches_left_out_lose_no_crossing_and_move_none",

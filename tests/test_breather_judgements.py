@@ -393,7 +393,7 @@ def test_variations_along_sinusoids_that_overflow_in_any_part_are_refused(
         floquet, "integrate_along_sinusoids", lambda *_, **__: SimpleNamespace(monodromy=matrix)
     )
     closed: Any = SimpleNamespace(alpha_0=1.0, amplitudes=np.ones, phase_step=0.1, frequency=1.25)
-    with pytest.raises(ParameterError, match="small enough to follow variations"):
+    with pytest.raises(ParameterError, match="so small that variations stay finite"):
         floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
 
 

@@ -287,7 +287,7 @@ BAD = [
     ("map friction --c 0:0.1:3 --v-d 1:2:3 --mu-st 0.5", "mu_st"),
     ("map friction --c 0:0.1:3 --v-d 1:2:3 --v0 0", "v0"),
     ("map friction --c 0:0.1:3 --v-d 1:2:3 --eta 0.1", "--eta"),
-    ("map friction --c 0.1:0:3 --v-d 1:2:3", "let it rise"),
+    ("map friction --c 0.1:0:3 --v-d 1:2:3", "begin with the smaller"),
     ("map friction --c 0:0.1:3 --v-d 1:2:3 --nucleus 40", "nucleus"),
     ("map vdp --c 0.1 --eta 0.1 --v-d 1", "--v-d"),
 ]

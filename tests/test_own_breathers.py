@@ -314,7 +314,7 @@ def test_a_branch_is_followed_of_alike_sites_along_a_line_only() -> None:
 
 
 def test_a_nucleus_that_spreads_has_no_orbit_and_an_overdamped_cell_none_at_all() -> None:
-    with pytest.raises(ParameterError, match="stays as it is: after 40 units of slow time"):
+    with pytest.raises(ParameterError, match="stays localised: after 40 units of slow time"):
         breather(OscillatorChain(**PAPER, c=0.6, sites=9))
     with pytest.raises(ParameterError, match="orbit for a chain of your own"):
         breather(OscillatorChain(**PAPER, c=0.1, sites=9), method="simulation")

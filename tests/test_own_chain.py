@@ -300,9 +300,9 @@ def test_the_cycle_of_a_stiff_cell_is_where_scipy_ends() -> None:
 
 BAD: list[tuple[dict[str, Any], str]] = [
     ({"damping": "sin(y)"}, r"damping = 'sin\(y\)' is not allowed"),
-    ({"damping": "1/y"}, "it divides by what is no number"),
-    ({"damping": "y**0.5"}, "is none"),
-    ({"damping": "__import__('os').system('x')"}, "is none"),
+    ({"damping": "1/y"}, "it may be divided only by a number other than zero"),
+    ({"damping": "y**0.5"}, "is not allowed in one"),
+    ({"damping": "__import__('os').system('x')"}, "is not allowed in one"),
     ({"damping": "(y + 1"}, "it cannot be read"),
     ({"damping": None}, "damping = NoneType is not allowed"),
     ({"stiffness": "y + v"}, "put v into the damping"),

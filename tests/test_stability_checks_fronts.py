@@ -597,7 +597,7 @@ def test_a_reference_follows_all_sites_that_move() -> None:
     # What is missing beyond its sites is seen by the looser run, which has more.
     assert looser > tight
     assert check.uncertainty == pytest.approx(1.0 / tight - 1.0 / looser + 1e-3)
-    with pytest.raises(NoReferenceError, match="Python follows"):
+    with pytest.raises(NoReferenceError, match="Python includes"):
         runs._where_it_moves(replace(stated, value=np.zeros(500)), precise, 1e4)
     # As many as it follows at most it follows where waves pass all of them.
     runs._where_it_moves(replace(stated, value=np.zeros(400)), lambda part, _: PreciseState(

@@ -612,7 +612,7 @@ def nothing_computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterato
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        ("--eta 0.14:0.01:14 --c 0.1", "let it rise"),
+        ("--eta 0.14:0.01:14 --c 0.1", "begin with the smaller"),
         ("--eta 0.01:0.14 --c 0.1", "low:high:count"),
         ("--eta 0.01:0.14:1000 --c 0.1:1:1000", "at most 100000"),
         ("--eta -0.1 --c 0.1", "eta = b/a^2"),

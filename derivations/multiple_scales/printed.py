@@ -51,7 +51,7 @@ _TO_ORDERS = (
             + epsilon * _y.diff(t) * _damping(_y)),
         verdict=EquationVerdict.DEFINITION,
         note="The model. The ends of the chain are not stated here; see (40). With y / sqrt(a) in "
-             "the place of y only eta = b / a^2 remains of a and b.",
+             "place of y only eta = b / a^2 remains of a and b.",
     ),
     PrintedEquation(
         number=9,

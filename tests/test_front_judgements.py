@@ -1111,21 +1111,21 @@ def test_the_error_of_a_loss_of_stability_is_that_of_its_growth_over_its_rate(sh
     assert continuation._crossing_error(falls, found) == found.parameter
 
 
-@pytest.mark.parametrize("longer", [None, 0.17, 0.171])
+@pytest.mark.parametrize("longer", [None, 0.07, 0.071])
 def test_the_error_of_a_loss_of_stability_has_what_a_longer_chain_changes_in_it(
     longer: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And not what it changes in the fold; all of it where the longer chain is never stable."""
     crossings = [
-        _crossing(0.17), _crossing(0.01, from_start=True) if longer is None else _crossing(longer),
+        _crossing(0.07), _crossing(0.01, from_start=True) if longer is None else _crossing(longer),
         None,
     ]  # fmt: skip
     monkeypatch.setattr(continuation, "first_crossing", lambda *given: crossings.pop(0))
     monkeypatch.setattr(continuation, "_crossing_error", lambda *given: 1e-6)
     monkeypatch.setattr(continuation, "_mechanism", lambda *given: Mechanism.REAL_EXPONENT)
     found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=2)
-    assert found.stable_to == 0.17
-    assert found.stable_to_error == pytest.approx(1e-6 + abs(0.17 - (longer or 0.0)), abs=1e-15)
+    assert found.stable_to == 0.07
+    assert found.stable_to_error == pytest.approx(1e-6 + abs(0.07 - (longer or 0.0)), abs=1e-15)
 
 
 def test_a_search_along_a_branch_reports_how_far_it_is() -> None:

@@ -462,7 +462,9 @@ def test_an_unstable_cycle_that_must_exist_and_is_not_found_is_said_to_be(
 
 
 def test_a_cell_that_never_sticks_is_refused() -> None:
-    with pytest.raises(ParameterError, match=r"= 200 at damping xi = 0 .*must be so low that the cell st"):
+    with pytest.raises(
+        ParameterError, match=r"= 200 at damping xi = 0 .*must be so low that the cell st"
+    ):
         friction_cell(FrictionCell(v_d=200.0, xi=0.0))
     with pytest.raises(ParameterError, match="v_d"):
         friction_cell(FrictionCell(v_d=1e-300))

@@ -305,6 +305,15 @@ def test_a_diagram_is_refused_where_another_cycle_is_stable() -> None:
         cell_diagram(FrictionCell(law="stribeck", xi=0.35), [0.4], 1e-6)
 
 
+def test_a_diagram_says_where_sliding_is_stable_on_both_sides_of_the_fall_of_friction() -> None:
+    """2ξ + μ' = 0.1 - 2x e^{-x²}, x = v_d/v_s, is negative from x = 0.05 to x = 1.9."""
+    diagram = cell_diagram(FrictionCell(law="stribeck", v_s=0.5), [0.02, 0.3, 0.9, 1.0], 1e-8)
+    speeds = np.array([0.02, 0.3, 0.9, 1.0])
+    slope = -2.0 * 0.5 * speeds / 0.5**2 * np.exp(-((speeds / 0.5) ** 2))
+    assert diagram.sliding_stable.tolist() == (0.1 + slope > 0.0).tolist()
+    assert diagram.sliding_stable.tolist() == [True, False, False, True]
+
+
 def test_a_stable_cycle_that_passes_close_to_the_point_of_release_is_seen() -> None:
     """Just above the end of the stick-slip cycle, by scipy: slip for ever, with a largest y."""
     cell = FrictionCell(law="stribeck", viscous=0.3, v_d=0.6855)

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 
 def draw_bifurcation(axes: Axes, diagram: Bifurcation) -> None:
     """Draw the turning points of both cycles, and steady sliding, against the belt velocity."""
-    hopf = diagram.hopf_velocity
-    stable = diagram.v_d > hopf
+    hopf, stable = diagram.hopf_velocity, diagram.sliding_stable
     blue, vermilion, black = COLOURS["blue"], COLOURS["vermilion"], COLOURS["black"]
     for side in (0, 1):
         axes.plot(

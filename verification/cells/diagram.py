@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from theory.arrays import FloatArray
+from theory.arrays import BoolArray, FloatArray
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from theory.parameters import count_within
@@ -62,6 +62,12 @@ class Bifurcation(Result):
     def hopf_velocity(self) -> float:
         """Velocity above which steady sliding is stable; 0 under Coulomb's law."""
         return 0.0 if self.cell.law is FrictionLaw.COULOMB else self.cell.hopf_velocity
+
+    @property
+    def sliding_stable(self) -> BoolArray:
+        """Whether steady sliding is stable at each velocity, shape (M,)."""
+        margins = [replace(self.cell, v_d=float(each)).stability_margin for each in self.v_d]
+        return np.array(margins) > 0.0
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return one row per velocity; nan where a cycle does not exist."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from verification.pictures.figures import COLOURS
 
 if TYPE_CHECKING:
@@ -30,7 +32,8 @@ def draw_bifurcation(axes: Axes, diagram: Bifurcation) -> None:
         (~stable, ":", "steady sliding, unstable"),
     ):
         if chosen.any():
-            axes.plot(diagram.v_d[chosen], diagram.sliding[chosen], line, color=black, label=label)
+            sliding = np.where(chosen, diagram.sliding, np.nan)  # a gap in between
+            axes.plot(diagram.v_d, sliding, line, color=black, label=label)
     for name, velocity, line in (("Hopf", hopf, "-"), ("grazing", diagram.end, "-.")):
         if diagram.v_d[0] < velocity < diagram.v_d[-1]:
             axes.axvline(

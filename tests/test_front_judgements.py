@@ -1155,7 +1155,7 @@ def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_l
         made.append(chain.sites)
         longer: Any = SimpleNamespace(
             branch=lambda **_: SimpleNamespace(fold=None, points=[], monitored=[]),
-            system=lambda: None, monitor=None,
+            system=lambda: None, reported_monitor=lambda _: None,
         )  # fmt: skip
         return family(chain, nucleus) if len(made) == 1 else longer
 

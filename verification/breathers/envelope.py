@@ -155,9 +155,10 @@ class RotatingWaves(BreatherFamily):
         return self.start(0.0, c) if c <= start_of(self.chain) else None
 
     def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
-        """Return the exponents."""
+        """Return the exponents, without bounds on their errors."""
         mirrored = split and self.nucleus.mirrored(self.chain.sites)
-        return exponents(*self.unpack(u), replace(self.chain, c=c), mirrored)
+        here = replace(self.chain, c=c)
+        return exponents(*self.unpack(u), here, mirrored, error=math.inf)
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution; its error is the next Newton step plus rounding."""

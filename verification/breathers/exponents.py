@@ -6,6 +6,7 @@ period of (8) they give multipliers e^{2πελ} to leading order.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,9 +41,10 @@ class BreatherStability:
     marginal : float
         Growth rate up to which a mode counts as not growing: round-off of an exact zero.
     error : float
-        Bound on the distance of each computed value from an exact one.
+        Bound on the distance of each computed value from an exact one; infinite if it was not
+        computed.
     growth_error : float
-        The same for ``growth``; infinite where a multiplier may be zero.
+        The same for ``growth``; also infinite where a multiplier may be zero.
     """
 
     values: ComplexArray
@@ -81,11 +83,13 @@ def exponents(
 ) -> BreatherStability:
     """Return the eigenvalues of the linearisation, split by parity if ``mirrored``.
 
-    Their error bounds follow from the errors of φ and Ω, as those of multipliers do.
+    Their error bounds follow from the errors of φ and Ω, as those of multipliers do. They are
+    infinite, and eigenvectors are not computed, if ``error`` is.
     """
-    jacobian = rotating_jacobian(phi, omega, chain)
-    off = omega_error + _bend(np.abs(phi), chain) * error
-    bound = eigenvalue_bound(jacobian, np.linalg.eig(jacobian)[1], off)
+    jacobian, bound = rotating_jacobian(phi, omega, chain), math.inf
+    if error < math.inf:
+        off = omega_error + _bend(np.abs(phi), chain) * error
+        bound = eigenvalue_bound(jacobian, np.linalg.eig(jacobian)[1], off)
     if not mirrored:
         values = np.asarray(np.linalg.eigvals(jacobian), dtype=complex)
         values = values[np.argsort(-values.real, kind="stable")]

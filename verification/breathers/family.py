@@ -24,7 +24,14 @@ from theory.chains.nucleus import Nucleus
 from theory.parameters import ParameterError
 from verification.breathers.exponents import BreatherStability
 from verification.breathers.result import Breather, BreatherMethod
-from verification.continuation.branch import ContinuationBranch, Fold, StepControl, arrive, trace
+from verification.continuation.branch import (
+    ContinuationBranch,
+    Fold,
+    Monitor,
+    StepControl,
+    arrive,
+    trace,
+)
 from verification.continuation.newton import BranchPoint, System
 
 
@@ -96,6 +103,15 @@ class BreatherFamily(ABC):
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - found.marginal, own - found.marginal, other - found.marginal
 
+    def reported_monitor(self, report: Callable[[], None]) -> Monitor:
+        """Return ``monitor``, extended by a report at each call."""
+
+        def reporting(u: FloatArray, c: float) -> tuple[float, ...]:
+            report()
+            return self.monitor(u, c)
+
+        return reporting
+
     def branch(
         self,
         c_end: float = 2.0,
@@ -112,13 +128,8 @@ class BreatherFamily(ABC):
         ParameterError
             If no breather was found at small c.
         """
-
-        def monitor(u: FloatArray, c: float) -> tuple[float, ...]:
-            report()
-            return self.monitor(u, c)
-
-        watched = monitor if monitored else None
-        return trace(self.system(), self.start(c_end), c_end, watched, self.steps_along)
+        monitor = self.reported_monitor(report) if monitored else None
+        return trace(self.system(), self.start(c_end), c_end, monitor, self.steps_along)
 
     def solve(self) -> Breather:
         """Solve for the breather at the coupling of the chain.

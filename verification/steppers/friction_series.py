@@ -83,7 +83,7 @@ ABREAST = 8
 """Number of columns whose E is computed together, if there are so many."""
 
 _DEPTH = 48
-_LOOKS = 16
+_SAMPLES = 16
 
 
 inner = compiled.inner(error_model="numpy", **compiled.UNCOUNTED)
@@ -349,9 +349,9 @@ def resolved(
         if _seen(numbers, law, order, nearest, start, allowed):
             return h
         nearest = start
-        for i in range(1, _LOOKS + 1):
-            nearest = min(nearest, s * site_value(w, n, h * i / _LOOKS))
-        nearest -= 0.125 * (h / _LOOKS) ** 2 * _largest_bend(w, n, h)  # between two samples
+        for i in range(1, _SAMPLES + 1):
+            nearest = min(nearest, s * site_value(w, n, h * i / _SAMPLES))
+        nearest -= 0.125 * (h / _SAMPLES) ** 2 * _largest_bend(w, n, h)  # between two samples
         if _seen(numbers, law, order, max(0.0, nearest), start, allowed):
             return h
         h *= 0.5

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from theory.arrays import FloatArray
 from theory.chains.nucleus import MARGIN, Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
@@ -23,7 +22,6 @@ from verification.continuation.branch import (
     ContinuationBranch,
     Crossing,
     Fold,
-    Monitor,
     first_crossing,
 )
 from verification.continuation.newton import NotConvergedError, solve_at
@@ -101,10 +99,10 @@ def breather_threshold(
     )
     error = branch.fold.error + finite + family.step_error(branch.fold)
     crossing = _before(
-        branch.fold, first_crossing(family.system(), branch, report.beside(family.monitor), 0)
+        branch.fold, first_crossing(family.system(), branch, family.reported_monitor(report), 0)
     )
     beside = _before(
-        other.fold, first_crossing(longer.system(), other, report.beside(longer.monitor), 0)
+        other.fold, first_crossing(longer.system(), other, longer.reported_monitor(report), 0)
     )
     at_half = _nearest(branch, 0.5 * branch.fold.parameter)
     mirrored = nucleus.mirrored(here.sites)
@@ -143,15 +141,6 @@ class _Report:
         self.seen += 1
         if self.progress is not None:
             self.progress(self.seen / max(_SOLUTIONS, self.seen + 1))
-
-    def beside(self, monitor: Monitor) -> Monitor:
-        """Return the monitor, extended by a report at each call."""
-
-        def reporting(u: FloatArray, c: float) -> tuple[float, ...]:
-            self()
-            return monitor(u, c)
-
-        return reporting
 
 
 def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -> Any:

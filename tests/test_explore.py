@@ -117,8 +117,7 @@ def test_a_refused_parameter_shows_its_sentence_in_place_of_the_picture(page):
     type_coupling(page, "-1")
     for name in ("profile", "run"):
         sentence = refusal(calls(Settings(c=-1.0))[name])
-        page.wait(f"{SHOWN}.includes({sentence!r})")
-        assert page.ask(f"{MODEL.format(name)}.visible") is False
+        page.wait(f"{SHOWN}.includes({sentence!r}) && !{MODEL.format(name)}.visible")
     type_coupling(page, "0.1")
     page.wait(f"{MODEL.format('run')}.visible")
     assert page.ask(f"{MODEL.format('profile')}.visible") is False  # pinned: no front travels

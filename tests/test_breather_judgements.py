@@ -134,7 +134,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert [each[2]["parity"] for each in asked] == [1, 1, 0, 0]
     assert len(parities) == 2
     assert (found.fold, found.fold_error) == (None, None)
-    folded = family.measured(point, 0.0, Fold(0.3, 1e-7, point.u, 5))
+    folded = family.measured(point, 0.0, Fold(0.3, 1e-7, point.u))
     assert (folded.fold, folded.fold_error) == (0.3, 1e-7)
     flows.clear()
     Made(family.chain, family.nucleus, 45).measured(point, 0.0)
@@ -216,7 +216,7 @@ def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
 
             return system
 
-    fold = Fold(0.2, 1e-12, np.array([1.0, 2.0, 3.0]), 5)
+    fold = Fold(0.2, 1e-12, np.array([1.0, 2.0, 3.0]))
     assert Made(CHAIN, Nucleus(1)).step_error(fold) == pytest.approx(abs(off))
 
 

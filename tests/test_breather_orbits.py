@@ -387,7 +387,7 @@ def test_the_fold_of_a_ring_of_four_is_where_its_coupling_is_largest_at_every_et
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e8])
-@pytest.mark.parametrize("eta", [0.08, 1e-4])
+@pytest.mark.parametrize("eta", [0.08, 1e-4, 1e-6])
 def test_a_breather_is_found_at_every_scale_of_the_damping(eta: float, scale: float) -> None:
     """a → a s, b → b s² divides amplitudes by √s; the error of the frequency has no such scale."""
     with mp.workdps(40):

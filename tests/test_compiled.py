@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import gc
 import importlib
+import itertools
 import math
 import os
 import pkgutil
@@ -320,6 +321,19 @@ def test_compiled_code_of_other_sources_is_kept_for_a_week(
     os.utime(tmp_path / "other", (0.0, 0.0))
     compiled.keep_compiled_code()
     assert {each.name for each in tmp_path.iterdir()} == {f"{compiled._PREFIX}new", "other"}
+
+
+def test_functions_are_counted_from_a_random_number_if_this_numba_counts_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    counter: Any = itertools.count(1)
+    for given, possible in ((counter, True), (iter([1, 2]), False), (None, False)):
+        monkeypatch.setattr(compiled.FunctionIdentity, "_unique_ids", given)
+        assert compiled._count_from_random() is possible
+        counting: Any = compiled.FunctionIdentity._unique_ids
+        assert (counting is given) is not possible
+        if possible:
+            assert next(counting) > 1  # the chance of 1 is 4e-15
 
 
 def test_garbage_is_searched_for_after_compiling_as_it_was_before() -> None:

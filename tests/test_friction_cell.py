@@ -130,6 +130,12 @@ def test_the_stated_errors_bound_the_true_ones() -> None:
         assert gap <= rough.cycle_end_error + 1e-13
 
 
+def test_the_usual_tolerance_gives_both_cycles_to_ten_digits() -> None:
+    for each in (stick_slip_cycle(CELL), unstable_cycle(CELL)):
+        assert each is not None
+        assert each.error < 1e-10
+
+
 def scaled(size: float) -> FrictionCell:
     """Return the cell in which y - μ_d, velocities and the fall of friction are so much larger.
 

@@ -1075,7 +1075,7 @@ def _crossing(c: float, *, from_start: bool = False) -> Crossing:
 
 
 def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
-    fold = Fold(0.19, 0.0, np.zeros(1), 1)
+    fold = Fold(0.19, 0.0, np.zeros(1))
     to = continuation._stable_to
     assert (to(None, fold), to(None, None)) == (0.19, None)
     assert (to(_crossing(0.1), fold), to(_crossing(0.1, from_start=True), fold)) == (0.1, None)

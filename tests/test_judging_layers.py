@@ -1024,7 +1024,7 @@ def test_halved_steps_shift_a_fold_by_their_residual_over_the_largest_slope(
         return lambda u, c: (residual, None, np.array([0.5, -1.5]))
 
     monkeypatch.setattr(Orbits, "system", system)
-    chain, fold = AveragedChain(a=4, b=0.5, c=0.2), Fold(0.2, 0.0, np.zeros(2), 1)
+    chain, fold = AveragedChain(a=4, b=0.5, c=0.2), Fold(0.2, 0.0, np.zeros(2))
     assert Orbits(chain.full(), Nucleus(1)).step_error(fold) == pytest.approx(2e-6)
     assert RotatingWaves(chain, Nucleus(1)).step_error(fold) == 0.0
 

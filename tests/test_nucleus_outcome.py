@@ -132,6 +132,7 @@ def test_below_the_loss_it_holds_and_beyond_the_range_a_front_runs() -> None:
         ([NAN, 0, NAN], 0, NucleusOutcome.SHRUNK),
         ([NAN, 0, NAN], 1, NucleusOutcome.HELD),
         ([NAN, NAN, 40, 0, 40, NAN, NAN], 3, NucleusOutcome.LARGER),
+        ([NAN, NAN, 50, 0, 50, NAN, NAN], 3, NucleusOutcome.LARGER),
         ([NAN, NAN, 60, 0, 60, NAN, NAN], 3, NucleusOutcome.UNDECIDED),
         ([NAN, 90, 60, 30, 0, 30, 60, 90, NAN], 7, NucleusOutcome.FRONT),
         ([NAN, 99, 60, 30, 0, 30, 60, 99, NAN], 7, NucleusOutcome.FRONT),

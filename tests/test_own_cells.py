@@ -93,6 +93,17 @@ def test_a_tolerance_that_the_errors_are_not_stated_for_is_refused(tolerance: fl
             cell(chain, tolerance=tolerance)
 
 
+def test_the_cell_of_van_der_pol_is_found_from_an_eps_of_1e_4_on() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.0, eps=1e-4)
+    assert cell(chain, tolerance=1e-6).stable_cycle is not None
+    with pytest.raises(ParameterError, match="eps"):
+        cell(replace(chain, eps=0.999e-4), tolerance=1e-6)
+
+
+def test_the_usual_tolerance_gives_cycles_to_eight_digits() -> None:
+    assert cell(VdpChain(a=2.5, b=0.5, c=0.0, eps=0.1)).error < 1e-8
+
+
 def test_the_cycle_of_rayleigh_has_the_published_period_of_van_der_pol() -> None:
     """The velocity of ẍ + ε(ẋ²/3 - 1)ẋ + x = 0 obeys the equation of Van der Pol."""
     found = own(damping="v**2/3 - 1", eps=1.0).stable_cycle

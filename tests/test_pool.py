@@ -243,6 +243,24 @@ def test_a_pool_that_is_left_by_an_error_ends_its_own_processes(
     assert ended == ["own told", "own ended"]
 
 
+def test_a_pool_that_is_left_waits_until_its_processes_have_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ended = []
+
+    class Pool:
+        def __init__(self, *_: object, **__: object) -> None:
+            pass
+
+        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+            ended.append((wait, cancel_futures))
+
+    monkeypatch.setattr(pool, "ProcessPoolExecutor", Pool)
+    with pool.worker_pool(1):
+        pass
+    assert ended == [(True, False)]
+
+
 def test_a_worker_ends_with_its_parent_where_the_system_does_not_see_to_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -208,6 +208,21 @@ def test_a_file_that_cannot_be_read_is_said_to_be_so(path: Path) -> None:
     assert refusal.value.allowed == "a file of finished results"
 
 
+def test_a_store_that_can_be_neither_read_nor_begun_anew_does_not_keep_the_lock(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(self: Store) -> None:
+        raise sqlite3.OperationalError("disk I/O error")
+
+    path.write_bytes(b"no table of results" * 100)
+    with monkeypatch.context() as during:
+        during.setattr(Store, "_begin", fail)
+        with pytest.raises(FileError) as refusal:
+            found(path, replace=True)
+    assert found(path) == {}  # while the refusal keeps the first store alive
+    assert refusal.value.errno == errno.EIO
+
+
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no file system without new files")
 def test_where_no_file_can_be_made_a_store_says_why() -> None:
     with pytest.raises(FileError) as refusal:

@@ -307,6 +307,16 @@ def test_progress_is_the_fraction_done(tmp_path: Path) -> None:
     assert seen == pytest.approx(np.linspace(0.0, 1.0, len(POINTS) + 1))
 
 
+def test_a_sweep_whose_only_point_is_known_is_done_from_the_beginning() -> None:
+    seen: list[float] = []
+    found = sweeping._Found(points=points_of([{"x": 1}]), out=None, names={})
+    found.put(0, {"value": 0.5})
+    one: Any = sweeping._Cells(lambda point: point["x"])
+    options: Any = dict.fromkeys(("store", "workers", "executor"))
+    assert sweeping._compute(one, found, **options, progress=seen.append) == {}
+    assert seen == [1.0]
+
+
 def test_points_may_be_axes_and_results_one_number() -> None:
     table = sweep(lambda p: p["x"] * p["y"], {"x": np.arange(3), "y": [1.5, 2.0]}, workers=1)
     assert table["value"] == pytest.approx([0, 0, 1.5, 2, 3, 4])

@@ -198,7 +198,7 @@ class Breather(Result):
     @property
     def phases_error(self) -> FloatArray:
         """Errors of the phases, in units of π: 1 where unknown; empty if unknown at every site."""
-        if not self.waves.size or self.wave_error is None:
+        if self.wave_error is None:
             return np.empty(0)
         errors = self._turns / np.pi
         errors[self.nucleus.outward(self.chain.sites)] = 0.0

@@ -47,8 +47,6 @@ class Fold:
         the curvature is that of a secant, plus ten times the residual.
     u : float array
         The solution at the fold.
-    evaluations : int
-        Number of evaluations of the system used to find it.
     place : int
         Index of the first point of the branch beyond the fold.
     """
@@ -56,7 +54,6 @@ class Fold:
     parameter: float
     error: float
     u: FloatArray
-    evaluations: int
     place: int = 0
 
 
@@ -281,19 +278,18 @@ def _find_fold(
     the error of p is of second order in that of the position.
     """
     bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
-    best, missing, evaluations = beyond, np.inf, 0
+    best, missing = beyond, np.inf
     for _ in range(40):
         bend = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)
         place = bracket.low + bracket.f_low / bend
         best = step_along(system, before, place, steps.tolerance)
-        evaluations += best.iterations
         value = float(best.tangent[-1])
         # The shortfall of p is the integral of dp/ds from here to the fold.
         missing = value**2 / (2.0 * PARAMETER_WEIGHT * abs(bend))
         if missing < steps.fold_tolerance:
             break
         bracket.shrink(place, value)
-    return Fold(best.parameter, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u, evaluations)
+    return Fold(best.parameter, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u)
 
 
 def first_crossing(

@@ -256,7 +256,7 @@ def keep_compiled_code() -> Path:
         for old in base.glob(f"{_PREFIX}*"):
             with suppress(OSError):  # another process may be removing it as well
                 if old.stat().st_mtime < time.time() - _WEEK:
-                    shutil.rmtree(old, ignore_errors=True)
+                    shutil.rmtree(old)
     setattr(config, _OPTION, str(folder))
     return folder
 

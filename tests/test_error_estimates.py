@@ -267,8 +267,9 @@ def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     ended = SimpleNamespace(
-        success=True, y=np.array([[1.0, math.nan], [0.0, 0.0]]), t=np.array([0.0, 0.3]), message="?"
-    )
+        success=True, y=np.array([[1.0, 1.0, math.nan], [0.0, 0.0, 0.0]]),
+        t=np.array([0.0, 0.1, 0.3]), message="?",
+    )  # fmt: skip
     asked: list[dict[str, Any]] = []
     monkeypatch.setattr(
         "scipy.integrate.solve_ivp", lambda *_, **given: asked.append(given) or ended

@@ -804,6 +804,22 @@ def test_rays_begin_beyond_the_farthest_of_the_excited_sites() -> None:
         assert np.all(error < 0.1)
 
 
+def test_a_ray_has_three_sites_at_each_distance_beyond_the_farthest_excited_one() -> None:
+    """To the right: by numpy's line through the outer half of them; times are at random."""
+    chain = _lattice(41, 41)
+    middle = network.middle_site(chain)
+    away = network.distances_from(chain, middle)
+    times = np.sort(np.random.default_rng(2).random(41 * 41))[np.argsort(np.argsort(away))]
+    _, v, _ = network._fitted(
+        chain, away, middle=middle, arrivals=times, directions=1, excited=49
+    )  # the farthest excited site is four sites away
+    sites = [middle + n + 41 * beside for n in range(5, 19) for beside in (-1, 0, 1)]
+    sites = [site for site in sites if away[site] <= 18.0]
+    outer = sites[len(sites) // 2 :]
+    along = [(site - middle + 20) % 41 - 20.0 for site in outer]
+    assert v == pytest.approx([1.0 / np.polyfit(along, times[outer], 1)[0]])
+
+
 @pytest.mark.parametrize("sites", [2, 7, 8, 31])
 def test_the_middle_of_a_network_is_that_of_its_numbers(sites: int) -> None:
     chain: Any = SimpleNamespace(links=SimpleNamespace(positions=None), sites=sites)

@@ -1140,9 +1140,15 @@ def test_only_a_settled_front_with_an_error_states_its_velocity(
 ) -> None:
     v = 0.0 if status is FrontStatus.PINNED else 0.5
     made = SimpleNamespace(v=v, error=error, status=status)
-    monkeypatch.setattr("verification.fronts.measure.measure_front", lambda *_, **__: made)
-    found = fronts_of._front({"c": 0.6, "eta": 0.03}, True)
-    assert found.value == (v if settled else None)
+    chains: list[Any] = []
+    monkeypatch.setattr(
+        "verification.fronts.measure.measure_front", lambda chain, **_: chains.append(chain) or made
+    )
+    for full in (True, False):
+        found = fronts_of._front({"c": 0.6, "eta": 0.03}, full)
+        assert found.value == (v if settled else None)
+        assert found.note == ("" if found.value else status.value)
+    assert [chain.model for chain in chains] == ["vdp", "averaged"]
 
 
 @pytest.mark.parametrize(("share", "by"), [(0.49, "differences"), (0.51, "scipy")])

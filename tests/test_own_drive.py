@@ -89,6 +89,12 @@ def test_the_window_holds_the_driven_sites_and_pieces_change_nothing(tmp_path: P
     assert np.array_equal(pieces.states, part.states)
 
 
+def test_a_chain_that_is_driven_is_never_about_to_rest() -> None:
+    for drive, rests in (("", True), ("0.3,1.1@2", False)):
+        chain = driven(sites=3, drive=drive or ())
+        assert integration(chain, np.zeros((2, 3)), [1.0]).going_to_rest() is rests
+
+
 def test_arrivals_and_velocity_of_a_driven_front_are_those_of_scipy() -> None:
     """A slow force pushes all sites: the front runs unsteadily, and faster on average."""
     sites, times = 120, np.linspace(0.0, 260.0, 26001)

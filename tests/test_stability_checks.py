@@ -192,6 +192,19 @@ def test_an_orbit_of_a_flow_that_is_known_is_polished_to_it(
     assert 0.0 < found.uncertainty < 1e-13
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_orbit_is_as_far_off_as_its_worst_number(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = np.array([0.5, 0.0, 6.3])
+    monkeypatch.setattr(
+        breathers, "_precise_orbit",
+        lambda _, x: PreciseState(value=x - side * np.array([1e-3, 0.0, 1e-4]), uncertainty=1e-9),
+    )  # fmt: skip
+    check = breathers._check_orbit({}, StatedValue(value=given, error=0.0))
+    assert (check.distance, check.uncertainty) == (pytest.approx(1e-3), 1e-9)
+
+
 def _envelope_none(c: float) -> ReferenceCheck:
     return computation_named("envelope-breather").check(
         {"eta": 0.08, "c": c}, StatedValue(value=None, error=0.0)

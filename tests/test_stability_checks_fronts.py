@@ -19,6 +19,7 @@ from theory.chains.vdp import VdpChain
 from theory.piecewise.folds import fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling
+from theory.piecewise.root_count import count_in_strips
 from theory.piecewise.roots import labelled_roots
 from verification.fronts.status import FrontStatus
 from verification.fronts.wave import front_wave
@@ -73,13 +74,23 @@ def test_no_method_of_the_sum_is_its_own_reference(name: str) -> None:
 
 
 @pytest.mark.parametrize("side", [1.0, 2.0, 3.0, 4.0])
-def test_a_root_is_as_far_off_as_it_is_relative_to_its_size(side: float) -> None:
+def test_a_root_is_as_far_off_as_it_is_relative_to_its_size(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counted: list[bool] = []
+
+    def count(*given: Any) -> int:
+        counted.append(given[-1])
+        return count_in_strips(*given)
+
+    monkeypatch.setattr(roots, "count_in_strips", count)
     row = computation_named("roots")
     at = {"v": 0.3, "c": 0.5, "label": 10.0, "side": side}
     stated = row.compute(at)
     check = row.check(at, stated)
     assert check.distance == 0.0
     assert "argument principle" in check.method
+    assert counted == [side == 1.0]  # in the half plane of the roots, the upper one for v > 0
     assert np.all(stated.extra.radius <= stated.error * np.abs(stated.extra.k))
     for off in (1e-6, -1e-6, 1e-9j):
         k = stated.extra.k.copy()
@@ -120,6 +131,17 @@ def test_a_shape_is_as_uncertain_as_its_roots_make_it(
     most = 0.5 * radius * float(np.abs(slope).sum())
     assert 0.99 * most <= check.uncertainty < 10.0 * most
     assert check.distance < 1e-9
+
+
+@pytest.mark.parametrize("side", [1.0, 3.0])
+def test_a_shape_is_as_uncertain_as_the_rest_of_its_series(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    at = {"v": 0.3, "c": 0.5, "distance": 0.5, "tolerance": 1e-12, "side": side}
+    stated = replace(roots._profile(at), error=1e-3)
+    monkeypatch.setattr(roots, "_TERMS", 20)
+    check = roots._check_profile(at, stated)
+    assert 1e-6 < check.distance <= check.uncertainty < 0.01
 
 
 # -------------------------------------------------------------------------- the kinetic relation
@@ -597,6 +619,9 @@ def test_a_reference_follows_all_sites_that_move() -> None:
     # What is missing beyond its sites is seen by the looser run, which has more.
     assert looser > tight
     assert check.uncertainty == pytest.approx(1.0 / tight - 1.0 / looser + 1e-3)
+    true[130:] = 2e-16  # far below rounding, and not at rest
+    runs._where_it_moves(stated, precise, 0.0)
+    assert max(followed) == 300
     with pytest.raises(NoReferenceError, match="Python includes"):
         runs._where_it_moves(replace(stated, value=np.zeros(500)), precise, 1e4)
     # As many as it follows at most it follows where waves pass all of them.

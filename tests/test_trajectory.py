@@ -79,6 +79,14 @@ def test_a_run_that_is_not_resolved_may_be_on_the_other_side(apart: float, resol
         assert found.error >= max(2.0, 3.0 * apart) - 1e-12
 
 
+def test_distances_are_from_rest_wherever_that_is() -> None:
+    chain = FrictionChain(c=0.02, sites=2)
+    moved = np.array([[[0.3, 0.0], [0.4, 0.0]], [[0.0, -3.0], [0.1, 4.0]]])
+    run: Any = SimpleNamespace(chain=chain, samples=moved + np.array(chain.rest_state)[:, None])
+    assert chain.rest_state.y > 0.0
+    assert simulate_module._away(run) == pytest.approx([0.5, 5.0])
+
+
 def test_a_resolved_run_says_so_and_without_comparison_nothing_is_claimed() -> None:
     run = simulate(FRONT, excite(FRONT, [1]), 50.0)
     assert (run.status, run.resolved_until) == (RunStatus.RESOLVED, 50.0)
@@ -100,6 +108,9 @@ def test_a_trajectory_becomes_json(model: str) -> None:
     assert (found["t_end"], found["amplitudes"]) == (20.0, run.amplitude[-1].tolist())
     assert found["tolerance"] == (1e-10 if model == "friction" else 1e-9)
     assert isinstance(run.chain, CHAINS[model])
+    if model != "friction":  # sites above the level, and not all that have ever been
+        passed = replace(run, arrivals=np.zeros(run.arrivals.size))
+        assert passed.to_dict()["width"] == int((run.amplitude[-1] > run.level).sum()) == 1
 
 
 def test_the_phase_is_that_of_the_envelope_and_stands_still_without_damping() -> None:
@@ -117,7 +128,7 @@ def test_the_phase_is_that_of_the_envelope_and_stands_still_without_damping() ->
 
 def test_events_are_counted_of_chains_that_have_any() -> None:
     smooth = simulate(FRONT, excite(FRONT, [1]), 5.0, samples=2)
-    assert (smooth.event_count, smooth.event_log.size) == (0, 0)
+    assert (smooth.event_count, smooth.event_log.shape) == (0, (0, 3))
     chain = FrictionChain(c=0.02, sites=4)
     run = simulate(chain, excite(chain, [1]), 40.0, samples=2, logged_events=1000)
     assert run.event_count == len(run.event_log) > 2

@@ -805,7 +805,7 @@ def test_rays_begin_beyond_the_farthest_of_the_excited_sites() -> None:
 
 
 def test_a_ray_has_three_sites_at_each_distance_beyond_the_farthest_excited_one() -> None:
-    """To the right: by numpy's line through the outer half of them; times are at random."""
+    """To the right, also if rounding moves sites; by numpy's line, of times at random."""
     chain = _lattice(41, 41)
     middle = network.middle_site(chain)
     away = network.distances_from(chain, middle)

@@ -247,7 +247,8 @@ def _fitted(
 
 
 def _along(offset: FloatArray, angle: float) -> FloatArray:
-    part: FloatArray = offset @ np.array([math.cos(angle), math.sin(angle)])
+    """Return the components in a direction, without the rounding that would decide what is near."""
+    part: FloatArray = np.round(offset @ np.array([math.cos(angle), math.sin(angle)]), 9)
     return part
 
 

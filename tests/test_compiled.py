@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -321,6 +322,28 @@ def test_compiled_code_of_other_sources_is_kept_for_a_week(
     os.utime(tmp_path / "other", (0.0, 0.0))
     compiled.keep_compiled_code()
     assert {each.name for each in tmp_path.iterdir()} == {f"{compiled._PREFIX}new", "other"}
+
+
+def test_what_a_part_calls_is_linked_into_it_once() -> None:
+    """Each library once, and by numba not again whenever the part itself is linked."""
+    linked: list[tuple[str, bool]] = []
+
+    class Called:
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+        def _get_module_for_linking(self) -> str:
+            return self.name
+
+    called = [Called("a"), Called("b")]
+    part: Any = compiled._PartOfItsCallers.__new__(compiled._PartOfItsCallers)
+    part._finalized, part._linking_libraries = False, [*called, called[0]]
+    part._final_module = SimpleNamespace(
+        link_in=lambda module, *, preserve: linked.append((module, preserve))
+    )
+    for _ in range(2):
+        part._ensure_finalized()
+    assert linked == [("a", True), ("b", True)]
 
 
 def test_functions_are_counted_from_a_random_number_if_this_numba_counts_them(

@@ -8,6 +8,7 @@ pictures shows in a second. Who changes it on purpose records it anew (`tests.be
 from __future__ import annotations
 
 import json
+import re
 from copy import deepcopy
 
 import pytest
@@ -16,6 +17,7 @@ from paper_checks import shipped
 from paper_checks.claims.fig09 import Escape
 from paper_checks.claims.fig14 import Collapse
 from paper_checks.discover import find_entries
+from paper_checks.prose import words
 from tests.behaviour.evidence import (
     SMALLER,
     apart,
@@ -40,6 +42,19 @@ def test_shipped_evidence_says_what_was_recorded(root: str) -> None:
     for claim in claims_by_evidence()[root]:
         assert found["said"][claim.key][0] == claim.recorded
     assert not list(apart(RECORDED[f"{root} as shipped"], found))
+
+
+@pytest.mark.parametrize("root", [root for root, found in RECORDED.items() if "compared" in found])
+def test_a_claim_says_on_how_many_sites_and_for_how_long_two_methods_are_compared(
+    root: str,
+) -> None:
+    compared = RECORDED[root]["compared"]
+    for claim in claims_by_evidence()[root]:
+        lines = (line for name, line in words(claim.rule.__module__, claim.key) if name == "by")
+        form = r"with located events on (\d+) sites(?: to τ = (\d+))?"
+        ((sites, end),) = re.findall(form, "\n".join(lines))
+        assert int(sites) in {each[0] for each in compared}
+        assert not end or {float(end)} == {each[-1] for each in compared}
 
 
 def test_all_evidence_is_computed_here_or_shipped() -> None:

@@ -4,8 +4,9 @@
     python -m tests.behaviour.evidence fig17:scaling ...  these only; the others stay as recorded
 
 At the published sizes this takes minutes; shorter runs of fewer cases go through the same code.
-Kept are the evidence, what each claim says that rests on it, its verdict first, and the data of the
-pictures; of evidence that is shipped, also at the published size.
+Kept are the evidence, what each claim says that rests on it, its verdict first, the data of the
+pictures, and on how many sites and for how long two methods are compared; of evidence that is
+shipped, also at the published size.
 """
 
 from __future__ import annotations
@@ -103,7 +104,12 @@ def _quarter_turn(sites: int) -> dict[str, Any]:
     return {"verification.references.passages.quarter_turn_velocity": shorter}
 
 
+_compared: list[Json] = []
+"""Sites, excited sites and end of each comparison of two methods in the evidence at work."""
+
+
 def _short(chain: Any, excited: tuple[int, ...], end: float) -> float:
+    _compared.append([chain.sites, *excited, end])
     return disagreement(chain, excited, 0.1 * end)
 
 
@@ -252,8 +258,10 @@ def _forget() -> None:
 def computed(root: str) -> Json:
     """Return what `found_in` some evidence at a smaller size."""
     claims = claims_by_evidence()[root]
+    _compared.clear()
     with _smaller(root):
-        return found_in(claims[0].evidence(), claims)
+        found = found_in(claims[0].evidence(), claims)
+    return {**found, "compared": [*_compared]} if _compared else found
 
 
 def stored(root: str) -> Json:

@@ -627,6 +627,17 @@ def test_a_curve_loses_nothing_in_a_file_of_numpy_or_as_a_dataset(
     capsys.readouterr()
 
 
+def test_a_map_of_as_many_points_as_are_allowed_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    from fronts import maps
+
+    monkeypatch.setattr(maps, "MAX_POINTS", 4)
+    monkeypatch.setattr(maps, "state_map", lambda *_, c, **__: c)
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.1)
+    assert maps.mapped(chain, {"c": [0.1, 0.2], "eta": [0.03, 0.04]}) == [0.1, 0.2]
+    with pytest.raises(ParameterError, match=r"points of the map = 6 .* at most 4"):
+        maps.mapped(chain, {"c": [0.1, 0.2, 0.3], "eta": [0.03, 0.04]})
+
+
 @pytest.mark.parametrize(
     "line", ["threshold averaged", "cell vdp --a 2.5 --b 0.5", "sum --v 0.3 --c 0.5"]
 )
@@ -1066,6 +1077,25 @@ def test_the_radius_of_a_root_of_many_digits_reaches_as_far_as_it_is_off(
     shown = fr.roots(v, c, count=3, digits=30)
     for one in shown.upper + shown.lower:
         assert off <= one.radius <= 2.001 * off
+
+
+@pytest.mark.parametrize(("v", "c"), [("0.3", 0.5), (0.25, "0.7")])
+def test_the_radius_of_a_root_includes_the_rounding_of_what_is_given_in_decimals(
+    v: str | float, c: str | float
+) -> None:
+    import mpmath as mp
+
+    from theory.piecewise.precise_roots import precise_roots
+
+    decimal, double = fr.roots(v, c, count=3), fr.roots(float(v), float(c), count=3)
+    for upper in (True, False):
+        pair = [getattr(each, "upper" if upper else "lower") for each in (decimal, double)]
+        labels = np.array([root.label for root in pair[0]])
+        true = [precise_roots(*of, labels, upper, 40) for of in ((v, c), (float(v), float(c)))]
+        for one, other, near, far in zip(*pair, *true, strict=True):
+            with mp.workdps(40):
+                moved = float(abs(near - far))
+            assert 1.0 <= (one.radius - other.radius) / moved < 2.0
 
 
 def test_roots_are_counted_in_the_strips_of_all_that_were_found(

@@ -235,12 +235,13 @@ def test_the_graph_is_an_svg(capsys, tmp_path):
 
 
 def test_the_graph_is_of_one_derivation_or_of_all(capsys, monkeypatch):
-    one = catalogue.load("linearisation")
-    monkeypatch.setattr(catalogue, "everything", lambda: (one,))
-    found = json.loads(run(capsys, "linearisation", "--graph", "--json")[1])
-    assert found["kinds"]
-    for words in (["all"], []):
-        assert json.loads(run(capsys, *words, "--graph", "--json")[1]) == found
+    every = (catalogue.load("linearisation"), catalogue.load("averaging"))
+    monkeypatch.setattr(catalogue, "everything", lambda: every)
+    shown = [json.loads(run(capsys, *words, "--graph", "--json")[1])["kinds"]
+             for words in (["linearisation"], ["averaging"], ["all"], [])]  # fmt: skip
+    one, other, *both = shown
+    assert one != other
+    assert both == [one | other] * 2
     for words in (["cell", "--damping", "1"], ["linearisation", "--equation", "40"]):
         code, out, err = run(capsys, *words, "--graph")
         assert (code, out) == (2, "")

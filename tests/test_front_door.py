@@ -554,8 +554,8 @@ def test_completion_knows_commands_models_and_options(shell, capsys):
     assert main(["--print-completion", shell]) == 0
     shown = capsys.readouterr().out
     # tcsh completes commands and models only.
-    options = () if shell == "tcsh" else ("--eta",)
-    for word in ("kinetic", "breather", "averaged", *options):
+    options = () if shell == "tcsh" else ("--eta", "--graph")
+    for word in ("kinetic", "breather", "averaged", "derive", *options):
         assert word in shown
 
 
@@ -594,6 +594,7 @@ def test_verdicts_cells_and_the_robustness_table_are_results() -> None:
     derived = fr.derivation(34)
     assert derived.columns()["number"].tolist() == ["34"]
     assert derived.to_dict()["steps"][0]["from"] == [33]
+    assert (derived.order, fr.derivation("multiple-scales").order) == (1, 1)
     assert len(repr(derived)) < 200
     assert "<math" in derived._repr_html_()
     assert all(evidence.holds for evidence in derived.verify())

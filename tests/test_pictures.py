@@ -67,6 +67,8 @@ def test_a_branch_is_solid_where_it_is_stable_and_dashed_where_it_is_not() -> No
     }
     words = [each.get_text() for each in axes.get_legend().get_texts()]
     assert words == ["stable", "not stable"]
+    for line in axes.lines:  # here v = 2 c
+        assert list(line.get_ydata()) == pytest.approx([2.0 * x for x in line.get_xdata()])
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("coupling c", "front velocity v")
 
 
@@ -135,7 +137,7 @@ def test_a_curve_of_breathers_has_the_bars_of_what_is_drawn_and_a_line_a_method(
 
 @pytest.mark.parametrize("along", ["c", "eta"])
 def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) -> None:
-    values = {"c": [0.3, 0.5], "eta": [0.02, 0.03]}[along]
+    values = {"c": [0.434, 0.5], "eta": [0.02, 0.03]}[along]
     found = fr.kinetic_relation(**{"c": 0.5, "eta": 0.03125, along: values})
     axes = draw(found)
     assert axes.get_xlabel() == {"c": "coupling c", "eta": "η = b/a²"}[along]
@@ -149,6 +151,13 @@ def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) 
     assert shown == {
         (x, b.v) for x, point in zip(values, found.points, strict=True) for b in point.branches
     }
+    upright = {line.get_label(): [*line.get_xdata()] for line in axes.lines
+               if line.get_marker() == "None"}  # fmt: skip
+    first = found.points[0]
+    assert upright == ({} if along == "eta" else {
+        r"$c_\mathrm{fold}$ = 0.4338": [first.c_fold] * 2,
+        r"$c_\mathrm{pin}$ = 0.4553": [first.c_pin] * 2,
+    })  # fmt: skip
 
 
 def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> None:
@@ -163,15 +172,18 @@ def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> 
     assert list(level.get_ydata()) == [found.threshold] * 2
     assert [text.get_text() for text in axes.texts] == ["threshold"]
     assert axes.get_legend().get_title().get_text() == f"v = {found.v:.6g}"
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("ζ (sites)", r"$\varphi/\varphi_s$")
 
 
 def test_roots_are_drawn_where_they_are_about_the_real_axis() -> None:
     found = fr.roots(0.3, 0.5, count=3)
-    *halves, axis = draw(found).lines
+    axes = draw(found)
+    *halves, axis = axes.lines
     for line, half in zip(halves, (found.upper, found.lower), strict=True):
         drawn = zip(line.get_xdata(), line.get_ydata(), strict=True)
         assert [*drawn] == [(root.re, root.im) for root in half]
     assert list(axis.get_ydata()) == [0.0, 0.0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("Re k (per site)", "Im k (per site)")
 
 
 def test_of_a_run_each_arrival_is_drawn_at_its_time_and_site() -> None:
@@ -370,6 +382,22 @@ def test_the_explorer_shows_neither_picture_nor_sentence_before_there_is_a_resul
     for kind in PICTURES:
         picture = kind()
         assert (picture.figure.visible, picture.refusal.visible) == (False, False)
+
+
+@needs_explorer
+def test_every_straight_line_of_the_explorer_is_in_its_figure() -> None:
+    from bokeh.models import Span
+
+    from fronts.explore.pictures import PICTURES
+
+    lines = 0
+    for kind in PICTURES:
+        picture = kind()
+        held = [each if isinstance(each, tuple) else (each,) for each in vars(picture).values()]
+        spans = [each for some in held for each in some if isinstance(each, Span)]
+        assert all(span in picture.figure.center for span in spans)
+        lines += len(spans)
+    assert lines == 5
 
 
 @needs_explorer

@@ -391,6 +391,7 @@ def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]
         options = [word for name in names for word in ("--quantity", name)]
         assert main(["stress", "--json", "--points", "20", "--workers", "1", *options]) == 0
         found = json.loads(capsys.readouterr().out)
+        assert found["out"] is None
         assert sum(found["counts"].values()) == found["points"]
         counts.append([(one["quantity"], one["points"]) for one in found["quantities"]])
     assert counts[0] == counts[1]

@@ -202,7 +202,7 @@ def test_the_second_process_does_not_compile() -> None:
         "chain = C(a=4, b=0.5, c=0.6, sites=4)\n"
         "simulate(chain, excite(chain, [1]), 5.0)\n"
         "from verification.steppers import smooth\n"
-        "(step,) = smooth._STEPS.values()\n"
+        "step = smooth.compiled_step(chain)\n"
         "print(sum(smooth._advance.stats.cache_misses.values()), step.cache_hits)\n"
     )
     simulate(FRONT, excite(FRONT, [1]), 5.0)

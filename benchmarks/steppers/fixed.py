@@ -11,11 +11,11 @@ from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from verification.execution.compiled import outer
 from verification.steppers.active import FREE, RING
-from verification.steppers.kernel import fast, slope_of
+from verification.steppers.kernel import fast, slope_mark, slope_of
 from verification.steppers.rows import put
 from verification.steppers.runge_kutta import STAGES, STEP, Step
 from verification.steppers.smooth import compiled_step
-from verification.steppers.specialise import pointer, source_mark
+from verification.steppers.specialise import pointer
 
 
 def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, order: int) -> None:
@@ -43,11 +43,7 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
 
 def _classical_step(chain: SmoothChain) -> Any:
     """Return the classical step of order 4 for a chain, from disk if it is already compiled."""
-    layout = (*chain.kernel_layout, chain.front_phase_step)
-    if (key := (chain.kernel(), *layout)) not in _CLASSICAL:
-        mark = "-".join([source_mark(chain.kernel()), *map(str, layout)])
-        _CLASSICAL[key] = pointer(_classical, STEP, mark, _slope=slope_of(chain))
-    return _CLASSICAL[key]
+    return pointer(_classical, STEP, slope_mark(chain), _slope=slope_of(chain))
 
 
 def _slope(x: FloatArray, p: FloatArray, left: int, right: int, out: FloatArray) -> None:
@@ -73,9 +69,6 @@ def _classical(
     _slope(out, p, left, right, k3)
     for n in range(x.size):
         out[n] = x[n] + whole * (k0[n] + 2.0 * (k1[n] + k2[n]) + k3[n])
-
-
-_CLASSICAL: dict[Any, Any] = {}
 
 
 @outer(cache=True)

@@ -17,6 +17,7 @@ from theory.arrays import FloatArray
 from theory.chains.chain import Kernel, SmoothChain
 from verification.execution.compiled import UNCOUNTED, inner
 from verification.steppers.active import FOLLOWING, FREE, RING
+from verification.steppers.specialise import source_mark
 
 Slope = Callable[[FloatArray, FloatArray, int, int, FloatArray], None]
 """Function of a state, parameters and the codes of both ends; puts the derivative into the last
@@ -44,6 +45,12 @@ def slope_of(chain: SmoothChain) -> Slope:
     if chain.network is not None:
         return network_slope(chain.kernel(), *chain.kernel_layout)
     return compiled_slope(chain.kernel(), *chain.kernel_layout, -chain.front_phase_step % 4)
+
+
+def slope_mark(chain: SmoothChain) -> str:
+    """Return a name for the right-hand side of a chain that changes with its source."""
+    layout = "-".join(map(str, chain.kernel_layout))
+    return f"{source_mark(chain.kernel())}-{layout}-{chain.front_phase_step}"
 
 
 @lru_cache(maxsize=64)

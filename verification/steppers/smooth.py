@@ -20,7 +20,7 @@ from theory.arrays import FloatArray, IntArray
 from theory.chains.chain import SmoothChain
 from verification.execution.compiled import COUNTED, UNCOUNTED, inner, outer
 from verification.steppers.active import end_codes
-from verification.steppers.kernel import slope_of
+from verification.steppers.kernel import slope_mark, slope_of
 from verification.steppers.rows import finite, largest, put
 from verification.steppers.runge_kutta import STAGES, STEP, Step, dop853_step, step_error
 from verification.steppers.specialise import pointer, source_mark
@@ -484,20 +484,12 @@ def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
         The stop condition, a function in a module; by default the run continues to its end.
     """
     watch = watch or _never
-    if watch not in _STOPS:
-        _STOPS[watch] = pointer(watch, _STOP, source_mark(watch))
-    return partial(_advance_windows, compiled_step(chain), _STOPS[watch])
+    stop = pointer(watch, _STOP, source_mark(watch))
+    return partial(_advance_windows, compiled_step(chain), stop)
 
 
 def compiled_step(chain: SmoothChain) -> Any:
     """Return the compiled step of a chain, reusing compiled code on disk."""
-    kernel, clock = chain.kernel(), (clock_place(chain), len(chain.forces))
-    key = (kernel, *chain.kernel_layout, chain.front_phase_step, *clock)
-    if key not in _STEPS:
-        mark = "-".join([source_mark(kernel), *map(str, key[1:])])
-        _STEPS[key] = pointer(dop853_step(slope_of(chain), clock), STEP, mark)
-    return _STEPS[key]
-
-
-_STEPS: dict[Any, Any] = {}
-_STOPS: dict[Condition, Any] = {}
+    place, forces = clock_place(chain), len(chain.forces)
+    step = dop853_step(slope_of(chain), (place, forces))
+    return pointer(step, STEP, f"{slope_mark(chain)}-{place}-{forces}")

@@ -36,9 +36,10 @@ def source_mark(function: Callable[..., Any]) -> str:
 def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
     """Return a compiled function that other compiled functions accept as an argument.
 
-    Both it and the function that accepts it are stored on disk, since numba takes the signature
-    alone as the type of such an argument. Arguments or closures compiled by ``njit`` are instead
-    identified by a number that differs in every process, so that everything is compiled again.
+    It is compiled or loaded from disk once in a process. Both it and the function that accepts it
+    are stored on disk, since numba takes the signature alone as the type of such an argument.
+    Arguments or closures compiled by ``njit`` are instead identified by a number that differs in
+    every process, so that everything is compiled again.
 
     Parameters
     ----------
@@ -53,8 +54,14 @@ def pointer(function: Any, signature: Any, mark: str, **names: Any) -> Any:
     """
     plain: Any = getattr(function, "py_func", function)
     options = getattr(function, "targetoptions", {})
-    copy = FunctionType(plain.__code__, {**plain.__globals__, **names}, plain.__name__)
-    copy.__module__ = plain.__module__
-    copy.__qualname__ = f"{plain.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
-    compiler: dict[str, Any] = {"cache": DISTINCT_NAMES, "pipeline_class": OuterCompiler}
-    return cfunc(signature, **compiler, **options)(copy)
+    key = (plain.__module__, plain.__qualname__, mark, signature)
+    if key not in _COMPILED:
+        copy = FunctionType(plain.__code__, {**plain.__globals__, **names}, plain.__name__)
+        copy.__module__ = plain.__module__
+        copy.__qualname__ = f"{plain.__qualname__}-{hashlib.sha256(mark.encode()).hexdigest()[:16]}"
+        compiler: dict[str, Any] = {"cache": DISTINCT_NAMES, "pipeline_class": OuterCompiler}
+        _COMPILED[key] = cfunc(signature, **compiler, **options)(copy)
+    return _COMPILED[key]
+
+
+_COMPILED: dict[tuple[str, str, str, Any], Any] = {}

@@ -19,6 +19,7 @@ from benchmarks.steppers.splitting import saba, split_steps
 from benchmarks.steppers.taylor import ENVELOPE, FULL, taylor_steps
 from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
+from theory.parameters import ParameterError
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -262,3 +263,25 @@ def test_functions_typed_in_at_a_prompt_are_told_apart_by_what_they_do() -> None
         marks.append(source_mark(space["f"]))
     assert len(set(marks)) == 4
     assert {mark.rpartition(".")[0] for mark in marks} == {"prompt.f"}
+
+
+def test_functions_of_one_definition_are_told_apart_by_what_they_capture() -> None:
+    """A chain whose right-hand side a function makes is not integrated with that of another."""
+
+    def made(strength: float, helper: Any) -> Any:
+        def rate(site: Any, left: Any, right: Any, p: Any) -> Any:
+            return strength * helper(site[0]), -site[1]
+
+        return rate
+
+    def helper(factor: float) -> Any:
+        return njit(lambda y: factor * y)
+
+    marks = [
+        source_mark(made(strength, helper(factor)))
+        for strength, factor in ((1.0, 1.0), (2.0, 1.0), (1.0, 2.0), (1.0, 1.0))
+    ]
+    assert len(set(marks)) == 3
+    assert marks[0] == marks[3]
+    with pytest.raises(ParameterError, match="the variable strength, which rate takes from"):
+        source_mark(made([1.0], helper(1.0)))  # type: ignore[arg-type]

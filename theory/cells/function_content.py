@@ -1,4 +1,4 @@
-"""The content of a compiled function as text: its code, its options, and captured values."""
+"""The content of a function for compilation as text: its code, options, and captured values."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _LIBRARIES = {*sys.stdlib_module_names, "numpy", "numba", "scipy"}
 
 
 def function_content(function: Any, within: tuple[Any, ...] = ()) -> str:
-    """Return a text that is different for functions, compiled by numba, that do different things.
+    """Return a text that is different for functions that do different things once compiled.
 
     Parameters
     ----------
     function : callable
-        A function compiled by ``numba.njit``.
+        A function compiled by ``numba.njit``, or one that can be.
     within : tuple of callable
         Functions by which this one is called, so that recursive functions are read only once.
 
@@ -35,9 +35,9 @@ def function_content(function: Any, within: tuple[Any, ...] = ()) -> str:
     if any(function is each for each in within):
         return function.__name__  # type: ignore[no-any-return]
     within = (*within, function)
-    plain = function.py_func
+    plain, own = getattr(function, "py_func", function), getattr(function, "targetoptions", {})
     parts = [_code(plain.__code__), _value(plain.__defaults__, "a default", within)]
-    for options in (function.targetoptions, plain.__kwdefaults__ or {}):
+    for options in (own, plain.__kwdefaults__ or {}):
         parts += [f"{key}={_value(options[key], key, within)}" for key in sorted(options)]
     for name, value in sorted(_captured(plain).items()):
         parts.append(f"{name}={_value(value, name, within)}")

@@ -5,31 +5,34 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 from numba import cfunc
 
+from theory.cells.function_content import function_content
 from verification.execution.compiled import DISTINCT_NAMES, OuterCompiler
 
 
 @lru_cache(maxsize=256)
 def source_mark(function: Callable[..., Any]) -> str:
-    """Return a name for a function that changes whenever the file that defines it changes.
+    """Return a name for a function that is different for functions that do different things.
+
+    Functions of one definition differ if they capture different values.
+
+    Raises
+    ------
+    ParameterError
+        If the function captures a value whose content cannot be read.
 
     Examples
     --------
-    >>> source_mark(source_mark.__wrapped__).split(".")[0]
-    'verification'
+    >>> from theory.chains.vdp import vdp_acceleration
+    >>> source_mark(vdp_acceleration).rpartition(".")[0]
+    'theory.chains.vdp.vdp_acceleration'
     """
     plain: Any = getattr(function, "py_func", function)
-    code = plain.__code__
-    try:
-        content = Path(code.co_filename).read_bytes()
-    except OSError:  # defined interactively
-        content = code.co_code + repr((code.co_consts, code.co_names)).encode()
-    mark = hashlib.sha256(content).hexdigest()[:12]
+    mark = hashlib.sha256(function_content(function).encode()).hexdigest()[:12]
     return f"{plain.__module__}.{plain.__qualname__}.{mark}"
 
 

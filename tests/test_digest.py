@@ -18,7 +18,7 @@ from verification.execution.digest import (
 )
 from verification.execution.imports import closure, imports_of, shape, source_of
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
-from verification.execution.task import parameters_of
+from verification.execution.task import code_owners, parameters_of
 
 OURS = ("timed_code",)
 
@@ -218,6 +218,40 @@ def test_a_function_is_told_from_another_by_what_it_has_as_defaults_or_captured(
     assert parameters_of(plain) == parameters_of(made(2.0, 3.0, 0.5))
     for other in (made(4.0, 3.0, 0.5), made(2.0, 4.0, 0.5), made(2.0, 3.0, 4.0)):
         assert parameters_of(other) != parameters_of(plain)
+
+
+def test_a_function_of_a_session_is_told_from_another_by_what_it_uses_there(monkeypatch):
+    """In a notebook one cell is changed and another one run again."""
+    session = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", session)
+    cells = {
+        "scale": "scale = 2.0",
+        "chain": "from fronts import VdpChain; chain = VdpChain(a=4, b=0.5, c=0.6)",
+        "deep": "def deep(c, power=2): return c**power",
+        "helper": "def helper(c): return [deep(x) for x in [c]] if c else task(1)",
+        "task": "def task(c): return (lambda: scale * helper(c) + chain.b)()",
+        "other": "unused = 1; opened = open; log = [object()]",
+    }
+
+    def identity(**changed):
+        for text in (cells | changed).values():
+            exec(text, vars(session))
+        task = vars(session)["task"]
+        return parameters_of(task), code_of_objects(code_owners(task))[1]
+
+    known = [identity()]
+    assert known[0][0]["chain"]["a"] == 4
+    assert set(known[0][0]) == {"is", "scale", "chain", "deep"}
+    for changed in (
+        {"scale": "scale = 3.0"},
+        {"chain": cells["chain"].replace("0.6", "0.7")},
+        {"deep": "def deep(c, power=3): return c**power"},
+        {"deep": "def deep(c, power=2): return c*power"},
+        {"helper": cells["helper"].replace("task(1)", "task(2)")},
+    ):
+        known.append(identity(**changed))
+        assert known[-1] not in known[:-1]
+    assert identity(other="unused = 2") == known[0]
 
 
 def test_the_processor_is_that_of_python_where_the_system_does_not_name_it(

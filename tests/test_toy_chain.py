@@ -34,6 +34,7 @@ from verification.quantities.registry import computation_named
 from verification.quantities.robustness import robustness
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
+from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import RunStatus
 from verification.thresholds.result import Definition, Mechanism, RunThreshold
 from verification.thresholds.spreading import Spreading, spreads
@@ -303,3 +304,22 @@ def test_help_shows_the_parameters_of_the_model(capsys: pytest.CaptureFixture[st
     shown = capsys.readouterr().out
     assert "threshold, from 0 to 1/2" in shown
     assert "--eps" not in shown
+
+
+def test_a_run_of_another_right_hand_side_is_another_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A checkpoint holds the state of one, and is refused for the other."""
+
+    def slower(site: Any, left: Any, right: Any, p: Any) -> Any:
+        return 0.5 * nagumo(site, left, right, p)[0], -site[1]
+
+    def metadata() -> dict[str, Any]:
+        return SmoothIntegration(NagumoChain(), excite(NagumoChain(), [1]), [1.0]).metadata
+
+    one = metadata()
+    assert metadata() == one
+    monkeypatch.setattr(NagumoChain, "_right_hand_side", staticmethod(slower))
+    with pytest.raises(ParameterError, match="the variable nagumo, which slower takes"):
+        metadata()
+    monkeypatch.setattr(NagumoChain, "_right_hand_side", staticmethod(lambda s, b, a, p: (a, -s)))
+    other = metadata()
+    assert {key for key in one if one[key] != other[key]} == {"right_hand_side"}

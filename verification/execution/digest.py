@@ -153,7 +153,7 @@ def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
     """Return the modules of functions, classes and instances, and a digest of their code.
 
     Code that is in no importable module (a script, or code typed into a session) is included by
-    itself, without the code that it calls there.
+    itself. The functions that it calls there are listed by `verification.execution.task`.
 
     Examples
     --------

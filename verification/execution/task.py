@@ -6,7 +6,9 @@ import dataclasses
 import functools
 import itertools
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from enum import Enum
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ import numpy as np
 from theory.parameters import ParameterError
 from verification.execution.columns import plain
 from verification.execution.digest import digest_of_arrays
+from verification.execution.imports import source_of
 
 
 def task_name(task: object) -> str:
@@ -53,8 +56,8 @@ def parameters_of(task: object) -> Any:
     if isinstance(task, tuple | list):
         return [parameters_of(value) for value in task]
     if callable(task):
-        inner = _captured(task)
-        return {"is": task_name(task), **parameters_of(inner)} if inner else task_name(task)
+        inner = parameters_of(_captured(task)) | _session_parameters(task)
+        return {"is": task_name(task), **inner} if inner else task_name(task)
     if isinstance(task, complex):
         return [task.real, task.imag]
     try:
@@ -79,6 +82,50 @@ def _captured(task: object) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def _session_parameters(task: object) -> dict[str, Any]:
+    """Return what a function takes from a script or session besides its arguments, as JSON data.
+
+    Functions there are represented by their defaults and captured variables. Values that JSON
+    cannot represent are left out.
+    """
+    functions, values = _used_in_session(task)
+    found: dict[str, Any] = {}
+    for name, function in functions.items():
+        if inner := _captured(function):
+            found[name] = parameters_of(inner)
+    for name, value in values.items():
+        with suppress(ParameterError):
+            found[name] = parameters_of(value)
+    return found
+
+
+def _used_in_session(task: object) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the functions and the variables of its script or session that a function uses.
+
+    Variables used by these functions are included. For a function in an importable module both are
+    empty, since the code of the module determines them.
+    """
+    functions: dict[str, Any] = {}
+    values: dict[str, Any] = {}
+    if not isinstance(task, FunctionType) or source_of(task.__module__) is not None:
+        return functions, values
+    session, pending = task.__globals__, [task.__code__]
+    while pending:
+        code = pending.pop()
+        pending += [each for each in code.co_consts if isinstance(each, CodeType)]
+        for name in code.co_names:
+            value = session.get(name)
+            plain_function: Any = getattr(value, "py_func", value)
+            if name in functions or name in values or value is task or value is None:
+                continue
+            if getattr(plain_function, "__globals__", None) is session:
+                functions[name] = plain_function
+                pending.append(plain_function.__code__)
+            elif not isinstance(value, ModuleType | type) and not callable(value):
+                values[name] = value
+    return functions, values
+
+
 def code_owners(task: object) -> Iterator[Any]:
     """Yield everything that has code: functions, and the classes of objects."""
     if isinstance(task, functools.partial):
@@ -94,6 +141,7 @@ def code_owners(task: object) -> Iterator[Any]:
     elif isinstance(task, Mapping):
         yield from itertools.chain.from_iterable(map(code_owners, task.values()))
     elif callable(task):
-        yield task
-        for value in _captured(task).values():
-            yield from code_owners(value)
+        for each in (task, *_used_in_session(task)[0].values()):
+            yield each
+            for value in _captured(each).values():
+                yield from code_owners(value)

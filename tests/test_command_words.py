@@ -9,6 +9,7 @@ import importlib
 import json
 import logging
 import math
+import os
 import re
 import shutil
 import sys
@@ -51,6 +52,17 @@ def _shown(capsys: Capture, *words: str) -> str:
 
 def test_without_words_the_commands_are_listed(capsys: Capture) -> None:
     assert _shown(capsys) == _shown(capsys, "--help") == _shown(capsys, "help")
+
+
+def test_a_reader_that_has_seen_enough_ends_a_command_without_an_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As ``head`` does; what is left in the buffer is written when Python closes the output."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    with open(writer, "w") as shown:
+        monkeypatch.setattr(sys, "stdout", shown)
+        assert main(["--version"]) == 0
 
 
 def test_words_are_those_of_the_process_where_none_are_given(

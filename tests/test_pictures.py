@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,9 +17,10 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import fronts as fr
-from fronts.animation import snapshot
+from fronts.animation import animate, snapshot
 from fronts.branches import BranchFold, FollowedBranch
 from fronts.pictures import BLUE, DRAWINGS, VERMILION, draw
+from theory.parameters import MissingPackageError
 from theory.result import Result
 from verification.pictures.figures import COLOURS, use_style
 
@@ -296,6 +298,14 @@ def test_a_frame_of_a_chain_leaves_no_amplitude_out_and_half_of_it_is_not_empty(
     assert 3.0 < axes.get_ylim()[1] < 6.0
 
 
+def test_a_film_in_mp4_is_refused_without_the_program_that_writes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
+    with pytest.raises(MissingPackageError, match="ffmpeg"):
+        animate(_run(np.zeros((2, 3))), tmp_path / "run.mp4")
+
+
 def test_a_frame_of_a_chain_at_rest_has_an_axis() -> None:
     axes = Figure().subplots()
     snapshot(_run(np.zeros((2, 3))), axes)
@@ -541,6 +551,30 @@ def test_the_controls_say_eta_or_what_follows_from_a_and_b() -> None:
     said = controls.settings()
     assert (said.eta, said.a, said.b, said.c) == (0.0625, 2.0, 0.25, 0.75)
     assert (controls.a.visible, controls.b.visible, controls.eta.visible) == (True, True, False)
+
+
+@needs_explorer
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # of panel: names of widgets
+def test_the_page_follows_every_new_setting_once_until_it_is_closed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from bokeh.document import Document
+    from panel.io.state import set_curdoc
+
+    from fronts.explore.page import ExplorerPage
+
+    asked: list[Any] = []
+    monkeypatch.setattr(ExplorerPage, "_work", lambda _, settings: asked.append(settings))
+    with set_curdoc(Document()):
+        page = ExplorerPage()
+    page.controls.c.value = 0.75
+    page.follow()
+    page.worker.submit(lambda: None).result()  # after all before it
+    assert asked == [replace(page.controls.settings(), c=0.5), page.controls.settings()]
+    (closed,) = page.document.session_destroyed_callbacks
+    closed(None)
+    with pytest.raises(RuntimeError, match="after shutdown"):
+        page.controls.c.value = 0.25
 
 
 @needs_explorer

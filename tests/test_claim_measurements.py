@@ -1193,6 +1193,7 @@ def test_sites_on_the_cycle_by_scipy_are_those_beyond_the_inner_one(monkeypatch:
 
     def last_state(rate: Any, end: float, start: Any, *_: float) -> Any:
         n, sites = next(counts), start.size // 2
+        assert chains[0].eps * end == pytest.approx(fig15.SCIPY_END)  # in slow time
         assert (chains[0].b / chains[0].a ** 2, chains[0].c) == pytest.approx(next(checked))
         assert np.flatnonzero(start).tolist() == [sites - 1]
         a = chains[0].a

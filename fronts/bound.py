@@ -8,7 +8,6 @@ distinguish parameters of the same name.
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -21,12 +20,11 @@ from fronts.catalogue import EVERY, Command, CommandCall, Map, Measurement, RunC
 from fronts.options import Group, option
 from fronts.output import add_output_options
 from fronts.signatures import Described, described
-from theory.parameters import span
 
 if TYPE_CHECKING:
     from theory.chains.chain import Chain
+    from theory.parameters import Range
 
-_RANGE = re.compile(r"from \S+ to \S+")
 _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
 
@@ -77,7 +75,7 @@ class Bound:
             if each.name not in self.fixed
         )
         own = tuple(
-            replace(each, help=_RANGE.sub(span(*_pair(self.call.ranges[each.name])), each.help))
+            replace(each, allowed=_range_of(self.call.ranges[each.name]))
             if each.name in self.call.ranges
             else each
             for each in own
@@ -170,9 +168,9 @@ def located(where: str) -> Callable[..., Any]:
     return found
 
 
-def _pair(where: str) -> tuple[float, float]:
+def _range_of(where: str) -> Range:
     """Return the range that ``module:name`` denotes."""
-    found: tuple[float, float] = _named(where)
+    found: Range = _named(where)
     return found
 
 

@@ -235,7 +235,8 @@ def _metavar(prefix: str, each: Described) -> str | None:
 
 
 def _help(each: Described, default: Any, ranged: str) -> str:
-    words = each.help[:1].lower() + each.help[1:].rstrip(".") if each.help else ""
+    words = each.help.replace("{allowed}", str(each.allowed))
+    words = words[:1].lower() + words[1:].rstrip(".")
     if each.kind == "numbers" or (ranged and each.kind == "float"):
         words += f"; a range low:high:count gives {ranged or 'a curve'}"
     value = getattr(default, "value", default)

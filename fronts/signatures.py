@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
+from theory.parameters import Range
+
 REQUIRED = inspect.Parameter.empty
 """Value that marks a parameter without a default."""
 
@@ -42,6 +44,9 @@ class Described:
         Allowed values of a ``choice``.
     make : callable or None
         Function that converts a choice to the value that is passed on.
+    allowed : Range or None
+        Its range, which takes the place of "{allowed}" in ``help``; commands may have a narrower
+        one.
     positional : bool
         Whether it is given without its name: before a ``/`` in the signature, or after a ``*``.
     """
@@ -52,6 +57,7 @@ class Described:
     help: str
     choices: tuple[str, ...] = ()
     make: Callable[[str], Any] | None = None
+    allowed: Range | None = None
     positional: bool = False
 
 
@@ -177,7 +183,8 @@ def _described(
         values = tuple(str(each) for each in ast.literal_eval(f"[{listed[0][1:-1]}]"))
         return Described(name=name, kind="choice", default=default, help=text, choices=values)
     kind = metadata.get("kind") or _KINDS.get(plain, plain)
-    return Described(name=name, kind=kind, default=default, help=text)
+    allowed = metadata.get("allowed")
+    return Described(name=name, kind=kind, default=default, help=text, allowed=allowed)
 
 
 _KINDS = {

@@ -24,11 +24,18 @@ from fronts.options import options_of
 from fronts.signatures import described, documented
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import threshold_ratio
-from theory.parameters import span
+from theory.chains import chain
 from theory.piecewise.admissibility import check_admissible
+from theory.piecewise.kinetic_relation import COUPLINGS
 from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
+from theory.piecewise.sums.result import DIGITS
+from verification.cells import friction as cells
+from verification.cells import shooting
 from verification.cells.vdp import EPS_RANGE
+from verification.fronts import friction, smooth
 from verification.maps import vdp_rules
+from verification.piecewise import simulation
+from verification.runs import simulate
 
 
 def _refused(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, str]:
@@ -80,12 +87,37 @@ def test_an_eta_out_of_range_is_refused_by_its_own_name(capsys, eta):
 
 @pytest.mark.parametrize(
     ("command", "range_in_help"),
-    [("cell vdp", EPS_RANGE), ("map vdp", vdp_rules.EPS_RANGE), ("cell averaged", (1e-9, 10.0))],
+    [("cell vdp", EPS_RANGE), ("map vdp", vdp_rules.EPS_RANGE), ("cell averaged", chain.EPS_RANGE)],
 )
 def test_the_range_of_eps_in_the_help_is_that_of_the_check(capsys, command, range_in_help):
     with pytest.raises(SystemExit):
         main([*command.split(), "--help"])
-    assert f"small parameter, {span(*range_in_help)};" in " ".join(capsys.readouterr().out.split())
+    assert f"small parameter, {range_in_help};" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "outside", "allowed"),
+    [
+        ("front vdp --a 4 --b 0.5 --c 0.6", "accuracy", 0.2, smooth.ACCURACY.allowed),
+        ("front vdp --a 4 --b 0.5 --c 0.6", "tolerance", 0.1, simulate.TOLERANCES),
+        ("front friction --c 0.02", "accuracy", 0.2, friction.ACCURACY.allowed),
+        ("front friction --c 0.02", "tolerance", 1e-13, friction.TOLERANCE.allowed),
+        ("front piecewise --c 0.5 --eta 0.03", "accuracy", 0.02, simulation.ACCURACIES),
+        ("simulate vdp", "tolerance", 0.1, simulate.TOLERANCES),
+        ("cell vdp", "tolerance", 1e-14, shooting.TOLERANCES),
+        ("cell friction", "tolerance", 1e-15, cells.TOLERANCES),
+        ("kinetic --eta 0.03", "c", 1e9, COUPLINGS),
+        ("sum --v 0.3 --c 0.5", "digits", 0, DIGITS),
+    ],
+)
+def test_a_refusal_states_the_range_of_the_help(capsys, command, option, outside, allowed):
+    """It is the range of this model, and the one that is checked."""
+    refused = _refused(capsys, f"{command} --{option} {outside}")
+    assert refused["allowed"].endswith(str(allowed))
+    assert outside < allowed.low or outside > allowed.high
+    with pytest.raises(SystemExit):
+        main([*command.split(), "--help"])
+    assert str(allowed) in " ".join(capsys.readouterr().out.split())
 
 
 def test_what_is_hidden_of_a_function_is_not_hidden_of_the_chain():
@@ -213,15 +245,15 @@ def test_an_option_without_its_value_is_named(capsys):
         (("front vdp --c 0.6 --eta 0.03 --n 1001", "front vdp --c 0.6 --eta 0.03 --n 2000"),
          "a whole number from 2 to 1000"),
         (("kinetic --c 0 --eta 0.03", "kinetic --c 1e-300 --eta 0.03", "kinetic --c nan --eta 0.1",
-          "kinetic --c 1e9 --eta 0.1"), "from 1e-08 to 1e+08"),
+          "kinetic --c 1e9 --eta 0.1"), "from 1e-8 to 1e8"),
         (("kinetic --c 0.5 --eta 0", "kinetic --c 0.5 --eta 1e-30", "kinetic --c 0.5 --eta inf"),
          "finite and at least 1e-24"),
         (("kinetic --c 0.5 --a 0 --b 1", "kinetic --c 0.5 --a 1e300 --b 1"),
-         "from 1e-100 to 1e+100"),
-        (("roots --v 0 --c 0.5", "roots --v 1e-13 --c 0.5"), "from 1e-12 to 1e+12"),
-        (("simulate vdp --t-end 0", "simulate vdp --t-end 1e10"), "positive and at most 1e+09"),
+         "from 1e-100 to 1e100"),
+        (("roots --v 0 --c 0.5", "roots --v 1e-13 --c 0.5"), "from 1e-12 to 1e12"),
+        (("simulate vdp --t-end 0", "simulate vdp --t-end 1e10"), "positive and at most 1e9"),
         (("profile --c 0.5 --eta 0.03 --to 1e300", "profile --c 0.5 --eta 0.03 --to -1e300"),
-         "from -1e+06 to 1e+06"),
+         "from -1e6 to 1e6"),
     ],
 )  # fmt: skip
 def test_a_quantity_has_one_range_whatever_is_wrong_with_it(capsys, lines, allowed):

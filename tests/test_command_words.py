@@ -185,7 +185,7 @@ def test_defaults_in_help_are_values_as_one_would_write_them() -> None:
      (True, ""), (None, ""), ("", ""), ("wave", " (default wave)"), (REQUIRED, "")],
 )  # fmt: skip
 def test_the_default_of_an_option_is_said_as_one_would_write_it(default: Any, said: str) -> None:
-    each = cast("Any", SimpleNamespace(help="How long.", kind="float"))
+    each = cast("Any", SimpleNamespace(help="How long.", kind="float", allowed=None))
     assert _help(each, default, ranged=False) == f"how long{said}"
 
 
@@ -214,7 +214,7 @@ def test_help_says_what_kind_of_value_an_option_takes(
 
 def test_help_may_have_a_sign_of_percent() -> None:
     parser = cli.new_parser("fronts", "x", "")
-    each = cast("Any", SimpleNamespace(help="To 3 %.", kind="float"))
+    each = cast("Any", SimpleNamespace(help="To 3 %.", kind="float", allowed=None))
     parser.add_argument("--x", help=_help(each, 0.5, ranged=False))
     assert "to 3 % (default 0.5)" in parser.format_help()
 

@@ -258,8 +258,8 @@ def test_a_longest_chain_that_is_too_short_for_a_smooth_front_is_refused_by_its_
 @pytest.mark.parametrize(
     ("given", "asked"),
     [
-        ({"max_sites": 250, "accuracy": 1e-9}, {"max_periods": 250, "tolerance": 1e-9}),
-        ({"max_sites": 9000}, {"max_periods": 9000}),
+        ({"max_sites": 250, "accuracy": 1e-9}, {"max_sites": 250, "accuracy": 1e-9}),
+        ({"max_sites": 9000}, {"max_sites": 9000}),
     ],
 )
 def test_a_piecewise_front_is_followed_over_so_many_sites_as_are_asked_for(
@@ -273,7 +273,7 @@ def test_a_piecewise_front_is_followed_over_so_many_sites_as_are_asked_for(
     measure._piecewise_front(chain, _request())
     usual = inspect.signature(simulate_front).parameters
     assert made[0] == made[1] | asked
-    assert made[1] == {name: usual[name].default for name in ("tolerance", "max_periods")}
+    assert made[1] == {name: usual[name].default for name in ("accuracy", "max_sites")}
     piecewise_front(chain)  # what the command line calls
     assert made[1].items() <= made[2].items()
 

@@ -143,7 +143,7 @@ def test_crossings_agree_with_a_runge_kutta_integration(c, eta, start, count):
     elif start == "moving":
         state = travelling_state(c, 1.4, 336)
     else:  # sites cross five times each here, close together
-        state = simulate_front(c, eta, max_periods=100).final
+        state = simulate_front(c, eta, max_sites=100).final
         state = ChainState(state.phi, state.origin)
     ours = crossings_by_chain(c, ratio(eta), state, count)
     theirs = crossings_by_runge_kutta(c, ratio(eta), state.phi, count, 0.02)
@@ -157,7 +157,7 @@ def test_crossings_agree_with_a_runge_kutta_integration(c, eta, start, count):
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (2.5, 0.03125)])
 def test_a_moving_window_gives_the_times_of_a_long_fixed_chain(c, eta):
     v, count = (0.31, 60) if c < 1 else (1.3, 60)
-    moving = simulate_front(c, eta, travelling_state(c, v, 400), max_periods=80)
+    moving = simulate_front(c, eta, travelling_state(c, v, 400), max_sites=80)
     long = widened(travelling_state(c, v, 400), 4000)
     fixed = crossings_by_chain(c, ratio(eta), long, count)
     times = np.array([time for time, _, _ in fixed])
@@ -241,7 +241,7 @@ def test_the_tails_of_a_front_decay_at_the_rate_of_its_strip(c, v):
 
 def test_a_start_at_the_kinetic_velocity_stays_on_it():
     v = kinetic_velocity(0.300992, 0.5, 0.03125)
-    run = simulate_front(0.5, 0.03125, start_velocity=v, max_periods=80)
+    run = simulate_front(0.5, 0.03125, start_velocity=v, max_sites=80)
     waits = np.arange(run.crossing_times.size) + 0.5  # from the middle between two switchings
     assert run.crossing_times * v == pytest.approx(waits, rel=1e-11)
 
@@ -346,7 +346,7 @@ def test_a_clean_front_grazes_nothing():
 
 def test_what_is_ruled_out_in_crowded_intervals_would_not_have_crossed(monkeypatch):
     """The bound on each site leaves the crossings as they are, where every interval asks it."""
-    state = simulate_front(10.0, 0.03125, max_periods=100).final
+    state = simulate_front(10.0, 0.03125, max_sites=100).final
     found = []
     for many in (0, 10**6):
         monkeypatch.setattr(piecewise_chain, "_MANY", many)
@@ -628,10 +628,10 @@ def test_the_command_refuses_bad_input_with_exit_code_2(capsys, options):
     assert captured.err.count("\n") == 1
 
 
-@pytest.mark.parametrize("tolerance", [1e-14, 0.02, math.nan])
-def test_a_tolerance_that_no_spread_can_have_is_refused(tolerance):
-    with pytest.raises(ParameterError, match="tolerance"):
-        simulate_front(0.5, 0.03125, tolerance=tolerance)
+@pytest.mark.parametrize("accuracy", [1e-14, 0.02, math.nan])
+def test_an_accuracy_that_no_spread_can_have_is_refused(accuracy):
+    with pytest.raises(ParameterError, match="accuracy"):
+        simulate_front(0.5, 0.03125, accuracy=accuracy)
 
 
 def test_a_front_is_judged_by_the_tolerance_that_was_asked_for(monkeypatch):
@@ -653,7 +653,7 @@ def test_a_front_is_judged_by_the_tolerance_that_was_asked_for(monkeypatch):
             return time.perf_counter() - began
 
     monkeypatch.setattr(simulation, "History", Made)
-    seconds = simulate_front(0.5, 0.03125, tolerance=1e-5, max_periods=500)
+    seconds = simulate_front(0.5, 0.03125, accuracy=1e-5, max_sites=500)
     assert asked == [(1e-5, 500)] * 3 + [(1e-5, None)]
     assert 0.0 <= seconds < 600.0
 

@@ -130,7 +130,7 @@ def test_the_running_chain_keeps_stable_fronts_and_leaves_unstable_ones(c, eta, 
     branches = [b for b in kinetic_relation(c, eta).branches if b.admissible]
     branch = max(branches, key=lambda b: abs(b.v))
     assert branch.stable is stable
-    run = simulate_front(c, eta, start_velocity=branch.v * (1.0 + 1e-5), tolerance=1e-9)
+    run = simulate_front(c, eta, start_velocity=branch.v * (1.0 + 1e-5), accuracy=1e-9)
     if stable:
         assert run.status is FrontStatus.STEADY
         assert run.v == pytest.approx(branch.v, rel=1e-8)
@@ -146,7 +146,7 @@ def test_the_running_chain_loses_the_fastest_front_where_c_stable_says(eta, shar
     branch = kinetic_relation(c, eta).branches[-1]
     assert branch.admissible
     assert branch.stable is (share < 1.0)
-    run = simulate_front(c, eta, start_velocity=branch.v * (1.0 + 1e-6), tolerance=1e-9)
+    run = simulate_front(c, eta, start_velocity=branch.v * (1.0 + 1e-6), accuracy=1e-9)
     if branch.stable:
         assert run.v == pytest.approx(branch.v, rel=1e-8)
     assert run.status is (FrontStatus.STEADY if branch.stable else FrontStatus.UNSTEADY)

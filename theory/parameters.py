@@ -6,7 +6,7 @@ import math
 import numbers
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat, TypeVar
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,8 +16,65 @@ LATEST = 1e9
 """Largest end time of a simulation."""
 
 
+_Documented = TypeVar("_Documented", bound=Callable[..., Any])
+
 _MAX_SHOWN = 500
 """Largest number of characters of a value that are shown in a message."""
+
+
+class Range(NamedTuple):
+    """The range that is allowed for a quantity, including both ends.
+
+    Its text appears in help and in refusals, so that they cannot differ from the check.
+
+    Examples
+    --------
+    >>> print(Range(1e-9, 10.0), Range(1e-12, 1e-4), Range(1, 1_000_000), sep="; ")
+    from 1e-9 to 10; from 1e-12 to 1e-4; from 1 to 1000000
+    """
+
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"from {as_text(self.low)} to {as_text(self.high)}"
+
+
+def as_text(value: float) -> str:
+    """Return a number as it is written in help and in refusals.
+
+    Examples
+    --------
+    >>> [as_text(each) for each in (1e9, 1e-4, 0.01, -1000.0, 2000)]
+    ['1e9', '1e-4', '0.01', '-1000', '2000']
+    """
+    if isinstance(value, int):
+        return str(value)
+    text = f"{value:.5e}" if 0.0 < abs(value) < 1e-3 else f"{value:g}"
+    mantissa, _, exponent = text.partition("e")
+    return f"{float(mantissa):g}e{int(exponent)}" if exponent else text
+
+
+def with_ranges(**ranges: Range | float) -> Callable[[_Documented], _Documented]:
+    """Replace names in braces in the docstring of a function or class by ranges or numbers.
+
+    The docstring, and the help of the command line with it, thus states what is checked.
+
+    Examples
+    --------
+    >>> end_time.__doc__.splitlines()[0]
+    'Return the end time of a simulation after checking that it is positive and at most 1e9.'
+    """
+
+    def replace(documented: _Documented) -> _Documented:
+        text = documented.__doc__ or ""  # there is none under python -OO
+        for name, value in ranges.items():
+            shown = str(value) if isinstance(value, Range) else as_text(value)
+            text = text.replace(f"{{{name}}}", shown)
+        documented.__doc__ = text
+        return documented
+
+    return replace
 
 
 class ParameterError(ValueError):
@@ -195,17 +252,6 @@ positive numbers; give at least one, as [0.1, 0.2].
     return sorted(positive(quantity, each) for each in given)
 
 
-def span(low: float, high: float) -> str:
-    """Return a range in words, for help that cannot differ from the check.
-
-    Examples
-    --------
-    >>> span(1e-9, 10.0)
-    'from 1e-9 to 10'
-    """
-    return f"from {low:g} to {high:g}".replace("e-0", "e-").replace("e+0", "e")
-
-
 def within(
     quantity: str,
     value: SupportsFloat | str,
@@ -225,7 +271,7 @@ def within(
     return _checked(
         quantity,
         value,
-        f"from {low:g} to {high:g}",
+        str(Range(low, high)),
         remedy or "give a value in this range",
         lambda x: low <= x <= high,
     )
@@ -239,7 +285,8 @@ def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str)
     ParameterError
         If it is not a number, not finite, or below ``low``.
     """
-    return _checked(quantity, value, f"finite and at least {low:g}", remedy, lambda x: x >= low)
+    allowed = f"finite and at least {as_text(low)}"
+    return _checked(quantity, value, allowed, remedy, lambda x: x >= low)
 
 
 def refuse_unread(
@@ -278,7 +325,7 @@ leave it out: nothing depends on it.
 
 
 def count_within(
-    quantity: str, value: SupportsFloat, low: int, high: int, remedy: str | None = None
+    quantity: str, value: SupportsFloat, low: float, high: float, remedy: str | None = None
 ) -> int:
     """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
 
@@ -291,7 +338,7 @@ def count_within(
         _checked(
             quantity,
             value,
-            f"a whole number from {low} to {high}",
+            f"a whole number {Range(low, high)}",
             remedy or "give a whole number in this range",
             lambda x: low <= x <= high and x == int(x),
         )
@@ -316,15 +363,15 @@ def real_number(quantity: str, value: object, low: float, high: float, remedy: s
     Traceback (most recent call last):
     ...
     theory.parameters.ParameterError: coupling c = '0.3' is not allowed: it must be a number from \
-0 to 1e+06; give a coupling.
+0 to 1e6; give a coupling.
     """
-    allowed = f"a number from {low:g} to {high:g}"
+    allowed = f"a number {Range(low, high)}"
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise ParameterError(quantity, _shown(value), allowed, remedy)
     return _checked(quantity, value, allowed, remedy, lambda x: low <= x <= high)
 
 
-def whole_number(quantity: str, value: object, low: int, high: int, remedy: str = "") -> int:
+def whole_number(quantity: str, value: object, low: float, high: float, remedy: str = "") -> int:
     """Return a parameter as an int if it is a whole number with ``low <= value <= high``.
 
     Raises
@@ -338,7 +385,7 @@ def whole_number(quantity: str, value: object, low: int, high: int, remedy: str 
     31
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        allowed = f"a whole number from {low} to {high}"
+        allowed = f"a whole number {Range(low, high)}"
         raise ParameterError(
             quantity, _shown(value), allowed, remedy or "give a whole number in this range"
         )
@@ -446,8 +493,9 @@ def _in_one_line(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
+@with_ranges(latest=LATEST)
 def end_time(quantity: str, value: float) -> float:
-    """Return the end time of a simulation after checking that it is positive and at most 1e9.
+    """Return the end time of a simulation after checking that it is positive and at most {latest}.
 
     At larger times double precision does not resolve the phase to one part in a million, and a
     simulation takes days.
@@ -457,7 +505,7 @@ def end_time(quantity: str, value: float) -> float:
     ParameterError
         If the time is not in this range.
     """
-    allowed = f"positive and at most {LATEST:g}"
+    allowed = f"positive and at most {as_text(LATEST)}"
     return _checked(
         quantity, value, allowed, "give a time in this range", lambda x: 0.0 < x <= LATEST
     )

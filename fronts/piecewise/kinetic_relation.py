@@ -10,8 +10,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from theory.arrays import FloatArray
-from theory.parameters import ParameterError, real_array, truth
+from theory.parameters import ParameterError, real_array, truth, with_ranges
 from theory.piecewise.kinetic_relation import (
+    COUPLINGS,
     KineticRelation,
     trace_kinetic_relation,
     with_stability,
@@ -54,6 +55,7 @@ class KineticCurve(Result):
         return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
+@with_ranges(couplings=COUPLINGS)
 def kinetic_relation(
     c: Numbers,
     eta: Numbers | None = None,
@@ -69,7 +71,7 @@ def kinetic_relation(
     Parameters
     ----------
     c : float or array_like of float, shape (n,)
-        Coupling, dimensionless, from 1e-8 to 1e8.
+        Coupling, dimensionless, {couplings}.
     eta : float or array_like of float, shape (n,), optional
         η = b/a², dimensionless, positive; two limit cycles exist below 1/8.
     a, b : float, optional

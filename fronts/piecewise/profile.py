@@ -8,8 +8,8 @@ import numpy as np
 
 from fronts.piecewise.kinetic_relation import damping_ratio
 from theory.arrays import ComplexArray, FloatArray
-from theory.parameters import ParameterError, RunError, count_within, number, within
-from theory.piecewise.kinetic_relation import KineticBranch, trace_kinetic_relation
+from theory.parameters import ParameterError, RunError, count_within, number, with_ranges, within
+from theory.piecewise.kinetic_relation import COUPLINGS, KineticBranch, trace_kinetic_relation
 from theory.result import Result
 
 _FARTHEST = 1e6
@@ -75,6 +75,7 @@ class FrontProfile(Result):
         }
 
 
+@with_ranges(couplings=COUPLINGS)
 def front_profile(
     c: float,
     eta: float | None = None,
@@ -91,7 +92,7 @@ def front_profile(
     Parameters
     ----------
     c : float
-        Coupling, dimensionless, from 1e-8 to 1e8.
+        Coupling, dimensionless, {couplings}.
     eta : float, optional
         η = b/a², dimensionless; two limit cycles exist below 1/8.
     a, b : float, optional

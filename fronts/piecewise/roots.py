@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from theory.parameters import ParameterError, RunError, count_within, decimal, truth
-from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS
+from theory.parameters import ParameterError, RunError, count_within, decimal, truth, with_ranges
+from theory.piecewise.sums.result import DIGITS, DOUBLE
 from theory.result import Result
 from verification.execution.progress import ProgressCallback, of_part
 
@@ -73,6 +73,7 @@ class Roots(Result):
         }
 
 
+@with_ranges(digits=DIGITS, double=DOUBLE)
 def roots(
     v: float | str,
     c: float | str,
@@ -97,7 +98,7 @@ def roots(
     extent : float, optional
         Largest |Re k| of the roots, in place of count.
     digits : int, optional
-        Required digits, from 1 to 2000; with certify at most 15.
+        Required digits, {digits}; with certify at most {double}.
     certify : bool, optional
         Enclose and count the roots in ball arithmetic; needs the extra certify (python-flint).
     progress : callable, optional
@@ -138,7 +139,7 @@ def roots(
         if certify
         else None
     )
-    digits = count_within("digits", digits, 1, DOUBLE if certify else MAX_DIGITS, remedy)
+    digits = count_within("digits", digits, DIGITS.low, DOUBLE if certify else DIGITS.high, remedy)
     if count is not None and extent is not None:
         raise ParameterError(
             "extent |Re k|", extent, "absent when a count is given", "give one of them"

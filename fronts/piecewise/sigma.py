@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy as np
 
-from theory.parameters import ParameterError, count_within, decimal, word
-from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError
+from theory.parameters import ParameterError, count_within, decimal, with_ranges, word
+from theory.piecewise.sums.result import DIGITS, DOUBLE, KineticSum, PrecisionError
 
 
+@with_ranges(digits=DIGITS)
 def sigma(
     v: float | str,
     c: float | str,
@@ -33,7 +34,7 @@ def sigma(
         precision; quadrature: adaptive quadrature on the real line, in double precision; certified:
         the integral in ball arithmetic, with a proven error (needs the extra certify).
     digits : int, optional
-        Required digits after the point, from 1 to 2000.
+        Required digits after the point, {digits}.
 
     Returns
     -------
@@ -61,7 +62,7 @@ def sigma(
     """
     v, c = decimal("velocity v", v), decimal("coupling c", c)
     word("method", method, _SUMS)
-    digits = count_within("digits", digits, 1, MAX_DIGITS)
+    digits = count_within("digits", digits, *DIGITS)
     within_double = digits <= 13 or method in ("integral", "series", "certified")
     if not within_double:
         raise ParameterError(

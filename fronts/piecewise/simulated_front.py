@@ -5,16 +5,19 @@ from __future__ import annotations
 from typing import Literal
 
 from theory.chains.piecewise import PiecewiseChain
+from theory.parameters import with_ranges
 from verification.fronts.result import Front
+from verification.piecewise.simulation import ACCURACIES, ACCURACY, MAX_SITES, PERIODS
 
 
+@with_ranges(accuracy=ACCURACIES, max_sites=PERIODS.low)
 def piecewise_front(
     chain: PiecewiseChain,
     *,
     start: Literal["moving", "resting", "step"] = "moving",
     start_v: float | None = None,
-    accuracy: float = 1e-12,
-    max_sites: int = 1000,
+    accuracy: float = ACCURACY,
+    max_sites: int = MAX_SITES,
 ) -> Front:
     """Return the front of (44), integrated exactly from one switching to the next.
 
@@ -28,9 +31,9 @@ def piecewise_front(
     start_v : float, optional
         Velocity of a moving initial state; negative for a retreating front.
     accuracy : float, optional
-        Relative spread of the period below which the motion counts as steady.
+        Relative spread of the period below which the motion counts as steady, {accuracy}.
     max_sites : int, optional
-        Largest number of sites that the front may pass, at least 80.
+        Largest number of sites that the front may pass, at least {max_sites}.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from theory.arrays import FloatArray
 from theory.chains.ends import Ends
-from theory.parameters import ParameterError, real_number, whole_number
+from theory.parameters import ParameterError, Range, real_number, whole_number
 
 if TYPE_CHECKING:
     from theory.chains.coupling import Network
@@ -25,7 +25,7 @@ CHAINS: dict[str, type[Chain]] = {}
 """Every model by name; subclasses of :class:`Chain` register themselves."""
 
 MAX_SITES = 1_000_000
-SMALLEST_EPS, LARGEST_EPS = 1e-9, 10.0
+EPS_RANGE = Range(1e-9, 10.0)
 """Range of the small parameter ε of smooth chains."""
 
 MAX_COUPLING = 1e6
@@ -42,13 +42,19 @@ Kernel = Callable[..., tuple[Any, Any]]
 """Right-hand side of a site: (site, left neighbour, right neighbour, parameters) → (y', w')."""
 
 
-def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING, kind: str = "") -> Any:
+def parameter(
+    text: str,
+    symbol: str,
+    default: Any = dataclasses.MISSING,
+    kind: str = "",
+    allowed: Range | None = None,
+) -> Any:
     """Return a dataclass field with the help text and the symbol for its command-line option.
 
     Parameters
     ----------
     text : str
-        Meaning and range of the parameter, for ``--help``.
+        Meaning and range of the parameter, for ``--help``; "{allowed}" is replaced by the range.
     symbol : str
         Its symbol in the equations.
     default : optional
@@ -56,8 +62,11 @@ def parameter(text: str, symbol: str, default: Any = dataclasses.MISSING, kind: 
     kind : str, optional
         How the command line reads the value (``fronts.signatures``), if that does not follow from
         its type.
+    allowed : Range, optional
+        Its range. Some commands allow a narrower one, which their help shows instead.
     """
-    metadata = {"help": text, "symbol": symbol} | ({"kind": kind} if kind else {})
+    metadata = {"help": text, "symbol": symbol, "kind": kind, "allowed": allowed}
+    metadata = {name: value for name, value in metadata.items() if value}
     if isinstance(default, dict):
         return dataclasses.field(default_factory=lambda: dict(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)

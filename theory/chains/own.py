@@ -17,14 +17,7 @@ from theory.cells.compiled import CompiledForce, read_force
 from theory.cells.compiled_cell import compiled_cell
 from theory.cells.oscillator import Oscillator, OscillatorCell
 from theory.cells.polynomial import Polynomial
-from theory.chains.chain import (
-    LARGEST_EPS,
-    MAX_COUPLING,
-    MAX_SITES,
-    SMALLEST_EPS,
-    SmoothChain,
-    parameter,
-)
+from theory.chains.chain import EPS_RANGE, MAX_COUPLING, MAX_SITES, SmoothChain, parameter
 from theory.chains.coupling import Network, is_file, largest_group_slope, network_of, size_of
 from theory.chains.drive import Drive, read_drives
 from theory.chains.ends import Ends
@@ -37,7 +30,7 @@ from theory.chains.site_values import (
     pairs,
     relative_spread,
 )
-from theory.parameters import ParameterError, random_seed, span, truth, whole_number
+from theory.parameters import ParameterError, random_seed, truth, whole_number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,7 +65,7 @@ class OwnChain(SmoothChain):
         "chain, ring, next-nearest:1,0.2, small-world:4,0.1,7, square, hexagonal, or a file of "
         "weights ending in .npz or .mtx", "W", "chain", kind="str",
     )  # fmt: skip
-    eps: float = parameter(f"small parameter, {span(SMALLEST_EPS, LARGEST_EPS)}", "ε", 0.01)
+    eps: float = parameter("small parameter, {allowed}", "ε", 0.01, allowed=EPS_RANGE)
     velocity_coupling: float = parameter("part of the coupling that acts on velocities", "d", 0.0)
     overdamped: bool = parameter("without inertia: dy/dt takes the place of d²y/dt²", "-", False)
     disorder: Any = parameter(
@@ -92,7 +85,7 @@ class OwnChain(SmoothChain):
 
     def __post_init__(self) -> None:
         self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or a positive number")
-        self._check_number("eps", "small parameter eps", SMALLEST_EPS, LARGEST_EPS)
+        self._check_number("eps", "small parameter eps", *EPS_RANGE)
         self._check_number("velocity_coupling", "velocity coupling", -1e6, 1e6)
         self._check_ends()
         self._check_size()

@@ -16,16 +16,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from theory.cells.vdp import ETA_END, eta_from_damping
-from theory.chains.chain import (
-    LARGEST_EPS,
-    MAX_COUPLING,
-    MAX_SITES,
-    SMALLEST_EPS,
-    SmoothChain,
-    parameter,
-)
+from theory.chains.chain import EPS_RANGE, MAX_COUPLING, MAX_SITES, SmoothChain, parameter
 from theory.chains.ends import Ends
-from theory.parameters import ParameterError, span
+from theory.parameters import ParameterError, with_ranges
 
 SMALLEST_DAMPING, LARGEST_DAMPING = 1e-100, 1e100
 """Range of a and b; outside it the amplitudes would exceed the range of double precision."""
@@ -78,6 +71,7 @@ def envelope_velocity(site, left, right, p):  # type: ignore[no-untyped-def]
     )
 
 
+@with_ranges(eps=EPS_RANGE)
 @dataclass(frozen=True, kw_only=True)
 class VanDerPolChain(SmoothChain):
     """Parameters common to (8) and to (43); dimensionless.
@@ -89,7 +83,7 @@ class VanDerPolChain(SmoothChain):
     c : float
         Coupling, from 0 to 1e6.
     eps : float
-        Small parameter ε, from 1e-9 to 10. In slow time, (43) does not depend on ε.
+        Small parameter ε, {eps}. In slow time, (43) does not depend on ε.
     sites : int
         Number of oscillators N, from 2 to 1 000 000.
     ends : Ends
@@ -107,7 +101,7 @@ class VanDerPolChain(SmoothChain):
     a: float = parameter("damping coefficient a, positive", "a")
     b: float = parameter("damping coefficient b, positive", "b")
     c: float = parameter("coupling, zero or positive", "c")
-    eps: float = parameter(f"small parameter, {span(SMALLEST_EPS, LARGEST_EPS)}", "ε", 0.01)
+    eps: float = parameter("small parameter, {allowed}", "ε", 0.01, allowed=EPS_RANGE)
     sites: int = parameter("number of sites, from 2", "N", 31)
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
 
@@ -118,7 +112,7 @@ class VanDerPolChain(SmoothChain):
             self._check_number(name, quantity, SMALLEST_DAMPING, LARGEST_DAMPING, remedy)
         remedy = "give a coupling that is zero or positive"
         self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
-        self._check_number("eps", "small parameter eps", SMALLEST_EPS, LARGEST_EPS)
+        self._check_number("eps", "small parameter eps", *EPS_RANGE)
         self._check_count("sites", "number of sites n", 2, MAX_SITES)
         self._check_ends()
 

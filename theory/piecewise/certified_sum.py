@@ -58,7 +58,7 @@ from theory.parameters import count_within
 from theory.piecewise.certified_roots import ball_arithmetic
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling
-from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError, stated
+from theory.piecewise.sums.result import DIGITS, DOUBLE, KineticSum, PrecisionError, stated
 
 MAX_POINTS = 2000
 """Largest number of equispaced points; where more would be needed, the adaptive rule is used."""
@@ -142,7 +142,7 @@ def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> Kinet
     (-0.288796756190252 + 0.452268758749395j) True
     """
     start = perf_counter()
-    digits = count_within("digits", digits, 1, MAX_DIGITS)
+    digits = count_within("digits", digits, *DIGITS)
     v_float, c_float = checked_velocity_and_coupling(float(v), float(c))
     flint = ball_arithmetic("a certified sum")
     # Digits are lost by arguments of the exponential as large as c/v, and differences down to 1/v.

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from theory.arrays import BoolArray, FloatArray
 from theory.cells.vdp import ETA_END, checked_eta, threshold_ratio, threshold_ratio_slope
-from theory.parameters import within
+from theory.parameters import Range, with_ranges, within
 from theory.piecewise.admissibility import check_fronts
 from theory.piecewise.branch_search import Solutions, all_velocities
 from theory.piecewise.folds import KineticFold, fold_couplings
@@ -24,8 +24,7 @@ from theory.piecewise.stability import front_stability
 from theory.piecewise.stability_limit import StabilityLimit, stability_limit
 from theory.result import Result
 
-LARGEST_COUPLING = 1e8
-SMALLEST_COUPLING = 1e-8
+COUPLINGS = Range(1e-8, 1e8)
 _BLOCK = 2000
 """Number of cases that are solved at once; more would need memory and not be faster."""
 
@@ -307,6 +306,7 @@ class KineticRelation(Result):
         }
 
 
+@with_ranges(couplings=COUPLINGS)
 def kinetic_relation(c: float, eta: float) -> KineticRelation:
     """Return every front velocity at coupling c and η = b/a², and the thresholds (Eq. 54).
 
@@ -316,7 +316,7 @@ def kinetic_relation(c: float, eta: float) -> KineticRelation:
     Parameters
     ----------
     c : float
-        Coupling, dimensionless, from 1e-8 to 1e8.
+        Coupling, dimensionless, {couplings}.
     eta : float
         η = b/a², dimensionless, positive. For η ≥ 1/8 the result says that there is no front.
 
@@ -426,7 +426,7 @@ def trace_kinetic_relation(
 
 
 def checked_coupling(c: float) -> float:
-    """Return the coupling after checking that it lies between 1e-8 and 1e8.
+    """Return the coupling after checking that it is in the range of the method.
 
     Raises
     ------
@@ -434,7 +434,7 @@ def checked_coupling(c: float) -> float:
         If it does not.
     """
     remedy = "give a coupling between these"
-    return within("coupling c", c, SMALLEST_COUPLING, LARGEST_COUPLING, remedy)
+    return within("coupling c", c, *COUPLINGS, remedy)
 
 
 def _can_move(eta: FloatArray, retreating: bool) -> BoolArray:

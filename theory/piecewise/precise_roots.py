@@ -10,10 +10,10 @@ import numpy as np
 from theory.arrays import IntArray
 from theory.parameters import count_within
 from theory.piecewise.roots import checked_velocity_and_coupling, labelled_roots
-from theory.piecewise.sums.result import MAX_DIGITS
+from theory.piecewise.sums.result import DIGITS
 
 GUARD_DIGITS = 100
-"""Number of digits beyond ``MAX_DIGITS`` with which a sum may compute its roots."""
+"""Number of digits beyond ``DIGITS`` with which a sum may compute its roots."""
 
 
 def exact(value: float | str | mp.mpf) -> mp.mpf:
@@ -49,7 +49,7 @@ def precise_roots(
     ParameterError
         If a parameter is out of range.
     """
-    digits = count_within("digits", digits, 1, MAX_DIGITS + GUARD_DIGITS)
+    digits = count_within("digits", digits, DIGITS.low, DIGITS.high + GUARD_DIGITS)
     with mp.workdps(digits + 10):
         start = labelled_roots(*checked_velocity_and_coupling(v, c), labels, upper)
         v_, c_ = exact(v), exact(c)

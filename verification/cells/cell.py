@@ -7,13 +7,15 @@ from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, with_ranges
+from verification.cells import friction, shooting
 from verification.cells.friction import friction_cell
 from verification.cells.oscillator import oscillator_cell
 from verification.cells.result import Cell
 from verification.cells.vdp import averaged_cell, vdp_cell
 
 
+@with_ranges(friction=friction.TOLERANCES, shooting=shooting.TOLERANCES)
 def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
     """Return rest, cycles and basin of one cell, given directly or taken from a chain.
 
@@ -23,9 +25,9 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
         The cell of (5) at c = 0; of (8); of (43), where both cycles are known in closed form; or a
         user-defined one. Coupling, sites and ends of a chain have no effect.
     tolerance : float, optional
-        Local error of the integration relative to the size of the cycle, from 1e-14 to 1e-4
-        (friction) or 1e-13 to 1e-6 (otherwise); the cell of (43) does not depend on it. The stated
-        errors are at least the differences from results at a hundred times this tolerance.
+        Local error of the integration relative to the size of the cycle, {friction} (friction)
+        or {shooting} (otherwise); the cell of (43) does not depend on it. The stated errors are at
+        least the differences from results at a hundred times this tolerance.
 
     Returns
     -------

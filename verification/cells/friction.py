@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from theory.cells.friction import LARGEST, FrictionCell
 from theory.cells.friction_law import FrictionLaw
-from theory.parameters import ParameterError, within
+from theory.parameters import ParameterError, Range, with_ranges, within
 from verification.cells.friction_cycles import (
     ROUND_OFF,
     check_slip_cycles,
@@ -29,6 +29,7 @@ from verification.cells.friction_cycles import (
 from verification.cells.result import BeltCell, CellCycle, CellStatus
 from verification.runs.comparison import COARSER
 
+TOLERANCES = Range(1e-14, 1e-4)
 _SLOWEST_BELT = 1e-9
 """Slowest belt: below it a cycle can no longer be distinguished from the round-off of y."""
 _FASTEST_STRIBECK, _TRIED = 10.0, 60
@@ -40,6 +41,7 @@ _SLOW, _CERTAIN = 1e-5, 1e-3
 on it does not."""
 
 
+@with_ranges(tolerance=TOLERANCES)
 def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     """Return the cycles of a cell, and the velocities at which they end.
 
@@ -48,7 +50,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     cell : FrictionCell
         Parameters.
     tolerance : float
-        Local error, from 1e-14 to 1e-4.
+        Local error, {tolerance}.
 
     Examples
     --------
@@ -69,7 +71,7 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
             "damping ratio xi", 0, "positive under Coulomb's law: without damping every slip near "
             "steady sliding is a cycle, and none is stable", "add damping or a viscous part",
         )  # fmt: skip
-    within("tolerance", tolerance, 1e-14, 1e-4)
+    within("tolerance", tolerance, *TOLERANCES)
     within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, LARGEST)
     limits = cycle_velocities(cell, tolerance)
     coarse_limits = cycle_velocities(cell, COARSER * tolerance)

@@ -8,11 +8,12 @@ import numpy as np
 
 from theory.cells.oscillator import OscillatorCycle
 from theory.chains.oscillator import OscillatorChain
-from theory.parameters import ParameterError, within
+from theory.parameters import ParameterError, with_ranges, within
 from verification.cells.result import CellCycle, CellStatus, OwnCell
-from verification.cells.shooting import shot_cycles
+from verification.cells.shooting import TOLERANCES, shot_cycles
 
 
+@with_ranges(tolerance=TOLERANCES)
 def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell:
     """Return all cycles of a cell of a chain; parameters that vary between sites are averaged.
 
@@ -21,7 +22,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
     chain : OscillatorChain
         A chain with inertia and without forces; its coupling has no effect.
     tolerance : float
-        Relative tolerance of DOP853, from 1e-13 to 1e-6.
+        Relative tolerance of DOP853, {tolerance}.
 
     Raises
     ------
@@ -36,7 +37,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
     ('cycle only', 1.1547, True)
     """
     begin = perf_counter()
-    within("tolerance", tolerance, 1e-13, 1e-6)
+    within("tolerance", tolerance, *TOLERANCES)
     chain.check_unforced("the cycles of a cell without external forces")
     if chain.overdamped:
         raise ParameterError(

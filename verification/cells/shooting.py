@@ -17,9 +17,11 @@ from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
 from theory.cells.oscillator import Oscillator, OscillatorCycle
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, Range
 from verification.cells.result import CellCycle
 
+TOLERANCES = Range(1e-13, 1e-6)
+"""Range of the relative tolerance of DOP853."""
 ROUNDING = 1e-14
 """Relative rounding error of a period, accumulated over some hundred steps."""
 _STIFFEST = 60.0

@@ -12,14 +12,15 @@ from time import perf_counter
 
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.vdp import ETA_END, eta_from_damping, is_bistable
-from theory.parameters import within
+from theory.parameters import Range, with_ranges, within
 from verification.cells.result import Cell, CellCycle, CellStatus
-from verification.cells.shooting import ROUNDING, shot_cycles
+from verification.cells.shooting import ROUNDING, TOLERANCES, shot_cycles
 
-EPS_RANGE = 1e-4, 1.0
+EPS_RANGE = Range(1e-4, 1.0)
 """Range of ε; below it the averaged cell is as accurate."""
 
 
+@with_ranges(eps=EPS_RANGE, tolerance=TOLERANCES)
 def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     """Return both cycles of a cell.
 
@@ -28,9 +29,9 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
     a, b : float
         Coefficients of the damping, positive.
     eps : float
-        Small parameter, from 1e-4 to 1.
+        Small parameter, {eps}.
     tolerance : float
-        Relative tolerance of DOP853, from 1e-13 to 1e-6.
+        Relative tolerance of DOP853, {tolerance}.
 
     Raises
     ------
@@ -50,7 +51,7 @@ def vdp_cell(a: float, b: float, eps: float, tolerance: float) -> Cell:
         "give a value in this range; for smaller ones use the averaged cell, which is their limit"
     )
     within("small parameter eps", eps, *EPS_RANGE, remedy)
-    within("tolerance", tolerance, 1e-13, 1e-6)
+    within("tolerance", tolerance, *TOLERANCES)
     damping = {(0, 0): 1.0, (2, 0): -a, (4, 0): b}
     cycles = shot_cycles(OscillatorCell(stiffness={1: 1.0}, damping=damping), eps, tolerance)
     unstable, stable = cycles or (None, None)

@@ -20,20 +20,14 @@ from typing import Literal
 
 import numpy as np
 
-from theory.chains.chain import MAX_SITES, Chain, SmoothChain
+from theory.chains.chain import Chain, SmoothChain
 from theory.chains.friction import FrictionChain
 from theory.chains.own import OwnChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain
-from theory.parameters import (
-    LATEST,
-    ParameterError,
-    count_within,
-    need_instance,
-    within,
-    word,
-)
+from theory.parameters import ParameterError, need_instance, with_ranges, word
 from verification.execution.progress import ProgressCallback
+from verification.fronts import friction, network, smooth
 from verification.fronts.friction import friction_front
 from verification.fronts.request import Request
 from verification.fronts.resting import StaticFold, static_fold
@@ -42,10 +36,23 @@ from verification.fronts.smooth import OUTRUNS, own_front, smooth_front
 from verification.fronts.status import FrontStatus
 from verification.fronts.switchings import front_by_switchings
 from verification.fronts.wave import FrontWave, NoFrontError, front_wave
+from verification.piecewise import simulation
 from verification.runs.excite import StartPoint
-from verification.runs.simulate import MAX_TOLERANCE, MIN_TOLERANCE
 
 
+@with_ranges(
+    smooth_accuracy=smooth.ACCURACY.allowed,
+    friction_accuracy=friction.ACCURACY.allowed,
+    piecewise_accuracy=simulation.ACCURACIES,
+    smooth_tolerance=smooth.TOLERANCE.allowed,
+    friction_tolerance=friction.TOLERANCE.allowed,
+    smooth_excited=smooth.EXCITED.allowed,
+    friction_excited=friction.EXCITED.allowed,
+    smooth_sites=smooth.MAX_SITES.allowed.low,
+    more_sites=friction.MORE_SITES,
+    piecewise_sites=simulation.PERIODS.low,
+    directions=network.DIRECTIONS.allowed,
+)
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     chain: Chain,
     *,
@@ -66,28 +73,31 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     ----------
     chain : Chain
         The chain and its parameters, with free ends. Its ``sites`` is the length tried first: for a
-        smooth chain the number of sites beyond the excited ones, at least 32; for a friction chain
-        the total.
+        smooth chain the number of sites beyond the excited ones, at least {smooth_sites}; for a
+        friction chain the total.
     method : {"run", "wave"}, optional
         ``run``: fit the arrival times on a running chain. ``wave``, for (43) only: solve for the
         travelling wave itself, with its multipliers; no other option applies then.
     accuracy : float, optional
-        Relative error of v below which the front counts as steady, from 1e-13 to 0.1; by default
-        1e-3, and 0.1 on a lattice or network. For the friction chain from 1e-6, by default 1e-2.
-        For (44) it is the relative spread of the period, from 1e-13 to 0.01, by default 1e-12.
+        Relative error of v below which the front counts as steady, {smooth_accuracy}; by default
+        1e-3, and 0.1 on a lattice or network. For the friction chain {friction_accuracy}, by
+        default 1e-2. For (44) it is the relative spread of the period, {piecewise_accuracy}, by
+        default 1e-12.
     tolerance : float, optional
-        Local error of the integrator, from 1e-14 to 0.01, and for the friction chain from 1e-12 to
-        1e-4; by default 1e-8.
+        Local error of the integrator, {smooth_tolerance}, and for the friction chain
+        {friction_tolerance}; by default 1e-8.
     excited : int, optional
-        Number of sites excited at the start. Smooth chain: 4 to 1000, by default 24; as many sites
-        are kept behind a front that outruns its waves. Friction chain: 1 to 100, by default 1.
+        Number of sites excited at the start. Smooth chain: {smooth_excited}, by default 24; as many
+        sites are kept behind a front that outruns its waves. Friction chain: {friction_excited}, by
+        default 1.
         Lattice: the number of rows, by default 4. Lattice with ``directions``, or network: the
         number of sites nearest to its centre, by default 37.
     max_sites : int, optional
         Length of the longest chain tried before a front is called unsteady: for a smooth chain the
-        number of sites beyond the excited ones, at least 32, by default 1000; for a friction chain
-        the total, at least 24 more than are excited, by default 800. For (44) the largest number of
-        sites that a front may pass, at least 80, by default 1000.
+        number of sites beyond the excited ones, at least {smooth_sites}, by default 1000; for a
+        friction chain the total, at least {more_sites} more than are excited, by default 800. For
+        (44) the largest number of sites that a front may pass, at least {piecewise_sites}, by
+        default 1000.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
         of having stopped; after twice this time it is called pinned or creeping. By default 60, and
@@ -97,8 +107,9 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     point : StartPoint or float
         Where on the cycle, or at which y, the excited sites of a friction chain start.
     directions : int, optional
-        For a lattice: excite its centre and measure v in this number of directions, 4 to 360; by
-        default a planar front runs across its rows. Lattices and networks are not lengthened.
+        For a lattice: excite its centre and measure v in this number of directions,
+        {directions}; by default a planar front runs across its rows. Lattices and networks are not
+        lengthened.
     progress : callable, optional
         Called at intervals with the fraction of the present chain that the front has passed.
 
@@ -127,18 +138,6 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     word("method", method, ("run", "wave"))
-    if accuracy is not None:
-        accuracy = within("accuracy", accuracy, 1e-13, 0.1)
-    if tolerance is not None:
-        tolerance = within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
-    if excited is not None:
-        excited = count_within("excited sites", excited, 1, MAX_SITES)
-    if max_sites is not None:
-        max_sites = count_within("longest chain, max_sites,", max_sites, 1, MAX_SITES)
-    if stall_time is not None:
-        stall_time = within("stall time", stall_time, 1e-6, LATEST)
-    if directions is not None:
-        directions = count_within("directions", directions, 4, 360)
     request = Request(
         accuracy=accuracy,
         tolerance=tolerance,
@@ -227,6 +226,6 @@ def _piecewise_front(chain: PiecewiseChain, request: Request) -> Front:
     request.reads("accuracy", "max_sites", where="for the chain (44)")
     return front_by_switchings(
         chain,
-        accuracy=1e-12 if request.accuracy is None else request.accuracy,
-        max_sites=1000 if request.max_sites is None else request.max_sites,
+        accuracy=simulation.ACCURACY if request.accuracy is None else request.accuracy,
+        max_sites=simulation.MAX_SITES if request.max_sites is None else request.max_sites,
     )

@@ -19,16 +19,17 @@ import numpy as np
 
 from theory.arrays import BoolArray, FloatArray
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError, count_within
+from theory.parameters import ParameterError, Range, count_within
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import line
-from verification.fronts.request import Request
+from verification.fronts.request import Option, Request, stall_time
 from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Stall
 from verification.runs.comparison import coarser_tolerance
 from verification.runs.excite import excite
+from verification.runs.simulate import TOLERANCES
 from verification.runs.smooth_integration import SmoothIntegration
 
 EXCITED = 37
@@ -43,8 +44,12 @@ MEETING = 4
 """How many of the largest distances in links are not used, since fronts may meet there."""
 ROWS = 4
 """Default number of rows excited for a planar front."""
-SPREAD_ACCURACY = 0.1
-"""Default relative accuracy of v; it is coarse because the lattice cannot be enlarged."""
+ACCURACY = Option(quantity="accuracy", allowed=Range(1e-13, 0.1), default=0.1)
+"""The default is coarse because the lattice cannot be enlarged."""
+TOLERANCE = Option(quantity="tolerance", allowed=TOLERANCES, default=1e-8)
+STALL_TIME = stall_time(60.0)
+DIRECTIONS = Option(quantity="directions", allowed=Range(4, 360), default=4)
+"""The default is that of networks; on a lattice, no number means a planar front."""
 _BUDGET, _NEVER = 200_000, 1e9
 
 
@@ -345,9 +350,10 @@ def spreading_front(chain: OwnChain, request: Request) -> Front:
         request.reads(*read, where="on a network that is not a lattice")
     else:
         request.reads(*read, "directions", where="on a lattice")
-    stall = 60.0 if request.stall_time is None else request.stall_time
+    stall = STALL_TIME.number(request.stall_time)
+    accuracy, directions = ACCURACY.number(request.accuracy), DIRECTIONS.count(request.directions)
     options: dict[str, Any] = {
-        "tolerance": 1e-8 if request.tolerance is None else request.tolerance,
+        "tolerance": TOLERANCE.number(request.tolerance),
         "stall": stall * chain.time_unit,
         "progress": request.progress,
     }
@@ -356,12 +362,11 @@ def spreading_front(chain: OwnChain, request: Request) -> Front:
     if chain.shape is not None and request.directions is None:
         found = planar(chain, **options)
     else:
-        found = spread(chain, directions=request.directions or 4, **options)
+        found = spread(chain, directions=directions, **options)
     v: float | None = None
     error: float | None = None
     if found.stopped is None:
         v, error = velocity_of(found, chain)
-        accuracy = SPREAD_ACCURACY if request.accuracy is None else request.accuracy
         status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
     else:
         status = found.stopped

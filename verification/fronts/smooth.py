@@ -15,26 +15,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from theory.chains.chain import MAX_SITES, SmoothChain
+from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError, count_within
+from theory.parameters import ParameterError, Range, count_within
 from verification.fronts.arrival_fit import Settled
 from verification.fronts.network import spreading_front
 from verification.fronts.preparation import FrontPreparation
-from verification.fronts.request import RUN, Request
+from verification.fronts.request import RUN, Option, Request, longest_chain, stall_time
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.runs.excite import excite_edge
 from verification.runs.integration import Integration
+from verification.runs.simulate import TOLERANCES
 from verification.runs.smooth_integration import SmoothIntegration
 
 OUTRUNS = 1.01
 """Ratio of front velocity to wave velocity above which the front outruns the waves behind it."""
 
-EXCITED, MAX_EXCITED = 24, 1000
 _SHORTEST = 32
 """Fewest sites beyond the excited ones to which v is fitted."""
+ACCURACY = Option(quantity="accuracy", allowed=Range(1e-13, 0.1), default=1e-3)
+TOLERANCE = Option(quantity="tolerance", allowed=TOLERANCES, default=1e-8)
+EXCITED = Option(quantity="excited sites", allowed=Range(4, 1000), default=24)
+MAX_SITES = longest_chain(_SHORTEST, 1000)
+STALL_TIME = stall_time(60.0)
 
 
 def smooth_front(chain: SmoothChain, request: Request) -> Front:
@@ -65,7 +70,7 @@ def _beside_longer_wave(
     """
     assert found.v is not None
     assert found.error is not None
-    twice = min(2 * (request.excited or EXCITED), MAX_EXCITED)
+    twice = min(2 * EXCITED.count(request.excited), int(EXCITED.allowed.high))
     farther = _prepare_smooth(chain, replace(request, excited=twice), LeftBoundary.WAVE)
     other = farther.settled(request.progress)
     apart = abs(found.v - (other.v or 0.0))
@@ -102,14 +107,12 @@ def own_front(chain: OwnChain, request: Request) -> Front:
 def _prepare_smooth(
     chain: SmoothChain, request: Request, boundary: LeftBoundary
 ) -> FrontPreparation:
-    excited = EXCITED if request.excited is None else request.excited
-    count_within("excited sites", excited, 4, MAX_EXCITED)
-    max_sites = 1000 if request.max_sites is None else request.max_sites
-    count_within("longest chain, max_sites,", max_sites, _SHORTEST, MAX_SITES)
+    excited = EXCITED.count(request.excited)
+    max_sites = MAX_SITES.count(request.max_sites)
     first = count_within(
         "number of sites n", chain.sites, 2, max_sites, "take a shorter chain, or more max_sites"
     )
-    stall = (60.0 if request.stall_time is None else request.stall_time) * chain.time_unit
+    stall = STALL_TIME.number(request.stall_time) * chain.time_unit
     on = boundary is LeftBoundary.WAVE
     waves = chain.trailing_wave_velocity
 
@@ -146,8 +149,8 @@ def _prepare_smooth(
         excited=excited,
         sites=max(first, _SHORTEST),
         max_sites=max_sites,
-        accuracy=1e-3 if request.accuracy is None else request.accuracy,
-        tolerance=1e-8 if request.tolerance is None else request.tolerance,
+        accuracy=ACCURACY.number(request.accuracy),
+        tolerance=TOLERANCE.number(request.tolerance),
         stall_time=stall,
         settling_tolerance=1e-3 * chain.stable_amplitude,
         method=SmoothIntegration.method,

@@ -5,27 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from theory.chains.piecewise import PiecewiseChain
-from theory.parameters import count_within, within
 from verification.fronts.result import Front
 
 if TYPE_CHECKING:
     from verification.piecewise.run import FrontRun
 
 
-def front_by_switchings(
-    chain: PiecewiseChain, *, accuracy: float, max_sites: int, **start: Any
-) -> Front:
+def front_by_switchings(chain: PiecewiseChain, **options: Any) -> Front:
     """Return the front of (44), advanced exactly from one switching to the next.
 
     Parameters
     ----------
     chain : PiecewiseChain
         Coupling and η.
-    accuracy : float
-        Relative spread of the period at which the motion counts as steady.
-    max_sites : int
-        Largest number of sites that the front may pass.
-    **start
+    **options
         Further parameters of `verification.piecewise.simulation.simulate_front`.
 
     Raises
@@ -33,15 +26,9 @@ def front_by_switchings(
     ParameterError
         If a value is out of range.
     """
-    from verification.piecewise.simulation import PERIODS, TOLERANCES, simulate_front
+    from verification.piecewise.simulation import simulate_front
 
-    run = simulate_front(
-        chain.c,
-        chain.eta,
-        tolerance=within("accuracy", accuracy, *TOLERANCES),
-        max_periods=count_within("most sites passed, max_sites,", max_sites, *PERIODS),
-        **start,
-    )
+    run = simulate_front(chain.c, chain.eta, **options)
     return front_of_switchings(chain, run)
 
 

@@ -35,7 +35,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, positive, within
+from theory.parameters import ParameterError, Range, positive, within
 from verification.maps.rules import RULES, StateRules
 from verification.maps.state import FoundState
 from verification.maps.state_run import Rules, run_to_state
@@ -45,7 +45,7 @@ FIGURE_15 = VdpChain(a=4.0, b=0.5, c=0.0, sites=16)
 """The chain of Fig. 15 as it is read here; η replaces a, whose value the paper does not give."""
 DISPLACEMENT = 6.0
 """y of the last site at time zero in Fig. 15."""
-EPS_RANGE = 1e-4, 10.0
+EPS_RANGE = Range(1e-4, 10.0)
 """Range of ε for runs of (8); below it they take hours."""
 HOLD = 10.0
 WINDOW = 5.0

@@ -16,7 +16,7 @@ from enum import StrEnum
 import numpy as np
 
 from theory.cells.vdp import threshold_ratio
-from theory.parameters import ParameterError, count_within, positive, within
+from theory.parameters import ParameterError, Range, count_within, positive, with_ranges, within
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History
@@ -33,8 +33,10 @@ SMALLEST_ETA = 1e-8
 """Smallest η: below it the threshold is so low that round-off in phi affects the front."""
 
 
-TOLERANCES = 1e-13, 1e-2
-PERIODS = 4 * BLOCK, 1_000_000
+ACCURACIES, ACCURACY = Range(1e-13, 1e-2), 1e-12
+"""Range and default of the relative spread of the period at which the motion counts as steady."""
+PERIODS, MAX_SITES = Range(4 * BLOCK, 1_000_000), 1000
+"""Range and default of the number of sites after which a front that has not settled is given up."""
 
 
 class Start(StrEnum):
@@ -62,14 +64,15 @@ class Hysteresis:
     resting: tuple[FrontRun, ...]
 
 
+@with_ranges(accuracy=ACCURACIES, max_sites=PERIODS)
 def simulate_front(
     coupling: float,
     eta: float,
     start: Start | str | ChainState = Start.MOVING,
     *,
     start_velocity: float | None = None,
-    tolerance: float = 1e-12,
-    max_periods: int = 1000,
+    accuracy: float = ACCURACY,
+    max_sites: int = MAX_SITES,
 ) -> FrontRun:
     """Run the chain (44) until its front is steady, pinned, or clearly neither.
 
@@ -86,10 +89,10 @@ def simulate_front(
         continues from there.
     start_velocity : float, optional
         Velocity of a moving start; negative for a retreating one.
-    tolerance : float
-        Relative spread of the period at which the motion counts as steady.
-    max_periods : int
-        Number of sites after which a front that has not settled is given up.
+    accuracy : float
+        Relative spread of the period at which the motion counts as steady, {accuracy}.
+    max_sites : int
+        Number of sites after which a front that has not settled is given up, {max_sites}.
 
     Returns
     -------
@@ -109,17 +112,17 @@ def simulate_front(
     'pinned'
     """
     c, r = positive("coupling c", coupling), _threshold(eta)
-    within("tolerance", tolerance, *TOLERANCES)
-    periods = count_within("max_periods", max_periods, *PERIODS)
+    within("accuracy", accuracy, *ACCURACIES)
+    max_sites = count_within("most sites passed, max_sites,", max_sites, *PERIODS)
     began = time.perf_counter()
     state = _start_state(c, r, start, start_velocity)
     history = History(PiecewiseMotion(c, r, state), c)
     outcome: Rest | None = None
     while outcome is None:
         outcome = history.extend(BLOCK)
-        if outcome is None and history.decided(tolerance, periods):
+        if outcome is None and history.decided(accuracy, max_sites):
             break
-    return history.verdict(outcome, tolerance, began)
+    return history.verdict(outcome, accuracy, began)
 
 
 def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:

@@ -14,13 +14,16 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from theory.parameters import (
+    LATEST,
     ParameterError,
+    Range,
     count_within,
     end_time,
     need_instance,
     positive,
     real_array,
     truth,
+    with_ranges,
     within,
 )
 from verification.execution.progress import ProgressCallback
@@ -37,12 +40,13 @@ from verification.runs.trajectory import RunStatus, Trajectory
 
 __all__ = ["friction_integration", "simulate", "smooth_integration"]
 
-MIN_TOLERANCE, MAX_TOLERANCE = 1e-14, 1e-2
+TOLERANCES = Range(1e-14, 1e-2)
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may store: a few gigabytes."""
 
 
+@with_ranges(tolerance=TOLERANCES, latest=LATEST)
 def simulate(  # noqa: PLR0913  (all but three by name)
     chain: Chain,
     start: npt.ArrayLike,
@@ -69,9 +73,9 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         (y, w) of every site, shape (2, N), dimensionless (``verification.runs.excite``); or
         Ψ = ẏ + iy, complex, shape (N,).
     t_end : float
-        Final time t, positive, at most 1e9; slow time is εt.
+        Final time t, positive, at most {latest}; slow time is εt.
     tolerance : float, optional
-        Local error, from 1e-14 to 1e-2: relative to the largest value of the state, by default
+        Local error, {tolerance}: relative to the largest value of the state, by default
         1e-9; for the friction chain absolute, by default 1e-10.
     samples : int
         Number of states sampled, evenly spaced from 0 to ``t_end``; at least 2.
@@ -128,7 +132,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     if level is not None:
         options["level"] = positive("level", level)
     if tolerance is not None:
-        options["tolerance"] = within("tolerance", tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
+        options["tolerance"] = within("tolerance", tolerance, *TOLERANCES)
     options["end"] = t_end
     compared = truth("estimate_error", estimate_error)
     first = integration(chain, start, sampled, **options)

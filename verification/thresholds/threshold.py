@@ -15,9 +15,11 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import (
     ParameterError,
+    Range,
     need_instance,
     random_seed,
     refuse_unread,
+    with_ranges,
     within,
     word,
 )
@@ -38,6 +40,8 @@ from verification.thresholds.spreading import Spreading, spreading_threshold
 
 MAX_NUCLEUS = 41
 """Largest nucleus whose breather is followed; the matrices are dense."""
+NOISE = Range(0.0, 0.1)
+"""Range of the standard deviation of the noise on the start."""
 _OF_BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
 _DEFINITIONS = {
     ThresholdMethod.ENVELOPE: _OF_BREATHERS,
@@ -59,6 +63,7 @@ _OPTIONS = {
 """Options that apply to each method; continuation and the closed form have none."""
 
 
+@with_ranges(noise=NOISE.high)
 def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)
     chain: Chain,
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
@@ -112,7 +117,8 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         Bisection of a friction chain: point on the cycle from which excited sites start; by default
         the maximum.
     perturbation, seed : float and int, optional
-        Sweep, hold: standard deviation of the noise on the start, up to 0.1, and its first seed.
+        Sweep, hold: standard deviation of the noise on the start, up to {noise}, and its first
+        seed.
     progress : callable, optional
         Bisection and continuation: called with the fraction done.
 
@@ -262,7 +268,7 @@ def _by_runs_of_43(
         raise ParameterError(
             "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
         )
-    within("perturbation", noise, 0.0, 0.1)
+    within("perturbation", noise, *NOISE)
     first = random_seed(seed)
     preparation = NucleusPreparation(nucleus.size, nucleus.place, noise, first)
     if how is ThresholdMethod.HOLD:

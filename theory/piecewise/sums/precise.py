@@ -24,7 +24,7 @@ from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.precise_roots import exact, precise_roots
 from theory.piecewise.roots import MAX_LABEL, checked_velocity_and_coupling
-from theory.piecewise.sums.result import MAX_DIGITS, KineticSum, PrecisionError, stated
+from theory.piecewise.sums.result import DIGITS, KineticSum, PrecisionError, stated
 
 _MAX_POINTS = 200_000
 _SPARE = 8
@@ -58,7 +58,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     -0.2887967561902519894582199
     """
     start = perf_counter()
-    digits = count_within("digits", digits, 1, MAX_DIGITS)
+    digits = count_within("digits", digits, *DIGITS)
     v_, c_ = checked_velocity_and_coupling(v, c)
     if (distance := static_sum_distance(v_, c_)) < 10.0 ** (-digits - 2):
         with mp.workdps(digits + 12):

@@ -20,13 +20,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from theory.parameters import Range
 from theory.result import Result
 
 DOUBLE = 15
 """Largest number of digits for which a value is computed in double precision."""
 
-MAX_DIGITS = 2000
-"""Largest number of digits that may be required of a root or a sum."""
+DIGITS = Range(1, 2000)
+"""Range of the number of digits that may be required of a root or a sum."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,7 +31,7 @@ import numpy as np
 from theory.parameters import count_within
 from theory.piecewise.precise_roots import exact, precise_roots
 from theory.piecewise.roots import MAX_ROOTS, checked_velocity_and_coupling, labelled_roots
-from theory.piecewise.sums.result import DOUBLE, MAX_DIGITS, KineticSum, PrecisionError, stated
+from theory.piecewise.sums.result import DIGITS, DOUBLE, KineticSum, PrecisionError, stated
 
 _MAX_PRECISE_ROOTS = 20_000
 
@@ -96,7 +96,7 @@ def sum_by_roots(
     -0.2887967561902519894582199 True
     """
     start = perf_counter()
-    digits = count_within("digits", digits, 1, MAX_DIGITS)
+    digits = count_within("digits", digits, *DIGITS)
     checked_velocity_and_coupling(v, c)
     # e^{-2πρ} is somewhat below 10^{-digits}; at smaller ρ the smallest term does not measure the
     # error.

@@ -276,6 +276,22 @@ def test_the_error_of_the_end_of_cycles_under_coulomb_friction_holds_to_round_of
     assert lost.cycle_end_error == lost.error == math.inf
 
 
+@pytest.mark.parametrize(
+    ("mu_st", "mu_d", "v0", "exact"),
+    [
+        (3.8, 2.6, 18.0, "1.92214020081271994911"),
+        (2.0, 1.5, 8.0, "0.3282595577170017977405"),
+    ],
+)
+def test_the_error_of_the_end_of_cycles_holds_to_round_off_where_friction_falls_slowly(
+    mu_st: float, mu_d: float, v0: float, exact: str
+) -> None:
+    """Runs at two tolerances agree to the last bit; the ends are from mpmath, by Taylor series."""
+    found = friction_cell(FrictionCell(mu_st=mu_st, mu_d=mu_d, v0=v0, xi=0.03), tolerance=1e-14)
+    off = abs(mp.mpf(exact) - mp.mpf(found.cycle_end_velocity))
+    assert off <= found.cycle_end_error < 1e-11
+
+
 def test_a_curve_of_cells_under_coulomb_friction_is_that_of_its_points() -> None:
     """Sliding is stable at every velocity, so that 0 takes the place of the Hopf velocity."""
     cell = FrictionCell(law="coulomb")

@@ -180,8 +180,9 @@ def _rounding_of_end(cell: FrictionCell, end: float, tolerance: float) -> float:
     """Return how far round-off of the slip phase moves the velocity at which the cycles end.
 
     It is infinite if round-off hides how the grazing depends on the velocity (ξ of some 1e-13).
-    Under Coulomb's law slip is linear: runs at both tolerances then take the same steps, and their
-    difference is zero or decided by chance.
+    Under Coulomb's law slip is linear, and runs at both tolerances take the same steps; where
+    friction falls slowly, the same happens at small tolerances. The difference of the two ends is
+    then zero or decided by chance. The two slip phases take a hundredth of the time of the ends.
     """
     if not 0.0 < end < math.inf:
         return 0.0

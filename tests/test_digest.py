@@ -3,12 +3,14 @@
 import ast
 import bisect
 import sys
+from functools import partial
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
+from theory.parameters import ParameterError
 from verification.execution import metadata
 from verification.execution.digest import (
     DRAWING,
@@ -240,8 +242,8 @@ def test_a_function_of_a_session_is_told_from_another_by_what_it_uses_there(monk
         return parameters_of(task), code_of_objects(code_owners(task))[1]
 
     known = [identity()]
-    assert known[0][0]["chain"]["a"] == 4
-    assert set(known[0][0]) == {"is", "scale", "chain", "deep"}
+    assert known[0][0]["session"]["chain"]["a"] == 4
+    assert set(known[0][0]["session"]) == {"scale", "chain", "deep"}
     for changed in (
         {"scale": "scale = 3.0"},
         {"chain": cells["chain"].replace("0.6", "0.7")},
@@ -252,6 +254,42 @@ def test_a_function_of_a_session_is_told_from_another_by_what_it_uses_there(monk
         known.append(identity(**changed))
         assert known[-1] not in known[:-1]
     assert identity(other="unused = 2") == known[0]
+
+
+def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
+    class Task:
+        def __init__(self, size):
+            self.size = size
+
+        def __call__(self, c):
+            return self.size * c
+
+        def twice(self, c):
+            return 2.0 * self(c)
+
+    for called in (lambda task: task, lambda task: task.twice, lambda task: partial(task, 1.0)):
+        one, same, other = (parameters_of(called(Task(size))) for size in (1.0, 1.0, 3.0))
+        assert one == same != other
+        assert code_of_objects(code_owners(called(Task(1.0))))[0] == (__name__,)
+    with pytest.raises(ParameterError, match="one that holds a object"):
+        parameters_of(Task(object()))
+
+
+@pytest.mark.parametrize("use", ["from {} import inner", "import {} as outer"])
+def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(use, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    names = [f"of_a_user_{abs(hash(use))}_{i}" for i in range(2)]
+    (tmp_path / f"{names[0]}.py").write_text(f"from {names[1]} import inner\n")
+    script = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", script)
+    digests = []
+    for text in ("1", "2", "2 # one"):
+        (tmp_path / f"{names[1]}.py").write_text(f"def inner(): return {text}\n")
+        exec(
+            f"{use.format(names[0])}\ndef task(c): return inner if c else outer.inner", vars(script)
+        )
+        digests.append(code_of_objects(code_owners(script.task))[1])
+    assert digests[0] != digests[1] == digests[2]
 
 
 def test_the_processor_is_that_of_python_where_the_system_does_not_name_it(

@@ -16,13 +16,13 @@ import sys
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import CodeType
+from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from theory.arrays import AnyArray
-from verification.execution.imports import SOURCES, closure, code_of, source_of
+from verification.execution.imports import SOURCES, closure, code_of, own_packages, source_of
 
 DRAWING = (
     "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
@@ -150,10 +150,12 @@ def _read(modules: tuple[str, ...], packages: frozenset[str], without: frozenset
 
 
 def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
-    """Return the modules of functions, classes and instances, and a digest of their code.
+    """Return the modules of functions, classes, instances and modules, and a digest of their code.
 
-    Code that is in no importable module (a script, or code typed into a session) is included by
-    itself. The functions that it calls there are listed by `verification.execution.task`.
+    The files of a user that they import are included, and so is this project; libraries are not,
+    since their versions are recorded. Code that is in no importable module (a script, or code typed
+    into a session) is included by itself. The functions that it calls there are listed by
+    `verification.execution.task`.
 
     Examples
     --------
@@ -162,15 +164,21 @@ def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
     """
     modules: set[str] = set()
     loose: list[Any] = []
+    own = own_packages()
     for each in objects:
-        owner: Any = each if hasattr(each, "__qualname__") else type(each)
-        name = owner.__module__
+        named = hasattr(each, "__qualname__") or isinstance(each, ModuleType)
+        owner: Any = each if named else type(each)
+        name = owner.__name__ if isinstance(owner, ModuleType) else owner.__module__
         if source_of(name) is None:
             loose.append([name, _loose(owner, name)])
-        else:
+        elif name.partition(".")[0] in own | {*SOURCES}:
             modules.add(name)
-    packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
-    return tuple(sorted(modules)), digest_of([digest_of_code(modules, packages), loose])
+    if loose:  # the functions of this project that it calls are not known
+        loose.append(digest_of_packages(_CALLED))
+    return tuple(sorted(modules)), digest_of([digest_of_code(modules, own | {*SOURCES}), loose])
+
+
+_CALLED = ("fronts", "theory", "verification")
 
 
 def _loose(owner: object, name: str) -> Any:

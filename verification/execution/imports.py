@@ -6,6 +6,7 @@ import ast
 import functools
 import importlib.util
 import os
+import sys
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -103,6 +104,34 @@ def source_of(name: str) -> Path | None:
             if os.path.isfile(path):
                 return Path(path)
     return None
+
+
+def own_packages() -> frozenset[str]:
+    """Return the imported top-level packages that are neither of a library nor of this project.
+
+    They hold the files of a user, whose code may change while the versions of libraries do not.
+    """
+    found = {name.partition(".")[0] for name, module in [*sys.modules.items()] if is_own(module)}
+    return frozenset(found - {*SOURCES, "fronts"})
+
+
+def is_own(module: object) -> bool:
+    """Return whether a module is a Python file outside the folders of installed libraries.
+
+    Examples
+    --------
+    >>> is_own(ast), is_own(sys)
+    (False, False)
+    """
+    file = getattr(module, "__file__", None)
+    name = getattr(module, "__name__", "")
+    if file is None or not file.endswith(".py") or name in ("__main__", "__mp_main__"):
+        return False
+    library = name.partition(".")[0] in sys.stdlib_module_names
+    return not library and not _INSTALLED & {*Path(file).parts}
+
+
+_INSTALLED = {"site-packages", "dist-packages"}
 
 
 def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import inspect
 import itertools
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from enum import Enum
-from types import CodeType, FunctionType, ModuleType
+from types import BuiltinFunctionType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,8 @@ def task_name(task: object) -> str:
 def parameters_of(task: object) -> Any:
     """Return the parameters of a function or object as JSON data.
 
+    For a task from a script or session, they include what it uses there, as ``session``.
+
     Raises
     ------
     ParameterError
@@ -43,10 +46,9 @@ def parameters_of(task: object) -> Any:
     """
     if isinstance(task, functools.partial):
         named = {str(i): value for i, value in enumerate(task.args)} | task.keywords
-        return {name: parameters_of(value) for name, value in named.items()}
-    if dataclasses.is_dataclass(task) and not isinstance(task, type):
-        fields = {f.name: parameters_of(getattr(task, f.name)) for f in dataclasses.fields(task)}
-        return {"is": task_name(task), **fields}
+        called = parameters_of(task.func)
+        held = called if isinstance(called, dict) else {}
+        return held | {name: parameters_of(value) for name, value in named.items()}
     if isinstance(task, Enum):
         return task.value
     if isinstance(task, np.ndarray):
@@ -55,9 +57,11 @@ def parameters_of(task: object) -> Any:
         return {str(name): parameters_of(value) for name, value in task.items()}
     if isinstance(task, tuple | list):
         return [parameters_of(value) for value in task]
-    if callable(task):
-        inner = parameters_of(_captured(task)) | _session_parameters(task)
-        return {"is": task_name(task), **inner} if inner else task_name(task)
+    if _is_dataclass(task) or callable(task):
+        inner = parameters_of(_held(task))
+        if session := _session_parameters(task):
+            inner["session"] = session
+        return {"is": task_name(task), **inner} if inner or _is_dataclass(task) else task_name(task)
     if isinstance(task, complex):
         return [task.real, task.imag]
     try:
@@ -70,20 +74,57 @@ def parameters_of(task: object) -> Any:
         ) from None  # fmt: skip
 
 
-def _captured(task: object) -> dict[str, Any]:
-    """Return the default arguments and the captured variables of a function."""
-    code = getattr(task, "__code__", None)
-    if code is None:
-        return {}
-    cells = zip(code.co_freevars, getattr(task, "__closure__", None) or (), strict=False)
-    defaults = {f"default {i}": v for i, v in enumerate(getattr(task, "__defaults__", None) or ())}
-    return defaults | (getattr(task, "__kwdefaults__", None) or {}) | {
+def code_owners(task: object) -> Iterator[Any]:
+    """Yield everything that has code: functions, and the classes of objects."""
+    if isinstance(task, functools.partial):
+        yield from code_owners(task.func)
+        yield from code_owners((*task.args, *task.keywords.values()))
+    elif isinstance(task, tuple | list):
+        yield from itertools.chain.from_iterable(map(code_owners, task))
+    elif isinstance(task, Mapping):
+        yield from code_owners(tuple(task.values()))
+    elif _is_dataclass(task) or callable(task):
+        owner = task.__self__ if isinstance(task, MethodType) else task
+        yield owner if hasattr(owner, "__qualname__") else type(owner)
+        yield from code_owners(_held(task))
+        functions, values = _used_in_session(task)
+        for function in functions.values():
+            yield function
+            yield from code_owners(_held(function))
+        for value in values.values():
+            yield from [value] if isinstance(value, ModuleType) else code_owners(value)
+
+
+def _is_dataclass(task: object) -> bool:
+    return dataclasses.is_dataclass(task) and not isinstance(task, type)
+
+
+def _held(task: Any) -> dict[str, Any]:
+    """Return the fields or attributes of an object, or the defaults and captures of a function."""
+    if _is_dataclass(task):
+        return {each.name: getattr(task, each.name) for each in dataclasses.fields(task)}
+    if isinstance(task, MethodType):
+        owner = task.__self__
+        known = _is_dataclass(owner) or isinstance(owner, type)
+        return {"self": owner if known else getattr(owner, "__dict__", {})}
+    function = _function(task)
+    if function is None:
+        return {} if isinstance(task, type) else dict(getattr(task, "__dict__", {}))
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    defaults = {f"default {i}": value for i, value in enumerate(function.__defaults__ or ())}
+    return defaults | (function.__kwdefaults__ or {}) | {
         name: cell.cell_contents for name, cell in cells
     }  # fmt: skip
 
 
+def _function(task: object) -> FunctionType | None:
+    """Return the function of Python that a wrapped or compiled one stands for, or None."""
+    plain_function = inspect.unwrap(getattr(task, "py_func", task))  # type: ignore[arg-type]
+    return plain_function if isinstance(plain_function, FunctionType) else None
+
+
 def _session_parameters(task: object) -> dict[str, Any]:
-    """Return what a function takes from a script or session besides its arguments, as JSON data.
+    """Return what a task takes from its script or session, as JSON data.
 
     Functions there are represented by their defaults and captured variables. Values that JSON
     cannot represent are left out.
@@ -91,57 +132,47 @@ def _session_parameters(task: object) -> dict[str, Any]:
     functions, values = _used_in_session(task)
     found: dict[str, Any] = {}
     for name, function in functions.items():
-        if inner := _captured(function):
+        if inner := _held(function):
             found[name] = parameters_of(inner)
     for name, value in values.items():
-        with suppress(ParameterError):
-            found[name] = parameters_of(value)
+        if not isinstance(value, ModuleType | type | FunctionType | BuiltinFunctionType):
+            with suppress(ParameterError):
+                found[name] = parameters_of(value)
     return found
 
 
 def _used_in_session(task: object) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the functions and the variables of its script or session that a function uses.
+    """Return the functions and the variables of its script or session that a task uses.
 
-    Variables used by these functions are included. For a function in an importable module both are
+    Variables used by these functions are included. For a task from an importable module both are
     empty, since the code of the module determines them.
     """
     functions: dict[str, Any] = {}
     values: dict[str, Any] = {}
-    if not isinstance(task, FunctionType) or source_of(task.__module__) is not None:
-        return functions, values
-    session, pending = task.__globals__, [task.__code__]
+    own = _methods(task)
+    pending = [(each.__code__, each.__globals__) for each in own
+               if source_of(each.__module__) is None]  # fmt: skip
     while pending:
-        code = pending.pop()
-        pending += [each for each in code.co_consts if isinstance(each, CodeType)]
+        code, session = pending.pop()
+        pending += [(each, session) for each in code.co_consts if isinstance(each, CodeType)]
         for name in code.co_names:
             value = session.get(name)
-            plain_function: Any = getattr(value, "py_func", value)
-            if name in functions or name in values or value is task or value is None:
+            if name in functions or name in values or value is None or value is task:
                 continue
-            if getattr(plain_function, "__globals__", None) is session:
-                functions[name] = plain_function
-                pending.append(plain_function.__code__)
-            elif not isinstance(value, ModuleType | type) and not callable(value):
+            function = _function(value)
+            if function is not None and function.__globals__ is session:
+                functions[name] = function
+                pending.append((function.__code__, session))
+            else:
                 values[name] = value
     return functions, values
 
 
-def code_owners(task: object) -> Iterator[Any]:
-    """Yield everything that has code: functions, and the classes of objects."""
-    if isinstance(task, functools.partial):
-        yield from code_owners(task.func)
-        for value in (*task.args, *task.keywords.values()):
-            yield from code_owners(value)
-    elif dataclasses.is_dataclass(task) and not isinstance(task, type):
-        yield type(task)
-        for each in dataclasses.fields(task):
-            yield from code_owners(getattr(task, each.name))
-    elif isinstance(task, tuple | list):
-        yield from itertools.chain.from_iterable(map(code_owners, task))
-    elif isinstance(task, Mapping):
-        yield from itertools.chain.from_iterable(map(code_owners, task.values()))
-    elif callable(task):
-        for each in (task, *_used_in_session(task)[0].values()):
-            yield each
-            for value in _captured(each).values():
-                yield from code_owners(value)
+def _methods(task: object) -> list[FunctionType]:
+    """Return the functions that a call of a task can enter first."""
+    function = _function(task)
+    if function is not None:
+        return [function]
+    owner = task.__self__ if isinstance(task, MethodType) else task
+    kind = owner if isinstance(owner, type) else type(owner)
+    return [each for each in vars(kind).values() if isinstance(each, FunctionType)]

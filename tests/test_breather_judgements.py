@@ -58,6 +58,27 @@ def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     assert found.wave_error == pytest.approx(9.0 + 0.125 + 2.0 * (1.0 + 4.5) * 0.0625)
 
 
+@pytest.mark.parametrize(
+    ("chain", "by"), [(CHAIN, "run_breather"), (AVERAGED, "run_averaged_breather")]
+)
+def test_the_frequency_of_a_run_is_as_far_off_as_it_is_from_that_of_the_chain(
+    chain: Any, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = SimpleNamespace(
+        frequency=1.0, error=0.25, frequency_error=2.0**-5, outward=np.ones(2),
+        waves=np.ones(3, complex), wave_error=0.0, nucleus=Nucleus(1),
+        chain=replace(CHAIN, sites=3),
+    )  # fmt: skip
+    monkeypatch.setattr(breathers, "own_family", lambda *_: SimpleNamespace(solve=lambda: exact))
+    settled = replace(
+        _breather(BreatherMethod.SIMULATION, amplitudes=np.ones(9), waves=np.ones(9, complex),
+                  frequency=1.125, error=0.5), chain=chain, status=BreatherStatus.SETTLED,
+    )  # fmt: skip
+    monkeypatch.setattr(breathers, by, lambda *_, **__: settled)
+    found = breathers.breather(chain, method="simulation")
+    assert (found.error, found.frequency_error) == (0.5, 0.125 + 2.0**-5)
+
+
 @pytest.mark.parametrize(("chain", "which"), [(CHAIN, "(8)"), (AVERAGED, "(43)")])
 def test_where_the_chain_itself_has_no_breather_the_error_of_another_is_unknown(
     chain: Any, which: str, monkeypatch: pytest.MonkeyPatch

@@ -174,6 +174,19 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
         "verification.execution.digest"
     ).with_name("__init__.py")
     assert source_of("no_such_module_anywhere") is source_of("__main__") is None
+    assert source_of("bisect.bisect") is None  # a module has none below it
+
+
+def test_everything_with_code_counts_that_a_task_holds_in_whatever_it_is():
+    def one(x: float) -> float:
+        return x
+
+    def other(x: float) -> float:
+        return x
+
+    for held in ((one, other), [one, other], {"a": one, "b": other}):
+        assert list(code_owners(held)) == [one, other]
+        assert list(code_owners(partial(one, held))) == [one, one, other]
 
 
 def test_code_of_no_module_counts_by_itself(monkeypatch):

@@ -257,6 +257,19 @@ def test_a_jump_of_the_map_of_maxima_is_no_cycle(
         shooting._fixed(cell, 0.1, 0, 1e-9)
 
 
+def test_the_innermost_cycle_is_found_however_small_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From far outside, motion is not bounded."""
+    true = 1.01e-3
+    monkeypatch.setattr(
+        shooting, "_turn",
+        lambda _, __, y, *___: SimpleNamespace(top=np.sqrt(y * true) if y < 0.1 else np.inf),
+    )  # fmt: skip
+    cell: Any = SimpleNamespace(cycles=(SimpleNamespace(amplitude=1e-3, period=6.0),))
+    assert shooting._fixed(cell, 0.1, 0, 1e-9) == pytest.approx(true, rel=1e-12)
+
+
 def _made_turns(monkeypatch: pytest.MonkeyPatch, cycles: tuple[float, ...], slope: float) -> None:
     """Let the map of maxima have these fixed points, attracting and not, with exact errors."""
 

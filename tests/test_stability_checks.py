@@ -29,7 +29,7 @@ from verification.quantities import breathers, chains, friction, own_chains, rob
 from verification.quantities.judging import PointOutcome, compared
 from verification.quantities.problems import PROBLEMS
 from verification.quantities.quantity import Axis, ReferenceCheck, StatedValue, axes
-from verification.quantities.registry import computation_named
+from verification.quantities.registry import all_computations, chosen, computation_named
 from verification.references.equations import full_rate
 from verification.references.extrapolation import PreciseState, extended
 from verification.references.pace import NoReferenceError
@@ -560,6 +560,11 @@ def test_what_is_not_there_has_no_error() -> None:
     found = SimpleNamespace(error=1e-3)
     assert StatedValue.of(found, 0.5).error == 1e-3
     assert StatedValue.of(SimpleNamespace(error=None), None).error == 0.0
+
+
+def test_all_computations_are_chosen_where_none_is_named() -> None:
+    assert chosen(()) == all_computations()
+    assert [each.name for each in chosen(("c-pin", "eta-pin"))] == ["c-pin", "eta-pin"]
 
 
 def test_a_quantity_has_no_more_points_than_are_asked_for() -> None:

@@ -90,7 +90,9 @@ def test_a_root_is_as_far_off_as_it_is_relative_to_its_size(
     check = row.check(at, stated)
     assert check.distance == 0.0
     assert "argument principle" in check.method
-    assert counted == [side == 1.0]  # in the half plane of the roots, the upper one for v > 0
+    # In the half plane of the roots.
+    assert counted == [side == 1.0]
+    assert np.all((stated.extra.k.imag > 0.0) == (side == 1.0))
     assert np.all(stated.extra.radius <= stated.error * np.abs(stated.extra.k))
     for off in (1e-6, -1e-6, 1e-9j):
         k = stated.extra.k.copy()
@@ -572,6 +574,16 @@ def test_a_stiff_run_is_followed_on_few_sites_first_and_on_more_where_they_move(
         check = runs._full_by_radau(chain, 50.0, stated)
         assert set(followed) == parts
         assert check.distance == pytest.approx(1e-3)
+
+
+def test_a_run_that_is_too_stiff_for_scipy_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 3e11 or 3e12 units of time of its damping."""
+    monkeypatch.setattr(runs, "last_state", lambda *_, **__: np.zeros(8))
+    chain = VdpChain(a=1.0, b=0.05, c=0.1, eps=0.01, sites=4)
+    stated = StatedValue(value=np.zeros(4, complex), error=0.0, extra=np.ones(4, complex))
+    assert runs._full_by_radau(chain, 1e10, stated).distance == 0.0
+    with pytest.raises(NoReferenceError, match="too stiff"):
+        runs._full_by_radau(chain, 1e11, stated)
 
 
 def test_a_stiff_run_is_held_against_an_implicit_method() -> None:

@@ -280,7 +280,10 @@ def test_a_worker_ends_with_its_parent_where_the_system_does_not_see_to_it(
     monkeypatch.setattr(sys, "platform", "other")
     monkeypatch.setattr(pool.multiprocessing, "parent_process", Parent)
     monkeypatch.setattr(os, "_exit", leave)
+    before = set(threading.enumerate())
     pool._begin_worker(os.getppid())
+    (waiting,) = set(threading.enumerate()) - before
+    assert waiting.daemon  # a worker that has done its work does not wait for its parent
     assert signals == {signal.SIGINT: signal.SIG_IGN, signal.SIGTERM: signal.SIG_DFL}
     assert not ended.is_set()
     parent.set()

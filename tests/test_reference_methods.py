@@ -298,6 +298,17 @@ def test_the_period_of_a_switch_run_is_from_one_turn_to_the_next(
     assert run.period == pytest.approx(period, rel=1e-12)
 
 
+def test_the_period_of_a_switch_run_is_that_of_its_second_half() -> None:
+    """Of ten turns, each at a sample, the later ones twice as far apart."""
+    turns = np.array([5, 10, 15, 20, 25, 35, 45, 55, 65, 75])
+    velocity = np.ones(80)
+    for turn in turns:
+        velocity[turn : turn + 3] = 0.0, -1.0, -1.0
+    run = SwitchRun(np.arange(80.0), velocity[:, None], velocity[:, None], np.zeros(1), 1, 0, 0,
+                    80.0, 0.0)  # fmt: skip
+    assert run.period == pytest.approx(10.0, rel=1e-12)
+
+
 # -------------------------------------------------------------------------------- travelling waves
 
 

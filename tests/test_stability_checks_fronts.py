@@ -298,7 +298,7 @@ def test_where_no_front_is_pinned_there_is_no_fold_and_elsewhere_one() -> None:
         (below, None, False), (above, None, True), (above, 0.5, False)
     ):  # fmt: skip
         stated = StatedValue(value=value, error=1e-9, extra=SimpleNamespace(velocity=0.0))
-        assert (relation._check_fold({"eta": eta}, stated).distance == 0.0) is held
+        assert relation._check_fold({"eta": eta}, stated).distance == (0.0 if held else math.inf)
     at_end = {"eta": ETA_PIN_END}
     assert relation._fold(at_end).value is None
     assert relation._check_fold(at_end, relation._fold(at_end)).distance == 0.0

@@ -328,6 +328,8 @@ def test_the_points_of_axes_are_those_asked_for_one_by_one() -> None:
     asked = [axes[index] for index in range(len(axes))]
     assert list(axes) == asked == pickle.loads(pickle.dumps(asked))
     assert dict(asked[3]) == {"eta": 2, "c": math.inf, "n": 0}
+    assert axes.distinct_axes == ("eta", "c", "n")
+    assert Grid({"eta": [0.1, 2], "c": [1, 2, 1]}).distinct_axes == ()
     written = json.dumps([[list(item) for item in point.items()] for point in asked])
     for points in (axes, asked):
         assert digest_of_points(points) == hashlib.sha256(written.encode()).hexdigest()

@@ -124,7 +124,7 @@ def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> Prec
         step = span - t if abs(step) >= abs(span - t) else step
         with np.errstate(all="ignore"):  # a step that overflows is rejected
             proposed, error = _step(rate, t, state, step)
-        pace.check(abs(float(t / span)))
+        pace.check(float(t / span))
         allowed = tolerance * max(size, float(np.abs(proposed).max()))
         if error <= allowed:
             t, state, taken = t + step, proposed, taken + 1

@@ -127,5 +127,13 @@ def test_regularised_friction_converges_with_its_width(solver: Solver) -> None:
 def test_bad_options_are_refused(options: dict[str, float]) -> None:
     with pytest.raises(ParameterError):
         run_switch(CHAIN, start(), 10.0, **options)
-    with pytest.raises(ParameterError):
-        run_regularised(CHAIN, start(), 10.0, delta=0.0)
+
+
+@pytest.mark.parametrize(
+    "options", [{"t_end": 0.0}, {"t_end": -1.0}, {"delta": 0.0}, {"tolerance": 0.2}]
+)
+def test_bad_options_of_a_regularised_run_are_refused(options: dict[str, float]) -> None:
+    given: dict[str, Any] = {"t_end": 10.0, **options}
+    (name,) = options
+    with pytest.raises(ParameterError, match=name.removeprefix("t_")):
+        run_regularised(CHAIN, start(), **given)

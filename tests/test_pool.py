@@ -14,6 +14,7 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -289,6 +290,21 @@ def test_a_worker_ends_with_its_parent_where_the_system_does_not_see_to_it(
     parent.set()
     assert ended.wait(60.0)
     assert answers_ == [1]
+
+
+@pytest.mark.parametrize("orphan", [True, False])
+def test_a_worker_ends_at_once_whose_parent_has_ended_before_the_system_sees_to_it(
+    orphan: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[Any] = []
+    kernel = SimpleNamespace(prctl=lambda *given: done.append(given))
+    monkeypatch.setattr(pool.ctypes, "CDLL", lambda _: kernel)
+    monkeypatch.setattr(pool.signal, "signal", lambda *_: None)
+    monkeypatch.setattr(pool.multiprocessing, "parent_process", lambda: None)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(os, "_exit", done.append)
+    pool._begin_worker(os.getppid() + orphan)
+    assert done == [(1, signal.SIGKILL), *([1] if orphan else [])]  # PR_SET_PDEATHSIG is 1
 
 
 def test_items_handed_over_together_are_answered_one_by_one_where_one_of_them_fails(

@@ -449,8 +449,10 @@ def test_a_family_is_of_quarter_turns_at_every_second_step(
     size: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And of one step δ between them; either changes its sign at the middle or not at all."""
-    monkeypatch.setattr(phase_locked, "_distinct", lambda patterns, *_: list(patterns))
+    asked: list[Any] = []
+    monkeypatch.setattr(phase_locked, "_distinct", lambda *given: asked.append(given) or given[0])
     patterns: Any = phase_locked.family(size, A, B)
+    assert asked[0][1:] == (size, A, B)
     for steps in patterns:
         assert steps.shape == (size - 1,)
         assert np.abs(steps[1::2]) == pytest.approx(0.5 * np.pi)

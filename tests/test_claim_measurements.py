@@ -774,11 +774,13 @@ def test_a_run_in_phase_is_judged_by_its_end_and_a_perturbed_one_by_its_second_h
     exact[:3] = 0.0
     exact[7, 1], exact[-1] = 0.52, (0.5, -0.5)
     noisy[:5], noisy[6, 0] = 0.0, -0.75
-    steps = {(n, noise): noisy if noise else exact[:, : n - 1] if n == 3 else exact
+    later = exact.copy()
+    later[3] = 0.0
+    steps = {(n, noise): noisy if noise else exact if n == 3 else later
              for n in fig10.SIZES for noise in (0.0, fig10.NOISE)}  # fmt: skip
     found = evidence(fig10.InPhase, times=times, steps=steps)
     assert found.end_steps.tolist() == [0.5, 0.5]
-    assert found.locked_from == times[2]
+    assert found.locked_from == times[3]  # every step, of either size
     held = {pair: np.full_like(rows, 0.5) for pair, rows in steps.items()}
     assert evidence(fig10.InPhase, times=times, steps=held).locked_from == 0.0
     assert found.symmetric_change == pytest.approx(1.02)
@@ -958,6 +960,35 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     assert found.solvers_apart == pytest.approx(0.2)
     assert 0.15 in fig11.MIRRORED_AT[1:-1]  # where the largest of each is
     assert found.growth_mirrored == {3: -3.0, 5: -5.0, 7: -7.0}
+
+
+def test_a_breather_is_followed_beyond_its_end_and_its_growth_is_that_at_the_last_coupling(
+    monkeypatch: Patch,
+) -> None:
+    branch: Any = SimpleNamespace(c_end=0.2)
+
+    def orbit(of: Any, c: float) -> tuple[str, str]:
+        assert of is branch
+        assert 0.9 * of.c_end < c < of.c_end
+        return "system", "start"
+
+    def trace(system: str, start: str, c: float) -> Any:
+        assert (system, start) == ("system", "start")
+        assert branch.c_end < c < 1.5 * branch.c_end
+        return SimpleNamespace(fold=fold)
+
+    monkeypatch.setattr(fig11, "_orbit", orbit)
+    monkeypatch.setattr(fig11, "_growth", lambda u, c: u - c)
+    monkeypatch.setattr("verification.continuation.branch.trace", trace)
+    monkeypatch.setattr("verification.continuation.branch.arrive",
+                        lambda system, followed, c: SimpleNamespace(u=c + 0.25))  # fmt: skip
+    fold: Any = SimpleNamespace(parameter=0.9 * fig11.LAST)
+    assert fig11._orbit_end(branch) == (fold.parameter, None)
+    fold = SimpleNamespace(parameter=1.1 * fig11.LAST)
+    assert fig11._orbit_end(branch) == (fold.parameter, pytest.approx(0.25))
+    fold = None
+    with pytest.raises(ArithmeticError, match=r"fold near 0\.2000"):
+        fig11._orbit_end(branch)
 
 
 def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_rest(

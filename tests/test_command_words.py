@@ -1129,6 +1129,15 @@ def test_roots_are_counted_in_the_strips_of_all_that_were_found(
     assert {root.label for root in plain.upper} <= {*strips}
 
 
+def test_a_strip_between_others_whose_root_is_not_listed_is_not_counted() -> None:
+    from fronts.piecewise.roots import _counted
+    from theory.piecewise.roots import labelled_roots
+
+    for labels in (np.arange(-2, 3), np.array([-2, 0, 1, 4])):
+        listed = labelled_roots(0.3, 0.5, labels, True)
+        assert _counted(0.3, 0.5, listed, upper=True) == labels.size
+
+
 def test_a_bound_on_roots_times_digits_holds_only_where_digits_are_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

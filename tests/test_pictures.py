@@ -144,6 +144,8 @@ def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) 
     axes = draw(found)
     assert axes.get_xlabel() == {"c": "coupling c", "eta": "η = b/a²"}[along]
     assert axes.get_ylabel() == "front velocity v"
+    words = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert words == axes.get_legend_handles_labels()[1]
     shown = {
         (x, v)
         for line in axes.lines
@@ -395,6 +397,40 @@ def test_the_explorer_shows_neither_picture_nor_sentence_before_there_is_a_resul
 
 
 @needs_explorer
+def test_the_explorer_waits_for_every_call_that_a_picture_needs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import KineticPicture
+
+    monkeypatch.setattr(KineticPicture, "needs", ("point", "curve"))
+    picture, point = KineticPicture(), fr.kinetic_relation(c=0.5, eta=0.03125)
+    curve = fr.kinetic_relation(c=[0.45, 0.5], eta=0.03125)
+    for found in ({"point": point}, {"curve": curve}, {"point": point, "curve": curve}):
+        picture.show(Settings(), found)
+        assert picture.figure.visible == (len(found) == 2)
+
+
+@needs_explorer
+def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> None:
+    """A square is as large as the steps of the map; site n is in the middle of its row."""
+    from fronts.explore.calls import SITES, SLOW_TIME, Settings, calls
+    from fronts.explore.pictures import RunPicture, StatesPicture
+
+    steps = dict(calls(Settings())["states"].options)
+    glyphs = [each.glyph for each in StatesPicture().figure.renderers]
+    squares = [
+        (each.x, each.y, each.width, each.height) for each in glyphs if hasattr(each, "width")
+    ]
+    assert squares == [("x", "y", steps["eta"].step, steps["c"].step)] * len(StatesPicture.COLOURS)
+    figure = RunPicture().figure
+    (image,) = (each.glyph for each in figure.renderers)
+    across, up = figure.x_range, figure.y_range
+    assert (image.x, image.x + image.dw) == (across.start, across.end) == (0.0, SLOW_TIME)
+    assert (image.y, image.y + image.dh) == (up.start, up.end) == (0.5, SITES + 0.5)
+
+
+@needs_explorer
 def test_every_straight_line_of_the_explorer_is_in_its_figure() -> None:
     from bokeh.models import Span
 
@@ -573,6 +609,9 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     assert asked == [replace(page.controls.settings(), c=0.5), page.controls.settings()]
     (closed,) = page.document.session_destroyed_callbacks
     closed(None)
+    assert not page.document.session_callbacks
+    page._later(lambda: None)
+    assert len(page.document.session_callbacks) == 1
     with pytest.raises(RuntimeError, match="after shutdown"):
         page.controls.c.value = 0.25
 

@@ -17,15 +17,16 @@ import pytest
 
 from paper_checks import prose, run, shipped
 from paper_checks.claim import Claim, Method, Verdict
-from paper_checks.discover import Entry
+from paper_checks.discover import Entry, find_entries
 from paper_checks.finding import Finding, Picture
-from paper_checks.outcome import JudgedClaim, Judgement, Provenance
+from paper_checks.outcome import JudgedClaim, Judgement, Provenance, slug
 from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
 from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.inline_svg import width_of
 from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
 from paper_checks.report.safe_svg import safe_svg
+from paper_checks.report.table import NARROWEST, entries_as_text
 from paper_checks.report.terminal import NAMED, report_as_text
 from paper_checks.ruling import holds
 from verification.quantities.registry import all_quantities
@@ -217,6 +218,16 @@ def test_the_schema_is_of_the_version_that_is_written() -> None:
     schema = (Path(__file__).parents[1] / "docs" / "report_schema.md").read_text("utf-8")
     written = to_json(report_of())["format"]
     assert f"`format` | integer | version of this document, now {written} |" in schema
+
+
+def test_the_list_of_claims_has_a_line_for_each_and_is_never_too_narrow_to_read() -> None:
+    entries = find_entries()[:3]
+    head, *rows = (re.split(" {2,}", line) for line in entries_as_text(entries, 400).splitlines())
+    assert head == ["claim", "place", "on record", "statement"]
+    for row, claim in zip(rows, (entry.claim for entry in entries), strict=True):
+        assert row == [claim.key, claim.place, slug(claim.recorded), claim.statement]
+    assert max(map(len, entries_as_text(entries).splitlines())) <= 100
+    assert entries_as_text(entries, 10) == entries_as_text(entries, NARROWEST)
 
 
 def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_own() -> None:

@@ -39,6 +39,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
+from numba.cpython.unsafe.tuple import tuple_setitem
 
 from theory.arrays import FloatArray, IntArray
 from theory.cells.friction import FrictionCell
@@ -81,6 +82,8 @@ POLYNOMIAL, KEPT, BINOMIALS = 0, 1, 3
 
 ABREAST = 8
 """Number of columns whose E is computed together, if there are so many."""
+_ZEROS = (0.0,) * ABREAST
+_with_item: Any = tuple_setitem
 
 _DEPTH = 48
 _SAMPLES = 16
@@ -201,36 +204,22 @@ def _expand_abreast(
 ) -> None:
     """Compute coefficient k + 1 of E in ``ABREAST`` columns from ``first`` on.
 
-    E is work space, so columns beyond those required may be overwritten. The sums are local
-    variables, which the compiler keeps in one register; sums in an array would be stored and loaded
-    at each term. Indices are unsigned, since a check for negative ones would hide from the compiler
-    that the columns are adjacent.
+    E is work space, so columns beyond those required may be overwritten. The sums are a tuple,
+    which the compiler keeps in registers; sums in an array would be stored and loaded at each term.
+    Indices are unsigned, since a check for negative ones would hide from the compiler that the
+    columns are adjacent.
     """
-    one, last = np.uintp(1), np.uintp(k)
-    a = np.uintp(first)
-    b, c, d = a + one, a + np.uintp(2), a + np.uintp(3)
-    p, q, r, s = a + np.uintp(4), a + np.uintp(5), a + np.uintp(6), a + np.uintp(7)
-    at_a = at_b = at_c = at_d = at_p = at_q = at_r = at_s = times = 0.0
+    a, one, last = np.uintp(first), np.uintp(1), np.uintp(k)
+    sums, times = _ZEROS, 0.0
     for j in range(last + one):
         u, f = j + one, last - j
         times += 1.0
-        at_a += (times * w[u, a]) * e[f, a]
-        at_b += (times * w[u, b]) * e[f, b]
-        at_c += (times * w[u, c]) * e[f, c]
-        at_d += (times * w[u, d]) * e[f, d]
-        at_p += (times * w[u, p]) * e[f, p]
-        at_q += (times * w[u, q]) * e[f, q]
-        at_r += (times * w[u, r]) * e[f, r]
-        at_s += (times * w[u, s]) * e[f, s]
-    following = last + one
-    e[following, a] = at_a * (factor * sign[a])
-    e[following, b] = at_b * (factor * sign[b])
-    e[following, c] = at_c * (factor * sign[c])
-    e[following, d] = at_d * (factor * sign[d])
-    e[following, p] = at_p * (factor * sign[p])
-    e[following, q] = at_q * (factor * sign[q])
-    e[following, r] = at_r * (factor * sign[r])
-    e[following, s] = at_s * (factor * sign[s])
+        for i in range(ABREAST):
+            n = a + np.uintp(i)
+            sums = _with_item(sums, i, sums[i] + (times * w[u, n]) * e[f, n])
+    for i in range(ABREAST):
+        n = a + np.uintp(i)
+        e[last + one, n] = sums[i] * (factor * sign[n])
 
 
 @vectorised

@@ -205,8 +205,8 @@ def _first(method: str) -> object:
 BENCHMARK = WorkPrecision(
     name="breather",
     prepare=prepare,
-    effort=Effort(most=21),
-    quick_effort=Effort(seconds=0.1, least=1, most=5, once_from=0.3, limit=20.0),
+    effort=Effort(max_repeats=21),
+    quick_effort=Effort(seconds=0.1, min_repeats=1, max_repeats=5, once_from=0.3, limit=20.0),
     style=Style(
         xlabel="largest error (right is better)",
         ylabel="processor seconds per breather",

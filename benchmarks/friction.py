@@ -165,8 +165,8 @@ BENCHMARK = WorkPrecision(
     name="friction",
     prepare=prepare,
     targets=targets,
-    effort=Effort(seconds=0.2, most=21, once_from=0.4),
-    quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.2, limit=10.0),
+    effort=Effort(seconds=0.2, max_repeats=21, once_from=0.4),
+    quick_effort=Effort(seconds=0.1, min_repeats=1, max_repeats=9, once_from=0.2, limit=10.0),
     style=Style(
         xlabel="largest error of y (right is better)",
         ylabel="processor seconds per run",

@@ -217,7 +217,7 @@ def _first(method: str) -> MethodAnswer:
 BENCHMARK = WorkPrecision(
     name="front",
     prepare=prepare,
-    effort=Effort(least=2, most=31),
+    effort=Effort(min_repeats=2, max_repeats=31),
     quick_problems=2,
     style=Style(
         xlabel="error of v (right is better)",

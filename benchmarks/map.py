@@ -174,8 +174,8 @@ BENCHMARK = WorkPrecision(
     name="map",
     prepare=prepare,
     targets=targets,
-    effort=Effort(least=1, most=9, once_from=1.0, limit=90.0),
-    quick_effort=Effort(seconds=0.1, least=1, most=3, once_from=0.2, limit=20.0),
+    effort=Effort(min_repeats=1, max_repeats=9, once_from=1.0, limit=90.0),
+    quick_effort=Effort(seconds=0.1, min_repeats=1, max_repeats=3, once_from=0.2, limit=20.0),
     style=Style(
         xlabel="distance in c from the boundary (right is better)",
         ylabel="processor seconds per boundary",

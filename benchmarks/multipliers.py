@@ -144,7 +144,7 @@ BENCHMARK = WorkPrecision(
     name="multipliers",
     prepare=prepare,
     error=largest_distance,
-    quick_effort=Effort(seconds=0.1, least=2, most=21, once_from=0.3, limit=20.0),
+    quick_effort=Effort(seconds=0.1, min_repeats=2, max_repeats=21, once_from=0.3, limit=20.0),
     style=Style(
         xlabel="largest error of a multiplier (right is better)",
         ylabel="processor seconds",

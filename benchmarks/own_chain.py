@@ -205,8 +205,8 @@ BENCHMARK = WorkPrecision(
     name="own-chain",
     prepare=prepare,
     targets=targets,
-    effort=Effort(seconds=1.0, most=21, limit=300.0),
-    quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.3, limit=20.0),
+    effort=Effort(seconds=1.0, max_repeats=21, limit=300.0),
+    quick_effort=Effort(seconds=0.1, min_repeats=1, max_repeats=9, once_from=0.3, limit=20.0),
     style=Style(
         xlabel="largest error (right is better)",
         ylabel="processor seconds per run",

@@ -403,8 +403,8 @@ BENCHMARK = WorkPrecision(
     name="sum",
     prepare=prepare,
     targets=targets,
-    effort=Effort(seconds=2.0, most=101, once_from=4.0, limit=90.0),
-    quick_effort=Effort(seconds=0.1, least=2, most=9, once_from=1.0, limit=10.0),
+    effort=Effort(seconds=2.0, max_repeats=101, once_from=4.0, limit=90.0),
+    quick_effort=Effort(seconds=0.1, min_repeats=2, max_repeats=9, once_from=1.0, limit=10.0),
     quick_problems=3,
     style=Style(
         xlabel="error of Σ (right is better)",

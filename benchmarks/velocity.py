@@ -173,7 +173,7 @@ BENCHMARK = WorkPrecision(
     name="velocity",
     prepare=prepare,
     effort=Effort(limit=30.0),
-    quick_effort=Effort(seconds=0.1, least=1, most=9, once_from=0.5, limit=10.0),
+    quick_effort=Effort(seconds=0.1, min_repeats=1, max_repeats=9, once_from=0.5, limit=10.0),
     quick_problems=2,
     style=Style(
         xlabel="error of v (right is better)",

@@ -94,8 +94,8 @@ class Effort:
     ----------
     seconds : float
         Total time of the repeated calls for each setting, provided that their number is between
-        ``least`` and ``most``.
-    least, most : int
+        ``min_repeats`` and ``max_repeats``.
+    min_repeats, max_repeats : int
         Least and largest number of repeated calls. A call that first takes longer than
         ``once_from`` is repeated once.
     once_from : float
@@ -105,8 +105,8 @@ class Effort:
     """
 
     seconds: float = 1.0
-    least: int = 3
-    most: int = 51
+    min_repeats: int = 3
+    max_repeats: int = 51
     once_from: float = 2.0
     limit: float = 60.0
 
@@ -114,7 +114,7 @@ class Effort:
         """Return the number of repeated calls after a first call that took ``first`` seconds."""
         if first > self.once_from:
             return 1
-        return int(min(self.most, max(self.least, self.seconds / max(first, 1e-9))))
+        return int(min(self.max_repeats, max(self.min_repeats, self.seconds / max(first, 1e-9))))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,7 +231,9 @@ class WorkPrecision:
     style: Style
     error: Callable[[Any, Any], float] = distance
     effort: Effort = Effort()
-    quick_effort: Effort = Effort(seconds=0.1, least=1, most=9, once_from=0.5, limit=20.0)
+    quick_effort: Effort = Effort(
+        seconds=0.1, min_repeats=1, max_repeats=9, once_from=0.5, limit=20.0
+    )
     quick_problems: int = 1
     targets: Callable[[Sequence[WorkPoint], bool, Report], Sequence[Target]] = no_targets
     variants: tuple[str, ...] = ()

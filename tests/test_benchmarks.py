@@ -67,7 +67,7 @@ def test_methods_take_turns_and_the_first_call_is_apart():
         "sum",
         "fake",
         [_fake("a", log), _fake("b", log, batch=4)],
-        effort=Effort(seconds=0.0, least=3, most=3),
+        effort=Effort(seconds=0.0, min_repeats=3, max_repeats=3),
         clock=lambda: float(next(ticks)),
     )
     assert log == ["a", "b"] * 4
@@ -87,7 +87,7 @@ def test_the_median_ignores_one_slow_call():
         "sum",
         "fake",
         [_fake("a", [])],
-        effort=Effort(seconds=0.0, least=3, most=3),
+        effort=Effort(seconds=0.0, min_repeats=3, max_repeats=3),
         clock=lambda: next(clock),
     )
     assert point.seconds == 1.0
@@ -101,7 +101,7 @@ def test_a_failure_is_listed_by_name_and_does_not_stop_the_others():
         "sum",
         "fake",
         [Setting(method="x", knob="k", evaluate=broken, reference=0.0), _fake("a", [])],
-        effort=Effort(seconds=0.0, least=1, most=1),
+        effort=Effort(seconds=0.0, min_repeats=1, max_repeats=1),
     )
     assert [p.method for p in points] == ["a"]
     assert [(f.method, f.reason) for f in failures] == [("x", "ArithmeticError: no root found")]
@@ -115,7 +115,10 @@ def test_a_call_that_takes_too_long_is_given_up():
 
 def test_an_error_beyond_the_claim_is_seen():
     (point,), _ = measure_side_by_side(
-        "sum", "fake", [_fake("a", [], claimed=0.1)], effort=Effort(seconds=0.0, least=1, most=1)
+        "sum",
+        "fake",
+        [_fake("a", [], claimed=0.1)],
+        effort=Effort(seconds=0.0, min_repeats=1, max_repeats=1),
     )
     assert (point.claimed, point.error) == (0.1, 0.25)
 
@@ -239,7 +242,7 @@ def test_the_error_of_every_quick_method_is_within_its_claim(problem):
         for each in prepared.settings
         if each.quick and not each.peer
     ]
-    effort = Effort(seconds=0.0, least=1, most=1)
+    effort = Effort(seconds=0.0, min_repeats=1, max_repeats=1)
     points, failures = measure_side_by_side("sum", problem.name, ours, effort=effort)
     assert [p for p in points if p.claimed is not None and p.error > p.claimed] == []
     # The plain quadrature says that it cannot do small v; nothing else may fail.

@@ -92,21 +92,21 @@ def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_rea
     for one, other in ((slow, np.append(both, np.full(16, np.nan))), (both, slow)):
         found = settle(
             lambda _, one=one, other=other: Trial(None, one, other, 1),  # type: ignore[misc]
-            sites=64, max_sites=64, accuracy=1e-3, seen=0.0,
+            sites=64, max_sites=64, accuracy=1e-3, pinned_error=0.0,
         )  # fmt: skip
         assert (found.v, found.error) == pytest.approx((2.0, 0.0), abs=1e-9)
 
 
-@pytest.mark.parametrize(("doubt", "enough", "error"), [(3.0, False, 1.0), (1.0, False, 1.0),
+@pytest.mark.parametrize(("other", "enough", "error"), [(3.0, False, 1.0), (1.0, False, 1.0),
                                                         (3.0, True, 0.0)])  # fmt: skip
-def test_on_the_longest_chain_a_doubt_that_is_left_is_part_of_the_error(
-    doubt: float, enough: bool, error: float
+def test_on_the_longest_chain_the_difference_from_another_velocity_is_part_of_the_error(
+    other: float, enough: bool, error: float
 ) -> None:
     def trial(sites: int) -> Trial:
         return Trial(None, np.arange(sites) / 2.0, np.arange(sites) / 2.0, sites)
 
-    found = settle(trial, sites=32, max_sites=40, accuracy=1e-3, seen=0.0, doubt=doubt,
-                   enough=lambda *_: enough)  # fmt: skip
+    found = settle(trial, sites=32, max_sites=40, accuracy=1e-3, pinned_error=0.0,
+                   other_velocity=other, long_enough=lambda *_: enough)  # fmt: skip
     assert found.error == pytest.approx(error, abs=1e-9)
 
 

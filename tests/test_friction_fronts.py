@@ -223,11 +223,11 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
         # the run beside it is late by a time that matters less on a longer chain
         return Trial(None, times, np.append(times * (1.0 + 1.0 / sites), np.nan), 1)
 
-    found = settle(trial, sites=32, max_sites=1000, accuracy=0.01, seen=0.0)
+    found = settle(trial, sites=32, max_sites=1000, accuracy=0.01, pinned_error=0.0)
     assert asked == [32, 64, 128]
     assert found.status is FrontStatus.STEADY
     assert found.error == pytest.approx(1.0 / 129.0, rel=1e-6)
-    short = settle(trial, sites=32, max_sites=40, accuracy=0.01, seen=0.0)
+    short = settle(trial, sites=32, max_sites=40, accuracy=0.01, pinned_error=0.0)
     assert short.status is FrontStatus.UNSTEADY
     exact = Trial(None, np.arange(64.0), np.arange(64.0), 1)
     doubted = settle(
@@ -235,9 +235,9 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
         sites=64,
         max_sites=64,
         accuracy=0.01,
-        seen=0.0,
-        enough=lambda *_: False,
-        doubt=0.9,
+        pinned_error=0.0,
+        long_enough=lambda *_: False,
+        other_velocity=0.9,
     )
     assert (doubted.status, doubted.error) == (FrontStatus.UNSTEADY, pytest.approx(0.1))
     stopped = settle(
@@ -245,7 +245,7 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
         sites=64,
         max_sites=64,
         accuracy=0.01,
-        seen=0.5,
+        pinned_error=0.5,
     )
     assert (stopped.v, stopped.error) == (0.0, 0.5)
 

@@ -63,12 +63,12 @@ def test_a_chain_is_long_enough_when_waves_of_its_end_have_long_overtaken_the_fr
     waves = AVERAGED.trailing_wave_velocity
     assert waves == pytest.approx(0.6 * AVERAGED.eps)
     for share, sites in ((0.5, 96), (0.75, 288)):
-        assert not prepared.enough(sites - 1, share * waves)
-        assert prepared.enough(sites + 1, share * waves)
+        assert not prepared.long_enough(sites - 1, share * waves)
+        assert prepared.long_enough(sites + 1, share * waves)
     for share, enough in ((1.0, False), (1.0099, False), (1.0101, True), (2.0, True)):
-        assert prepared.enough(10**6, share * waves) is enough
+        assert prepared.long_enough(10**6, share * waves) is enough
     on_wave = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
-    assert on_wave.enough(1, 0.5 * waves)
+    assert on_wave.long_enough(1, 0.5 * waves)
 
 
 def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
@@ -169,7 +169,7 @@ def test_a_front_is_steady_by_its_error_over_v_in_whatever_unit_of_time(
     def trial(_: int) -> Trial:
         return Trial(None, sites / v, sites / (v * (1.0 + part * accuracy)), 1)
 
-    found = settle(trial, sites=64, max_sites=64, accuracy=accuracy, seen=0.0)
+    found = settle(trial, sites=64, max_sites=64, accuracy=accuracy, pinned_error=0.0)
     assert found.status is (FrontStatus.STEADY if part < 1.0 else FrontStatus.UNSTEADY)
     assert found.error == pytest.approx(part * accuracy * v)
 
@@ -182,7 +182,7 @@ def test_a_front_that_stops_at_a_coarser_tolerance_is_as_uncertain_as_it_is_fast
         asked.append(sites)
         return Trial(None, np.arange(sites) / 2.0, np.empty(0), 3)
 
-    found = settle(trial, sites=32, max_sites=99, accuracy=0.1, seen=0.02)
+    found = settle(trial, sites=32, max_sites=99, accuracy=0.1, pinned_error=0.02)
     assert asked == [32, 64]
     assert (found.status, found.v, found.error) == (FrontStatus.UNSTEADY, 2.0, 2.0)
 
@@ -200,7 +200,7 @@ def test_a_front_that_stopped_has_no_velocity_but_those_that_could_not_be_seen(
             Trial(stopped, np.array([0.0, 1.0, NAN, 3.0, NAN]), np.empty(0), 4),
         ]
     )
-    found = settle(lambda _: next(trials), sites=32, max_sites=99, accuracy=1e-6, seen=0.02)
+    found = settle(lambda _: next(trials), sites=32, max_sites=99, accuracy=1e-6, pinned_error=0.02)
     assert (found.status, found.v, found.error) == (stopped, v, error)
     assert found.arrivals.tolist() == [0.0, 1.0, 3.0]
     assert (found.sites, found.steps) == (64, 7)
@@ -523,13 +523,13 @@ def test_where_no_wave_is_found_the_front_is_pinned_below_c_pin_alone(
 
 
 def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The second has the velocity of the first as a doubt, and its own as the answer."""
+    """The second has the velocity of the first for comparison, and its own as the answer."""
     first = Settled(FrontStatus.STEADY, 1e-4, 1e-9, np.arange(3.0), 40, 7)
     second = replace(first, v=2e-4, steps=11)
     asked: list[Any] = []
 
     def settled(prepared: Any, _: object) -> Settled:
-        asked.append(prepared.doubt)
+        asked.append(prepared.other_velocity)
         return second if len(asked) == 2 else first
 
     monkeypatch.setattr(FrontPreparation, "settled", settled)
@@ -550,14 +550,14 @@ def test_a_wave_that_was_solved_for_states_its_own_error(share: float, outruns: 
     assert front.counts == {"steps": 7, "iterations": 3}
 
 
-def test_a_doubt_counts_on_the_longest_chain_only_and_where_it_is_not_long_enough() -> None:
+def test_another_velocity_counts_only_where_the_longest_chain_is_not_long_enough() -> None:
     def found(enough: bool, max_sites: int) -> Settled:
         def trial(sites: int) -> Trial:
             times = np.arange(sites) / 2.0
             return Trial(None, times, times, 3)
 
-        return settle(trial, sites=32, max_sites=max_sites, accuracy=1.0, seen=0.0, doubt=2.5,
-                      enough=lambda *_: enough)  # fmt: skip
+        return settle(trial, sites=32, max_sites=max_sites, accuracy=1.0, pinned_error=0.0,
+                      other_velocity=2.5, long_enough=lambda *_: enough)  # fmt: skip
 
     for enough, most, sites, error, steps in (
         (False, 63, 32, 0.5, 3), (True, 63, 32, 0.0, 3), (False, 64, 64, 0.5, 6),

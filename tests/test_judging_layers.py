@@ -388,7 +388,7 @@ def test_what_passes_the_level_again_and_again_is_not_steady(
 def test_a_filled_chain_is_a_front_when_it_has_been_filled_for_so_long(hold: float) -> None:
     chain = UNSTABLE
     rules = state_run.Rules(
-        level=chain.unstable_amplitude, quiet=1e-3, stiffness=0.0, hold=hold, window=5.0,
+        level=chain.unstable_amplitude, rest_bound=1e-3, stiffness=0.0, hold=hold, window=5.0,
         settled=1e-5,
     )  # fmt: skip
     found = state_run.run_to_state(chain, excite(chain, range(1, 5)), rules, 100.0, 1e-8)
@@ -402,7 +402,7 @@ def test_a_breather_is_named_the_later_the_less_its_amplitudes_may_still_change(
     times = []
     for settled in (1e-2, 1e-4, 1e-6):
         rules = state_run.Rules(
-            level=chain.unstable_amplitude, quiet=1e-3, stiffness=0.0, hold=10.0, window=2.0,
+            level=chain.unstable_amplitude, rest_bound=1e-3, stiffness=0.0, hold=10.0, window=2.0,
             settled=settled,
         )  # fmt: skip
         found = state_run.run_to_state(chain, excite(chain, [3]), rules, 400.0, 1e-10)
@@ -424,7 +424,7 @@ def test_a_stop_condition_that_counts_sites_is_given_all_of_them(
     monkeypatch.setattr(state_run, "SmoothIntegration", integration)
     chain = AveragedChain(a=4, b=0.5, c=0.05, sites=40)
     rules = state_run.Rules(
-        level=chain.unstable_amplitude, quiet=1e-3, stiffness=0.0, hold=10.0, window=2.0,
+        level=chain.unstable_amplitude, rest_bound=1e-3, stiffness=0.0, hold=10.0, window=2.0,
         settled=1e-3,
     )  # fmt: skip
     found = state_run.run_to_state(chain, excite(chain, [3]), rules, 100.0, 1e-8)
@@ -529,7 +529,7 @@ def test_at_the_end_a_chain_that_has_stayed_half_filled_for_half_the_time_is_a_f
 
     monkeypatch.setattr(state_run, "SmoothIntegration", integration)
     rules = state_run.Rules(
-        level=1.0, quiet=0.0, stiffness=0.0, hold=5.0, window=10.0, settled=1e-3
+        level=1.0, rest_bound=0.0, stiffness=0.0, hold=5.0, window=10.0, settled=1e-3
     )
     found = state_run.run_to_state(chain, np.full((2, 8), 2.0), rules, 100.0, 1e-6)
     assert found.state is state
@@ -1326,7 +1326,7 @@ def test_the_left_end_of_a_smooth_chain_is_run_where_it_can_matter(
     @dataclass(frozen=True)
     class Prepared:
         accuracy: float = 1e-3
-        doubt: float | None = None
+        other_velocity: float | None = None
 
         def settled(self, _: object) -> Settled:
             return _settled(v, 1e-4, FrontStatus.STEADY)

@@ -192,21 +192,21 @@ def test_the_energy_rule_is_never_wrong() -> None:
     """From any start below the bound, the energy of (8) falls; just beyond it, it may grow."""
     rng = np.random.default_rng(4)
     chain = FULL.at({"eta": 0.05, "c": 0.5})
-    quiet = positive_damping_square(chain.a, chain.b)
+    rest_bound = positive_damping_square(chain.a, chain.b)
     stiffness = chain.eps * chain.c
     for _ in range(20):
         state = rng.standard_normal((2, 16))
         # nearly all of the energy in one site, where the damping is the smallest
         state[:, 1:] *= 1e-3
         energy = (state**2).sum() + chain.eps * chain.c * (np.diff(state[0]) ** 2).sum()
-        state *= math.sqrt(0.99 * quiet / energy)
-        assert at_rest_for_ever(state.ravel(), stiffness, quiet)
+        state *= math.sqrt(0.99 * rest_bound / energy)
+        assert at_rest_for_ever(state.ravel(), stiffness, rest_bound)
         start = state[1] + 1j * state[0]
         run = simulate(chain, start, 200.0, samples=41, estimate_error=False, level=10.0)
         y = run.psi.imag
         energies = (run.amplitude**2).sum(1) + chain.eps * chain.c * (np.diff(y) ** 2).sum(1)
         assert (np.diff(energies) < 1e-7 * energies[0]).all()
-        assert not at_rest_for_ever(1.02 * state.ravel(), stiffness, quiet)
+        assert not at_rest_for_ever(1.02 * state.ravel(), stiffness, rest_bound)
 
 
 @pytest.mark.parametrize("task", [ENVELOPE, FULL])
@@ -427,7 +427,7 @@ def test_a_point_at_which_two_starts_end_otherwise_is_undecided(
 def test_a_chain_that_is_more_than_half_filled_and_never_whole_is_no_front() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.0, sites=4)
     rules = Rules(
-        level=chain.unstable_amplitude, quiet=0.0, stiffness=0.0, hold=10.0, window=math.inf,
+        level=chain.unstable_amplitude, rest_bound=0.0, stiffness=0.0, hold=10.0, window=math.inf,
         settled=1e-5,
     )  # fmt: skip
     found = run_to_state(chain, excite(chain, [1, 2, 3]), rules, 50.0, 1e-8)

@@ -12,7 +12,7 @@ import pytest
 
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums import axis, beside_roots, legs, poles
+from theory.piecewise.sums import axis, beside_roots, poles, segments
 from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
@@ -51,7 +51,7 @@ def test_what_the_points_on_the_axis_leave_is_as_small_as_stated(rho: float) -> 
         assert np.abs(left).max() * (1 + c) <= (1.0 if paired else 2.5), (v, c)
 
 
-def left_on_a_leg(v: float, c: float, psi: float, depth: float) -> float:
+def left_on_a_segment(v: float, c: float, psi: float, depth: float) -> float:
     """Return (1/π)∫|g̃| du along Im u = depth, S from hyperbolic functions and not from e^{-a}."""
     A_0 = 0.5 + (2j * c if psi else 0)
     u = np.arange(-12, 12, 0.01) + 1j * depth
@@ -80,15 +80,15 @@ def left_on_a_leg(v: float, c: float, psi: float, depth: float) -> float:
 @pytest.mark.parametrize(
     "rho", [3.01, 3.14, 3.15, 3.6, 4.4, 5.2, 6.29, 6.31, 9.0, 9.42, 9.43, 60.0, 1e4]
 )
-def test_what_the_legs_leave_is_as_small_as_stated(rho: float) -> None:
+def test_what_the_segments_leave_is_as_small_as_stated(rho: float) -> None:
     for v in [0.02, 0.05, *VELOCITIES]:
         c = rho * v
         psi = 2 * rho % (2 * np.pi) - np.pi
         for second in (False, True):
             far = abs(1 + 4j * c) if second else 1.0
-            stated = legs._leg_size(rho, far, second)
+            stated = segments._segment_size(rho, far, second)
             depth = 1.0 if second else 1.6
-            assert left_on_a_leg(v, c, psi if second else 0.0, depth) <= stated, (v, c, second)
+            assert left_on_a_segment(v, c, psi if second else 0.0, depth) <= stated, (v, c, second)
 
 
 def test_the_cost_does_not_depend_on_the_coupling_along_the_velocities_of_fronts() -> None:
@@ -169,7 +169,7 @@ def points_at_which_roots_are_taken_away(seed: int, count: int) -> tuple[FloatAr
     v, c = np.array(points_at_random(seed, count)).T
     strong = 10 ** rng.uniform(1, 8, 4 * count)
     fast = np.sqrt(strong) * 3.0 ** rng.uniform(-1, 1, strong.size)
-    # and where a root lies beside a node of the second leg, whose nodes then begin at u = 0
+    # and where a root lies beside a node of the second segment, whose nodes then begin at u = 0
     v, c = np.append(v, [*fast, 828.5864188974699]), np.append(c, [*strong, 11685.06286414494])
     beside = axis.plan(v, c, 1e-12)[0] == 0
     return v[beside], c[beside]

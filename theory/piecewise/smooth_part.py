@@ -4,8 +4,8 @@ On the path of ``theory.piecewise.sums.rules`` for c > 3v, from k = 0 to π/2 + 
 
     Σ = -1 + 1/√(1 - 4ic) + (1/π)∫g du + oscillations,
 
-where the integral extends over the first leg. Only the second leg, which gives the oscillations,
-contains the phase c/v of e^{-a}; the integral over the first leg varies smoothly with v.
+where the integral extends over the first segment. Only the second segment, which gives the
+oscillations, contains the phase c/v of e^{-a}; the integral over the first varies smoothly with v.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import math
 import numpy as np
 
 from theory.arrays import ComplexArray, FloatArray
-from theory.piecewise.sums.legs import LEG_TURN
+from theory.piecewise.sums.segments import SEGMENT_TURN
 
 _NODES = 72
-"""Nodes of the integral over the first leg."""
+"""Nodes of the integral over the first segment."""
 _INACCURACY = 1e-5
 """Bound on the relative error of that integral: twice the largest error found by sampling."""
 _ROUNDING = 1e-14
@@ -51,7 +51,7 @@ def smooth_part_of_sum(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, Floa
     values = np.empty(v.size, dtype=complex)
     for begin in range(0, v.size, _AT_ONCE):
         some = slice(begin, begin + _AT_ONCE)
-        values[some] = _first_leg(v[some], c[some])
+        values[some] = _first_segment(v[some], c[some])
     height = _HIGHEST * np.maximum(np.sqrt(v), v) * np.exp(-0.5 / v) / c**1.5
     height += _INACCURACY * np.abs(values) + _ROUNDING
     q = np.sqrt(1.0 - 4j * c)
@@ -59,8 +59,8 @@ def smooth_part_of_sum(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, Floa
     return values, height
 
 
-def _first_leg(v: FloatArray, c: FloatArray) -> ComplexArray:
-    """Return (1/π)∫g du over the first leg."""
+def _first_segment(v: FloatArray, c: FloatArray) -> ComplexArray:
+    """Return (1/π)∫g du over the first segment."""
     # g varies where u² is about 1/2v and u about √(c/8v³); at u = 5.5 it is negligible.
     lowest = np.log(np.minimum(1.0, np.sqrt(np.minimum(0.5 / v, c / (8.0 * v**3))))) - 8.0
     step = (1.7 - lowest) / (_NODES - 1)
@@ -73,5 +73,5 @@ def _first_leg(v: FloatArray, c: FloatArray) -> ComplexArray:
     root = np.sqrt(0.5 + 0.5 * np.sqrt(1.0 + Y * Y))  # Re √(1 - iY); Im is -Y/2 over it
     below = (F * F + 4j * Y * E) * (root - 0.5j * Y / root)
     g = (F - 2j * Y) / below * (u * E / (0.5 + v[:, None] * square))
-    total: ComplexArray = 2.0 / math.pi * LEG_TURN * np.sqrt(0.5 * v / c) * step * g.sum(axis=1)
+    total: ComplexArray = 2.0 / math.pi * SEGMENT_TURN * np.sqrt(0.5 * v / c) * step * g.sum(axis=1)
     return total

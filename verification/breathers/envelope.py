@@ -81,7 +81,7 @@ class RotatingWaves(BreatherFamily):
         return float(16.0 ** round(math.log(self.chain.stable_amplitude / 4.0, 16.0)))
 
     @property
-    def pace(self) -> float:
+    def rate_unit(self) -> float:
         """Unit of φ', a power of 16: the cycle attracts at a rate of about 1/(2η)."""
         return float(16.0 ** max(round(math.log(0.02 / self.chain.eta, 16.0)), 0))
 
@@ -93,23 +93,23 @@ class RotatingWaves(BreatherFamily):
     def system(self, refinement: int = 1) -> System:
         """Return F(u, c) with u = (Re φ, Im φ, Ω): φ' - iΩφ = 0 and Im φ = 0 at the centre.
 
-        φ is in units of `unit`, and φ' in units of `unit` times `pace`.
+        φ is in units of `unit`, and φ' in units of `unit` times `rate_unit`.
         """
         chain, sites, centre = self.chain, self.chain.sites, self.centre
-        unit, pace = self.unit, self.pace
+        unit, rate_unit = self.unit, self.rate_unit
         springs = coupling_matrix(sites, chain.ends)
 
         def system(u: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
             here = replace(chain, c=abs(c))
             x, y, omega = u[:sites], u[sites:-1], u[-1]
             phi = np.asarray(unit * (x + 1j * y), dtype=complex)
-            rate = (envelope_rate(phi, here) - 1j * omega * phi) / (unit * pace)
+            rate = (envelope_rate(phi, here) - 1j * omega * phi) / (unit * rate_unit)
             value = np.concatenate([rate.real, rate.imag, [y[centre]]])
             slope = np.zeros((2 * sites + 1, 2 * sites + 1))
-            slope[:-1, :-1] = rotating_jacobian(phi, omega, here) / pace
-            slope[:-1, -1] = np.concatenate([y, -x]) / pace
+            slope[:-1, :-1] = rotating_jacobian(phi, omega, here) / rate_unit
+            slope[:-1, -1] = np.concatenate([y, -x]) / rate_unit
             slope[-1, sites + centre] = 1.0
-            by_c = 0.5j * (springs @ phi) / (unit * pace)
+            by_c = 0.5j * (springs @ phi) / (unit * rate_unit)
             return value, slope, np.concatenate([by_c.real, by_c.imag, [0.0]])
 
         return system

@@ -75,18 +75,18 @@ def follow(
     # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
     branch = trace(system, start, furthest, None, replace(FIRST_STEPS, folds=folds))
-    points, legs = [], []
-    for point, leg in solutions_at(system, branch, required):
+    points, folds_passed = [], []
+    for point, passed in solutions_at(system, branch, required):
         points.append(family.measured(point, started))
-        legs.append(leg)
+        folds_passed.append(passed)
         started = time.perf_counter()
     turned = []
     for number, fold in enumerate(branch.folds):
         there = BranchPoint(fold.u, fold.parameter, branch.points[fold.place].tangent, 0.0, 0.0, 0)
-        place = sum(leg <= number for leg in legs)
+        place = sum(each <= number for each in folds_passed)
         # Of the errors stated there none holds: a fold is found to the square of what its state is.
         turned.append((fold, float(family.measured(there, started).outward[0]), place))
-    passed = {point.chain.c for point in points}
+    reached = {point.chain.c for point in points}
     end = (branch.fold.parameter, branch.fold.error) if branch.fold is not None else (None, None)
     points += [
         Breather(
@@ -99,6 +99,6 @@ def follow(
             seconds=0.0,
         )
         for c in required
-        if c not in passed
+        if c not in reached
     ]
     return FollowedBreather(points=tuple(points), folds=tuple(turned))

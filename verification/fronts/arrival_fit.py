@@ -65,7 +65,8 @@ class Settled:
     status : FrontStatus
         What became of the front.
     v, error : float or None
-        Velocity and its uncertainty: 0 and ``seen`` for a pinned front, None if there is no front.
+        Velocity and its uncertainty: 0 and ``pinned_error`` for a pinned front, None if there is no
+        front.
     arrivals : ndarray, shape (m,)
         Arrival times of the last trial, without the sites that were not reached.
     sites : int
@@ -88,9 +89,9 @@ def settle(
     sites: int,
     max_sites: int,
     accuracy: float,
-    seen: float,
-    enough: Callable[[int, float], bool] = lambda sites, v: True,
-    doubt: float | None = None,
+    pinned_error: float,
+    long_enough: Callable[[int, float], bool] = lambda sites, v: True,
+    other_velocity: float | None = None,
 ) -> Settled:
     """Lengthen the chain until the velocity has settled, or the front has stopped.
 
@@ -104,19 +105,19 @@ def settle(
         Largest chain length.
     accuracy : float
         Relative error of v at which the front counts as steady.
-    seen : float
+    pinned_error : float
         Uncertainty stated for a pinned front: the smallest velocity that would have been noticed.
-    enough : callable, optional
+    long_enough : callable, optional
         Whether a chain with this number of sites is also long enough by another criterion, given v.
-    doubt : float, optional
-        A second velocity: if ``enough`` does not hold on the longest chain, the stated error is at
-        least the difference between v and this velocity.
+    other_velocity : float, optional
+        A second velocity: if ``long_enough`` does not hold on the longest chain, the stated error
+        is at least the difference between v and this velocity.
 
     Examples
     --------
     >>> def trial(sites):
     ...     return Trial(None, np.arange(sites) / 2.0, np.arange(sites) / 2.0, sites)
-    >>> settle(trial, sites=32, max_sites=99, accuracy=1e-3, seen=0.0).v
+    >>> settle(trial, sites=32, max_sites=99, accuracy=1e-3, pinned_error=0.0).v
     2.0
     """
     steps = 0
@@ -125,16 +126,16 @@ def settle(
         steps += runs.steps
         arrivals = runs.arrivals[~np.isnan(runs.arrivals)]
         if runs.stopped is not None:
-            v, error = (0.0, seen) if runs.stopped is FrontStatus.PINNED else (None, None)
+            v, error = (0.0, pinned_error) if runs.stopped is FrontStatus.PINNED else (None, None)
             return Settled(runs.stopped, v, error, arrivals, sites, steps)
         reached, beside = leading(runs.arrivals), leading(runs.coarser)
         both = min(reached.size, beside.size) or reached.size
         v, error = velocity_of_arrivals(reached[:both])
         other = velocity_of_arrivals(beside[:both])[0] if beside.size else 0.0
         error = max(error, abs(v - other))
-        long, longest = enough(sites, v), 2 * sites > max_sites
-        if longest and not long and doubt is not None:
-            error = max(error, abs(v - doubt))
+        long, longest = long_enough(sites, v), 2 * sites > max_sites
+        if longest and not long and other_velocity is not None:
+            error = max(error, abs(v - other_velocity))
         if error < accuracy * v and (long or longest):
             return Settled(FrontStatus.STEADY, v, error, arrivals, sites, steps)
         if longest:

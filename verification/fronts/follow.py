@@ -65,12 +65,12 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         longest = max(2.0, PARAMETER_WEIGHT * (required[-1] - required[0]) / 8.0)
         steps = StepControl(length=0.1, longest=longest, max_steps=2000, folds=3)
         branch = trace(system, start, required[0] * (1.0 - 1e-12), None, steps)
-        fronts, legs = [], []
-        for point, leg in solutions_at(system, branch, required):
+        fronts, passed = [], []
+        for point, folds_passed in solutions_at(system, branch, required):
             fronts.append(window.described(point, begin))
-            legs.append(leg)
+            passed.append(folds_passed)
             begin = perf_counter()
     except NotConvergedError as refusal:
         raise not_found(refusal, along) from None
-    folds = [(fold, sum(leg <= k for leg in legs)) for k, fold in enumerate(branch.folds)]
+    folds = [(fold, sum(each <= k for each in passed)) for k, fold in enumerate(branch.folds)]
     return FrontBranch(fronts=tuple(fronts), folds=tuple(folds))

@@ -37,11 +37,11 @@ class FrontPreparation:
         ``watch.Stall``.
     method : str
         Name of the stepper.
-    enough : callable
+    long_enough : callable
         Whether a chain of a given length is also long enough by another criterion, given v (in t).
-    doubt : float, optional
-        A second velocity (in t); if ``enough`` does not hold on the longest chain, the stated error
-        is at least the difference from it.
+    other_velocity : float, optional
+        A second velocity (in t); if ``long_enough`` does not hold on the longest chain, the stated
+        error is at least the difference from it.
     """
 
     sized: Callable[[int], Chain]
@@ -54,8 +54,8 @@ class FrontPreparation:
     stall_time: float
     settling_tolerance: float
     method: str
-    enough: Callable[[int, float], bool] = field(default=lambda sites, v: True)
-    doubt: float | None = None
+    long_enough: Callable[[int, float], bool] = field(default=lambda sites, v: True)
+    other_velocity: float | None = None
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
@@ -75,9 +75,9 @@ class FrontPreparation:
             sites=self.sites,
             max_sites=self.max_sites,
             accuracy=self.accuracy,
-            seen=1.0 / self.stall_time,
-            enough=self.enough,
-            doubt=self.doubt,
+            pinned_error=1.0 / self.stall_time,
+            long_enough=self.long_enough,
+            other_velocity=self.other_velocity,
         )
 
     def front(

@@ -54,7 +54,7 @@ def smooth_front(chain: SmoothChain, request: Request) -> Front:
         found = _beside_longer_wave(found, wave.accuracy, chain, request)
     if request.left_boundary is LeftBoundary.WAVE or outruns or waves == 0.0:
         return wave.front(found, request.left_boundary, outruns)
-    free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), doubt=found.v)
+    free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), other_velocity=found.v)
     slower = free.settled(request.progress)
     return free.front(slower, request.left_boundary, False, found.steps)
 
@@ -132,7 +132,7 @@ def _prepare_smooth(
             left_boundary_wave=on,
         )
 
-    def enough(sites: int, v: float) -> bool:
+    def long_enough(sites: int, v: float) -> bool:
         """Whether waves from the free end have long overtaken the front.
 
         The first of them reach it after v·excited/(waves - v) sites. Four times as many are
@@ -154,5 +154,5 @@ def _prepare_smooth(
         stall_time=stall,
         settling_tolerance=1e-3 * chain.stable_amplitude,
         method=SmoothIntegration.method,
-        enough=enough,
+        long_enough=long_enough,
     )

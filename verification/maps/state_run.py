@@ -36,7 +36,7 @@ LONGEST = 1.5
 """Longest step of an oscillation: less than half a period, so that no crossing of y = 0 is
 missed."""
 
-_LEVEL, _QUIET, _STIFFNESS, _HOLD, _WINDOW, _SETTLED, _OSCILLATES = 0, 1, 2, 3, 4, 5, 6
+_LEVEL, _REST_BOUND, _STIFFNESS, _HOLD, _WINDOW, _SETTLED, _OSCILLATES = 0, 1, 2, 3, 4, 5, 6
 _FILLED, _LASTING, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 11, 12, 13, 14
 """Indices into the memory of the stop condition; from ``_SITES`` on it contains the lowest, then
 the highest amplitude of each site in the present window."""
@@ -54,7 +54,7 @@ class Rules:
     ----------
     level : float
         Amplitude of the unstable cycle; infinite if there is none.
-    quiet : float
+    rest_bound : float
         The chain is certain to go to rest if Σ(y² + w²) + κΣ(y_n - y_{n-1})² is below this value
         (:func:`at_rest_for_ever`); infinite where the damping is positive everywhere.
     stiffness : float
@@ -71,7 +71,7 @@ class Rules:
     """
 
     level: float
-    quiet: float
+    rest_bound: float
     stiffness: float
     hold: float
     window: float
@@ -79,8 +79,8 @@ class Rules:
 
 
 @outer(cache=True, **UNCOUNTED)
-def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
-    """Return whether the chain is certain to go to rest: its norm or energy is below ``quiet``.
+def at_rest_for_ever(state: FloatArray, stiffness: float, rest_bound: float) -> bool:
+    """Return whether the chain is certain to go to rest: its norm or energy is below a bound.
 
     Envelope: (Σ|φ|²)' = -Σ|φ|²(1 - a|φ|²/4 + b|φ|⁴/8). If Σ|φ|² is below the square of the unstable
     cycle, so is every |φ_n|²; then all terms are negative, and this remains so.
@@ -89,16 +89,16 @@ def at_rest_for_ever(state: FloatArray, stiffness: float, quiet: float) -> bool:
     smaller root y² of 1 - ay² + by⁴, so is every y_n², and E cannot grow; the only orbit on which
     it is constant is rest.
 
-    ``quiet`` is that square or root; ``stiffness`` is 0 and εc respectively.
+    ``rest_bound`` is that square or root; ``stiffness`` is 0 and εc respectively.
     """
     total = 0.0
     for value in state:
         total += value * value
-        if total >= quiet:  # no term is negative, so for a moving chain a few sites suffice
+        if total >= rest_bound:  # no term is negative, so for a moving chain a few sites suffice
             return False
     for n in range(1, state.size // 2):
         total += stiffness * (state[n] - state[n - 1]) ** 2
-    return total < quiet
+    return total < rest_bound
 
 
 @inner(error_model="numpy", **UNCOUNTED)
@@ -248,7 +248,7 @@ def named_state(  # noqa: PLR0917  (as a Condition)
         return _FRONT
     if _stays(t, sites, memory):
         return _BREATHER
-    if at_rest_for_ever(after, memory[_STIFFNESS], memory[_QUIET]):
+    if at_rest_for_ever(after, memory[_STIFFNESS], memory[_REST_BOUND]):
         memory[_ABOVE] = 0.0
         return _FIXED_POINT
     return 0
@@ -284,7 +284,7 @@ def run_to_state(
     begin, sites = perf_counter(), chain.sites
     memory = np.zeros(_SITES + 2 * sites)
     memory[: _OSCILLATES + 1] = (
-        rules.level, rules.quiet, rules.stiffness, rules.hold, rules.window, rules.settled,
+        rules.level, rules.rest_bound, rules.stiffness, rules.hold, rules.window, rules.settled,
         chain.oscillates,
     )  # fmt: skip
     memory[[_FILLED, _LASTING, _FIRST]] = -1.0
@@ -300,7 +300,7 @@ def run_to_state(
         watch=named_state,
         memory=memory,
     )
-    if at_rest_for_ever(np.ravel(run.state), rules.stiffness, rules.quiet):
+    if at_rest_for_ever(np.ravel(run.state), rules.stiffness, rules.rest_bound):
         state = State.FIXED_POINT
     else:
         while not run.finished:

@@ -126,7 +126,7 @@ def find_vdp_state(
     scale = chain.time_unit * chain.kernel_rate
     rules = Rules(
         level=level,
-        quiet=positive_damping_square(chain.a, chain.b) if full else level**2,
+        rest_bound=positive_damping_square(chain.a, chain.b) if full else level**2,
         stiffness=chain.eps * chain.c if full else 0.0,
         hold=HOLD * scale,
         window=WINDOW * scale,

@@ -1,4 +1,4 @@
-"""Many values of Σ at once by the rules that subtract roots: `legs.arch` and `corrected_axis`.
+"""Many values of Σ at once by the rules that subtract roots: `segments.arch` and `corrected_axis`.
 
 Each value is independent of the others in its block. The few values for which the iteration to a
 root takes more than ``_MAX_STEPS`` steps are computed one by one.
@@ -13,8 +13,8 @@ import numpy as np
 from theory.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from theory.piecewise.sums.axis import EPS, SLOWEST, STEEPEST
 from theory.piecewise.sums.corrected_axis import PAIR_FROM, corrected_errors
-from theory.piecewise.sums.legs import CLEAR
 from theory.piecewise.sums.rules import fill
+from theory.piecewise.sums.segments import CLEAR
 
 _MAX_STEPS = 6
 _SIZE = 2048
@@ -61,20 +61,20 @@ def _bounds(
 def _arches(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
 ) -> Found:
-    """Return the results of `legs.arch`."""
+    """Return the results of `segments.arch`."""
     rows, bounds = np.zeros((6, v.size)), np.full((2, v.size), 8.0 * EPS)
     number, unconverged = np.zeros(v.size), np.zeros(v.size)
     plan, parts, at = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((5, v.size))
     for second in (False, True):
-        fast["plan_legs"](v, c, tolerance, slopes, second, plan)
+        fast["plan_segments"](v, c, tolerance, slopes, second, plan)
         if not second:
             fast["static_parts"](v, c, plan[0], parts)
         offset, taken = _roots_beside(v, c, plan, second, slopes, unconverged, fast)
         sums = np.zeros((8, v.size))
         fast["add_all_nodes"](v, c, plan, offset, second, slopes, at, sums)
-        fast["add_leg"](v, c, plan, sums, taken, second, rows, bounds)
+        fast["add_segment"](v, c, plan, sums, taken, second, rows, bounds)
         if slopes:
-            fast["add_leg_slopes"](v, c, plan, sums, taken, second, rows)
+            fast["add_segment_slopes"](v, c, plan, sums, taken, second, rows)
         number += plan[1]
     rows[0] -= 1.0
     rows[0:2] += parts[0:2]
@@ -88,7 +88,7 @@ def _roots_beside(
     v: FloatArray, c: FloatArray, plan: FloatArray, second: bool, slopes: bool,
     unconverged: FloatArray, fast: dict[str, Any],
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the position of the first node in steps, and the pole corrections of one leg."""
+    """Return the position of the first node in steps, and the pole corrections of one segment."""
     step, psi = plan[0], plan[3]
     n = v.size
     q, rho, near = 0.5 / v, c / v, (v >= SLOWEST).astype(float)
@@ -99,7 +99,7 @@ def _roots_beside(
         moving = near.copy()
         fast["converge"](at, q, psi, rho, moving, _MAX_STEPS)
         np.maximum(unconverged, moving, out=unconverged)
-        fast["exponents_on_legs"](rho, step, at, power, turn)
+        fast["exponents_on_segments"](rho, step, at, power, turn)
         fast["exponentials"](power)
         if second:
             fast["clearances"](power, halfway, whole)

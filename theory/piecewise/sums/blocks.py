@@ -16,20 +16,6 @@ from theory.piecewise.sums.corrected_axis import (
     points_off_roots,
     strip_of_what_is_left,
 )
-from theory.piecewise.sums.legs import (
-    LEG_SHARE,
-    LEG_TURN,
-    clearance_of,
-    leg_errors,
-    leg_nodes,
-    leg_slopes,
-    leg_term,
-    leg_unit,
-    leg_width,
-    phase_rate,
-    second_phase,
-    static_part,
-)
 from theory.piecewise.sums.poles import (
     has_converged,
     pair_of_the_parabola,
@@ -39,6 +25,20 @@ from theory.piecewise.sums.poles import (
     step_to_root,
     two_roots_near,
 )
+from theory.piecewise.sums.segments import (
+    SEGMENT_SHARE,
+    SEGMENT_TURN,
+    clearance_of,
+    phase_rate,
+    second_phase,
+    segment_errors,
+    segment_nodes,
+    segment_slopes,
+    segment_term,
+    segment_unit,
+    segment_width,
+    static_part,
+)
 
 if TYPE_CHECKING:
     from theory.arrays import FloatArray
@@ -47,14 +47,14 @@ _LARGEST_EXPONENT = 100.0
 """Largest exponent z used in e^z; beyond it the pole correction is zero."""
 
 
-def plan_legs(
+def plan_segments(
     v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, second: bool, plan: FloatArray
 ) -> None:
-    """Write step, number of nodes, truncation error and phase of one leg as rows."""
+    """Write step, number of nodes, truncation error and phase of one segment as rows."""
     for i in range(v.size):
-        required = LEG_SHARE * tolerance / (phase_rate(v[i], c[i], second) if slopes else 1.0)
+        required = SEGMENT_SHARE * tolerance / (phase_rate(v[i], c[i], second) if slopes else 1.0)
         far = 2.0 * modulus(complex(0.5, 2.0 * c[i])) if second else 1.0
-        step, count, truncation = leg_nodes(required, v[i], c[i] / v[i], far, second)
+        step, count, truncation = segment_nodes(required, v[i], c[i] / v[i], far, second)
         plan[0, i], plan[1, i], plan[2, i] = step, count, truncation
         plan[3, i] = second_phase(v[i], c[i]) if second else 0.0
 
@@ -110,12 +110,12 @@ def converge(
             return
 
 
-def exponents_on_legs(
+def exponents_on_segments(
     rho: FloatArray, step: FloatArray, at: FloatArray, power: FloatArray, turn: FloatArray
 ) -> None:
-    """Write Re and Im of z and of its derivative by p as rows; see `legs`."""
+    """Write Re and Im of z and of its derivative by p as rows; see `segments`."""
     for i in range(rho.size):
-        unit = leg_unit(rho[i], step[i], side_of(at[1, i]))
+        unit = segment_unit(rho[i], step[i], side_of(at[1, i]))
         exponent = unit * complex(at[2, i], at[3, i])
         power[0, i], power[1, i] = exponent.real, exponent.imag
         turned = 0.5 * unit * complex(at[4, i], at[5, i])
@@ -236,7 +236,7 @@ def add_nodes(
     re, im, size = sums[0], sums[1], sums[2]
     for i in range(v.size):
         Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
-        g = leg_term(complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i]), Y, A)
+        g = segment_term(complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i]), Y, A)
         re[i] += share * g.real
         im[i] += share * g.imag
         size[i] += share * size_of(g)
@@ -251,7 +251,7 @@ def add_node_slopes(
     for i in range(v.size):
         Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
         E = complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i])
-        _, g_v, g_c = leg_slopes(E, Y, A, v[i], second)
+        _, g_v, g_c = segment_slopes(E, Y, A, v[i], second)
         sums[3, i] += share * g_v.real
         sums[4, i] += share * g_v.imag
         sums[5, i] += share * size_of(g_v)
@@ -263,7 +263,7 @@ def add_all_nodes(
     v: FloatArray, c: FloatArray, plan: FloatArray, offset: FloatArray, second: bool, slopes: bool,
     at: FloatArray, sums: FloatArray,
 ) -> None:  # fmt: skip
-    """Sum g, and with ``slopes`` its derivatives, over the nodes of one leg; see `plan_legs`."""
+    """Sum g, and with ``slopes`` its derivatives, over the nodes of a segment; `plan_segments`."""
     step, count = plan[0], plan[1]
     start_nodes(v, plan[3], step, offset, at)
     for j in range(int(count.max())):
@@ -273,41 +273,41 @@ def add_all_nodes(
         next_nodes(at)
 
 
-def add_leg(
+def add_segment(
     v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
     second: bool, rows: FloatArray, bounds: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of the contribution of one leg to Σ, and the error bounds.
+    """Add Re and Im of the contribution of one segment to Σ, and the error bounds.
 
     ``sums`` holds the sums over the nodes, and ``taken`` the pole corrections, to be subtracted.
-    For the second leg the complex conjugate is added.
+    For the second segment the complex conjugate is added.
     """
     step, truncation = plan[0], plan[2]
     turn = -1.0 if second else 1.0
     for i in range(v.size):
-        width = leg_width(v[i], c[i], step[i])
-        term = width * LEG_TURN * complex(sums[0, i], sums[1, i])
+        width = segment_width(v[i], c[i], step[i])
+        term = width * SEGMENT_TURN * complex(sums[0, i], sums[1, i])
         rows[0, i] += term.real - taken[0, i]
         rows[1, i] += turn * (term.imag - taken[1, i])
         size, steep = width * sums[2, i], width * sums[5, i] / v[i]
-        rounding, rough = leg_errors(
+        rounding, rough = segment_errors(
             v[i], c[i], second, truncation[i], size, steep, taken[6, i], taken[7, i]
         )
         bounds[0, i] += truncation[i] + rounding
         bounds[1, i] += rough
 
 
-def add_leg_slopes(
+def add_segment_slopes(
     v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
     second: bool, rows: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of the contribution of one leg to the derivatives of Σ; see `add_leg`."""
+    """Add Re and Im of the contribution of one segment to the derivatives of Σ; `add_segment`."""
     step = plan[0]
     turn = -1.0 if second else 1.0
     for i in range(v.size):
-        width = leg_width(v[i], c[i], step[i])
-        by_v = -width / (v[i] * v[i]) * LEG_TURN * complex(sums[3, i], sums[4, i])
-        by_c = width * LEG_TURN * complex(sums[6, i], sums[7, i])
+        width = segment_width(v[i], c[i], step[i])
+        by_v = -width / (v[i] * v[i]) * SEGMENT_TURN * complex(sums[3, i], sums[4, i])
+        by_c = width * SEGMENT_TURN * complex(sums[6, i], sums[7, i])
         rows[2, i] += by_v.real - taken[2, i]
         rows[3, i] += turn * (by_v.imag - taken[3, i])
         rows[4, i] += by_c.real - taken[4, i]
@@ -315,7 +315,7 @@ def add_leg_slopes(
 
 
 def static_parts(v: FloatArray, c: FloatArray, step: FloatArray, parts: FloatArray) -> None:
-    """Write Re and Im of the results of `legs.static_part` as rows."""
+    """Write Re and Im of the results of `segments.static_part` as rows."""
     for i in range(v.size):
         static, by_c = static_part(v[i], c[i], step[i])
         parts[0, i], parts[1, i], parts[2, i], parts[3, i] = (

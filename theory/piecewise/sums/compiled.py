@@ -12,9 +12,9 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, legs, poles, rules
+from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, poles, rules, segments
 
-_MODULES = (arithmetic, axis, poles, legs, corrected_axis, rules, blocks)
+_MODULES = (arithmetic, axis, poles, segments, corrected_axis, rules, blocks)
 _WITHOUT_BRANCHES = {
     "quotient": "quotient_without_branches",
     "modulus": "modulus_without_branches",
@@ -24,16 +24,16 @@ _WITHOUT_BRANCHES = {
 _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
     "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_slopes_at", "step_to_root",
-    "has_converged", "pair_of_the_parabola", "pole_correction", "clearance_of", "leg_unit",
-    "leg_term", "leg_slopes", "leg_width", "size_of", "root_below_one", "leg_errors", "phase_rate",
-    "_node", "side_of", "twice_arcsine",
+    "has_converged", "pair_of_the_parabola", "pole_correction", "clearance_of", "segment_unit",
+    "segment_term", "segment_slopes", "segment_width", "size_of", "root_below_one",
+    "segment_errors", "phase_rate", "_node", "side_of", "twice_arcsine",
 )  # fmt: skip
 """Functions that are inlined, because a call would prevent a loop from being vectorised."""
 _CALLED = (
-    "block_values", "block_slopes", "plan_legs", "static_parts", "start_roots",
-    "start_resonant_pairs", "converge", "exponents_on_legs", "exponents_on_axis", "exponentials",
-    "clearances", "add_pole_corrections", "add_pole_correction_slopes", "add_all_nodes", "add_leg",
-    "add_leg_slopes", "plan_axis",
+    "block_values", "block_slopes", "plan_segments", "static_parts", "start_roots",
+    "start_resonant_pairs", "converge", "exponents_on_segments", "exponents_on_axis",
+    "exponentials", "clearances", "add_pole_corrections", "add_pole_correction_slopes",
+    "add_all_nodes", "add_segment", "add_segment_slopes", "plan_axis",
 )  # fmt: skip
 """Functions called from Python; the others are compiled into these, without an entry point."""
 

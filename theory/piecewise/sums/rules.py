@@ -14,15 +14,15 @@ is then determined by the remaining, more distant poles. With ρ = c/v:
   A = ½ + vu² is real, and S - 1 falls like e^{-u²}; k runs from 0 to π/2 + i∞. From there it
   returns to π along X = 1 - iȲ, where S is the same function except for a phase ψ = 2c/v - π of
   e^{-a}. The 1 that was subtracted from S contributes 1/√(1 - 4ic). Two roots lie nearest each of
-  the two legs; after they are subtracted, the integral of the remainder along |Im u| = 1.6 (first
-  leg) or 1 (second leg) is below `_leg_size`.
+  the two segments; after they are subtracted, the integral of the remainder along |Im u| = 1.6
+  (first segment) or 1 (second segment) is below `_segment_size`.
 
 The bounds on the remainders were found by sampling them over the whole range, which a test repeats;
 given these bounds, the error bounds follow from the theorem on the trapezoidal rule in a strip.
 Below v = 0.08 no root is near a path. For the plain rule on the real axis the bound is proved
 (`plain_points`).
 
-Everything here, and in the modules ``axis``, ``poles`` and ``legs``, is plain Python for single
+Everything here, and in the modules ``axis``, ``poles`` and ``segments``, is plain Python for single
 numbers, which can also be compiled unchanged (``theory.piecewise.sums.compiled``). Loops over many
 values are in ``axis`` and in ``blocks``; ``beside_roots`` combines the latter.
 
@@ -45,7 +45,7 @@ from theory.piecewise.sums.axis import (
     plain_points,
 )
 from theory.piecewise.sums.corrected_axis import corrected_axis
-from theory.piecewise.sums.legs import arch
+from theory.piecewise.sums.segments import arch
 
 if TYPE_CHECKING:
     from theory.arrays import ComplexArray, FloatArray, IntArray

@@ -1,4 +1,4 @@
-"""The two legs of the path for c > 3v; see ``theory.piecewise.sums.rules``."""
+"""The two segments of the path for c > 3v; see ``theory.piecewise.sums.rules``."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ from theory.piecewise.sums.poles import (
     two_roots_near,
 )
 
-LEG_TURN = cmath.exp(0.25j * math.pi)
-"""Phase factor of dk/du where a leg begins."""
-_BACK = cmath.exp(-0.75j * math.pi)  # -i/LEG_TURN
+SEGMENT_TURN = cmath.exp(0.25j * math.pi)
+"""Phase factor of dk/du where a segment begins."""
+_BACK = cmath.exp(-0.75j * math.pi)  # -i/SEGMENT_TURN
 _DEPTHS = 1.6, 1.0
-"""Im u at which the integrand of the first and second leg, roots subtracted, is bounded."""
-LEG_SHARE = 0.4
-"""Fraction of the tolerance that is allotted to each leg."""
+"""Im u at which the integrand of the first and second segment, roots subtracted, is bounded."""
+SEGMENT_SHARE = 0.4
+"""Fraction of the tolerance that is allotted to each segment."""
 CLEAR = 0.5
 """|e^z ∓ 1| above which a root is far enough from every node."""
 
 
-def _leg_size(rho: float, far: float, second: bool) -> float:
+def _segment_size(rho: float, far: float, second: bool) -> float:
     """Bound (1/π) ∫|g̃| du along Im u = 1.6 or 1, where ``far`` is |2A| at u = 0."""
     return (3.0 if not second else 4.0 if rho > 6.3 else 50.0) / (math.sqrt(rho) * far)
 
 
-def leg_nodes(
+def segment_nodes(
     tolerance: float, v: float, rho: float, far: float, second: bool
 ) -> tuple[float, int, float]:
     """Return the step, the number of nodes, and the bound of the error, truncation at U included.
 
     Beyond u = U ≥ √3 the terms are below 2.7 (1 + 2Y) e^{-q - u²} √m/|A|.
     """
-    size = _leg_size(rho, far, second)
+    size = _segment_size(rho, far, second)
     required = math.log(1.0 + max(1.5 * size / tolerance, 1.0))
     step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / required
     m, q = 0.5 / rho, 0.5 / v
@@ -59,23 +59,23 @@ def leg_nodes(
 
 
 def phase_rate(v: Any, c: Any, second: bool) -> Any:
-    """Return the rate at which the phase of the leg and of its error turns with ln v or ln c."""
+    """Return the rate at which the phase of a segment and of its error turns with ln v or ln c."""
     return 1.0 + c / v if second else 1.0
 
 
-def leg_term(E: complex, Y: float, A: complex) -> complex:
-    """Return g = (S - 1)/(2A) dk/du up to a constant factor; k counts from the leg's beginning."""
+def segment_term(E: complex, Y: float, A: complex) -> complex:
+    """Return g = (S - 1)/(2A) dk/du up to a constant factor; k counts from its beginning."""
     F = 1.0 - E
     D = F * F + 4j * Y * E
     g: complex = quotient(E * (F - 2j * Y), D * A * root_below_one(Y))
     return g
 
 
-def leg_slopes(
+def segment_slopes(
     E: complex, Y: float, A: complex, v: float, second: bool
 ) -> tuple[complex, complex, complex]:
-    """Return g, -v² ∂g/∂v and ∂g/∂c at fixed nodes; see `leg_term`."""
-    g = leg_term(E, Y, A)
+    """Return g, -v² ∂g/∂v and ∂g/∂c at fixed nodes; see `segment_term`."""
+    g = segment_term(E, Y, A)
     F = 1.0 - E
     D = F * F + 4j * Y * E
     S_a = quotient(E * (2j * Y * (1.0 + E * E) - F * F), D * D * root_below_one(Y))
@@ -83,15 +83,15 @@ def leg_slopes(
     return g, S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
 
 
-def leg_width(v: float, c: float, step: float) -> float:
-    """Return the constant factor of the terms, without ``LEG_TURN``."""
+def segment_width(v: float, c: float, step: float) -> float:
+    """Return the constant factor of the terms, without ``SEGMENT_TURN``."""
     return 2.0 / math.pi * math.sqrt(0.5 * v / c) * step
 
 
-def _on_a_leg(
+def _on_a_segment(
     v: float, c: float, psi: float, second: bool, nodes: tuple[float, int, float], slopes: bool
 ) -> tuple[complex, complex, complex, float, float]:
-    """Return (1/π)∫g du as a sum over the nodes of one leg, its derivatives, and sums of moduli.
+    """Return (1/π)∫g du as a sum over the nodes of a segment, its derivatives, and sums of moduli.
 
     ``nodes`` contains the step, the number of nodes, and the position of the first one in steps,
     ½ or 0.
@@ -107,20 +107,20 @@ def _on_a_leg(
         E, A = phase * math.exp(-square), complex(0.5 + v * square, turned)
         share = 0.5 if u == 0.0 else 1.0
         if slopes:
-            g, g_v, g_c = leg_slopes(E, m * square, A, v, second)
+            g, g_v, g_c = segment_slopes(E, m * square, A, v, second)
             by_v += share * g_v
             by_c += share * g_c
             steep += share * size_of(g_v)
         else:
-            g = leg_term(E, m * square, A)
+            g = segment_term(E, m * square, A)
         total += share * g
         size += share * size_of(g)
-    width = leg_width(v, c, step)
-    weight = width * LEG_TURN
+    width = segment_width(v, c, step)
+    weight = width * SEGMENT_TURN
     return weight * total, -weight / (v * v) * by_v, weight * by_c, width * size, width * steep / v
 
 
-def leg_unit(rho: float, step: float, side: float) -> complex:
+def segment_unit(rho: float, step: float, side: float) -> complex:
     """Return the factor of sin(p/2) in z, for roots above (side 1) or below the path (-1)."""
     return _BACK * (TURN * side / (step * math.sqrt(0.5 / rho)))
 
@@ -130,10 +130,10 @@ def clearance_of(power: complex, sign: float) -> float:
     return modulus(sign * power - 1.0)
 
 
-def _roots_on_a_leg(
+def _roots_on_a_segment(
     v: float, c: float, psi: float, second: bool, step: float, offset: float
 ) -> tuple[complex, complex, complex, float, float, float]:
-    """Return the pole correction of the roots near one leg, to be subtracted, and its derivatives.
+    """Return the pole correction of the roots near a segment, to be subtracted, and derivatives.
 
     The last three results are the two rounding errors, and the clearance of the roots from the
     nodes, which is small where digits are lost.
@@ -145,7 +145,7 @@ def _roots_on_a_leg(
         root = root_near(start, q, psi, rho)
         wave = root[0] + (2.0 * rho - psi) if second else root[0]
         side = side_of(root[0].imag)
-        unit = leg_unit(rho, step, side)
+        unit = segment_unit(rho, step, side)
         power = bounded_exp(unit * root[1])
         found = pole_correction(root, wave, v, c, power, 0.5 * unit * root[2], sign)
         clearance = min(clearance, clearance_of(power, sign))
@@ -157,44 +157,44 @@ def _roots_on_a_leg(
     return value, by_v, by_c, shifts, gains, clearance
 
 
-def _leg(
+def _segment(
     v: float, c: float, psi: float, second: bool, tolerance: float, slopes: bool
 ) -> tuple[complex, complex, complex, float, float, float, float, int]:
-    """Return the leg's part of Σ, slopes, error bounds, step and number of nodes.
+    """Return the segment's part of Σ, slopes, error bounds, step and number of nodes.
 
-    ψ = 0 for the first leg.
+    ψ = 0 for the first segment.
     """
     A_0 = complex(0.5, 2.0 * c if second else 0.0)
     if slopes:
         tolerance /= phase_rate(v, c, second)
-    step, count, truncation = leg_nodes(tolerance, v, c / v, 2.0 * abs(A_0), second)
+    step, count, truncation = segment_nodes(tolerance, v, c / v, 2.0 * abs(A_0), second)
     offset = 0.5
     taken = (0j, 0j, 0j, 0.0, 0.0, 1.0)
     if v >= SLOWEST:
-        taken = _roots_on_a_leg(v, c, psi, second, step, offset)
+        taken = _roots_on_a_segment(v, c, psi, second, step, offset)
         if second and taken[5] < CLEAR:
-            other = _roots_on_a_leg(v, c, psi, second, step, 0.0)
+            other = _roots_on_a_segment(v, c, psi, second, step, 0.0)
             if other[5] > taken[5]:
                 offset, taken = 0.0, other
-    value, by_v, by_c, size, steep = _on_a_leg(v, c, psi, second, (step, count, offset), slopes)
-    bounds = leg_errors(v, c, second, truncation, size, steep, taken[3], taken[4])
+    value, by_v, by_c, size, steep = _on_a_segment(v, c, psi, second, (step, count, offset), slopes)
+    bounds = segment_errors(v, c, second, truncation, size, steep, taken[3], taken[4])
     return (
         value - taken[0], by_v - taken[1], by_c - taken[2], truncation, bounds[0], bounds[1], step,
         count,
     )  # fmt: skip
 
 
-def leg_errors(
+def segment_errors(
     v: Any, c: Any, second: bool, truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
 ) -> tuple[Any, Any]:
-    """Return bounds of the rounding error of one leg, and of the errors of its derivatives."""
+    """Return bounds of the rounding error of one segment, and of the errors of its derivatives."""
     phase = 1.0 + 2.0 * c / v if second else 1.0
     rough = SLOPE_SHARE * phase_rate(v, c, second) * truncation
     return 8.0 * EPS * (size * phase + shifts), rough + 8.0 * EPS * (steep * phase + gains)
 
 
 def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
-    """Return the value of 1/√(1 - 4ic) on the nodes of the first leg, and its derivative by c."""
+    """Return 1/√(1 - 4ic) on the nodes of the first segment, and its derivative by c."""
     static = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
     pole = math.pi / (step * math.sqrt(2.0 * v))  # from the pole of -1/2A at u = i/√(2v)
     share = math.tanh(pole)
@@ -204,16 +204,16 @@ def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
 
 
 def second_phase(v: float, c: float) -> float:
-    """Return the phase ψ of e^{-a} on the second leg, from -π to π."""
+    """Return the phase ψ of e^{-a} on the second segment, from -π to π."""
     return 2.0 * c / v % TURN - math.pi
 
 
 def arch(
     v: float, c: float, tolerance: float, slopes: bool
 ) -> tuple[complex, complex, complex, float, float, float, int]:
-    """Return Σ by the two legs; see ``theory.piecewise.sums.rules.sum_at``."""
-    first = _leg(v, c, 0.0, False, LEG_SHARE * tolerance, slopes)
-    second = _leg(v, c, second_phase(v, c), True, LEG_SHARE * tolerance, slopes)
+    """Return Σ by the two segments; see ``theory.piecewise.sums.rules.sum_at``."""
+    first = _segment(v, c, 0.0, False, SEGMENT_SHARE * tolerance, slopes)
+    second = _segment(v, c, second_phase(v, c), True, SEGMENT_SHARE * tolerance, slopes)
     static, by_c = static_part(v, c, first[6])
     return (
         static - 1.0 + first[0] + second[0].conjugate(),

@@ -67,6 +67,12 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
             rows = [_judged(row) for row in rows]
         listed = {"points", *(name for name in columns if isinstance(entries.get(name), list))}
         entries = {"points": rows} | {n: v for n, v in entries.items() if n not in listed}
+    for name in [name for name, value in entries.items() if value is None]:
+        # JSON has no infinity, but an error that is not known must not pass for none.
+        if name.endswith("error") and getattr(result, name, None) == math.inf:
+            of = [each for each in entries if error_name(each, entries) == name]
+            if not of or any(entries[each] is not None for each in of):
+                entries[name] = math.inf
     shown = [name for name, value in entries.items() if not _empty(value)]
     shown.sort(key=lambda name: name in _LAST)
     return "\n".join([*head, *_lines({name: entries[name] for name in shown}, result.units)])
@@ -93,6 +99,8 @@ def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str
             if not isinstance(error, float):
                 error = None  # the error of a value given as text has its own line
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
+            if error == math.inf:
+                uncertain = ", its error is not known"
             unit = f" {units[name]}" if name in units else ""
             yield f"{name:<{width}}  {_text(name, value, error)}{unit}{uncertain}"
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
+import re
 import shlex
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from time import process_time
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,11 +21,14 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fronts.cli import main
+from fronts.wording import in_words
 from theory.cells.friction import FrictionCell, friction_coefficient, friction_force, friction_slope
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from theory.result import Result
 from verification.cells import friction_cycles
+from verification.cells.cell import cell
 from verification.cells.diagram import bifurcation, cell_diagram
 from verification.cells.friction import (
     _with_error,
@@ -519,6 +525,134 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     assert again is not None
     assert again.stable == pytest.approx(diagram.stable[:2])
     assert bifurcation([CELL], "xi", [0.1, 0.2]) is None
+
+
+def test_a_curve_of_cells_has_the_tolerance_that_is_documented() -> None:
+    documented = inspect.signature(cell).parameters["tolerance"].default
+    found = bifurcation([CELL], "v_d", [1.3, 1.4])
+    assert found is not None
+    assert found == bifurcation([CELL], "v_d", [1.3, 1.4], tolerance=documented)
+    stable = cell(replace(CELL, v_d=1.3)).stable_cycle
+    assert stable is not None
+    assert found.stable[0].tolist() == [stable.min, stable.max]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        FrictionCell(xi=1e3), FrictionCell(law="coulomb", xi=1e3),
+        FrictionCell(law="stribeck", xi=1e3), FrictionCell(viscous=1e3),
+        FrictionCell(v0=1e-3, xi=1e3, v_d=1e-3),
+    ],
+)  # fmt: skip
+def test_a_cell_of_strong_damping_slides_and_is_not_followed_while_it_creeps(
+    given: FrictionCell,
+) -> None:
+    """Following slip takes a minute: it relaxes in 2ξ = 2000, and steps are of the size of 1/2ξ."""
+    begin = process_time()
+    found = friction_cell(given)
+    assert process_time() - begin < 5.0  # the time of compiling
+    assert (found.status, found.cycle_end_velocity) == (CellStatus.SLIDING, 0.0)
+    low, high = friction_cycles.cycle_turning_points(given)
+    assert low == high == found.steady_sliding
+
+
+@pytest.mark.parametrize(
+    ("given", "slow"),
+    [
+        (FrictionCell(xi=2.5), True), (FrictionCell(law="coulomb", xi=1.6, v_d=0.2), True),
+        (FrictionCell(law="stribeck", xi=1.7, v_d=0.05), True),
+        (FrictionCell(law="stribeck", xi=1.7, v_d=0.85), False),
+        (FrictionCell(v0=0.05, xi=4.0, v_d=0.15), False),
+    ],
+)  # fmt: skip
+def test_slip_that_is_taken_to_creep_never_turns_in_scipy(given: FrictionCell, slow: bool) -> None:
+    """From points all over the wedge between ẏ = 0 and ẏ = μ(v_d) - y, on both sides."""
+    where, v_d = friction_cycles.creep(given), given.v_d
+    assert (where.rising >= v_d) is slow
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        return [z[1], friction_coefficient(given, v_d - z[1]) - 2 * given.xi * z[1] - z[0]]
+
+    tried = 0
+    for u in (0.01, 0.1, 0.9, -0.01, -0.1, -2.0):
+        for part in (0.0, 1.0):
+            y, w = float(where.sliding - u), min(float(part * u), v_d) - v_d
+            if not phases._creeps.py_func(where, y, w, v_d):
+                continue
+            tried += 1
+            run = solve_ivp(rate, (0.0, 20.0), [y, w + v_d], "LSODA", rtol=1e-8, atol=1e-11)
+            assert np.all(run.y[1] * np.sign(u) > -1e-9)
+            assert np.all(run.y[1] <= v_d)
+            assert abs(run.y[0, -1] - where.sliding) < abs(u)
+    assert tried >= 4
+
+
+def test_slip_that_never_turns_leaves_no_room_for_cycles_without_stick() -> None:
+    """It was answered with a division by zero."""
+    given = FrictionCell(
+        law="stribeck", xi=1.9734473899851872, v_d=0.002054872730823412, mu_d=0.0,
+        v_s=0.7700112824543293,
+    )  # fmt: skip
+    found = friction_cell(given, 1e-8)
+    assert (found.status, found.stable_cycle) == (CellStatus.SLIDING, None)
+
+
+def test_motion_outside_the_wedge_is_followed() -> None:
+    """On fast slip towards the belt, and from a y so low that slip reaches the belt."""
+    given = FrictionCell(law="coulomb", xi=2.0, v_d=0.2)
+    where = friction_cycles.creep(given)
+    y = where.lowest - 2.0
+    assert not phases._creeps.py_func(where, y, -0.1, 0.2)
+    t, _, w = friction_cycles._phase(given, y, -0.1, False, phases.TOUCH, tolerance=1e-10)
+    assert t > 0.0
+    assert abs(w) < 1e-9
+    assert not phases._creeps.py_func(where, where.sliding - 0.05, -0.1, 0.2)
+    assert not phases._creeps.py_func(where, where.sliding + 0.05, -0.1, 0.2)
+
+
+@pytest.mark.parametrize("tolerance", [1e-10, 1e-12, 1e-14])
+def test_the_error_of_the_end_of_cycles_is_not_missed_at_the_least_damping(
+    tolerance: float,
+) -> None:
+    """Slip gains Δv_d∫exp(-v_d t²/2v₀)dt near the belt, from which 2ξ takes 2πξv_d².
+
+    Below some ξ the error of a run takes more than 2ξ does, and the end that is found depends on
+    the tolerance alone: 3.5e6 ± 3.3e6 was stated of 2.7e7.
+    """
+    bounded = 0
+    for xi in 10.0 ** -np.arange(7.0, 17.0):
+        found = friction_cell(FrictionCell(xi=float(xi)), tolerance)
+        law = (0.5 * math.sqrt(2.0 * math.pi * 0.5) / (2.0 * math.pi * xi)) ** (2.0 / 3.0)
+        # Left out is what friction does to the motion beside the belt, relative to v_d.
+        near = 2.0 * law * math.sqrt(0.5 / law)
+        if found.cycle_end_error < math.inf:
+            bounded += 1
+            assert abs(found.cycle_end_velocity - law) <= found.cycle_end_error + near
+    assert bounded >= 2
+    assert found.cycle_end_error == math.inf
+
+
+def test_an_end_whose_error_is_not_known_is_printed_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(shlex.split("cell friction --xi 1e-13")) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"^cycle_end_error +inf$", shown, re.MULTILINE)
+
+
+def test_a_number_whose_error_is_not_known_is_printed_so() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Measured(Result):
+        v: float | None
+        error: float
+
+    assert in_words(Measured(v=0.25, error=math.inf)) == "v  0.2, its error is not known"
+    assert in_words(Measured(v=0.25, error=1e-3)) == "v  0.250, uncertain by 1.0e-03"
+    assert in_words(Measured(v=None, error=math.inf)) == ""
+
+
+def test_cycles_that_end_above_the_largest_velocity_are_not_refused_for_it() -> None:
+    found = friction_cell(FrictionCell(xi=1e-15), 1e-14)
+    assert found.cycle_end_velocity == found.cycle_end_error == math.inf
 
 
 def test_where_no_cycle_is_left_every_slip_ends_in_sliding() -> None:

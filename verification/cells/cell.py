@@ -11,12 +11,12 @@ from theory.parameters import ParameterError, with_ranges
 from verification.cells import friction, shooting
 from verification.cells.friction import friction_cell
 from verification.cells.oscillator import oscillator_cell
-from verification.cells.result import Cell
+from verification.cells.result import TOLERANCE, Cell
 from verification.cells.vdp import averaged_cell, vdp_cell
 
 
 @with_ranges(friction=friction.TOLERANCES, shooting=shooting.TOLERANCES)
-def cell(of: FrictionCell | Chain, *, tolerance: float = 1e-12) -> Cell:
+def cell(of: FrictionCell | Chain, *, tolerance: float = TOLERANCE) -> Cell:
     """Return rest, cycles and basin of one cell, given directly or taken from a chain.
 
     Parameters

@@ -16,6 +16,7 @@ from theory.parameters import count_within
 from theory.result import Result, plain
 from verification.cells.friction import cycle_velocities
 from verification.cells.friction_cycles import check_slip_cycles, stick_slip_once, unstable_once
+from verification.cells.result import TOLERANCE
 
 MAX_VELOCITIES = 2000
 """Largest number of velocities in one diagram on the command line."""
@@ -92,7 +93,7 @@ class Bifurcation(Result):
 
 
 def cell_diagram(
-    cell: FrictionCell, velocities: Sequence[float], tolerance: float = 1e-10
+    cell: FrictionCell, velocities: Sequence[float], tolerance: float = TOLERANCE
 ) -> Bifurcation:
     """Return both cycles at every belt velocity, with the other parameters as in ``cell``.
 
@@ -158,4 +159,4 @@ def bifurcation(
     if along != "v_d":
         return None
     count_within("number of velocities", len(values), 2, MAX_VELOCITIES)
-    return cell_diagram(cells[0], values, options.get("tolerance", 1e-10))
+    return cell_diagram(cells[0], values, options.get("tolerance", TOLERANCE))

@@ -26,7 +26,7 @@ from verification.cells.friction_cycles import (
     stick_slip_once,
     unstable_once,
 )
-from verification.cells.result import BeltCell, CellCycle, CellStatus
+from verification.cells.result import TOLERANCE, BeltCell, CellCycle, CellStatus
 from verification.runs.comparison import COARSER
 
 TOLERANCES = Range(1e-14, 1e-4)
@@ -36,13 +36,15 @@ _FASTEST_STRIBECK, _TRIED = 10.0, 60
 """Ratio v_d/v_s up to which a first cycle is searched for, and number of velocities tried."""
 _BESIDE = 1e-3
 """Relative distance from the end of the cycles at which the slope of the grazing is taken."""
+_FAR = 3.0
+"""Number of its errors above the end of the cycles at which both runs must have found the end."""
 _SLOW, _CERTAIN = 1e-5, 1e-3
 """Values of v_d/v_s: below the first, round-off decides the energy gained in slip; from the second
 on it does not."""
 
 
 @with_ranges(tolerance=TOLERANCES)
-def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
+def friction_cell(cell: FrictionCell, tolerance: float = TOLERANCE) -> BeltCell:
     """Return the cycles of a cell, and the velocities at which they end.
 
     Parameters
@@ -91,6 +93,8 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     pairs = zip(limits, coarse_limits, strict=True)
     gaps = (0.0 if one == other else abs(one - other) for one, other in pairs)
     end_error = max(*gaps, _rounding_of_end(cell, end, tolerance))
+    if not _ends_below(cell, end + _FAR * end_error, tolerance):
+        end_error = math.inf
     return BeltCell(
         model="friction",
         cell=cell,
@@ -109,14 +113,14 @@ def friction_cell(cell: FrictionCell, tolerance: float = 1e-12) -> BeltCell:
     )
 
 
-def stick_slip_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | None:
+def stick_slip_cycle(cell: FrictionCell, tolerance: float = TOLERANCE) -> CellCycle | None:
     """Return the stick-slip cycle; None if the slip phase from release never sticks again."""
     fine = stick_slip_once(cell, tolerance)
     coarse = stick_slip_once(cell, COARSER * tolerance)
     return _with_error(cell, fine, coarse)
 
 
-def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | None:
+def unstable_cycle(cell: FrictionCell, tolerance: float = TOLERANCE) -> CellCycle | None:
     """Return the cycle without stick that separates the two basins; None if there is none.
 
     It exists between the Hopf velocity and the end of the stick-slip cycle.
@@ -125,16 +129,17 @@ def unstable_cycle(cell: FrictionCell, tolerance: float = 1e-12) -> CellCycle | 
     return _with_error(cell, fine, coarse)
 
 
-def cycle_end_velocity(cell: FrictionCell, tolerance: float = 1e-12) -> float:
+def cycle_end_velocity(cell: FrictionCell, tolerance: float = TOLERANCE) -> float:
     """Return the v_d at which the stick-slip cycle ends; see :func:`cycle_velocities`."""
     return cycle_velocities(cell, tolerance)[1]
 
 
-def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
+def cycle_velocities(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[float, float]:
     """Return the limits of v_d between which there is a stick-slip cycle; both 0 if there is none.
 
     At the limits the slip phase from release just touches ẏ = v_d. The upper limit is infinite for
-    ξ = 0: a slow departure from v_rel = 0 gains energy, and nothing dissipates it. The lower limit
+    ξ = 0: a slow departure from v_rel = 0 gains energy, and nothing dissipates it; also if it is
+    above the largest v_d of a cell, 1e9. The lower limit
     is 0 except under Stribeck's law, which does not decrease at small velocities, so that no energy
     is gained there. With little damping it is v_H(1 + ¾(v_H/v_s)²), where v_H is the velocity at
     which sliding becomes unstable.
@@ -172,7 +177,9 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[floa
         return first, math.inf
     high = low
     while excess(high) > 0.0:
-        low, high = high, 1.25 * high
+        if high == LARGEST:
+            return first, math.inf
+        low, high = high, min(1.25 * high, LARGEST)
     return first, float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
 
 
@@ -194,6 +201,23 @@ def _rounding_of_end(cell: FrictionCell, end: float, tolerance: float) -> float:
     if below - above < 2.0 * rounding:
         return math.inf
     return 2.0 * _BESIDE * end * rounding / (below - above)
+
+
+def _ends_below(cell: FrictionCell, v_d: float, tolerance: float) -> bool:
+    """Return whether the stick-slip cycle, if there is one at any velocity, has ended at this v_d.
+
+    It has if slip after release falls short of v_d by more than its error, for which the difference
+    from a run at a hundred times the tolerance stands. With ξ so small that this error decides
+    where slip falls short, it does so at any velocity, and the ends at both tolerances do not show
+    that there may be none.
+    """
+    if v_d == 0.0 or cell.xi == cell.viscous == 0.0:
+        return True
+    if not v_d <= LARGEST:
+        return False
+    there = replace(cell, v_d=v_d)
+    fine, coarse = (largest_after_release(there, each) for each in (tolerance, COARSER * tolerance))
+    return fine + abs(fine - coarse) <= 0.0
 
 
 def _with_error(

@@ -18,16 +18,19 @@ from scipy.optimize import brentq
 from theory.cells.friction import FrictionCell, stick_phase
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
-from verification.cells.result import CellCycle
+from verification.cells.result import TOLERANCE, CellCycle
 from verification.runs.friction_integration import FrictionIntegration
 from verification.steppers import friction_cell_phase as phases
 from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room, taylor_order
 
 _LONGEST = 1e4
+_NO_CREEP = phases.Creep(sliding=0.0, lowest=0.0, rising=0.0, falling=0.0)
 _MAX_TURNS = 100
 ROUND_OFF = 1e-14
 _FINEST = 1e-17
 _TRIED = 60
+_STRONG = 3.0
+"""Drag relative to velocity at which slip is overdamped: more than 2, at which it is critical."""
 _SMALL = 1e-3
 """Amplitude relative to v₀ or v_s below which the unstable cycle is taken from its expansion at the
 Hopf velocity."""
@@ -55,16 +58,41 @@ def _phase(
         released=released,
         end=end,
         longest=_LONGEST,
+        creep=creep(cell) if direction < 0.0 else _NO_CREEP,
     )
     t, y, w = phases.follow(phase, flip * y, flip * w)
     return t, flip * y, flip * w
 
 
-def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[float, float]:
+def creep(cell: FrictionCell) -> phases.Creep:
+    """Return where backward slip approaches steady sliding without turning: at strong damping.
+
+    Drag rises by at least `_STRONG` times the velocity outside an interval of speeds, found as that
+    of unstable sliding is, with so much less damping. Across the interval, from less than v_d/2 to
+    v_d, friction falls by less than μ_st - μ_d.
+    """
+    curve, v_d, sliding = cell.curve, cell.v_d, cell.steady_sliding
+    damping = 2.0 * cell.xi - _STRONG
+    if damping + cell.viscous <= 0.0:
+        return _NO_CREEP
+    low, high, _ = curve.unstable_sliding(damping)
+    rising = falling = 0.0
+    if v_d < low:
+        rising, falling = math.inf, low - v_d
+    elif v_d > high:
+        whole = v_d > 2.0 * high and 2.0 * curve.drop <= (damping + cell.viscous) * v_d
+        rising, falling = math.inf if whole or high == 0.0 else v_d - high, math.inf
+    return phases.Creep(
+        sliding=sliding, lowest=min(cell.release, sliding - v_d), rising=rising, falling=falling
+    )
+
+
+def cycle_turning_points(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[float, float]:
     """Return the smallest and the largest y of the stick-slip cycle.
 
-    Beyond the end of the cycle they are those of the slip phase that follows a release. Every run
-    with excited sites needs them, so they are computed by the stepper that such a run uses anyway.
+    Beyond the end of the cycle they are those of the slip phase that follows a release, with steady
+    sliding, which it approaches, where this phase does not turn. Every run with excited sites needs
+    them, so they are computed by the stepper that such a run uses anyway.
 
     Examples
     --------
@@ -72,13 +100,16 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = 1e-12) -> tuple[
     >>> round(low, 6), round(high, 6)
     (-0.76708, 1.995817)
     """
+    sliding = cell.steady_sliding
+    if cell.v_d <= sliding - cell.release < creep(cell).rising:
+        return sliding, sliding
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     start = np.array([[cell.release], [cell.v_d]])
     run = FrictionIntegration(chain, start, tolerance=_local(cell, tolerance))
     # A slip phase lasts at least about two units from a minimum of y to the next maximum.
     while math.isnan(run.last_extremes[1, 0]) and run.time < _LONGEST:
         run.advance_to(run.time + 0.5)
-    high, low = np.where(np.isnan(run.last_extremes), run.state[:1], run.last_extremes)[:, 0]
+    high, low = np.where(np.isnan(run.last_extremes), sliding, run.last_extremes)[:, 0]
     return float(low), float(high)
 
 
@@ -189,6 +220,8 @@ def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
         raise slips_in_a_stable_cycle(cell)
     _, outside = cycle_turning_points(cell, tolerance)
     reach = outside - cell.steady_sliding
+    if reach == 0.0:  # the slip phase that ends in sliding without turning crosses every cycle
+        return
     tried = cell.steady_sliding + np.geomspace(1e-3 * reach, 0.999 * reach, _TRIED)
     signs = [_growth(cell, float(y), tolerance) > 0.0 for y in tried]
     found = sum(one is not other for one, other in pairwise(signs))

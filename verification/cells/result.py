@@ -10,6 +10,9 @@ from theory.cells.friction import FrictionCell
 from theory.result import Result
 from theory.status import Status
 
+TOLERANCE = 1e-12
+"""Default tolerance of a cell and of a curve of cells."""
+
 
 class CellStatus(Status):
     """Which states of a cell are stable."""

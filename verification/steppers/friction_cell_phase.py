@@ -40,6 +40,31 @@ FAILED = -1.0
 """Time returned if the end is not reached."""
 
 
+class Creep(NamedTuple):
+    """Where slip with ẏ ≤ v_d is known to approach steady sliding without turning.
+
+    With u = μ(v_d) - y and a drag D(ẏ) = 2ξẏ + μ(v_d) - μ(v_d - ẏ), slip obeys u̇ = -ẏ and
+    ẏ̇ = u - D. If D(ẏ)/ẏ ≥ 2 as far as the present u, no motion leaves the wedge between ẏ = 0 and
+    ẏ = u: on ẏ = u, d(ẏ - u)/dτ = u - D + ẏ has the sign of -u. Steps limited by the stability of
+    strong damping would otherwise follow the motion until the search is abandoned.
+
+    Attributes
+    ----------
+    sliding : float
+        μ(v_d).
+    lowest : float
+        Smallest y from which a motion inside the wedge does not reach ẏ = v_d.
+    rising, falling : float
+        Up to which |ẏ| ≤ v_d this holds for positive ẏ, and up to which |ẏ| for negative ẏ; may be
+        infinite.
+    """
+
+    sliding: float
+    lowest: float
+    rising: float
+    falling: float
+
+
 class Phase(NamedTuple):
     """Specification of a slip phase.
 
@@ -57,6 +82,8 @@ class Phase(NamedTuple):
         HIGHEST, LOWEST, TOUCH, FASTEST or SLOWEST.
     longest : float
         Time after which the search is abandoned.
+    creep : Creep
+        Where it is abandoned at once, since no end follows.
     """
 
     numbers: FloatArray
@@ -65,6 +92,7 @@ class Phase(NamedTuple):
     released: bool
     end: int
     longest: float
+    creep: Creep
 
 
 def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
@@ -94,7 +122,7 @@ def _follow(phase: Phase, found: FloatArray) -> None:
     last = series.shape[2] - 1  # not constants, for which numba would compile separately
     t = 0.0
     armed = False  # whether f has been positive, or is positive just after the start
-    while t < longest:
+    while t < longest and not _creeps(phase.creep, found[1], found[2], numbers[V_D]):
         series[Y, 0, 1], series[W, 0, 1] = found[1], found[2]
         expand(series, site, mode, numbers, law, last - 1, last)
         mode[RELEASED, 1] = 0
@@ -121,6 +149,15 @@ def _follow(phase: Phase, found: FloatArray) -> None:
         armed = armed or after > 0.0
         t += h
     found[0] = FAILED
+
+
+@inner
+def _creeps(creep: Creep, y: float, w: float, v_d: float) -> bool:
+    """Return whether a motion approaches steady sliding from here without turning."""
+    u, velocity = creep.sliding - y, w + v_d
+    if 0.0 <= velocity <= u:
+        return u < creep.rising and w <= 0.0 and y >= creep.lowest
+    return -creep.falling < u <= velocity <= 0.0
 
 
 @inner

@@ -198,7 +198,7 @@ def test_the_small_parameter_is_halved_five_times_at_most(monkeypatch: pytest.Mo
     tried.clear()
     with pytest.raises(ParameterError, match=r"small parameter eps = 0\.4") as refusal:
         Orbits(replace(CHAIN, eps=0.4), Nucleus(1)).start(0.5)
-    assert refusal.value.remedy == "take a smaller one, or another pattern"
+    assert refusal.value.remedy == "take a smaller eps, or another pattern"
 
 
 def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -> None:

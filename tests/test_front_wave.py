@@ -541,7 +541,9 @@ def test_a_search_that_ends_names_the_parameter_that_was_followed(along, monkeyp
     """Of breathers the sentence speaks of a coupling and asks for a smaller one."""
 
     def ends(system, guess, value):
-        raise NotConvergedError(f"no solution was found at c = {value}: take a smaller one.", value)
+        raise NotConvergedError(
+            f"no solution was found at c = {value}: take a smaller coupling.", value
+        )
 
     monkeypatch.setattr("verification.fronts.follow.solve_at", ends)
     other, values = (0.03125, [0.6]) if along == "c" else (0.6, [0.03125])

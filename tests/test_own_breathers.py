@@ -267,7 +267,7 @@ def test_a_branch_begins_at_the_first_of_the_couplings_where_a_nucleus_settles(
 
     def settled(chain: OscillatorChain, nucleus: Nucleus) -> np.ndarray:
         if chain.c == STARTS[0]:
-            raise ParameterError("coupling c", chain.c, "smaller", "take a smaller one")
+            raise ParameterError("coupling c", chain.c, "smaller", "take a smaller coupling")
         return np.full(7, chain.c)
 
     def solve(system: Any, guess: np.ndarray, c: float) -> float:

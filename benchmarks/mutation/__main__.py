@@ -21,22 +21,24 @@ from benchmarks.mutation.outcome import MutationOutcome, read_explained, stamp, 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = """examples:
   python -m benchmarks.mutation theory                         every change of theory/
-  python -m benchmarks.mutation theory/piecewise/limits.py --list        the changes, nothing run
+  python -m benchmarks.mutation theory/piecewise/limits.py --list        its changes, without a run
   python -m benchmarks.mutation verification paper_checks fronts --part 0.1
-      a tenth at random, another one each time
+      a tenth of the changes, chosen at random, different in every run
   python -m benchmarks.mutation derivations/averaging/steps.py --each
-      of each statement one change, chosen at random
+      one change of each statement, chosen at random
   python -m benchmarks.mutation --again fronts.json --record fronts.json
-      what a record left open, and all of each module that has changed since: one record of both
+      the changes left unnoticed or untested in a record, and all changes of the modules that have
+      been edited since; the new record contains both
 
-Changes chosen at random are run in random order, so that those run before the time is over
-(--minutes) are a sample too. The working tree is not touched; leave it as it is meanwhile. What
-numba compiles is compiled anew for each change of it, half a minute or more: such changes are left
-out unless --compiled asks for them. A change in derivations/ that no test notices is put to the
-checks of the steps that enter it when all tests are through; all is derived and checked once for
-that, a minute. --record writes the counts and every change that went unnoticed to a file. Exit
-code 1: a change that no test notices is not explained in benchmarks/mutation/explained, or an
-explanation there is no longer needed; the latter is judged when all of a module was run."""
+Changes chosen at random are tested in random order, so that those tested within --minutes are a
+random sample too. The working tree is not modified, and must not be edited during a run. Code
+compiled by numba is compiled again for each of its changes, which takes half a minute or more; such
+changes are tested only with --compiled. A change in derivations/ that no test notices is submitted,
+after all tests, to the checks of the derivation steps that use it; for this purpose all equations
+are derived and checked once, which takes a minute. --record writes the counts and every unnoticed
+change to a file. The exit code is 1 if an unnoticed change is not explained in
+benchmarks/mutation/explained, or if an explanation there is no longer needed; the latter is
+determined only if all changes of a module were tested."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -85,34 +87,49 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.mutation",
-        description="Change one thing at a time; report what no test notices.",
+        description="Change one place of the code at a time; list what no test notices.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
-    add("where", nargs="*", help="packages or modules, as theory or theory/piecewise/limits.py")
-    add("--part", type=float, default=1.0, help="of each module's changes (default 1)")
-    add("--each", action="store_true", help="one change of each statement, of that part")
-    add("--seed", type=int, help="chooses the part (default: another each time)")
+    add(
+        "where", nargs="*", help="packages or modules, such as theory or theory/piecewise/limits.py"
+    )
+    add(
+        "--part",
+        type=float,
+        default=1.0,
+        help="fraction of the changes of each module, chosen at random (default 1)",
+    )
+    add("--each", action="store_true", help="choose from one change of each statement only")
+    add(
+        "--seed", type=int, help="seed of the random choice (default: a different one in every run)"
+    )
     add(
         "--again",
         type=Path,
         metavar="RECORD",
-        help="what it left open, and all of each module that has changed since",
+        help="test the changes left unnoticed or untested in this record, and all changes of "
+        "modules edited since",
     )
-    add("--compiled", action="store_true", help="also what numba compiles")
-    add("--tests", nargs="+", default=(), metavar="FILE", help="ask these only (default: all)")
+    add("--compiled", action="store_true", help="include code compiled by numba")
+    add("--tests", nargs="+", default=(), metavar="FILE", help="test files to run (default: all)")
     add(
         "--seconds",
         type=float,
         default=0.6,
-        help="processor seconds of tests for a change (default 0.6)",
+        help="processor time for the tests of one change, in seconds (default 0.6)",
     )
-    add("--longest", type=float, default=0.3, help="of a test that is asked (default 0.3)")
-    add("--jobs", type=int, default=2, choices=(1, 2), help="processes (default 2)")
-    add("--minutes", type=float, help="begin no further change after so long")
-    add("--list", action="store_true", help="list the changes, run nothing")
-    add("--record", type=Path, metavar="FILE", help="write the outcome as JSON")
+    add(
+        "--longest",
+        type=float,
+        default=0.3,
+        help="longest processor time of a test that is run, in seconds (default 0.3)",
+    )
+    add("--jobs", type=int, default=2, choices=(1, 2), help="number of processes (default 2)")
+    add("--minutes", type=float, help="time after which no further change is tested")
+    add("--list", action="store_true", help="list the changes without testing them")
+    add("--record", type=Path, metavar="FILE", help="write the outcome to a JSON file")
     return parser
 
 
@@ -172,13 +189,13 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         known = survey(session, records, imported, options.longest, options.jobs)
         took = time.monotonic() - begin
         ran.append(Runs(session, known, imported, options.seconds))
-        asked = f"{len(known.seconds)} of {len(session.items)} tests are asked"
+        asked = f"{len(known.seconds)} of {len(session.items)} tests are used"
         print(f"{asked}; recorded in {took:.0f} s", file=sys.stderr, flush=True)
         if not options.compiled:
             count = len(mutants)
             mutants[:] = [each for each in mutants if each.qualified not in entered.compiled]
             left_out = count - len(mutants)
-            print(f"{left_out} changes of what numba compiles are left out", file=sys.stderr)
+            print(f"{left_out} changes in code compiled by numba are left out", file=sys.stderr)
         with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
             # These take seconds to a minute each, and therefore come after all tests.

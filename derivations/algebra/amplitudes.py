@@ -63,12 +63,12 @@ class Route(Enum):
     """Route by which a modulation equation is found; the value describes it in words."""
 
     MULTIPLE_SCALES = (
-        "put y = A e^(it) + c.c. + εy⁽¹⁾ with the times T₀, T₁ and T₂ into {}, solve for y⁽¹⁾, and "
-        "remove secular terms at both orders"
+        "insert y = A e^(it) + c.c. + εy⁽¹⁾ with the times T₀, T₁ and T₂ into {}, solve for y⁽¹⁾, "
+        "and remove secular terms at both orders"
     )
     AVERAGING = (
-        "put y′ + iy = φ e^(it) into {} and average, with the oscillating part of φ removed by a "
-        "near-identity change of variable"
+        "insert y′ + iy = φ e^(it) into {} and average, with the oscillating part of φ removed by "
+        "a near-identity change of variable"
     )
 
 

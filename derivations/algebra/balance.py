@@ -99,6 +99,6 @@ class BalancePower(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the motion."""
         return (
-            f"put {spoken(self.field)} = {spoken(self.motion)} into {listed(labels)}, multiply by "
-            "the velocity and average over the phase (first order in damping and friction)"
+            f"insert {spoken(self.field)} = {spoken(self.motion)} into {listed(labels)}, multiply "
+            "by the velocity and average over the phase (first order in damping and friction)"
         )

@@ -26,8 +26,8 @@ class FastestWave(Operation):
     """
 
     phrase: ClassVar[str] = (
-        "let the second derivative of the frequency in {first} vanish, with {others}, and keep the "
-        "root with |cos {wavenumber}| < 1"
+        "set the second derivative of the frequency in {first} to zero, with {others}, and keep "
+        "the root with |cos {wavenumber}| < 1"
     )
     frequency: sp.Symbol
     wavenumber: sp.Symbol

@@ -284,7 +284,7 @@ class TakeCoefficient(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the term."""
         own = f"the coefficient of {spoken(self.term)} in {listed(labels)}"
-        return f"let {own} vanish" if self.name is None else f"call {own} {spoken(self.name)}"
+        return f"set {own} to zero" if self.name is None else f"call {own} {spoken(self.name)}"
 
 
 def with_cosines(expression: sp.Expr) -> sp.Expr:

@@ -133,7 +133,7 @@ class SquareModulus(Operation):
         A real parameter.
     """
 
-    phrase: ClassVar[str] = "put {others} into {first} and square"
+    phrase: ClassVar[str] = "insert {others} into {first} and square"
     parameter: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:

@@ -49,7 +49,7 @@ class Substitute(Operation):
 
     def _instances(self, rule: sp.Basic) -> dict[sp.Basic, sp.Basic]:
         if not isinstance(rule, sp.Equality):
-            raise OperationError(f"{rule} is not a rule that can be put in")
+            raise OperationError(f"{rule} is not a substitution")
         if self.index is None:
             return {rule.lhs: rule.rhs}
         return {
@@ -225,7 +225,7 @@ class WriteWithStep(Operation):
 class InsertRightSide(Operation):
     """Give the first equation the right side of the second."""
 
-    phrase: ClassVar[str] = "put {others} on the right of {first}"
+    phrase: ClassVar[str] = "replace the right side of {first} by that of {others}"
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``left of the first = right of the second``."""
@@ -329,7 +329,7 @@ class EnterMovingFrame(Operation):
         n and t.
     """
 
-    phrase: ClassVar[str] = "put the travelling wave {others} into {first}"
+    phrase: ClassVar[str] = "insert the travelling wave {others} into {first}"
     site: sp.Symbol
     time: sp.Symbol
 

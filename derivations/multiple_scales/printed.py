@@ -79,7 +79,7 @@ _TO_ORDERS = (
         expression=equation(_y0.diff(t, 2) + _y0 + 2 * epsilon * c * (_y0 - _wave)
                             + epsilon * _y0.diff(t) * _damping(_y0)),
         verdict=EquationVerdict.HOLDS,
-        note="(9) at n = 1 put into (10).",
+        note="(9) at n = 1 inserted into (10).",
     ),
     PrintedEquation(
         number=12,
@@ -116,7 +116,7 @@ _TO_ORDERS = (
             omega**2 * Y.diff(t_hat, 2) + 2 * omega * epsilon * Y.diff(t_hat, tau) + Y
             + 2 * epsilon * c * (Y - _fast_wave) + epsilon * omega * Y.diff(t_hat) * _damping(Y)),
         verdict=EquationVerdict.HOLDS,
-        note="Up to O(eps^2). (14) is put into (11), not into (10) as the text says.",
+        note="Up to O(eps^2). (14) is inserted into (11), not into (10) as the text says.",
     ),
     PrintedEquation(
         number=16,

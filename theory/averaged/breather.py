@@ -261,7 +261,8 @@ def _check_range(chain: VanDerPolChain) -> None:
     if chain.c == 0:
         raise ParameterError("coupling c", 0, "positive for a breather", "give c > 0")
     remedy = (
-        "take a larger one: at small c the decay equals c, and the centre is on the stable cycle"
+        "take a larger coupling: at small c the decay equals c, and the centre is on the stable "
+        "cycle"
     )
     at_least("coupling c", chain.c, SMALLEST_C, remedy)
 

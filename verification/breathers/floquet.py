@@ -141,7 +141,7 @@ def approximate_multipliers(
     if not all(np.isfinite(matrix).all() for matrix in matrices):
         raise ParameterError(
             "small parameter eps", chain.eps, "so small that variations stay finite over a period",
-            "take a smaller one, or a larger eta",
+            "take a smaller eps, or a larger eta",
         )  # fmt: skip
     error = float(np.abs(matrices[1] - matrices[0]).max())
     return floquet_multipliers(

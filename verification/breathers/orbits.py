@@ -125,7 +125,7 @@ class Orbits(BreatherFamily):
             "small parameter eps",
             self.chain.eps,
             f"small enough for an orbit with the pattern '{self.nucleus.pattern}'",
-            "take a smaller one, or another pattern",
+            "take a smaller eps, or another pattern",
         )
 
     def _from_small_eps(self, halvings: int = 5) -> BranchPoint:
@@ -257,8 +257,9 @@ def orbit_guess(chain: VdpChain, nucleus: Nucleus) -> FloatArray:
     found = solve_envelope_breather(chain, nucleus)
     if found.status is BreatherStatus.NONE:
         raise ParameterError(
-            "coupling c", chain.c, "below the fold of the averaged breather", "take a smaller one"
-        )
+            "coupling c", chain.c, "below the fold of the averaged breather",
+            "take a smaller coupling",
+        )  # fmt: skip
     return np.concatenate([found.waves.imag, found.waves.real, [found.period]])
 
 

@@ -137,7 +137,7 @@ def integrate_with_tangents(
     if not np.all(np.isfinite(columns)):
         raise ParameterError(
             "coupling c", chain.c, "one at which the motion does not overflow within a period",
-            "take a smaller one",
+            "take a smaller coupling",
         )  # fmt: skip
     return Flow(columns[:, 0], columns[:, 1:-1], columns[:, -1], samples, steps)
 
@@ -213,7 +213,8 @@ def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> FloatArray:
     if above.tolist() != list(sites):
         raise ParameterError(
             "coupling c", chain.c, "one at which the nucleus stays localised: after "
-            f"{SETTLED:g} units of slow time {above.size} sites are excited", "take a smaller one",
+            f"{SETTLED:g} units of slow time {above.size} sites are excited",
+            "take a smaller coupling",
         )  # fmt: skip
     y = run.samples[:, 0, centre]
     rising = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))

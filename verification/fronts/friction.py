@@ -43,7 +43,9 @@ def friction_front(chain: FrictionChain, request: Request) -> Front:
     max_sites = longest_chain(least, 800).count(request.max_sites)
     remedy = "give such a length: it is doubled until the velocity settles"
     count_within("number of sites n", chain.sites, least, max_sites, remedy)
-    remedy = "take a smaller one, or simulate a run of limited time: above, a front takes hours"
+    remedy = (
+        "take a smaller coupling, or simulate a run of limited time: above, a front takes hours"
+    )
     within("coupling c of a friction front", chain.c, 0.0, MAX_FRICTION_COUPLING, remedy)
     check_sliding_stable(chain.cell)
     if chain.ends is not Ends.FREE:

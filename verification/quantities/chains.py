@@ -97,7 +97,9 @@ def _run(kind: type[SmoothChain], names: list[str], at: Mapping[str, float]) -> 
     start = excite(chain, [1])
     run = simulate(chain, start, _END, samples=2, tolerance=at["tolerance"])
     if run.error is None:
-        raise ParameterError("tolerance", at["tolerance"], "one with an error", "take a larger one")
+        raise ParameterError(
+            "tolerance", at["tolerance"], "one with an error", "take a larger tolerance"
+        )
     return StatedValue(value=run.states[-1], error=run.error, extra=start)
 
 

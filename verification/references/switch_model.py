@@ -129,7 +129,9 @@ def run_switch(
     # step times the fastest rate of the chain; if this is a half or less, fifty iterations suffice.
     longest = min(t_end, 1.0 / (math.sqrt(1.0 + 4.0 * chain.c) + 2.0 * cell.xi))
     if step is not None and not 0.0 < step <= longest:
-        raise ParameterError("step", step, f"positive, at most {longest:.3g}", "give a smaller one")
+        raise ParameterError(
+            "step", step, f"positive, at most {longest:.3g}", "give a smaller step"
+        )
     law = np.array([cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d, chain.c, band])
     fixed = 0.0 if step is None else t_end / math.ceil(t_end / step - 1e-9)
     rule = _Rule(law, chain.ends is Ends.FREE, t_end, fixed, relative, absolute)

@@ -296,7 +296,7 @@ class SmoothIntegration(Integration):
             raise StandstillError(
                 f"a displacement of {np.abs(run.state).max():.3g} makes the model "
                 f"{self.chain.model} need steps below {self._task.shortest:g} of its time at "
-                f"t = {self.time:.6g}: start from a smaller one"
+                f"t = {self.time:.6g}: start from a smaller displacement"
                 + (
                     ", or run (8), which has a stiff method."
                     if hasattr(self.chain, "full")

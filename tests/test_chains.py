@@ -43,7 +43,7 @@ def test_every_model_is_registered_and_describes_itself(model: str) -> None:
     assert CHAINS[model](**described) == chain
     for each in dataclasses.fields(chain):  # type: ignore[arg-type]
         assert each.kw_only
-        assert set(each.metadata) - {"kind", "allowed"} == {"help", "symbol"}
+        assert set(each.metadata) - {"kind", "allowed", "option"} == {"help", "symbol"}
 
 
 @pytest.mark.parametrize(

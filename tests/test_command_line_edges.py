@@ -25,6 +25,7 @@ from fronts.signatures import described, documented
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import threshold_ratio
 from theory.chains import chain
+from theory.chains.oscillator import OscillatorChain
 from theory.piecewise.admissibility import check_admissible
 from theory.piecewise.kinetic_relation import COUPLINGS
 from theory.piecewise.limits import pinning_coupling, pinning_error, retreat_coupling
@@ -118,6 +119,11 @@ def test_a_refusal_states_the_range_of_the_help(capsys, command, option, outside
     with pytest.raises(SystemExit):
         main([*command.split(), "--help"])
     assert str(allowed) in " ".join(capsys.readouterr().out.split())
+
+
+def test_rows_and_columns_of_a_lattice_are_one_option():
+    assert "shape" in OscillatorChain.__dataclass_fields__
+    assert {"shape", "sites"} & {each.name for each in described(OscillatorChain)} == {"sites"}
 
 
 def test_what_is_hidden_of_a_function_is_not_hidden_of_the_chain():

@@ -46,8 +46,10 @@ def parameter(
     text: str,
     symbol: str,
     default: Any = dataclasses.MISSING,
+    *,
     kind: str = "",
     allowed: Range | None = None,
+    option: bool = True,
 ) -> Any:
     """Return a dataclass field with the help text and the symbol for its command-line option.
 
@@ -64,9 +66,13 @@ def parameter(
         its type.
     allowed : Range, optional
         Its range. Some commands allow a narrower one, which their help shows instead.
+    option : bool, optional
+        Whether it is an option of the command line.
     """
-    metadata = {"help": text, "symbol": symbol, "kind": kind, "allowed": allowed}
-    metadata = {name: value for name, value in metadata.items() if value}
+    metadata: dict[str, Any] = {"help": text, "symbol": symbol}
+    metadata |= {"kind": kind} if kind else {}
+    metadata |= {"allowed": allowed} if allowed else {}
+    metadata |= {} if option else {"option": False}
     if isinstance(default, dict):
         return dataclasses.field(default_factory=lambda: dict(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)

@@ -77,10 +77,10 @@ class OwnChain(SmoothChain):
         "harmonic force F cos(wt + phase), as in F,w@1 or F,w,phase@1,4:6 or F,w@all; repeat for "
         "several", "F", (), kind="strings",
     )  # fmt: skip
-    sites: int = parameter("number of sites, or rows x columns", "N", None, kind="shape")
+    sites: int = parameter("number of sites, or rows x columns as in 5x6", "N", None, kind="shape")
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
     shape: tuple[int, ...] | None = parameter(
-        "rows and columns, as in 5,6; the same as sites = 5 x 6", "-", None
+        "rows and columns of a lattice, which may be given as sites", "-", None, option=False
     )
 
     def __post_init__(self) -> None:

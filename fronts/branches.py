@@ -38,6 +38,8 @@ class BranchFold(Result):
         Number of points of the branch before the fold.
     height : float
         Amplitude at the centre for breathers; velocity for fronts.
+    height_error : float or None
+        Bound on its error; None for fronts, for which it is not computed.
     """
 
     c: float
@@ -45,6 +47,7 @@ class BranchFold(Result):
     error: float
     place: int
     height: float
+    height_error: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -286,13 +289,14 @@ def follow_breather(
         seconds=perf_counter() - begin,
         folds=tuple(
             BranchFold(
-                c=float(fold.parameter),
+                c=fold.c,
                 eta=chain.eta,
-                error=float(fold.error),
-                place=place,
-                height=height,
+                error=fold.c_error,
+                place=fold.place,
+                height=fold.height,
+                height_error=fold.height_error,
             )
-            for fold, height, place in found.folds
+            for fold in found.folds
         ),
     )
 

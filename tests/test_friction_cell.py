@@ -316,6 +316,72 @@ def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
     assert growth > 1.0
 
 
+@pytest.mark.parametrize(
+    ("given", "tolerance"),
+    [
+        (CELL, 1e-12), (CELL, 1e-8), (replace(CELL, v_d=1.7), 1e-12),
+        (FrictionCell(v_d=CELL.hopf_velocity + 1e-6), 1e-12),  # rounding, seen beside the step
+        (FrictionCell(v_d=CELL.hopf_velocity + 1e-8), 1e-12),  # expanded
+        (FrictionCell(law="stribeck", v_d=1.0), 1e-10),
+    ],
+)  # fmt: skip
+def test_the_error_of_a_multiplier_covers_that_of_its_integral_by_scipy(
+    given: FrictionCell, tolerance: float
+) -> None:
+    """Of a plane flow it is exp∮(∂ẏ̇/∂ẏ)dτ; of a cycle of stick it is 0 to the last digit."""
+    found = friction_cell(given, tolerance)
+    assert found.stable_cycle is not None
+    assert (found.stable_cycle.multiplier, found.stable_cycle.multiplier_error) == (0.0, 0.0)
+    cycle = found.unstable_cycle
+    assert cycle is not None
+    assert cycle.multiplier is not None
+    assert cycle.multiplier_error is not None
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        slip = given.v_d - z[1]
+        force = friction_coefficient(given, slip) - 2 * given.xi * z[1] - z[0]
+        return [z[1], force, -2 * given.xi - friction_slope(given, slip)]
+
+    run = solve_ivp(rate, (0, cycle.period), [cycle.max, 0, 0], "DOP853", rtol=1e-13, atol=1e-15)
+    true = math.exp(run.y[2, -1])
+    assert abs(true - cycle.multiplier) <= cycle.multiplier_error < 1e-2
+    assert cycle.speed is not None
+    assert abs(run.y[1].max() - cycle.speed) <= cycle.error + 0.05 * cycle.speed  # of its steps
+
+
+@pytest.mark.parametrize("eps", [1e-3, 0.3])
+def test_the_error_of_a_multiplier_of_van_der_pol_cycles_covers_that_of_its_integral(
+    eps: float,
+) -> None:
+    found = vdp_cell(2.5, 0.5, eps, 1e-11)
+    for cycle in (found.stable_cycle, found.unstable_cycle):
+        assert cycle is not None
+        assert cycle.multiplier is not None
+        assert cycle.multiplier_error is not None
+
+        def rate(_: float, z: np.ndarray) -> list[float]:
+            damping = eps * (1 - 2.5 * z[0] ** 2 + 0.5 * z[0] ** 4)
+            return [z[1], -z[0] - damping * z[1], -damping]
+
+        run = solve_ivp(rate, (0, cycle.period), [cycle.max, 0, 0], "DOP853", rtol=1e-12)
+        assert abs(math.exp(run.y[2, -1]) - cycle.multiplier) <= cycle.multiplier_error < 0.05
+
+
+def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_error() -> None:
+    cycle = unstable_cycle(CELL)
+    assert cycle is not None
+    unresolved = replace(cycle, multiplier=None, multiplier_error=None)
+    found = _with_error(CELL, cycle, unresolved)
+    assert found is not None
+    assert found.multiplier_error == math.inf
+    lost = _with_error(CELL, cycle, None)
+    assert lost is not None
+    assert lost.multiplier_error == math.inf
+    none = _with_error(CELL, unresolved, cycle)
+    assert none is not None
+    assert none.multiplier_error is None
+
+
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_basin_ends_where_runs_change_their_fate(side: int) -> None:
     orbits = friction_cell(replace(CELL, v_d=1.6))

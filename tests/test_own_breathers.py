@@ -27,7 +27,8 @@ from verification.breathers.periodic_motion import largest_displacements
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate, states_by_scipy
-from verification.thresholds.continuation import breather_threshold
+from verification.runs.smooth_integration import SmoothIntegration
+from verification.thresholds.continuation import _Report, breather_threshold
 from verification.thresholds.result import ThresholdMethod
 from verification.thresholds.threshold import threshold
 
@@ -265,7 +266,7 @@ def test_a_branch_begins_at_the_first_of_the_couplings_where_a_nucleus_settles(
 ) -> None:
     solved: list[float] = []
 
-    def settled(chain: OscillatorChain, nucleus: Nucleus) -> np.ndarray:
+    def settled(chain: OscillatorChain, nucleus: Nucleus, _: object) -> np.ndarray:
         if chain.c == STARTS[0]:
             raise ParameterError("coupling c", chain.c, "smaller", "take a smaller coupling")
         return np.full(7, chain.c)
@@ -286,6 +287,22 @@ def test_a_branch_begins_at_the_first_of_the_couplings_where_a_nucleus_settles(
     monkeypatch.setattr(own, "STARTS", STARTS[:-1])
     with pytest.raises(ParameterError, match="stable at small couplings"):
         orbits.start(0.5)
+
+
+def test_the_run_on_which_a_nucleus_settles_reports_before_the_first_solution(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At small ε it takes minutes; its parts are those of its time, and make one solution."""
+    monkeypatch.setattr(SmoothIntegration, "default_budget", 2_000)
+    chain = OscillatorChain(**PAPER, c=0.05, sites=3)
+    parts: list[float] = []
+    _settled_start(chain, Nucleus(1), parts.append)
+    assert len(parts) > 5
+    assert sum(parts) == pytest.approx(1.0, rel=1e-12)
+    assert min(parts) > 0.0
+    seen: list[float] = []
+    monkeypatch.setattr(own, "solve_at", lambda *_: seen[-1])
+    assert 0.0 < OwnOrbits(chain, Nucleus(1)).start(0.5, report=_Report(seen.append)) < 0.2
 
 
 def test_the_branch_of_a_rayleigh_chain_ends_where_that_of_van_der_pol_does() -> None:

@@ -29,7 +29,7 @@ from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, at_least
 from verification.breathers.exponents import BreatherStability, exponents, rotating_jacobian, unpack
-from verification.breathers.family import BreatherFamily
+from verification.breathers.family import BreatherFamily, ReportCallback, silent
 from verification.breathers.result import Breather, BreatherMethod, wave_error_of
 from verification.continuation.branch import ContinuationBranch, Fold, trace
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
@@ -114,7 +114,9 @@ class RotatingWaves(BreatherFamily):
 
         return system
 
-    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+    def start(
+        self, c_end: float, lowest: float = math.inf, report: ReportCallback = silent
+    ) -> BranchPoint:
         """Solve near c = 0, from the cycle of one cell on every excited site.
 
         Raises

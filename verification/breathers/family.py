@@ -16,7 +16,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
@@ -33,6 +33,13 @@ from verification.continuation.branch import (
     trace,
 )
 from verification.continuation.newton import BranchPoint, System
+
+ReportCallback: TypeAlias = Callable[[float], None]
+"""Called with the amount of work done since the last call, in units of one solution."""
+
+
+def silent(done: float) -> None:
+    """Report nothing."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,11 @@ class BreatherFamily(ABC):
     nucleus: Nucleus
 
     @property
+    def unit(self) -> float:
+        """Unit of the amplitudes in the unknowns."""
+        return 1.0
+
+    @property
     def centre(self) -> int:
         """The site at which the phase is fixed."""
         return self.nucleus.centre(self.chain.sites)
@@ -63,8 +75,12 @@ class BreatherFamily(ABC):
         """Return F(u, c); ``refinement`` multiplies the integration steps, if there are any."""
 
     @abstractmethod
-    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+    def start(
+        self, c_end: float, lowest: float = math.inf, report: ReportCallback = silent
+    ) -> BranchPoint:
         """Return a solution at small c towards ``c_end``, at ``lowest`` if possible.
+
+        If this takes a run of the chain, ``report`` is called with each part of it that is over.
 
         Raises
         ------
@@ -103,11 +119,11 @@ class BreatherFamily(ABC):
         other = found.growth if found.antisymmetric is None else found.antisymmetric
         return found.growth - found.marginal, own - found.marginal, other - found.marginal
 
-    def reported_monitor(self, report: Callable[[], None]) -> Monitor:
+    def reported_monitor(self, report: ReportCallback) -> Monitor:
         """Return ``monitor``, extended by a report at each call."""
 
         def reporting(u: FloatArray, c: float) -> tuple[float, ...]:
-            report()
+            report(1.0)
             return self.monitor(u, c)
 
         return reporting
@@ -117,11 +133,11 @@ class BreatherFamily(ABC):
         c_end: float = 2.0,
         *,
         monitored: bool = True,
-        report: Callable[[], None] = lambda: None,
+        report: ReportCallback = silent,
     ) -> ContinuationBranch:
         """Follow the breather from small c through its fold, recording its growth if ``monitored``.
 
-        If it is recorded, ``report`` is called at each solution.
+        If it is recorded, ``report`` is called with 1 at each solution.
 
         Raises
         ------
@@ -129,7 +145,8 @@ class BreatherFamily(ABC):
             If no breather was found at small c.
         """
         monitor = self.reported_monitor(report) if monitored else None
-        return trace(self.system(), self.start(c_end), c_end, monitor, self.steps_along)
+        start = self.start(c_end, report=report)
+        return trace(self.system(), start, c_end, monitor, self.steps_along)
 
     def solve(self) -> Breather:
         """Solve for the breather at the coupling of the chain.

@@ -13,6 +13,7 @@ from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ascending
 from verification.breathers.breather import with_pattern
 from verification.breathers.families import own_family, own_method
+from verification.breathers.family import BreatherFamily
 from verification.breathers.orbits import FIRST_STEPS
 from verification.breathers.result import Breather
 from verification.continuation.branch import Fold, solutions_at, trace
@@ -25,6 +26,27 @@ _BEYOND = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
+class BreatherFold:
+    """A fold of a branch of breathers.
+
+    Attributes
+    ----------
+    c, c_error : float
+        Its coupling, with the error due to the integration steps.
+    height, height_error : float
+        Amplitude at the centre.
+    place : int
+        Number of points of the branch before it.
+    """
+
+    c: float
+    c_error: float
+    height: float
+    height_error: float
+    place: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class FollowedBreather:
     """Breathers at given couplings, in order along their branch.
 
@@ -32,13 +54,12 @@ class FollowedBreather:
     ----------
     points : tuple of Breather
         A breather for each passage through each coupling; then the couplings without a breather.
-    folds : tuple of (Fold, float, int)
-        Folds where the branch turns back, the amplitude at the centre there, and the number of
-        points before it.
+    folds : tuple of BreatherFold
+        Folds where the branch turns back.
     """
 
     points: tuple[Breather, ...]
-    folds: tuple[tuple[Fold, float, int], ...]
+    folds: tuple[BreatherFold, ...]
 
 
 def follow(
@@ -82,10 +103,8 @@ def follow(
         started = time.perf_counter()
     turned = []
     for number, fold in enumerate(branch.folds):
-        there = BranchPoint(fold.u, fold.parameter, branch.points[fold.place].tangent, 0.0, 0.0, 0)
         place = sum(each <= number for each in folds_passed)
-        # Of the errors stated there none holds: a fold is found to the square of what its state is.
-        turned.append((fold, float(family.measured(there, started).outward[0]), place))
+        turned.append(_described(family, fold, branch.points[fold.place].tangent, place))
     reached = {point.chain.c for point in points}
     end = (branch.fold.parameter, branch.fold.error) if branch.fold is not None else (None, None)
     points += [
@@ -102,3 +121,27 @@ def follow(
         if c not in reached
     ]
     return FollowedBreather(points=tuple(points), folds=tuple(turned))
+
+
+def _described(family: BreatherFamily, fold: Fold, tangent: FloatArray, place: int) -> BreatherFold:
+    """Return a fold with the errors of its coupling and of its amplitude.
+
+    Its coupling is known to the square of its distance along the branch, its amplitude only to this
+    distance. Breathers stated at the fold have errors that do not hold, since ∂F/∂u is singular.
+    """
+    begin = time.perf_counter()
+    there, beside = (
+        family.measured(BranchPoint(u, fold.parameter, tangent, 0.0, 0.0, 0), begin)
+        for u in (fold.u, fold.u + fold.away)
+    )
+    height, error = float(there.outward[0]), fold.error + family.step_error(fold)
+    # Across the branch, amplitudes change no faster than the state, of which they have two parts.
+    return BreatherFold(
+        c=float(fold.parameter),
+        c_error=error,
+        height=height,
+        height_error=abs(height - float(beside.outward[0]))
+        + 2.0 * family.unit * (fold.aside + family.step_error(fold))
+        + 1e-14 * height,
+        place=place,
+    )

@@ -23,7 +23,7 @@ from theory.chains.vdp import VdpChain, effective_epsilon
 from theory.parameters import ParameterError
 from verification.breathers.envelope import solve_envelope_breather, start_of
 from verification.breathers.exponents import BreatherStability
-from verification.breathers.family import BreatherFamily
+from verification.breathers.family import BreatherFamily, ReportCallback, silent
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod, wave_error_of
@@ -107,7 +107,9 @@ class Orbits(BreatherFamily):
 
         return system
 
-    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+    def start(
+        self, c_end: float, lowest: float = math.inf, report: ReportCallback = silent
+    ) -> BranchPoint:
         """Return an orbit at small c, from which the branch is followed down to ``lowest``."""
         point = self._first(c_end)
         if lowest < point.parameter:

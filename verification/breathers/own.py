@@ -19,6 +19,7 @@ from theory.arrays import FloatArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
+from verification.breathers.family import ReportCallback, silent
 from verification.breathers.orbits import STARTS, Orbits
 from verification.breathers.result import Breather
 from verification.continuation.branch import Fold
@@ -63,12 +64,15 @@ class OwnOrbits(Orbits):
         """Return the right-hand side of the chain as a first-order system."""
         return _rate_of(self.chain.replace(c=c))(state[:, None].repeat(2, axis=1))[:, 0]
 
-    def start(self, c_end: float, lowest: float = math.inf) -> BranchPoint:
+    def start(
+        self, c_end: float, lowest: float = math.inf, report: ReportCallback = silent
+    ) -> BranchPoint:
         """Return the orbit on which a nucleus settles at small c."""
         system = self.system()
         for c in STARTS:
             with suppress(NotConvergedError, ParameterError):
-                return solve_at(system, _settled_start(self.chain.replace(c=c), self.nucleus), c)
+                here = self.chain.replace(c=c)
+                return solve_at(system, _settled_start(here, self.nucleus, report), c)
         raise ParameterError(
             "pattern",
             repr(self.nucleus.pattern),
@@ -193,8 +197,12 @@ def check_orbits(chain: OscillatorChain) -> None:
     chain.kernels()  # refuses, before any search, a function without derivatives
 
 
-def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> FloatArray:
+def _settled_start(
+    chain: OscillatorChain, nucleus: Nucleus, report: ReportCallback = silent
+) -> FloatArray:
     """Run until the nucleus has settled; return (X, period) where y passes 0 upwards at the centre.
+
+    The run counts as much as one solution in what is reported.
 
     Raises
     ------
@@ -208,7 +216,9 @@ def _settled_start(chain: OscillatorChain, nucleus: Nucleus) -> FloatArray:
     times = np.linspace(end - 3.0 * period, end, 601)
     run = SmoothIntegration(chain, start, times, tolerance=1e-10)
     while not run.finished:
+        before = run.time
         run.advance(run.default_budget)
+        report((run.time - before) / end)
     above = np.flatnonzero(run.sampled_amplitude.max(axis=0) > chain.unstable_amplitude) + 1
     if above.tolist() != list(sites):
         raise ParameterError(

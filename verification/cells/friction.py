@@ -226,11 +226,17 @@ def _with_error(
     if fine is None:
         return None
     if coarse is None:
-        return replace(fine, error=math.inf)
-    names = ("max", "min", "period", "stick_time", "slip_time")
+        unknown = None if fine.multiplier is None else math.inf
+        return replace(fine, error=math.inf, multiplier_error=unknown)
+    names = ("max", "min", "period", "stick_time", "slip_time", "speed")
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
+    multiplier_error = fine.multiplier_error
+    if fine.multiplier is not None and multiplier_error is not None:
+        other = coarse.multiplier
+        multiplier_error += math.inf if other is None else abs(fine.multiplier - other)
     reach = max(abs(fine.max), abs(fine.min))
     # Stick carries the cell by the belt, so an error in position means one in time, larger by
     # 1/v_d.
     size = max(fine.period, reach, reach / cell.v_d if fine.stick_time else 0.0)
-    return replace(fine, error=max(*gaps, fine.error, coarse.error, ROUND_OFF * size))
+    error = max(*gaps, fine.error, coarse.error, ROUND_OFF * size)
+    return replace(fine, error=error, multiplier_error=multiplier_error)

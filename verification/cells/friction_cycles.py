@@ -166,6 +166,7 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
                 slip_time=slip,
                 speed=speed,
                 multiplier=0.0,
+                multiplier_error=0.0,
                 error=0.0,
             )
         direction = -direction
@@ -295,7 +296,8 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     step = 1e-5 * (y - centre)
     ahead, behind = ((following(y + each, phases.HIGHEST)[1] - y) / each for each in (step, -step))
     # Where the cycle nearly touches, the step is too large for a finite difference.
-    multiplier = 0.5 * (ahead + behind) if abs(ahead - behind) < 1e-2 * abs(ahead) else None
+    resolved = abs(ahead - behind) < 1e-2 * abs(ahead)
+    rounding = ROUND_OFF * max(abs(y), abs(low)) / step
     # Round-off shifts the fixed point by a relative amount 1/(multiplier - 1).
     blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
     return CellCycle(
@@ -304,7 +306,8 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
         period=period,
         slip_time=period,
         speed=fastest + cell.v_d,
-        multiplier=multiplier,
+        multiplier=0.5 * (ahead + behind) if resolved else None,
+        multiplier_error=abs(ahead - behind) + rounding if resolved else None,
         error=blurred,
     )
 
@@ -336,5 +339,8 @@ def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
         slip_time=period,
         speed=amplitude,
         multiplier=growth,
+        # That of the exponent is relative: twice that of the amplitude.
+        multiplier_error=growth * math.expm1(2.0 * left_out / amplitude * math.log(growth))
+        + ROUND_OFF,
         error=left_out,
     )

@@ -47,11 +47,14 @@ class CellCycle(Result):
     multiplier : float or None
         Factor by which a deviation grows in one period, from finite differences; 0 if the cycle
         sticks, None if the differences do not resolve it.
+    multiplier_error : float or None
+        Bound on the error of the multiplier: what differences to either side disagree by, and what
+        the errors of both ends of a turn make of it. None if there is no multiplier.
     averaged : float or None
         Largest y as ε → 0: in closed form for (8), otherwise from the energy lost in one turn.
     error : float
-        Largest difference of any of these, except speed and multiplier, from a computation at a
-        hundred times the tolerance; at least round-off.
+        Largest difference of any of these, except the multiplier, from a computation at a hundred
+        times the tolerance; at least round-off.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("amplitude",)
@@ -64,6 +67,7 @@ class CellCycle(Result):
     slip_time: float
     speed: float | None = None
     multiplier: float | None = None
+    multiplier_error: float | None = None
     averaged: float | None = None
     error: float
 

@@ -143,14 +143,16 @@ def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle
     )
     resolved = abs(ahead - behind) < _CURVED * max(1.0, abs(ahead))
     gaps = (fine - coarse, turn.bottom - other.bottom, turn.period - other.period)
+    error = max(*(abs(each) for each in gaps), ROUNDING * turn.period)
     return CellCycle(
         max=fine,
         min=turn.bottom,
         period=turn.period,
         slip_time=turn.period,
         multiplier=0.5 * (ahead + behind) if resolved else None,
+        multiplier_error=abs(ahead - behind) + 2.0 * error / shift if resolved else None,
         averaged=limit.amplitude,
-        error=max(*(abs(each) for each in gaps), ROUNDING * turn.period),
+        error=error,
     )
 
 

@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -17,6 +17,7 @@ from verification.continuation.newton import (
     BranchPoint,
     NotConvergedError,
     System,
+    bordered,
     solve_at,
     step_along,
 )
@@ -44,17 +45,26 @@ class Fold:
         Value of the parameter at the fold: a coupling c, or η.
     error : float
         Estimated shortfall of ``parameter`` where the search stopped, multiplied by four because
-        the curvature is that of a secant, plus ten times the residual.
+        the curvature is that of a secant, plus what the residual and the rounding of F displace
+        the fold by.
     u : float array
         The solution at the fold.
     place : int
         Index of the first point of the branch beyond the fold.
+    away : float array
+        Estimated distance of ``u`` from the fold along the branch, multiplied by four for the same
+        reason.
+    aside : float
+        Largest error of ``u`` across the branch: that of ``parameter``, and ten times the last
+        correction.
     """
 
     parameter: float
     error: float
     u: FloatArray
     place: int = 0
+    away: FloatArray = field(default_factory=lambda: np.empty(0))
+    aside: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -278,18 +288,40 @@ def _find_fold(
     the error of p is of second order in that of the position.
     """
     bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
-    best, missing = beyond, np.inf
+    best, missing, away = beyond, np.inf, np.inf
     for _ in range(40):
         bend = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)
         place = bracket.low + bracket.f_low / bend
         best = step_along(system, before, place, steps.tolerance)
         value = float(best.tangent[-1])
         # The shortfall of p is the integral of dp/ds from here to the fold.
+        away = value / bend
         missing = value**2 / (2.0 * PARAMETER_WEIGHT * abs(bend))
         if missing < steps.fold_tolerance:
             break
         bracket.shrink(place, value)
-    return Fold(best.parameter, 4.0 * missing + 10.0 * best.residual + 1e-15, best.u)
+    left = _displaced(system, best)
+    return Fold(
+        parameter=best.parameter,
+        error=4.0 * missing + left + 1e-15,
+        u=best.u,
+        away=4.0 * away * best.tangent[:-1],
+        aside=left + 10.0 * best.correction,
+    )
+
+
+def _displaced(system: System, at: BranchPoint) -> float:
+    """Return by how much the residual, and the rounding of F, displace p at a fold.
+
+    F off by f displaces p by l·f, where l is the last row of the inverse of the matrix of a step
+    along the branch: at a fold, lᵀ∂F/∂u = 0 and l·∂F/∂p = 1. Of f twice the value and twice the
+    rounding of the terms are taken, and ten times the residual at least.
+    """
+    value, slope, by_p = system(at.u, at.parameter)
+    inverse = np.linalg.inv(bordered(slope, by_p, at.tangent))
+    off = np.abs(value) + float(np.finfo(float).eps) * (np.abs(slope) @ np.abs(at.u))
+    displaced = 2.0 * float(np.abs(inverse[-1, :-1]) @ off) / PARAMETER_WEIGHT
+    return max(displaced, 10.0 * at.residual)
 
 
 def first_crossing(

@@ -136,7 +136,7 @@ def step_along(
             + across[-1] * PARAMETER_WEIGHT * (p - start.parameter)
             - length
         )
-        change = np.linalg.solve(_bordered(slope, by_p, across), np.append(value, plane))
+        change = np.linalg.solve(bordered(slope, by_p, across), np.append(value, plane))
         if residual < tolerance and correction < np.sqrt(tolerance):
             left = float(np.abs(change).max())
             return BranchPoint(u, p, _tangent(slope, by_p, across), residual, left, iteration)
@@ -150,7 +150,8 @@ def step_along(
     )
 
 
-def _bordered(slope: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArray:
+def bordered(slope: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArray:
+    """Return the matrix of a step along a branch: that of F, and a row for its plane."""
     return np.vstack([np.column_stack([slope, by_p / PARAMETER_WEIGHT]), row])
 
 
@@ -160,6 +161,6 @@ def _tangent(slope: FloatArray, by_p: FloatArray, along: FloatArray | None) -> F
     row = np.zeros(size) if along is None else along
     if along is None:
         row[-1] = 1.0
-    vector = np.linalg.solve(_bordered(slope, by_p, row), np.append(np.zeros(size - 1), 1.0))
+    vector = np.linalg.solve(bordered(slope, by_p, row), np.append(np.zeros(size - 1), 1.0))
     unit: FloatArray = vector / np.linalg.norm(vector)
     return unit

@@ -134,11 +134,11 @@ class _Report:
     """Progress, estimated from the number of solutions whose growth has been computed."""
 
     def __init__(self, progress: ProgressCallback | None) -> None:
-        self.progress, self.seen = progress, 0
+        self.progress, self.seen = progress, 0.0
 
-    def __call__(self) -> None:
-        """Report one more solution."""
-        self.seen += 1
+    def __call__(self, done: float) -> None:
+        """Report one more solution, or a part of the work that precedes the first."""
+        self.seen += done
         if self.progress is not None:
             self.progress(self.seen / max(_SOLUTIONS, self.seen + 1))
 

@@ -129,9 +129,10 @@ class Bound:
 
     @property
     def takes_eta(self) -> bool:
-        """Whether η may be given in place of a and b of the chain."""
+        """Whether η may be given in place of a and b of the chain; in a map, as one of its axes."""
         names = {each.name for each in self.fields.parameters}
-        return {"a", "b"} <= names and "eta" not in names
+        of_a_map = isinstance(self.call, Map) and "eta" not in self.axes
+        return {"a", "b"} <= names and "eta" not in names and not of_a_map
 
 
 def models() -> dict[str, type[Chain]]:

@@ -28,8 +28,7 @@ class _Parser(argparse.ArgumentParser):
     def refuse(self, word: str, value: str) -> NoReturn:
         """Refuse an option that does not exist for this command and model."""
         flag, _, joined = word.partition("=")
-        model = self.prog.split()[2:]
-        where = f"the model {model[0]}" if model else f"'{self.prog}'"
+        where = f"'{self.prog}'"
         if not flag.startswith("--"):
             self.error(f"'{word}' is not expected here")
         close = self._close_to(flag)
@@ -50,9 +49,14 @@ class _Parser(argparse.ArgumentParser):
         )
 
     def _close_to(self, flag: str) -> str:
-        """Return the options that may be meant: those that begin with ``flag``, or are similar."""
+        """Return the options that may be meant: those that begin with ``flag``, or are similar.
+
+        A single letter is a quantity with a meaning of its own, as N or c, and not an abbreviation.
+        """
         import difflib
 
+        if len(flag) == len("--n"):
+            return ""
         every = [each for each in self._option_string_actions if each.startswith("--")]
         begun = [each for each in every if each.startswith(flag)]
         return " or ".join(begun or difflib.get_close_matches(flag, every, n=1, cutoff=0.8))

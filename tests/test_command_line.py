@@ -393,7 +393,19 @@ def test_the_version_is_that_of_the_project(capsys):
     [
         ("breather --epps 1", "--epps is not an option of 'fronts breather vdp': write --eps."),
         ("front averaged --c 1 --tol=1e-8", "write --tolerance."),
-        ("map friction --v-max 1", "--v-max has no meaning for the model friction: leave it out."),
+        (
+            "map friction --v-max 1",
+            "--v-max has no meaning for 'fronts map friction': leave it out.",
+        ),
+        ("threshold vdp --n 3", "--n has no meaning for 'fronts threshold vdp': leave it out."),
+        (
+            "threshold averaged --c 1",
+            "--c has no meaning for 'fronts threshold averaged': leave it out.",
+        ),
+        (
+            "kinetic --c 1 --eta 0.03 --n 3",
+            "--n has no meaning for 'fronts kinetic': leave it out.",
+        ),
         ("threshold vdp --c-m 1", "write --c-min or --c-max."),
     ],
 )

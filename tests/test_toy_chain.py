@@ -73,7 +73,15 @@ class NagumoChain(SmoothChain, model="nagumo", kernel=nagumo):
         return self.alpha
 
 
-del CHAINS["nagumo"]  # entered by its definition; only the tests of this file know it
+@dataclass(frozen=True, kw_only=True)
+class ScaledChain(NagumoChain, model="scaled", kernel=nagumo):
+    """A chain with parameters called a and b, which need not be those of (8)."""
+
+    a: float = parameter("a number", "a", 1.0)
+    b: float = parameter("another number", "b", 1.0)
+
+
+del CHAINS["nagumo"], CHAINS["scaled"]  # entered by definition; only this file knows them
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -323,3 +331,15 @@ def test_a_run_of_another_right_hand_side_is_another_run(monkeypatch: pytest.Mon
     monkeypatch.setattr(NagumoChain, "_right_hand_side", staticmethod(lambda s, b, a, p: (a, -s)))
     other = metadata()
     assert {key for key in one if one[key] != other[key]} == {"right_hand_side"}
+
+
+@pytest.mark.parametrize("eta", ["0.1", "0.01:0.1:3"])
+def test_a_map_whose_axes_do_not_include_eta_refuses_it(
+    eta: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A single number was ignored, although the chain has a and b."""
+    monkeypatch.setitem(CHAINS, "scaled", ScaledChain)
+    line = ["map", "scaled", "--c", "0.1:0.2:2", "--alpha", "0.2:0.3:2", "--eta", eta]
+    assert main(line) == 2
+    said = "fronts: --eta has no meaning for 'fronts map scaled': leave it out."
+    assert capsys.readouterr().err.strip() == said

@@ -21,6 +21,7 @@ from scipy.integrate import solve_ivp
 from theory.chains.chain import CHAINS
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -85,6 +86,47 @@ def test_distances_are_from_rest_wherever_that_is() -> None:
     run: Any = SimpleNamespace(chain=chain, samples=moved + np.array(chain.rest_state)[:, None])
     assert chain.rest_state.y > 0.0
     assert simulate_module._away(run) == pytest.approx([0.5, 5.0])
+
+
+@pytest.mark.parametrize(
+    ("force", "y", "t_end"),
+    [
+        (8.24223773803062, 0.8964516036045524, 162.39316530890815),  # 2.7 ± 0.69, by chance
+        (9.034535489797122, -1.0539078888097322, 119.27571073377663),  # 5.1e-5 ± 2.4e-5
+    ],
+)
+def test_the_error_of_a_chaotic_run_does_not_depend_on_its_samples(
+    force: float, y: float, t_end: float
+) -> None:
+    """Duffing's oscillator, by scipy: at one sample alone, two runs may agree by chance."""
+    chain = OscillatorChain(
+        stiffness="0.02*y + y**3", damping="0.05", eps=1.0, c=0.0, sites=2, drive=f"{force},1@all"
+    )
+    start = np.array([[y, y + 0.1], [0.0, 0.0]])
+    few, many = (simulate(chain, start, t_end, level=50.0, samples=count) for count in (2, 201))
+    assert few.states.shape == (2, 2, 2)
+    assert few.times.tolist() == [0.0, t_end]
+    assert np.array_equal(few.states[-1], many.states[-1])
+
+    def rate(t: float, z: np.ndarray) -> np.ndarray:
+        pull = force * math.cos(t) - 0.05 * z[2:] - 0.02 * z[:2] - z[:2] ** 3
+        return np.concatenate([z[2:], pull])
+
+    exact = solve_ivp(rate, (0.0, t_end), start.ravel(), "DOP853", rtol=3e-14, atol=1e-14)
+    off = np.hypot(*(few.states[-1] - exact.y[:, -1].reshape(2, 2))).max()
+    assert few.error is not None
+    assert off <= few.error
+    assert few.status is many.status
+    assert few.error == pytest.approx(many.error, rel=0.5)  # of maxima over other times
+
+
+def test_a_run_that_is_not_compared_takes_the_samples_alone() -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=3)
+    found = simulate(chain, excite(chain, [1]), 20.0, times=[3.0, 3.0, 7.0], estimate_error=False)
+    same = simulate(chain, excite(chain, [1]), 20.0, times=[3.0, 3.0, 7.0])
+    assert found.times.tolist() == same.times.tolist() == [3.0, 3.0, 7.0]
+    assert np.array_equal(found.states, same.states)
+    assert np.array_equal(found.amplitude, same.amplitude)
 
 
 def test_a_resolved_run_says_so_and_without_comparison_nothing_is_claimed() -> None:

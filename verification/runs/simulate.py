@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.arrays import FloatArray
+from theory.arrays import FloatArray, IntArray
 from theory.chains.chain import Chain
 from theory.parameters import (
     LATEST,
@@ -44,6 +44,11 @@ TOLERANCES = Range(1e-14, 1e-2)
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may store: a few gigabytes."""
+
+_COMPARED, _COMPARED_NUMBERS = 200, 10**7
+"""Times at which runs are compared at least, beside those of the samples: at few samples, runs that
+have become independent may agree by chance. For long chains, with which that does not happen, at
+most so many times as have this number of states in all."""
 
 
 @with_ranges(tolerance=TOLERANCES, latest=LATEST)
@@ -128,13 +133,14 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     t_end = end_time("end time t", t_end)
-    sampled = _sample_times(chain, t_end, samples, times)
+    asked = _sample_times(chain, t_end, samples, times)
     if level is not None:
         options["level"] = positive("level", level)
     if tolerance is not None:
         options["tolerance"] = within("tolerance", tolerance, *TOLERANCES)
     options["end"] = t_end
     compared = truth("estimate_error", estimate_error)
+    sampled, places = _with_comparisons(asked, chain) if compared else (asked, None)
     first = integration(chain, start, sampled, **options)
     runs = [first]
     if compared:
@@ -148,7 +154,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         need_instance("checkpoint", checkpoint, (str, PathLike), "name a file")
     file = None if checkpoint is None else Path(checkpoint)
     spent = run_to_end(runs, t_end, budget, file, progress)
-    return _trajectory(chain, runs, spent - begin)
+    return _trajectory(chain, runs, spent - begin, places)
 
 
 def _sample_times(
@@ -169,6 +175,14 @@ def _sample_times(
     return found
 
 
+def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntArray]:
+    """Return the times of the samples and of further comparisons, and the places of the former."""
+    further = min(_COMPARED, _COMPARED_NUMBERS // getattr(chain, "sites", 1)) - len(asked)
+    every = np.append(asked, np.linspace(0.0, asked[-1], max(0, further) + 2)[1:-1])
+    order = np.argsort(every, kind="stable")
+    return every[order], np.flatnonzero(order < len(asked))
+
+
 def _check_samples(samples: float, sites: int) -> None:
     within("number of samples", samples, 2, 1_000_000)
     most = MAX_NUMBERS // sites
@@ -178,10 +192,13 @@ def _check_samples(samples: float, sites: int) -> None:
         )
 
 
-def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Trajectory:
-    """Return the trajectory of the first run, with its error from the others."""
+def _trajectory(
+    chain: Chain, runs: Sequence[Integration], offset: float, places: IntArray | None = None
+) -> Trajectory:
+    """Return the trajectory of the first run at the samples, with its error from the others."""
     first, *others = runs
     error = arrival_error = until = None
+    shown = slice(None) if places is None else places
     status = RunStatus.NOT_COMPARED
     for other in others:
         errors = error_by_sample(first.samples, other.samples)
@@ -196,9 +213,9 @@ def _trajectory(chain: Chain, runs: Sequence[Integration], offset: float) -> Tra
             status = RunStatus.EVENTS_DIFFER
     return Trajectory(
         chain=chain,
-        times=first.times,
-        states=first.samples,
-        amplitude=first.sampled_amplitude,
+        times=first.times[shown],
+        states=first.samples[shown],
+        amplitude=first.sampled_amplitude[shown],
         arrivals=first.arrivals,
         level=first.level if hasattr(first, "level") else chain.unstable_amplitude,
         error=error,

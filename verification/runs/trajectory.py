@@ -58,14 +58,15 @@ class Trajectory(Result):
     level : float
         Amplitude that counts as an arrival; for the friction chain, the velocity of the belt.
     error : float or None
-        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances; None if
-        no such run was made.
+        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances, at 200
+        times at least, so that it hardly depends on the samples; None if no such run was made.
     arrival_error : float or None
         The same for ``arrivals``; inf if one run saw an arrival that another did not.
     status : RunStatus
         Whether the motion is resolved.
     resolved_until : float or None
-        Time of the last sample up to which the error is below the amplitude; None if not compared.
+        Time of the last comparison up to which the error is below the amplitude; None if not
+        compared.
     tolerance : float
         Local error: relative to the largest value of the state, absolute for the friction chain.
     method : str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
-import importlib
+import importlib.util
 import itertools
 import math
 import os
@@ -243,6 +243,22 @@ def test_what_is_compiled_gives_what_python_gives(unrolled: bool) -> None:
     called = inner()(part)
     outer(unrolled=unrolled)(whole)(x, y, found)
     assert np.allclose(found, expected, rtol=1e-14, atol=1e-15)
+
+
+@pytest.mark.parametrize("unrolled", [True, False])
+def test_compiled_code_is_kept_on_disk(
+    unrolled: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, cache = tmp_path / "kept.py", tmp_path / "cache"
+    file.write_text("def twice(x):\n    return 2.0 * x\n")
+    spec = importlib.util.spec_from_file_location("kept", file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(config, compiled._OPTION, str(cache))
+    assert outer(unrolled=unrolled, cache=True)(module.twice)(1.5) == 3.0
+    assert len(list(cache.rglob("*.nbc"))) == 1
 
 
 def test_places_for_compiled_code_are_tried_and_left_as_they_were(

@@ -517,6 +517,9 @@ def test_a_branch_ends_where_its_last_breather_is(short: int) -> None:
     start = np.concatenate([one.phi.real, one.phi.imag, [one.omega]])
     before = np.linalg.svd(phase_locked.jacobian(start, one.c, A, B), compute_uv=False)
     assert singular[-1] < 0.02 * before[-1]
+    ((begin, end),) = branch.stable  # but for the last steps, where rounding is seen
+    assert begin == one.c
+    assert 0.999 * last.c < end <= last.c
 
 
 def test_newton_finds_a_breather_from_far_off_too(short: int) -> None:

@@ -31,6 +31,7 @@ from verification.quantities.quantity import ReferenceCheck, StatedValue
 from verification.quantities.registry import computation_named
 from verification.quantities.scipy_states import compared as states_compared
 from verification.quantities.scipy_states import moving_sites
+from verification.references.equations import as_complex
 from verification.references.extrapolation import PreciseState
 from verification.references.pace import NoReferenceError
 
@@ -378,6 +379,25 @@ def test_a_front_of_the_chain_is_timed_in_slow_time(monkeypatch: pytest.MonkeyPa
     check = fronts._by_scipy({**at, "eps": 0.05}, StatedValue(value=v, error=1e-9), full=True)
     assert check.distance < 0.1 * v
     assert check.uncertainty < 0.1 * v
+
+
+def test_a_front_of_the_chain_starts_with_lags_of_a_quarter_turn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    started: list[np.ndarray] = []
+
+    def run(_: Any, __: float, start: np.ndarray, *___: Any, **____: Any) -> None:
+        started.append(start)
+        raise NoReferenceError("begun")
+
+    monkeypatch.setattr("scipy.integrate.DOP853", run)
+    stated = StatedValue(value=1.0, error=1e-9)
+    with pytest.raises(NoReferenceError, match="begun"):
+        fronts._by_scipy({"c": 2.0, "eta": 0.03125, "eps": 0.05}, stated, full=True)
+    psi = as_complex(started[0])
+    filled = psi[: fronts._FILLED]
+    assert not psi[fronts._FILLED :].any()
+    assert filled[1:] == pytest.approx(-1j * filled[:-1], rel=1e-14)
 
 
 def test_a_front_that_rests_reaches_no_site(monkeypatch: pytest.MonkeyPatch) -> None:

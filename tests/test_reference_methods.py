@@ -504,10 +504,17 @@ def test_a_breather_is_followed_whatever_its_phase(short: int) -> None:
         assert np.abs(phase_locked.residual(u, one.c, A, B)).max() < 1e-10
 
 
-def test_a_branch_ends_where_its_last_breather_is(short: int) -> None:
+def test_a_branch_ends_where_its_last_breather_is(
+    short: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """At a fold, where the distance to the breather of the other branch goes like a root."""
     (one,) = phase_locked.locked_breathers(1, A, B)
+    growth, of = phase_locked.growth_rate, set()
+    monkeypatch.setattr(
+        phase_locked, "growth_rate", lambda u, *of_: (of.add(of_[1:]), growth(u, *of_))[1]
+    )
     branch = phase_locked.follow(one, A, B)
+    assert of == {(A, B)}
     last = branch.last
     u = np.concatenate([last.phi.real, last.phi.imag, [last.omega]])
     assert np.abs(phase_locked.residual(u, last.c, A, B)).max() < 1e-9

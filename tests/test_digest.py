@@ -122,6 +122,17 @@ else:
     assert not computed
 
 
+def test_a_name_that_is_computed_is_seen_among_other_calls(tmp_path):
+    path = tmp_path / "module.py"
+    for text, computed in (
+        ("print(1)\nimportlib.import_module(name)", True),
+        ("print(__import__(name))", True),
+        ("import_module = print\nprint(1)", False),
+    ):
+        path.write_text(text)
+        assert imports_of(path, "r.s")[1] is computed
+
+
 def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():
     held = closure("benchmarks.roots", without=DRAWING)
     needed = {"benchmarks.work_precision", "theory.piecewise.roots"}

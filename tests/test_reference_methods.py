@@ -444,6 +444,18 @@ def short_tails(monkeypatch: pytest.MonkeyPatch) -> int:
     return 3
 
 
+def test_a_nucleus_has_its_core_and_no_other_site_above_the_unstable_cycle(short: int) -> None:
+    """By a fifth: sites there have left it. r² = (a/b)(1 - √(1 - 8b/a²))."""
+    unstable = math.sqrt(A / B * (1.0 - math.sqrt(1.0 - 8.0 * B / A**2)))
+    sites = 2 + 2 * short
+    for core, beside, held in ((1.21, 1.19, True), (1.19, 1.19, False), (1.21, 1.21, False)):
+        r = np.full(sites, beside * unstable)
+        r[short : short + 2] = core * unstable
+        turned = r * np.exp(0.7j * np.arange(sites))
+        u = np.concatenate([turned.real, turned.imag, [0.1]])
+        assert phase_locked._is_nucleus(u, 2, A, B) is held
+
+
 @pytest.mark.parametrize("size", [2, 4, 8])
 def test_a_family_is_of_quarter_turns_at_every_second_step(
     size: int, monkeypatch: pytest.MonkeyPatch

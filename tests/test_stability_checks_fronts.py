@@ -408,7 +408,7 @@ def test_a_front_that_rests_reaches_no_site(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(fronts, "_STALL_TIME", 20.0)
     v = front_wave(0.6, 0.03125).v
     off = fronts._by_scipy({"c": 0.6, "eta": 0.03125}, rest, full=False).distance
-    assert 0.0 < off < 1.2 * v
+    assert 0.6 * v < off < 1.2 * v  # the chain ends before the time does
 
 
 def _arrivals(v: float, first: float = 0.0) -> np.ndarray:

@@ -27,6 +27,7 @@ import numpy as np
 import pytest
 
 from theory.parameters import MissingPackageError, ParameterError
+from verification.execution import columns
 from verification.execution import sweep as sweeping
 from verification.execution import table as tables
 from verification.execution.columns import column_of, on_disk, python_rows
@@ -802,6 +803,24 @@ def test_a_zarr_store_may_be_put_where_nothing_is(tmp_path: Path) -> None:
 def test_coordinates_without_a_name_are_refused(points: Any) -> None:
     with pytest.raises(ParameterError, match="is not a name"):
         points_of(points)
+
+
+def test_arrays_are_on_disk_where_a_folder_is_named_and_numbers_never(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folders: list[Path] = []
+    monkeypatch.setattr(
+        columns, "on_disk", lambda shape, kind, folder: folders.append(folder) or np.zeros(shape)
+    )
+    for cell, folder, expected in (
+        (np.ones(3), tmp_path, [tmp_path]),
+        (np.ones(3), None, []),
+        (1.0, tmp_path, []),
+        (1.0, None, []),
+    ):
+        folders.clear()
+        columns._Column("a", 2, folder=folder).put(0, cell)
+        assert folders == expected
 
 
 def test_arrays_on_disk_are_zeros_where_the_system_reserves_no_room(

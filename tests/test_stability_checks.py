@@ -598,3 +598,6 @@ def test_a_test_problem_is_a_chain_of_its_own_length_or_of_another() -> None:
     problem = PROBLEMS["chain"][0]
     assert problem.vdp_chain() == VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=31)
     assert problem.vdp_chain(5) == VdpChain(a=4.0, b=0.5, c=0.6, eps=0.01, sites=5)
+    for eps, of_chain in ((0.3, 0.3), (0.0, 0.01)):
+        given = replace(problem, values={**problem.values, "eps": eps})
+        assert given.vdp_chain().eps == of_chain

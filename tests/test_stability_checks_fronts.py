@@ -384,17 +384,19 @@ def test_a_front_of_the_chain_is_timed_in_slow_time(monkeypatch: pytest.MonkeyPa
 def test_a_front_of_the_chain_starts_with_lags_of_a_quarter_turn(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    started: list[np.ndarray] = []
+    started: list[Any] = []
 
-    def run(_: Any, __: float, start: np.ndarray, *___: Any, **____: Any) -> None:
-        started.append(start)
+    def run(rate: Any, _: float, start: np.ndarray, *__: Any, **___: Any) -> None:
+        started.extend((rate, start))
         raise NoReferenceError("begun")
 
     monkeypatch.setattr("scipy.integrate.DOP853", run)
     stated = StatedValue(value=1.0, error=1e-9)
     with pytest.raises(NoReferenceError, match="begun"):
         fronts._by_scipy({"c": 2.0, "eta": 0.03125, "eps": 0.05}, stated, full=True)
-    psi = as_complex(started[0])
+    rate, start = started
+    assert np.array_equal(rate(0.0, start)[: start.size // 2], start[start.size // 2 :])  # of (8)
+    psi = as_complex(start)
     filled = psi[: fronts._FILLED]
     assert not psi[fronts._FILLED :].any()
     assert filled[1:] == pytest.approx(-1j * filled[:-1], rel=1e-14)
@@ -523,6 +525,9 @@ def test_a_wave_is_stated_where_there_is_one() -> None:
     found = fronts._wave({"c": 0.6, "eta": 0.03125})
     assert found.value == front_wave(0.6, 0.03125).v
     assert 0.0 < found.error < 1e-9
+    pinned = fronts._wave({"c": 0.05, "eta": 0.03125})
+    assert (pinned.value, pinned.error) == (None, 0.0)
+    assert "pinned" in pinned.note
 
 
 # ------------------------------------------------------------------------------------------- runs

@@ -230,6 +230,15 @@ def test_stick_slip_of_little_damping_begins_and_ends_where_work_is_balanced(
     assert found.cycle_end_velocity == pytest.approx(end, rel=5e-3)
 
 
+def test_stick_slip_of_a_narrow_fall_of_friction_begins_above_the_hopf_velocity() -> None:
+    """By ¾(v_H/v_s)² of it, as above; here that is 6.8e-8, of which round-off leaves 1e-9."""
+    v_s, xi, drop = 0.05, 0.003, 0.5
+    begin, _ = cycle_velocities(FrictionCell(law="stribeck", v_s=v_s, xi=xi))
+    x = xi * v_s / drop
+    hopf = xi * v_s**2 / drop * (1.0 + x**2)
+    assert begin / hopf - 1.0 == pytest.approx(0.75 * x**2, rel=0.05)
+
+
 @pytest.mark.parametrize(("xi", "drop"), [(0.05, 0.5), (0.05, 1e-5), (0.9, 0.5), (0.95, 1e-2)])
 def test_the_end_of_cycles_under_coulomb_friction_is_that_of_the_linear_equation(
     xi: float, drop: float

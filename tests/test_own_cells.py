@@ -304,6 +304,19 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
     assert found.error == pytest.approx(99.0 * 1e4 * 1e-9, rel=1e-6)
 
 
+@pytest.mark.parametrize(("limits", "at"), [((1.0, 1.02), 1), ((1.03, 1.05), 0)])
+def test_a_cycle_far_from_its_limit_is_looked_for_on_its_side_of_the_next(
+    limits: tuple[float, float], at: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between twice the distances of both limits, where the map has both cycles or none."""
+    true = (1.0, 1.05)
+    _made_turns(monkeypatch, true, 3.0)
+    cell: Any = SimpleNamespace(
+        cycles=[SimpleNamespace(amplitude=limit, period=6.0) for limit in limits]
+    )
+    assert shooting._fixed(cell, 0.1, at, 1e-9) == pytest.approx(true[at], abs=2e-6)
+
+
 @pytest.mark.parametrize(
     ("damping", "status", "stable", "unstable"),
     [

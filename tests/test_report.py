@@ -533,7 +533,9 @@ def test_a_picture_that_is_too_large_is_named_and_one_of_pyplot_is_closed(monkey
     monkeypatch.setattr(figures, "LARGE", 2_000)
     drawn, axes = pyplot.subplots()
     axes.plot([1.0, 2.0], [3.0, 5.0])
-    picture("many-points", drawn, {"x": [1.0, 2.0], "y": [3.0, 5.0]})
+    found = picture("many-points", drawn, {"x": [1.0, 2.0], "y": [3.0, 5.0]})
+    assert found.png.startswith(b"\x89PNG")
+    assert found.pdf.startswith(b"%PDF")
     assert drawn.number not in pyplot.get_fignums()
     (record,) = caplog.records
     assert "many-points has 0.0 MB" in record.getMessage()

@@ -690,6 +690,8 @@ def test_what_is_no_record_is_one_sentence(body: object) -> None:
 
 
 def test_a_record_is_read_as_its_kind_and_format_only_and_as_it_was_written() -> None:
+    with pytest.raises(ValueError, match="nan"):  # which JSON does not have
+        Record(kind="map", content={"c": [math.nan]}).to_dict()
     written = Record(kind="map", content={"c": [0.5, 1e-300]}).to_dict()
     assert Record.from_dict(written, "map").content == {"c": [0.5, 1e-300]}
     for kind, change in (("table", {}), ("map", {"format": 2}), ("map", {"c": [0.5, 0.0]})):
@@ -803,6 +805,20 @@ def test_a_zarr_store_may_be_put_where_nothing_is(tmp_path: Path) -> None:
 def test_coordinates_without_a_name_are_refused(points: Any) -> None:
     with pytest.raises(ParameterError, match="is not a name"):
         points_of(points)
+
+
+def test_an_array_of_a_point_has_signed_numbers_or_what_they_cannot_hold() -> None:
+    for given, kind in (
+        (np.array([1, 255], np.uint8), "i"),
+        (np.array([1, 2], np.uint64), "i"),
+        (np.array([1, 2**63], np.uint64), "f"),
+        ([True, False], "b"),
+        ((1, 2.5), "f"),
+    ):
+        found = columns.cell_of(given)
+        assert isinstance(found, np.ndarray)
+        assert found.dtype.kind == kind
+        assert found.tolist() == np.asarray(given).tolist()
 
 
 def test_arrays_are_on_disk_where_a_folder_is_named_and_numbers_never(

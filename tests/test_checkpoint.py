@@ -321,6 +321,17 @@ def test_seconds_of_earlier_runs_add_up(tmp_path: Path, monkeypatch: pytest.Monk
         assert json.loads(box.read("header.json"))["seconds"] == 0.0
 
 
+@pytest.mark.parametrize("saved", [False, True])
+def test_an_interrupt_waits_only_where_a_run_is_saved(
+    saved: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[bool] = []
+    deferred = checkpoint.deferred_interrupts
+    monkeypatch.setattr(checkpoint, "deferred_interrupts", lambda: begun.append(True) or deferred())
+    run_to_end([Logistic()], 3.0, 1, tmp_path / "run.npz" if saved else None)
+    assert begun == [True] * saved
+
+
 def test_two_runs_do_not_write_one_checkpoint(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
 

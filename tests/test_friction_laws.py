@@ -370,6 +370,9 @@ def test_without_a_stick_slip_cycle_at_any_velocity_both_its_ends_are_zero() -> 
     for law in ("stribeck", "exponential"):
         assert cycle_velocities(FrictionCell(law=law, xi=3.0), 1e-8) == (0.0, 0.0)
         assert cycle_velocities(FrictionCell(law=law, xi=0.0), 1e-8)[1] == math.inf
+    for xi, end in ((3.0, 0.0), (0.0, math.inf)):
+        found = friction_cell(FrictionCell(xi=xi), 1e-8)
+        assert (found.cycle_end_velocity, found.cycle_end_error) == (end, 0.0)
 
 
 @pytest.mark.parametrize("size", [1e-2, 1e2])

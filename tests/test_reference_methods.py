@@ -678,6 +678,14 @@ def test_the_fold_is_as_uncertain_as_roundings_at_its_own_coupling_make_it(
     assert 0.0 < found.uncertainty < 1e-15
 
 
+def test_roundings_of_a_state_add_up_whatever_their_signs(monkeypatch: pytest.MonkeyPatch) -> None:
+    inverse = np.array([[1.0, -1.0, 0.5], [0.0, 2.0, 0.0], [-3.0, 0.0, 0.0]])
+    monkeypatch.setattr(precise_breather, "_newton", lambda *_: (np.zeros(3), inverse))
+    monkeypatch.setattr(precise_breather, "_rounding", lambda *_: np.array([1.0, 1.0, 4.0]))
+    found = precise_breather.locked_state(0.08, 0.1, np.array([1.0 + 0j]), 0.0)
+    assert found.uncertainty == 4.0
+
+
 def test_roundings_of_a_state_are_larger_than_those_of_each_of_its_terms() -> None:
     """Of doubles in place of long doubles, scaled: what one rounding of each operation changes."""
     rng = np.random.default_rng(6)

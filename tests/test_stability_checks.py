@@ -32,6 +32,7 @@ from verification.quantities.quantity import Axis, ReferenceCheck, StatedValue, 
 from verification.quantities.registry import all_computations, chosen, computation_named
 from verification.references.equations import full_rate
 from verification.references.extrapolation import PreciseState, extended
+from verification.references.friction_events import BEGINS
 from verification.references.pace import NoReferenceError
 from verification.runs.trajectory import RunStatus
 
@@ -453,6 +454,16 @@ def test_a_cycle_is_off_by_its_period_or_its_stick_time_whichever_is_more(
     assert check.uncertainty == pytest.approx(1e-6, rel=1e-6)
     runs[friction._TIGHT] = None
     assert friction.cycle_by_scipy(BELT, stated).distance == math.inf
+
+
+@pytest.mark.parametrize("sticks", [0, 1, 2])
+def test_a_cycle_that_is_denied_must_not_stick_again(
+    sticks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = SimpleNamespace(when=lambda kind: np.arange(float(sticks)) if kind == BEGINS else None)
+    monkeypatch.setattr(friction, "_events", lambda *_: run)
+    stated = StatedValue(value=np.zeros(2), error=0.0)
+    assert friction.cycle_by_scipy(BELT, stated).distance == (math.inf if sticks else 0.0)
 
 
 def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:

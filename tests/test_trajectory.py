@@ -151,8 +151,10 @@ def test_a_trajectory_becomes_json(model: str) -> None:
     assert found["tolerance"] == (1e-10 if model == "friction" else 1e-9)
     assert isinstance(run.chain, CHAINS[model])
     if model != "friction":  # sites above the level, and not all that have ever been
-        passed = replace(run, arrivals=np.zeros(run.arrivals.size))
-        assert passed.to_dict()["width"] == int((run.amplitude[-1] > run.level).sum()) == 1
+        amplitude = run.amplitude.copy()
+        amplitude[-1, :3] = 2.0 * run.level
+        passed = replace(run, arrivals=np.zeros(run.arrivals.size), amplitude=amplitude)
+        assert passed.to_dict()["width"] == 3
 
 
 def test_the_phase_is_that_of_the_envelope_and_stands_still_without_damping() -> None:

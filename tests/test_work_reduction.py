@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import json
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -91,6 +92,21 @@ def test_values_left_out_hide_no_violation_of_1e_11(c: float, eta: float, branch
 @pytest.mark.parametrize("above", [1e-8, 1e-5, 0.01])
 def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) -> None:
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
+
+
+def test_a_search_that_loses_a_velocity_exceeds_every_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = sums.all_velocities
+
+    def lost(*given: Any) -> Any:
+        found = search(*given)
+        return SimpleNamespace(v=found.v[1:], evaluations=found.evaluations)
+
+    monkeypatch.setattr(sums, "all_velocities", lost)
+    found = sums.few_values_in_a_search(0.03125, 0.01)
+    assert found.changed == math.inf
+    assert 0.0 < found.bound < 1.0
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (1.5, 0.05), (0.3, 0.01)])

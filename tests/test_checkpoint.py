@@ -205,6 +205,22 @@ def test_a_clock_that_is_none_or_stands_still_does_not_run_for_ever(tmp_path: Pa
         run_to_end([broken], 3.0, 1)
 
 
+def test_a_piece_of_work_may_end_at_the_time_at_which_it_began() -> None:
+    """As where several events are at one time."""
+
+    class Events(Logistic):
+        events = 0
+
+        def advance(self, budget: int) -> None:
+            self.events += 1
+            if self.events % 2:
+                super().advance(budget)
+
+    run = Events()
+    run_to_end([run], 3.0, 1)
+    assert (run.time, run.events) == (3.0, 5)
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_saves_the_run_where_it_is(number: signal.Signals, tmp_path: Path) -> None:
     path = tmp_path / "run.npz"

@@ -324,6 +324,24 @@ def test_options_of_a_compilation_are_those_with_the_same_values() -> None:
     assert (one == other, one == "options") == (False, False)
 
 
+def test_a_folder_that_was_tried_is_left_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened, closed = [], []
+    begin, end = tempfile.mkstemp, os.close
+
+    def mkstemp(**given: Any) -> tuple[int, str]:
+        found = begin(**given)
+        opened.append(found[0])
+        return found
+
+    monkeypatch.setattr(tempfile, "mkstemp", mkstemp)
+    monkeypatch.setattr(os, "close", lambda handle: (closed.append(handle), end(handle))[1])
+    assert compiled._can_be_written(tmp_path / "new")
+    assert closed == opened != []
+    assert list((tmp_path / "new").iterdir()) == []
+
+
 def test_compiled_code_of_other_sources_is_kept_for_a_week(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

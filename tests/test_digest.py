@@ -116,9 +116,11 @@ if TYPE_CHECKING:
 else:
     lambda: None
     import p.g
+if __debug__:
+    import p.h
 """)
     names, computed = imports_of(path, "r.s")
-    assert set(names) == {"p.a", "p.b", "r.s", "r.s.c", "r.q", "r.q.d", "p.e", "p.g"}
+    assert set(names) == {"p.a", "p.b", "r.s", "r.s.c", "r.q", "r.q.d", "p.e", "p.g", "p.h"}
     assert not computed
 
 

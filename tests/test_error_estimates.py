@@ -271,15 +271,21 @@ def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
         t=np.array([0.0, 0.1, 0.3]), message="?",
     )  # fmt: skip
     asked: list[dict[str, Any]] = []
-    monkeypatch.setattr(
-        "scipy.integrate.solve_ivp", lambda *_, **given: asked.append(given) or ended
-    )
+
+    def solve(_: Any, span: tuple[float, float], __: Any, **given: Any) -> Any:
+        assert span == (0.0, 1.0)
+        asked.append(given)
+        return ended
+
+    monkeypatch.setattr("scipy.integrate.solve_ivp", solve)
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=2)
     gentle: Any = None
-    state = np.array([[1e3, 0.0], [0.0, 0.0]])
-    with pytest.raises(ArithmeticError, match=r"t = 0\.3"):
-        stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle)
-    assert 0.0 < asked[0]["atol"] < asked[0]["rtol"] * np.abs(state).max()
+    for size in (1e3, 1e5):
+        state = np.array([[size, 0.0], [0.0, 0.0]])
+        with pytest.raises(ArithmeticError, match=r"t = 0\.3"):
+            stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle)
+        assert 0.0 < asked[-1]["atol"] < asked[-1]["rtol"] * size
+    assert asked[1]["atol"] == pytest.approx(100.0 * asked[0]["atol"])
 
 
 @pytest.mark.parametrize("parity", [1, -1])

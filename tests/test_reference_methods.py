@@ -456,6 +456,15 @@ def test_a_nucleus_has_its_core_and_no_other_site_above_the_unstable_cycle(short
         assert phase_locked._is_nucleus(u, 2, A, B) is held
 
 
+def test_breathers_are_the_same_but_for_their_phase_and_a_reflection() -> None:
+    one = np.array([0.1, 2.0, -1.5j, 0.2 + 0.1j])
+    for other in (one, one[::-1]):
+        for turn in (0.7, -2.5):
+            turned = other * np.exp(1j * turn)
+            assert phase_locked._same(one, turned)
+            assert not phase_locked._same(one, turned + np.array([0.0, 0.0, 0.0, 1e-4]))
+
+
 @pytest.mark.parametrize("size", [2, 4, 8])
 def test_a_family_is_of_quarter_turns_at_every_second_step(
     size: int, monkeypatch: pytest.MonkeyPatch

@@ -94,6 +94,20 @@ def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) 
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
 
 
+def test_a_violation_that_may_be_passed_over_is_within_its_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    r = threshold_ratio(0.03125)
+
+    def shape(_: object, m: Any, __: int) -> Any:
+        return [np.where(m < 0, math.sqrt(r * r - 5e-12), 0.0)[:, None]]
+
+    monkeypatch.setattr(sums, "_shape", shape)
+    found = sums.few_values_of_the_shape(0.5, 0.03125)
+    assert found.changed == pytest.approx(5e-12, rel=1e-4)
+    assert found.holds
+
+
 def test_a_search_that_loses_a_velocity_exceeds_every_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fronts import bound, curves, derived
+from fronts import bound, cli, curves, derived
 from fronts.answer import UsageError
 from fronts.arguments import is_range
 from fronts.bound import Bound, located
@@ -265,6 +265,13 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
 def test_what_says_nothing_or_twice_is_refused_before_any_call(line, said, capsys):
     assert main(line.split()) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_switch_of_a_command_of_its_own_is_off_where_it_is_not_given():
+    for name, command in COMMANDS.items():
+        if command.module:
+            for one in inspect.signature(cli._own(command)[1]).parameters.values():
+                assert one.annotation != "bool" or one.default is False, (name, one.name)
 
 
 def test_options_are_those_of_the_model():

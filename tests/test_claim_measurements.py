@@ -20,6 +20,7 @@ import pytest
 from scipy.integrate import RK45
 
 from paper_checks.claims import (
+    _friction,
     _maps,
     fig02,
     fig03,
@@ -494,6 +495,22 @@ def test_the_gaps_of_the_friction_law_are_of_its_slope_and_the_largest_of_its_va
 
 
 # ------------------------------------------------------------ thresholds and fronts of the friction
+
+
+@pytest.mark.parametrize(("gap", "agree"), [(0.99e-3, True), (1.01e-3, False), (math.nan, False)])
+def test_arrivals_by_two_methods_that_are_apart_are_no_evidence(
+    gap: float, agree: bool, monkeypatch: Patch
+) -> None:
+    arrivals = {"arrivals_by_scipy": np.zeros(3), "arrivals_compiled": np.full(3, gap)}
+    for name, found in arrivals.items():
+        monkeypatch.setattr(_friction, name, lambda *_, found=found: found)
+    monkeypatch.setattr("verification.runs.comparison.difference", lambda one, two: max(two - one))
+    chain: Any = None
+    if agree:
+        assert _friction.disagreement(chain, (1,), 9.0) == gap
+        return
+    with pytest.raises(ArithmeticError, match="by scipy and by Taylor steps differ by"):
+        _friction.disagreement(chain, (1,), 9.0)
 
 
 def test_falls_are_from_the_smallest_nucleus() -> None:
@@ -1155,11 +1172,14 @@ def test_a_breather_is_followed_beyond_its_end_and_its_growth_is_that_at_the_las
         assert branch.c_end < c < 1.5 * branch.c_end
         return SimpleNamespace(fold=fold)
 
+    def arrive(system: str, followed: Any, c: float) -> Any:
+        assert (system, followed.fold) == ("system", fold)
+        return SimpleNamespace(u=c + 0.25)
+
     monkeypatch.setattr(fig11, "_orbit", orbit)
     monkeypatch.setattr(fig11, "_growth", lambda u, c: u - c)
     monkeypatch.setattr("verification.continuation.branch.trace", trace)
-    monkeypatch.setattr("verification.continuation.branch.arrive",
-                        lambda system, followed, c: SimpleNamespace(u=c + 0.25))  # fmt: skip
+    monkeypatch.setattr("verification.continuation.branch.arrive", arrive)
     fold: Any = SimpleNamespace(parameter=0.9 * fig11.LAST)
     assert fig11._orbit_end(branch) == (fold.parameter, None)
     fold = SimpleNamespace(parameter=1.1 * fig11.LAST)

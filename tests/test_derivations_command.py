@@ -223,6 +223,16 @@ def test_a_cell_to_second_order(capsys):
     assert shift["expression"] == "Equality(omega, 1 - epsilon**2/16, evaluate=False)"
 
 
+def test_a_file_that_cannot_be_written_is_refused_before_anything_is_derived(
+    capsys, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(catalogue, "load", None)
+    for words in (["averaging"], ["averaging", "--graph"], ["--equation", "34"]):
+        code, _, err = run(capsys, *words, "--out", str(tmp_path / "none" / "x.svg"))
+        assert code == 2
+        assert "does not exist" in err
+
+
 def test_the_graph_is_an_svg(capsys, tmp_path):
     target = tmp_path / "equations.svg"
     code, _, _ = run(capsys, "--graph", "--out", str(target))

@@ -262,6 +262,7 @@ def test_a_front_in_the_plane_is_drawn_by_when_it_arrives_where() -> None:
     assert np.array_equal(dots.get_offsets(), places)
     assert np.array_equal(dots.get_array(), times)
     assert axes.get_aspect() == 1.0
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("column", "row")
     assert axes.figure.axes[1].get_ylabel() == "time of arrival"
 
 
@@ -638,3 +639,6 @@ def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -
         ExplorerPage._shower(page, Settings(), found)()
         assert shown == expected
         assert bool(page.status.object) is (count >= 3)
+        assert "updated in" not in page.status.object  # the first one includes compiling
+    ExplorerPage._shower(page, Settings(), dict(list(results.items())[:3]))()
+    assert "; updated in " in page.status.object

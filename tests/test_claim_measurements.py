@@ -865,7 +865,8 @@ def test_the_breather_of_a_run_is_its_first_harmonic_and_its_error_that_of_the_o
         return SimpleNamespace(amplitudes=sizes**steep, waves=-waves, frequency=c, error=3e-9,
                                period=period, stable=c == fig07.C)  # fmt: skip
 
-    def flow(state: Any, c: float, duration: float, _: float) -> Any:
+    def flow(state: Any, c: float, duration: float, tolerance: float) -> Any:
+        assert tolerance < 1e-3 * fig07.AGREE
         if not clock[0]:
             # From one site, on the cycle of the averaged cell, until all else has decayed.
             assert np.flatnonzero(state).tolist() == [fig07.SITES + fig07.CENTRE]

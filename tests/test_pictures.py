@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -307,6 +308,25 @@ def test_a_film_in_mp4_is_refused_without_the_program_that_writes_it(
     monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
     with pytest.raises(MissingPackageError, match="ffmpeg"):
         animate(_run(np.zeros((2, 3))), tmp_path / "run.mp4")
+
+
+def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Amplitudes far below one have long numbers beside their axis."""
+
+    class Writer:
+        @contextmanager
+        def saving(self, figure: Figure, *_: Any, **__: Any) -> Iterator[None]:
+            yield
+            drawn = figure.get_tightbbox()
+            assert min(drawn.x0, drawn.y0) > 0.0
+            assert all((drawn.x1, drawn.y1) < figure.get_size_inches())
+
+        def grab_frame(self) -> None: ...
+
+    monkeypatch.setattr("fronts.animation._writer", lambda *_: Writer())
+    run = _run(np.array([[1e-3, 2e-3], [2e-3, 1.1e-3]]))
+    run.times = np.array([0.0, 5.0])
+    assert animate(run, "run.gif") == Path("run.gif")
 
 
 def test_a_frame_of_a_chain_at_rest_has_an_axis() -> None:

@@ -19,7 +19,7 @@ from derivations.averaging import symbols as own
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
-from derivations.multiple_scales.checks import ScalesChecks
+from derivations.multiple_scales.two_times_checks import TwoTimesChecks
 from derivations.symbols import n, omega, t
 
 _SAMPLES = 128
@@ -52,7 +52,7 @@ class SecondOrderChecks:
         far = 2 * model.reach
         self._sites = {at: complex(rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6))
                        for at in range(-far, far + 1)}  # fmt: skip
-        self.motion = ScalesChecks(model).chain
+        self.motion = TwoTimesChecks(model).chain
 
     @property
     def _is_linear(self) -> bool:

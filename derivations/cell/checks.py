@@ -17,7 +17,7 @@ from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
 from derivations.front.numbers import Lattice, evaluated, kinetic_sum
 from derivations.front.symbols import v as v_front
-from derivations.multiple_scales.checks import ScalesChecks
+from derivations.multiple_scales.two_times_checks import TwoTimesChecks
 from derivations.symbols import n, t
 
 _SAMPLED = "the equation averaged by direct sampling"
@@ -34,7 +34,7 @@ class CellChecks:
 
     def __init__(self, model: ChainModel) -> None:
         self.model = model
-        self.motion = ScalesChecks(model).chain
+        self.motion = TwoTimesChecks(model).chain
 
     @equals(_SAMPLED)
     def averaged(self, rng: random.Random) -> tuple[Point, list[complex]]:

@@ -25,10 +25,11 @@ CHAINS: dict[str, type[Chain]] = {}
 """Every model by name; subclasses of :class:`Chain` register themselves."""
 
 MAX_SITES = 1_000_000
+SITES_RANGE = Range(2, MAX_SITES)
 EPS_RANGE = Range(1e-9, 10.0)
 """Range of the small parameter ε of smooth chains."""
 
-MAX_COUPLING = 1e6
+COUPLING_RANGE = Range(0.0, 1e6)
 
 
 class Site(NamedTuple):
@@ -184,7 +185,7 @@ class Chain(ABC):
         checked = real_number(quantity, getattr(self, name), low, high, remedy)
         object.__setattr__(self, name, checked)
 
-    def _check_count(self, name: str, quantity: str, low: int, high: int) -> None:
+    def _check_count(self, name: str, quantity: str, low: float, high: float) -> None:
         """Check an integer parameter and store it as an int."""
         object.__setattr__(self, name, whole_number(quantity, getattr(self, name), low, high))
 

@@ -12,11 +12,14 @@ from typing import ClassVar
 
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
-from theory.chains.chain import MAX_COUPLING, MAX_SITES, Chain, Site, parameter
+from theory.chains.chain import COUPLING_RANGE, MAX_SITES, Chain, Site, parameter
 from theory.chains.ends import Ends
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, Range, with_ranges
+
+_SITES_RANGE = Range(1, MAX_SITES)
 
 
+@with_ranges(coupling=COUPLING_RANGE, sites=_SITES_RANGE)
 @dataclass(frozen=True, kw_only=True)
 class FrictionChain(Chain, model="friction"):
     """Model I, Eq. (5): friction-excited oscillators; dimensionless.
@@ -27,14 +30,14 @@ class FrictionChain(Chain, model="friction"):
     Attributes
     ----------
     c : float
-        Coupling, from 0 to 1e6.
+        Coupling, {coupling}.
     v_d, mu_st, mu_d, v0, xi, v_s, viscous : float
         As in :class:`theory.cells.friction.FrictionCell`.
     law : FrictionLaw or str
         How friction decreases with velocity: ``exponential`` as in (2), ``stribeck`` or
         ``coulomb``.
     sites : int
-        Number of oscillators, from 1 to 1 000 000.
+        Number of oscillators, {sites}.
     ends : Ends
         Free, or literal: (5) as printed, with zero in place of the missing neighbours.
 
@@ -67,11 +70,11 @@ class FrictionChain(Chain, model="friction"):
 
     def __post_init__(self) -> None:
         remedy = "give a coupling that is zero or positive"
-        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
+        self._check_number("c", "coupling c", *COUPLING_RANGE, remedy)
         cell = self.cell
         for each in fields(cell):
             object.__setattr__(self, each.name, getattr(cell, each.name))
-        self._check_count("sites", "number of sites n", 1, MAX_SITES)
+        self._check_count("sites", "number of sites n", *_SITES_RANGE)
         self._check_ends()
 
     @classmethod

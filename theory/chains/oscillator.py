@@ -19,15 +19,16 @@ import numpy as np
 from theory.cells.averaging import mean_shift_of_stiffness
 from theory.cells.compiled import CompiledForce
 from theory.cells.polynomial import as_polynomial
-from theory.chains.chain import Kernel, Site
+from theory.chains.chain import COUPLING_RANGE, EPS_RANGE, Kernel, Site
 from theory.chains.oscillator_kernel import Namespace, functions_of
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, with_ranges
 
 MAX_PHASE = 0.1
 """Largest phase error of the averaged chain per unit of εt that its stiffness may cause."""
 
 
+@with_ranges(coupling=COUPLING_RANGE, eps=EPS_RANGE)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OscillatorChain(OwnChain, model="chain"):
     """A chain or network of user-defined oscillators; dimensionless.
@@ -41,7 +42,7 @@ class OscillatorChain(OwnChain, model="chain"):
         h(y, v), v = ẏ, which multiplies εv: a polynomial; or ``h`` compiled by ``numba.njit``; or
         ``(h, h_y, h_v)`` with its derivatives, which are needed for breathers.
     c : float
-        Coupling, from 0 to 1e6.
+        Coupling, {coupling}.
     stiffness : str, number, SymPy expression, function or sequence of functions
         g(y), with a minimum of its potential at y = 0: a polynomial; or ``g`` compiled, or
         ``(g, g_y)``.
@@ -52,7 +53,7 @@ class OscillatorChain(OwnChain, model="chain"):
     coupling : str, Path, sparse matrix or networkx graph
         The weights, in any form that `theory.chains.coupling.network_of` accepts.
     eps : float
-        Small parameter ε, from 1e-9 to 10; 1 without inertia.
+        Small parameter ε, {eps}; 1 without inertia.
     velocity_coupling : float
         The coefficient d, with which the coupling also acts on differences of velocities.
     overdamped : bool

@@ -17,7 +17,14 @@ from theory.cells.compiled import CompiledForce, read_force
 from theory.cells.compiled_cell import compiled_cell
 from theory.cells.oscillator import Oscillator, OscillatorCell
 from theory.cells.polynomial import Polynomial
-from theory.chains.chain import EPS_RANGE, MAX_COUPLING, MAX_SITES, SmoothChain, parameter
+from theory.chains.chain import (
+    COUPLING_RANGE,
+    EPS_RANGE,
+    MAX_SITES,
+    SITES_RANGE,
+    SmoothChain,
+    parameter,
+)
 from theory.chains.coupling import Network, is_file, largest_group_slope, network_of, size_of
 from theory.chains.drive import Drive, read_drives
 from theory.chains.ends import Ends
@@ -84,7 +91,7 @@ class OwnChain(SmoothChain):
     )
 
     def __post_init__(self) -> None:
-        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, "give zero or a positive number")
+        self._check_number("c", "coupling c", *COUPLING_RANGE, "give zero or a positive number")
         self._check_number("eps", "small parameter eps", *EPS_RANGE)
         self._check_number("velocity_coupling", "velocity coupling", -1e6, 1e6)
         self._check_ends()
@@ -127,7 +134,7 @@ class OwnChain(SmoothChain):
         if given is None:
             given = size_of(self.coupling) or 31
         object.__setattr__(self, "sites", given)
-        self._check_count("sites", "number of sites n", 2, MAX_SITES)
+        self._check_count("sites", "number of sites n", *SITES_RANGE)
 
     def _close_ring(self) -> None:
         """Store a ring as a chain with periodic ends."""

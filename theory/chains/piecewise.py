@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
-from theory.chains.chain import MAX_COUPLING, Chain, Site, parameter
+from theory.chains.chain import COUPLING_RANGE, Chain, Site, parameter
 from theory.chains.ends import Ends
 from theory.parameters import ParameterError, real_number
 
@@ -53,7 +53,7 @@ class PiecewiseChain(Chain, model="piecewise"):
 
     def __post_init__(self) -> None:
         remedy = "give a positive coupling"
-        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
+        self._check_number("c", "coupling c", *COUPLING_RANGE, remedy)
         if self.c == 0.0:
             raise ParameterError("coupling c", self.c, "positive", remedy)
         if (self.a is None) != (self.b is None):

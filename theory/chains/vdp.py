@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from theory.cells.vdp import ETA_END, eta_from_damping
-from theory.chains.chain import EPS_RANGE, MAX_COUPLING, MAX_SITES, SmoothChain, parameter
+from theory.chains.chain import COUPLING_RANGE, EPS_RANGE, SITES_RANGE, SmoothChain, parameter
 from theory.chains.ends import Ends
 from theory.parameters import ParameterError, with_ranges
 
@@ -71,7 +71,7 @@ def envelope_velocity(site, left, right, p):  # type: ignore[no-untyped-def]
     )
 
 
-@with_ranges(eps=EPS_RANGE)
+@with_ranges(coupling=COUPLING_RANGE, eps=EPS_RANGE, sites=SITES_RANGE)
 @dataclass(frozen=True, kw_only=True)
 class VanDerPolChain(SmoothChain):
     """Parameters common to (8) and to (43); dimensionless.
@@ -81,11 +81,11 @@ class VanDerPolChain(SmoothChain):
     a, b : float
         Damping coefficients, positive.
     c : float
-        Coupling, from 0 to 1e6.
+        Coupling, {coupling}.
     eps : float
         Small parameter ε, {eps}. In slow time, (43) does not depend on ε.
     sites : int
-        Number of oscillators N, from 2 to 1 000 000.
+        Number of oscillators N, {sites}.
     ends : Ends
         Free or periodic.
 
@@ -111,9 +111,9 @@ class VanDerPolChain(SmoothChain):
             quantity = f"damping coefficient {name}"
             self._check_number(name, quantity, SMALLEST_DAMPING, LARGEST_DAMPING, remedy)
         remedy = "give a coupling that is zero or positive"
-        self._check_number("c", "coupling c", 0.0, MAX_COUPLING, remedy)
+        self._check_number("c", "coupling c", *COUPLING_RANGE, remedy)
         self._check_number("eps", "small parameter eps", *EPS_RANGE)
-        self._check_count("sites", "number of sites n", 2, MAX_SITES)
+        self._check_count("sites", "number of sites n", *SITES_RANGE)
         self._check_ends()
 
     @property

@@ -41,6 +41,7 @@ from verification.runs.trajectory import RunStatus, Trajectory
 __all__ = ["friction_integration", "simulate", "smooth_integration"]
 
 TOLERANCES = Range(1e-14, 1e-2)
+SAMPLES = Range(2, 1_000_000)
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may store: a few gigabytes."""
@@ -51,7 +52,7 @@ have become independent may agree by chance. For long chains, with which that do
 most so many times as have this number of states in all."""
 
 
-@with_ranges(tolerance=TOLERANCES, latest=LATEST)
+@with_ranges(tolerance=TOLERANCES, latest=LATEST, samples=SAMPLES.low)
 def simulate(  # noqa: PLR0913  (all but three by name)
     chain: Chain,
     start: npt.ArrayLike,
@@ -83,7 +84,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         Local error, {tolerance}: relative to the largest value of the state, by default
         1e-9; for the friction chain absolute, by default 1e-10.
     samples : int
-        Number of states sampled, evenly spaced from 0 to ``t_end``; at least 2.
+        Number of states sampled, evenly spaced from 0 to ``t_end``; at least {samples}.
     times : sequence of float, optional
         Times at which states are sampled instead, ascending, the last one at most ``t_end``.
     level : float, optional
@@ -184,7 +185,7 @@ def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntA
 
 
 def _check_samples(samples: float, sites: int) -> None:
-    within("number of samples", samples, 2, 1_000_000)
+    within("number of samples", samples, *SAMPLES)
     most = MAX_NUMBERS // sites
     if samples > most:
         raise ParameterError(

@@ -292,6 +292,27 @@ def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, si
     assert fold.height_error < 1e-4
 
 
+@pytest.mark.parametrize(("eta", "folds"), [(0.1, 0), (0.1017, 0), (0.11, 1)])
+def test_a_breather_of_three_sites_without_a_fold_becomes_a_mode_of_the_chain(
+    eta: float, folds: int
+) -> None:
+    """At strong coupling a mode A(1, -2, 1) has 6 - 18A²/4 + 66ηA⁴/8 = 0, which needs η ≤ 0.1023.
+
+    Of the weights these are Σw², Σw⁴ and Σw⁶ in the balance of energy.
+    """
+    chain = AveragedChain(a=1.0, b=eta, c=0.0, sites=3)
+    branch = follow(chain, [0.02, 4.0, 8.0], nucleus=Nucleus(1), folds=1)
+    assert len(branch.folds) == folds
+    room = 4.5**2 - 4.0 * 6.0 * 8.25 * eta
+    assert (room < 0.0) is bool(folds)
+    if folds:
+        return
+    mode = math.sqrt((4.5 + math.sqrt(room)) / (2.0 * 8.25 * eta)) * np.array([1.0, 2.0, 1.0])
+    near, far = (np.abs(point.amplitudes - mode).max() for point in branch.points[1:])
+    # What is left of the other modes falls at least as 1/c.
+    assert far < 0.55 * near < 1e-2
+
+
 def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.0, sites=3)
     found = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -12,7 +13,7 @@ from fronts.cli import main
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, RunError
 from verification.breathers import own
 from verification.breathers.breather import breather
 from verification.breathers.floquet import floquet_multipliers
@@ -31,6 +32,12 @@ from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds.continuation import _Report, breather_threshold
 from verification.thresholds.result import ThresholdMethod
 from verification.thresholds.threshold import threshold
+
+
+@numba.njit
+def _bare(y, v):  # type: ignore[no-untyped-def]
+    return 1.0 - 2.5 * y**2 + 0.5 * y**4
+
 
 PAPER = {"damping": "1 - a*y**2 + b*y**4", "values": {"a": 2.5, "b": 0.5}}
 
@@ -230,6 +237,36 @@ def test_orbits_are_of_at_most_a_hundred_and_one_sites() -> None:
         ParameterError, match=r"number of sites n = 102 .* at most 101 for an orbit"
     ):
         own.check_orbits(OscillatorChain(**PAPER, c=0.1, sites=102))
+
+
+def test_a_force_without_derivatives_is_refused_before_any_search() -> None:
+    with pytest.raises(ParameterError, match="given with its derivatives for a breather"):
+        own.check_orbits(OscillatorChain(damping=_bare, c=0.1, sites=3))
+
+
+def test_a_nucleus_settles_whose_period_is_that_of_no_cell_at_small_eps() -> None:
+    """Near the plateau of a force it is 31, and of the cycles of a cell 7.0 and 15.9.
+
+    It ended in an IndexError.
+    """
+    chain = OscillatorChain(
+        stiffness="y - 0.35*y**3 + 0.0307*y**5", damping="1 - 5.5*y**2 + 1.1*y**4", c=0.02,
+        sites=3, eps=0.1,
+    )  # fmt: skip
+    start = _settled_start(chain, Nucleus(1))
+    rate = oscillator_rate(
+        lambda y: y - 0.35 * y**3 + 0.0307 * y**5, lambda y, v: 1.0 - 5.5 * y**2 + 1.1 * y**4,
+        pull_matrix(3), c=0.02, eps=0.1,
+    )  # fmt: skip
+    after = states_by_scipy(rate, start[:-1], np.array([0.0, start[-1]]))[-1]
+    assert start[-1] == pytest.approx(31.0, abs=0.2)
+    assert np.abs(after - start[:-1]).max() < 0.05
+
+
+def test_a_nucleus_too_slow_to_be_seen_twice_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(own, "_LAST", 1)
+    with pytest.raises(RunError, match=r"at eps = 0\.3 .* oscillates more slowly .* smaller eps"):
+        _settled_start(OscillatorChain(**PAPER, c=0.1, eps=0.3, sites=5), Nucleus(1))
 
 
 @pytest.mark.parametrize("count", [5, 6, 7])

@@ -18,7 +18,7 @@ from scipy.integrate import DOP853
 from theory.arrays import FloatArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, RunError
 from verification.breathers.family import ReportCallback, silent
 from verification.breathers.orbits import STARTS, Orbits
 from verification.breathers.result import Breather
@@ -33,6 +33,8 @@ STEPS = 64
 MAX_SITES = 101
 SETTLED = 40.0
 """Time in units of ``time_unit`` after which the nucleus has either settled or disappeared."""
+_LAST = 6
+"""Periods of a cell, as ε → 0, at the end of this time in which the nucleus is sampled."""
 
 
 @dataclass(frozen=True)
@@ -208,12 +210,14 @@ def _settled_start(
     ------
     ParameterError
         If other sites are excited by then, or part of the nucleus no longer is.
+    RunError
+        If its period is far from that of a cell as ε → 0.
     """
     sites, centre = nucleus.excited(chain.sites), nucleus.centre(chain.sites)
     start = excite(chain, sites, quarter_turns=nucleus.quarter_turns())
     period = max(each.period for each in chain.cell.cycles)
     end = SETTLED * chain.time_unit
-    times = np.linspace(end - 3.0 * period, end, 601)
+    times = np.linspace(end - _LAST * period, end, 200 * _LAST + 1)
     run = SmoothIntegration(chain, start, times, tolerance=1e-10)
     while not run.finished:
         before = run.time
@@ -228,6 +232,11 @@ def _settled_start(
         )  # fmt: skip
     y = run.samples[:, 0, centre]
     rising = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
+    if rising.size < 2:
+        raise RunError(
+            f"at eps = {chain.eps:g} the nucleus oscillates more slowly than in {_LAST // 2} "
+            f"periods of a cell as eps -> 0, {period:.4g}: take a smaller eps."
+        )
     parts = -y[rising] / (y[rising + 1] - y[rising])
     passed = times[rising] + parts * (times[1] - times[0])
     at, part = rising[-1], parts[-1]

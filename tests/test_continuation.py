@@ -227,6 +227,13 @@ def test_on_both_sides_of_a_fold_a_solution_is_found_with_how_often_it_has_turne
         )
 
 
+def test_solutions_are_in_their_order_along_the_branch() -> None:
+    branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0, None, StepControl(folds=1))
+    values = np.linspace(1.0, 1.69, 40).tolist()
+    found = [point.parameter for point, _ in solutions_at(circle, branch, values[::-1])]
+    assert found == [*values, *values[::-1]]
+
+
 def test_an_end_that_stays_twice_counts_half() -> None:
     """The Illinois rule."""
     bracket = _Bracket(0.0, 1.0, -1.0, 1.0)

@@ -286,6 +286,9 @@ def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
             stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle)
         assert 0.0 < asked[-1]["atol"] < asked[-1]["rtol"] * size
     assert asked[1]["atol"] == pytest.approx(100.0 * asked[0]["atol"])
+    with pytest.raises(ArithmeticError):
+        stiff_stage._radau(chain, state, 0.0, 1.0, 1e-15, gentle)
+    assert [each["rtol"] for each in asked] == [1e-6, 1e-6, stiff_stage.TIGHTEST]
 
 
 @pytest.mark.parametrize("parity", [1, -1])

@@ -33,6 +33,7 @@ from verification.cells.diagram import bifurcation, cell_diagram
 from verification.cells.friction import (
     _with_error,
     cycle_end_velocity,
+    cycle_velocities,
     friction_cell,
     stick_slip_cycle,
     unstable_cycle,
@@ -140,6 +141,9 @@ def test_the_usual_tolerance_gives_both_cycles_to_ten_digits() -> None:
     for each in (stick_slip_cycle(CELL), unstable_cycle(CELL)):
         assert each is not None
         assert each.error < 1e-10
+    end = cycle_end_velocity(CELL, 1e-14)
+    assert cycle_end_velocity(CELL) == pytest.approx(end, rel=1e-11)
+    assert cycle_velocities(CELL)[1] == pytest.approx(end, rel=1e-11)
 
 
 def scaled(size: float) -> FrictionCell:

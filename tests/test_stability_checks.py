@@ -494,6 +494,26 @@ def test_of_a_long_friction_chain_only_the_sites_that_move_are_followed(
     assert friction.friction_by_scipy(at, far).distance == pytest.approx(1e-3, rel=1e-6)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_sites_of_a_friction_chain_move_to_either_side_of_rest(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first ten of them; the reference begins with six."""
+    at = BELT | {"sites": 40.0}
+    rest = friction.friction_chain(at).cell.steady_sliding
+    true = rest + side * 1e-3 * (np.arange(40) < 10)
+    followed: list[int] = []
+
+    def events(chain: Any, *_: Any) -> SimpleNamespace:
+        followed.append(chain.sites)
+        return SimpleNamespace(y=[true[: chain.sites]])
+
+    monkeypatch.setattr(friction, "_events", events)
+    stated = StatedValue(value=true, error=1e-9, extra=np.ones((2, 40)))
+    assert friction.friction_by_scipy(at, stated).distance == 0.0
+    assert max(followed) == 12
+
+
 def test_a_friction_run_states_its_own_error_and_none_where_rounding_decides(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

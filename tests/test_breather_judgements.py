@@ -77,6 +77,29 @@ def test_the_frequency_of_a_run_is_as_far_off_as_it_is_from_that_of_the_chain(
     monkeypatch.setattr(breathers, by, lambda *_, **__: settled)
     found = breathers.breather(chain, method="simulation")
     assert (found.error, found.frequency_error) == (0.5, 0.125 + 2.0**-5)
+    assert found.error_unknown == ""
+    # Of reasons why an error is unknown that of the run comes first.
+    monkeypatch.setattr(breathers, "own_family", lambda *_: SimpleNamespace(solve=lambda: none))
+    none = replace(settled, frequency=None, error_unknown="")
+    assert "at this coupling" in breathers.breather(chain, method="simulation").error_unknown
+    settled = replace(settled, error_unknown="the run")
+    assert breathers.breather(chain, method="simulation").error_unknown == "the run"
+
+
+@pytest.mark.parametrize(("moved", "left"), [(0.29, False), (0.31, True)])
+def test_a_start_that_leads_away_from_its_pattern_has_no_breather(
+    moved: float, left: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By more than three tenths of the cycle."""
+    monkeypatch.setattr(
+        envelope, "solve_at", lambda _, guess, c: SimpleNamespace(u=(1.0 - moved) * guess)
+    )
+    waves = RotatingWaves(AVERAGED, Nucleus(1))
+    if left:
+        with pytest.raises(ParameterError, match="pattern"):
+            waves.start(0.0)
+    else:
+        assert np.abs(waves.start(0.0).u).max() > 0.0
 
 
 @pytest.mark.parametrize(("chain", "which"), [(CHAIN, "(8)"), (AVERAGED, "(43)")])

@@ -33,6 +33,8 @@ from verification.runs.averaging_error import AveragingError
 from verification.runs.ensemble import Ensemble, SeedTask
 from verification.runs.excite import excite
 from verification.runs.friction_integration import FrictionIntegration
+from verification.runs.integration import StandstillError
+from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers import friction, smooth, stiff_stage
 from verification.steppers.friction_series import CLOCK
@@ -281,7 +283,7 @@ def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=2)
     gentle: Any = None
     for size in (1e3, 1e5):
-        state = np.array([[size, 0.0], [0.0, 0.0]])
+        state = np.array([[-size, 0.0], [0.0, 0.0]])
         with pytest.raises(ArithmeticError, match=r"t = 0\.3"):
             stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle)
         assert 0.0 < asked[-1]["atol"] < asked[-1]["rtol"] * size
@@ -289,6 +291,18 @@ def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
     with pytest.raises(ArithmeticError):
         stiff_stage._radau(chain, state, 0.0, 1.0, 1e-15, gentle)
     assert [each["rtol"] for each in asked] == [1e-6, 1e-6, stiff_stage.TIGHTEST]
+    assert asked[0]["dense_output"]
+    ended.y[0, -1], ended.success = 1.0, False
+    with pytest.raises(ArithmeticError):
+        stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle)
+    ended.success = True
+    assert stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle) is ended
+
+
+def test_a_chain_without_an_implicit_method_says_that_it_is_too_stiff() -> None:
+    chain = AveragedChain(a=4e4, b=1e8, c=0.6, sites=3)
+    with pytest.raises(StandstillError, match="run \\(8\\), which has a stiff method"):
+        simulate(chain, excite(chain, [1], 1e3), 1.0, samples=2)
 
 
 @pytest.mark.parametrize("parity", [1, -1])

@@ -170,6 +170,12 @@ def test_a_nucleus_wider_than_the_chain_is_refused() -> None:
         follow_nucleus(chain(0.19, 5), 7)
 
 
+@pytest.mark.parametrize("perturbation", [-1e-3, 1.5, NAN])
+def test_noise_that_is_none_is_refused(perturbation: float) -> None:
+    with pytest.raises(ParameterError, match="perturbation"):
+        follow_nucleus(chain(0.19, 5), perturbation=perturbation)
+
+
 def test_the_verdict_follows_what_the_runs_show() -> None:
     stands = {0.193: "larger nucleus", 0.203: "front"}
     assert text_nuclei.succession(stands)

@@ -159,6 +159,13 @@ def test_a_function_without_a_name_may_go_to_an_executor_that_is_given() -> None
         assert dict(found) == {0: 2, 1: 3, 2: 4}
 
 
+@pytest.mark.parametrize("items", [[1.0], [1.0, 2.0]])
+def test_an_executor_that_is_given_computes_everything(items: list[float]) -> None:
+    threads = _Timed(0.0)
+    assert dict(answers(abs, items, executor=threads, workers=1)) == dict(enumerate(items))
+    assert sum(threads.sizes) == len(items)
+
+
 class _Timed(Executor):
     """A pool in this process in which each item takes so long; it notes how many come at once."""
 

@@ -153,8 +153,9 @@ def test_a_shape_is_as_uncertain_as_the_rest_of_its_series(
 def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    true = kinetic_relation(0.5, 0.03125)
-    stated = relation._velocities({"c": 0.5, "eta": 0.03125})
+    true = kinetic_relation(0.45, 0.03125)
+    assert len(true.branches) == 2
+    stated = relation._velocities({"c": 0.45, "eta": 0.03125})
     assert stated.value.tolist() == [
         *(branch.v for branch in true.branches),
         *(x for x in (true.c_pin, true.c_fold, true.c_retreat) if x is not None),

@@ -86,6 +86,15 @@ def test_the_frequency_of_a_run_is_as_far_off_as_it_is_from_that_of_the_chain(
     assert breathers.breather(chain, method="simulation").error_unknown == "the run"
 
 
+def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
+    """By a chord of the wave's length, and of the centre, which has none, not at all."""
+    found = replace(
+        _breather(BreatherMethod.ENVELOPE, waves=np.array([1.0, 2.0, 1j])), wave_error=0.5,
+        chain=replace(CHAIN, sites=3),
+    )  # fmt: skip
+    assert found.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0 / 6.0], rel=1e-12)
+
+
 @pytest.mark.parametrize(("moved", "left"), [(0.29, False), (0.31, True)])
 def test_a_start_that_leads_away_from_its_pattern_has_no_breather(
     moved: float, left: bool, monkeypatch: pytest.MonkeyPatch

@@ -17,6 +17,7 @@ from theory.averaged.breather import BreatherStatus, solve_breather
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
 from verification.breathers.breather import breather
 from verification.breathers.envelope import (
     RotatingWaves,
@@ -429,6 +430,11 @@ def test_the_fold_of_a_ring_of_four_is_where_its_coupling_is_largest_at_every_et
                 high -= third
         assert 1.01 < low < mp.mpf(furthest) - 0.01
         assert abs(found.c_crit - coupling(low)) <= found.error < 1e-7 * found.c_crit
+
+
+def test_an_averaged_breather_of_an_eta_that_rounding_hides_is_refused() -> None:
+    with pytest.raises(ParameterError, match="eta"):
+        breather(AveragedChain(a=1.0, b=0.999e-6, c=1e-4, sites=5), method="envelope")
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e8])

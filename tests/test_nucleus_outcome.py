@@ -139,6 +139,7 @@ def test_below_the_loss_it_holds_and_beyond_the_range_a_front_runs() -> None:
         ([40, 30, 20, 0, 20, 30, 40], 7, NucleusOutcome.FRONT),
         ([0, 10, 20, 30, 40, 50, 60, 70], 8, NucleusOutcome.FRONT),
         ([0, 0, NAN, NAN], 2, NucleusOutcome.HELD),
+        ([40, 0, 40], 3, NucleusOutcome.FRONT),  # few, but there are no more
     ],
 )
 def test_the_rules_on_made_up_arrivals(

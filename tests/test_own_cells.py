@@ -93,11 +93,12 @@ def test_a_tolerance_that_the_errors_are_not_stated_for_is_refused(tolerance: fl
             cell(chain, tolerance=tolerance)
 
 
-def test_the_cell_of_van_der_pol_is_found_from_an_eps_of_1e_4_on() -> None:
+def test_the_cell_of_van_der_pol_is_found_for_eps_from_1e_4_to_one() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.0, eps=1e-4)
     assert cell(chain, tolerance=1e-6).stable_cycle is not None
-    with pytest.raises(ParameterError, match="eps"):
-        cell(replace(chain, eps=0.999e-4), tolerance=1e-6)
+    for eps in (0.999e-4, 1.001):
+        with pytest.raises(ParameterError, match="eps"):
+            cell(replace(chain, eps=eps), tolerance=1e-6)
 
 
 def test_the_usual_tolerance_gives_cycles_to_eight_digits() -> None:

@@ -512,6 +512,13 @@ def test_a_run_goes_on_from_the_end_of_another():
     assert again.final.origin >= first.final.origin
 
 
+@pytest.mark.parametrize("sites", [48, 64])
+def test_a_resting_start_has_its_last_site_with_the_force_at_zero(sites):
+    state = static_state(0.2, sites)
+    size = np.abs(state.phi)
+    assert size[-state.origin] > 0.5 > size[1 - state.origin]
+
+
 def test_a_site_that_overtakes_the_window_makes_it_longer():
     short = ChainState(static_state(1.0, 48).phi, 0)
     run = simulate_front(1.0, 0.005, short)

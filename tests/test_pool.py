@@ -192,9 +192,13 @@ def test_quick_items_are_handed_over_by_as_many_as_take_the_time_of_a_batch(coun
     assert set(timed.sizes[unknown:-1]) == {count}
 
 
+@pytest.mark.parametrize("pending", [pool.MAX_PENDING, 1])
 def test_of_a_pool_that_breaks_only_the_item_that_is_alone_in_another_has_died(
-    monkeypatch: pytest.MonkeyPatch,
+    pending: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Whether all items have been handed over by then, or one of them."""
+    monkeypatch.setattr(pool, "MAX_PENDING", pending)
+    monkeypatch.setattr(pool, "MAX_BATCH", min(pending, pool.MAX_BATCH))
     made = _pools(monkeypatch)
     items = [1, 2, 3, 4, 5, 3, 6]
     found = dict(answers(pool_example.inverse, items, workers=2))

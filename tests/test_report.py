@@ -535,7 +535,9 @@ def test_a_picture_that_is_too_large_is_named_and_one_of_pyplot_is_closed(monkey
     drawn, axes = pyplot.subplots()
     axes.plot([1.0, 2.0], [3.0, 5.0])
     axes.plot([1.0, 2.0], [4.0, 4.5], label="a guide")
-    found = picture("many-points", drawn, {"x": [1.0, 2.0], "y": [3.0, 5.0]}, guides=True)
+    found = picture("many-points", drawn, {"x": [1.0, 2.0], "y": [3.0, 5.0]}, guides=True,
+                    caption="Two points")  # fmt: skip
+    assert (found.caption, found.svg[:5]) == ("Two points", "<?xml")
     assert base64.b64decode(found.png).startswith(b"\x89PNG")
     assert drawn.axes == []  # the figure is empty
     assert base64.b64decode(found.pdf).startswith(b"%PDF")

@@ -306,6 +306,15 @@ def test_where_no_front_is_pinned_there_is_no_fold_and_elsewhere_one() -> None:
     assert relation._check_fold(at_end, relation._fold(at_end)).distance == 0.0
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-6, -1e-6])
+def test_an_eta_at_which_moving_fronts_end_at_pinning_is_as_far_off_as_it_is(off: float) -> None:
+    c = 0.3
+    value = relation.pinning_eta(c) * (1.0 + off)
+    stated = StatedValue(value=value, error=1e-15, extra=SimpleNamespace(velocity=0.0))
+    check = relation._check_eta_fold({"c": c}, stated)
+    assert check.distance == pytest.approx(abs(off) * value, rel=1e-4, abs=1e-15)
+
+
 @pytest.mark.parametrize("off", [0.5e-6, -0.5e-6, 2e-6, -2e-6])
 def test_a_fold_of_moving_fronts_holds_within_its_error_and_not_beyond(
     off: float, monkeypatch: pytest.MonkeyPatch

@@ -308,7 +308,7 @@ def test_progress_is_the_fraction_done(tmp_path: Path) -> None:
     assert seen == pytest.approx(np.linspace(0.0, 1.0, len(POINTS) + 1))
 
 
-def test_a_sweep_whose_only_point_is_known_is_done_from_the_beginning() -> None:
+def test_points_that_are_known_are_done_from_the_beginning() -> None:
     seen: list[float] = []
     found = sweeping._Found(points=points_of([{"x": 1}]), out=None, names={})
     found.put(0, {"value": 0.5})
@@ -316,6 +316,11 @@ def test_a_sweep_whose_only_point_is_known_is_done_from_the_beginning() -> None:
     options: Any = dict.fromkeys(("store", "workers", "executor"))
     assert sweeping._compute(one, found, **options, progress=seen.append) == {}
     assert seen == [1.0]
+    seen.clear()
+    half = sweeping._Found(points=points_of([{"x": 1}, {"x": 2}]), out=None, names={})
+    half.put(0, {"value": 1.0})
+    assert sweeping._compute(one, half, **options, progress=seen.append) == {}
+    assert seen == [0.5, 1.0]
 
 
 def test_points_may_be_axes_and_results_one_number() -> None:

@@ -336,7 +336,7 @@ def _replacing(path: Path, target: Path) -> Iterator[Path]:
             for left in (part, part.with_suffix(".old")):
                 shutil.rmtree(left, ignore_errors=True)
                 with suppress(OSError):
-                    left.unlink(missing_ok=True)
+                    left.unlink()
 
 
 def _pass_on(path: Path, content: bytes) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from verification.execution import files
 from verification.execution.files import (
     FileError,
     check_writable,
@@ -217,6 +218,18 @@ def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
     write_bytes(path, b"bytes")
     assert synced[1:] == [(len(b"bytes"), False)]
     assert path.read_bytes() == b"bytes"
+
+
+def test_a_folder_takes_the_place_of_one_that_is_not_empty(tmp_path: Path) -> None:
+    target = tmp_path / "table.zarr"
+    target.mkdir()
+    (target / "old").write_text("old")
+    with files._replacing(target, target) as part:
+        part.unlink()
+        part.mkdir()
+        (part / "new").write_text("new")
+    assert [each.name for each in tmp_path.iterdir()] == ["table.zarr"]
+    assert [each.name for each in target.iterdir()] == ["new"]
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EINVAL])

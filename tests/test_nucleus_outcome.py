@@ -177,6 +177,12 @@ def test_noise_that_is_none_is_refused(perturbation: float) -> None:
         follow_nucleus(chain(0.19, 5), perturbation=perturbation)
 
 
+@pytest.mark.parametrize("slow_time", [0.0, -1.0])
+def test_a_time_that_is_none_is_refused(slow_time: float) -> None:
+    with pytest.raises(ParameterError, match="slow time"):
+        follow_nucleus(chain(0.19, 5), slow_time=slow_time)
+
+
 def test_the_verdict_follows_what_the_runs_show() -> None:
     stands = {0.193: "larger nucleus", 0.203: "front"}
     assert text_nuclei.succession(stands)

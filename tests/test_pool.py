@@ -318,6 +318,25 @@ def test_a_worker_ends_at_once_whose_parent_has_ended_before_the_system_sees_to_
     assert done == [(1, signal.SIGKILL), *([1] if orphan else [])]  # PR_SET_PDEATHSIG is 1
 
 
+def test_what_is_left_when_nobody_asks_any_more_is_not_computed() -> None:
+    futures: list[Future[Any]] = []
+
+    class Slow(Executor):
+        """A pool that has computed the first item and no other yet."""
+
+        def submit(self, function: Callable[..., Any], *given: Any, **_: Any) -> Future[Any]:
+            futures.append(Future())
+            if len(futures) == 1:
+                futures[0].set_result(function(*given))
+            return futures[-1]
+
+    found = answers(pool_example.inverse, [1, 2, 4], executor=Slow())
+    assert next(iter(found)) == (0, 1.0)
+    found.close()  # type: ignore[attr-defined]
+    assert len(futures) > 1
+    assert all(each.cancelled() for each in futures[1:])
+
+
 def test_items_handed_over_together_are_answered_one_by_one_where_one_of_them_fails(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -206,6 +206,13 @@ def test_an_orbit_is_as_far_off_as_its_worst_number(
     assert (check.distance, check.uncertainty) == (pytest.approx(1e-3), 1e-9)
 
 
+def test_long_doubles_and_numbers_of_mpmath_are_the_same_to_all_their_digits() -> None:
+    third = np.longdouble(1) / 3
+    with mp.workdps(30):
+        assert abs(3 * breathers._as_mpf(third) - 1) < 3e-19
+        assert breathers._as_long(mp.mpf(1) / 3) == third
+
+
 def _envelope_none(c: float) -> ReferenceCheck:
     return computation_named("envelope-breather").check(
         {"eta": 0.08, "c": c}, StatedValue(value=None, error=0.0)

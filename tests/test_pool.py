@@ -337,6 +337,20 @@ def test_what_is_left_when_nobody_asks_any_more_is_not_computed() -> None:
     assert all(each.cancelled() for each in futures[1:])
 
 
+def test_code_that_was_typed_into_a_session_is_in_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    def typed(x: float) -> float:
+        return x
+
+    main: Any = sys.modules["__main__"]
+    typed.__module__, typed.__qualname__ = "__main__", "typed"
+    monkeypatch.setattr(main, "typed", typed, raising=False)
+    monkeypatch.setattr(main, "__file__", "script.py", raising=False)
+    assert pool._sendable(typed)
+    monkeypatch.delattr(main, "__file__")
+    assert not pool._sendable(typed)
+    assert pool._sendable(pool_example.inverse)
+
+
 def test_items_handed_over_together_are_answered_one_by_one_where_one_of_them_fails(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -456,6 +456,12 @@ def test_a_nucleus_has_its_core_and_no_other_site_above_the_unstable_cycle(short
         assert phase_locked._is_nucleus(u, 2, A, B) is held
 
 
+def test_a_breather_is_stable_if_it_grows_by_no_more_than_rounding(short: int) -> None:
+    (one,) = phase_locked.locked_breathers(1, A, B)
+    stable = {growth: replace(one, growth=growth).stable for growth in (-1.0, 1e-8, 1e-6, 1.0)}
+    assert stable == {-1.0: True, 1e-8: True, 1e-6: False, 1.0: False}
+
+
 def test_breathers_are_the_same_but_for_their_phase_and_a_reflection() -> None:
     one = np.array([0.1, 2.0, -1.5j, 0.2 + 0.1j])
     for other in (one, one[::-1]):

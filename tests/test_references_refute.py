@@ -56,6 +56,17 @@ def test_what_is_right_is_confirmed_and_what_is_a_hundredth_off_refuted(
     assert off.distance == pytest.approx(0.01, rel=0.1) or off.distance <= 0.0101 * size
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("which", [0, 1])
+def test_an_amplitude_or_a_decay_alone_that_is_off_is_refuted(which: int, side: float) -> None:
+    row = computation_named("closed-form-breather")
+    at = {"a": 2.5, "eta": 0.08, "c": 0.1, "reading": 1.0}
+    stated = row.compute(at)
+    value = stated.value.copy()
+    value[which] *= 1.0 + 1e-4 * side
+    assert row.check(at, replace(stated, value=value)).distance == pytest.approx(1e-4, rel=1e-3)
+
+
 def test_a_root_or_a_velocity_that_is_left_out_is_missed() -> None:
     roots = computation_named("roots")
     at = {"v": 0.3, "c": 0.5, "label": 10.0, "side": 2.0}

@@ -80,7 +80,7 @@ def cell_of(value: object) -> Cell:
             "a cell of a table cannot hold such a sequence: give an array of real numbers, complex "
             "ones as two arrays."
         )
-    if array.dtype == np.uint64 and array.max() > np.iinfo(np.int64).max:
+    if array.max() > np.iinfo(np.int64).max:
         kind = "f"
     return np.array(array, dtype=_TYPES[kind], order="C")
 

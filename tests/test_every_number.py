@@ -256,6 +256,17 @@ def test_a_limit_is_kept_where_the_first_alarm_is_dropped(monkeypatch, of_proces
     assert spent() < 2.0
 
 
+@pytest.mark.parametrize("of_processor", [True, False])
+def test_after_a_limit_alarms_are_what_they_were(of_processor):
+    alarm = signal.SIGPROF if of_processor else signal.SIGALRM
+    before = signal.getsignal(alarm)
+    with time_limit(100.0, of_processor=of_processor):
+        assert signal.getsignal(alarm) is not before
+    assert signal.getsignal(alarm) is before
+    timer = signal.ITIMER_PROF if of_processor else signal.ITIMER_REAL
+    assert signal.getitimer(timer) == (0.0, 0.0)
+
+
 def test_a_limit_is_on_the_clock_unless_it_is_of_the_processor():
     """A call that waits takes no time of the processor."""
     limited = time_limit_module.time_limit

@@ -78,6 +78,16 @@ def test_an_address_where_no_scheduler_answers_is_refused(
         pass
 
 
+def test_what_is_no_address_is_refused_with_what_one_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace())
+    for address in ("nowhere", "tcp://host", "http://host:8786"):
+        with pytest.raises(ParameterError) as refusal, cluster(address):
+            pass
+        assert (refusal.value.quantity, refusal.value.value) == ("scheduler", address)
+        assert refusal.value.allowed.startswith("the address of a dask scheduler")
+        assert refusal.value.remedy.startswith("start one with")
+
+
 def test_a_cluster_without_the_package_names_the_extra(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

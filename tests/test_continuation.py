@@ -251,6 +251,13 @@ def test_an_end_that_stays_twice_counts_half() -> None:
         assert found == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_first_end_that_is_replaced_leaves_the_other_as_it_is(side: float) -> None:
+    bracket = _Bracket(0.0, 1.0, -1.0, 1.0)
+    bracket.shrink(0.5, 0.25 * side)
+    assert (bracket.f_low, bracket.f_high) == ((-1.0, 0.25) if side > 0.0 else (-0.25, 1.0))
+
+
 @pytest.mark.parametrize("at", [1.234, 1.55, 1.69])
 def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> None:
     """The second of two values, on either side of the last point before the fold."""

@@ -337,6 +337,15 @@ def test_what_is_left_when_nobody_asks_any_more_is_not_computed() -> None:
     assert all(each.cancelled() for each in futures[1:])
 
 
+def test_what_is_computed_here_is_said_as_it_begins_and_how_much_is_done() -> None:
+    begun: list[int] = []
+    coming = answers(pool_example.inverse, [1, 2, 4], workers=1, only=[2, 0], begun=begun.append)
+    assert [(index, list(begun)) for index, _ in coming] == [(2, [2]), (0, [2, 0])]
+    seen: list[float] = []
+    found = pool.answers_in_order(pool_example.inverse, [1, 2], workers=1, progress=seen.append)
+    assert (found, seen) == ([1.0, 0.5], [0.5, 1.0])
+
+
 def test_code_that_was_typed_into_a_session_is_in_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
     def typed(x: float) -> float:
         return x

@@ -462,6 +462,16 @@ def test_a_breather_is_stable_if_it_grows_by_no_more_than_rounding(short: int) -
     assert stable == {-1.0: True, 1e-8: True, 1e-6: False, 1.0: False}
 
 
+def test_two_sites_may_be_in_phase_opposite_or_anything_between() -> None:
+    steps = [abs(float(each[0])) for each in phase_locked.phase_patterns(2)]
+    assert (min(steps), max(steps)) == (0.0, pytest.approx(np.pi))
+
+
+def test_a_pattern_that_newton_does_not_lead_to_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(phase_locked, "solve", lambda *_: None)
+    assert phase_locked._distinct([np.zeros(1)], 2, A, B) == []
+
+
 def test_breathers_are_the_same_but_for_their_phase_and_a_reflection() -> None:
     one = np.array([0.1, 2.0, -1.5j, 0.2 + 0.1j])
     for other in (one, one[::-1]):
@@ -485,7 +495,9 @@ def test_a_family_is_of_quarter_turns_at_every_second_step(
         assert np.abs(steps[1::2]) == pytest.approx(0.5 * np.pi)
         assert np.ptp(np.abs(steps[::2])) == 0.0
         right = steps[(size - 1) // 2 :]
-        assert all(np.ptp(right[begin::2]) == 0.0 for begin in range(min(2, right.size)))
+        left = steps[: (size - 1) // 2]
+        for half in (left, right):
+            assert all(np.ptp(half[begin::2]) == 0.0 for begin in range(min(2, half.size)))
     deltas = sorted({float(abs(steps[0])) for steps in patterns})
     assert deltas == pytest.approx(np.linspace(0.0, np.pi, 25).tolist())
     signs = {tuple(np.sign(steps)) for steps in patterns if 0.1 < abs(steps[0]) < 3.0}

@@ -34,6 +34,7 @@ from verification.quantities.scipy_states import moving_sites
 from verification.references.equations import as_complex
 from verification.references.extrapolation import PreciseState
 from verification.references.pace import NoReferenceError
+from verification.references.piecewise import static_sum
 
 # ------------------------------------------------------------------------------------------- sums
 
@@ -54,6 +55,12 @@ def test_the_reference_of_the_sum_is_one_that_reaches_there() -> None:
         other = sums.reference_sum(v, c, 20, without=by)[0] if by == "series" else None
         if other is not None and v < 1.0:
             assert abs(value - other) < 1e-19
+
+
+def test_the_static_limit_has_as_many_digits_as_are_asked() -> None:
+    value, uncertainty, _ = sums.reference_sum(1e-7, 1.0, 40)
+    with mp.workdps(60):
+        assert abs(value - static_sum(mp.mpf(1))) <= uncertainty < 1e-40
 
 
 @pytest.mark.parametrize("name", ["integral", "series", "precise-integral", "bessel", "quadrature"])
@@ -189,6 +196,12 @@ def test_a_plain_grid_sees_every_velocity(c: float, eta: float) -> None:
     """That it would see one that is left out; none is near another here."""
     branches = kinetic_relation(c, eta).branches
     assert relation._changes_of_sign({"c": c, "eta": eta}) == len(branches)
+
+
+@pytest.mark.parametrize("value", [None, 0.0])
+def test_a_closed_form_without_a_value_has_no_error(value: float | None) -> None:
+    found = relation._closed(lambda _: value, "eta")({"eta": 0.05})
+    assert (found.value, found.error) == (value, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -409,6 +422,8 @@ def test_a_front_of_the_chain_starts_with_lags_of_a_quarter_turn(
     psi = as_complex(start)
     filled = psi[: fronts._FILLED]
     assert not psi[fronts._FILLED :].any()
+    cycle = VdpChain(a=4.0, b=0.5, c=2.0).stable_amplitude
+    assert np.abs(filled) == pytest.approx(cycle, rel=1e-14)
     assert filled[1:] == pytest.approx(-1j * filled[:-1], rel=1e-14)
 
 

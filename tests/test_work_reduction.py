@@ -94,6 +94,39 @@ def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) 
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
 
 
+@pytest.mark.parametrize("missing", ["v", "error"])
+@pytest.mark.parametrize("which", [0, 1])
+def test_a_front_that_does_not_settle_exceeds_every_bound(
+    which: int, missing: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = {"v": 0.3, "error": 1e-9, "window": 48, "crossing_times": np.zeros(5)}
+    made = [given, given]
+    made[which] = given | {missing: None}
+    fronts = iter([SimpleNamespace(**each) for each in made])
+    monkeypatch.setattr(runs, "simulate_front", lambda *_: next(fronts))
+    found = runs.sites_of_the_window()
+    assert (found.spent, found.whole, found.changed, found.bound) == (48, 53, math.inf, 0.0)
+
+
+@pytest.mark.parametrize(("c", "hidden"), [(0.5, 1e-9), (0.435, 1e-10), (10.0, 1e-8)])
+def test_values_of_the_shape_are_as_dense_as_its_curvature_requires(
+    c: float, hidden: float
+) -> None:
+    """A parabola through two of them is above its chord by h² max|g''|/8."""
+    r = threshold_ratio(0.03125)
+    v = float(sums.all_velocities(np.array([c]), np.array([2.0 * r])).v[0])
+    left, right = sums.check_admissible(v, c, r).proven_beyond
+    grid = sums.ProfileGrid.make(v, c, max(left, right) + 2.0, 1e-11)
+    zeta, phi = grid.on_lattice(400)
+    g = np.abs(phi) ** 2
+    bend = (g[2:] - 2.0 * g[1:-1] + g[:-2]) * 400.0**2
+    inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 1e-3)  # on either side of the kink
+    found = sums.few_values_of_the_shape(c, 0.03125, 0, hidden)
+    h = (left + right) / found.whole
+    above = h**2 * float(np.abs(bend[inside[1:-1]]).max()) / 8.0
+    assert 0.3 * hidden < above < hidden
+
+
 def test_a_violation_that_may_be_passed_over_is_within_its_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -25,6 +25,8 @@ from verification.work_reduction.comparison import Comparison, timed
 _TAIL_DIGITS = 15
 _EPS = float(np.finfo(float).eps)
 _PIECE = 4096
+_FINE = 1024
+"""Values per site from which the curvature of the shape is taken."""
 
 
 def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
@@ -115,9 +117,10 @@ def few_values_of_the_shape(
     verdict = check_admissible(v, c, r)
     left, right = verdict.proven_beyond
     grid = ProfileGrid.make(v, c, max(left, right) + 2.0, TOLERANCE)
-    zeta, phi = grid.on_lattice(64)
-    inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 0.05)  # without the kink at 0
-    bend = float(np.abs(np.diff(np.abs(phi) ** 2, 2))[inside[1:-1]].max()) * 64.0**2
+    zeta, phi = grid.on_lattice(_FINE)
+    # Without the kink at 0, beside which the curvature is largest.
+    inside = (zeta > -left) & (zeta < right) & (np.abs(zeta) > 0.5 / _FINE)
+    bend = float(np.abs(np.diff(np.abs(phi) ** 2, 2))[inside[1:-1]].max()) * float(_FINE) ** 2
     pieces = math.ceil(1.0 / math.sqrt(8.0 * hidden / bend) / _PIECE)
     m = np.arange(-left, right)
     worst = math.inf

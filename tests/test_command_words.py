@@ -77,7 +77,7 @@ def test_words_are_those_of_the_process_where_none_are_given(
     ("line", "where"),
     [
         ("derive 34 --a 1", "'fronts derive'"),
-        ("front averaged --c 0.6 --mu-d 1", "the model averaged"),
+        ("front averaged --c 0.6 --mu-d 1", "'fronts front averaged'"),
     ],
 )
 def test_an_option_that_belongs_elsewhere_is_refused_for_what_was_asked(

@@ -2,8 +2,9 @@
 
 import ast
 import bisect
+import math
 import sys
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -299,6 +300,65 @@ def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
         assert code_of_objects(code_owners(called(Task(1.0))))[0] == (__name__,)
     with pytest.raises(ParameterError, match="one that holds a object"):
         parameters_of(Task(object()))
+
+
+@pytest.mark.parametrize(
+    ("given", "use", "changed"),
+    [
+        ("class K:\n k = 1.0", "K.k", ("1.0", "2.0")),
+        ("class B:\n def m(self): return 1\nclass K(B): pass", "K().m()", ("return 1", "return 2")),
+        ("class K:\n @staticmethod\n def m(): return 1", "K.m()", ("return 1", "return 2")),
+        ("class K:\n @property\n def m(self): return 1", "K().m", ("return 1", "return 2")),
+        ("class K:\n def m(self, c=1): return c", "K().m()", ("c=1", "c=2")),
+        ("class K:\n def m(self): return h()\ndef h(): return 1", "K().m()", ("turn 1", "turn 2")),
+        ("class K:\n def m(self): return L()\nclass L:\n k = 1\n def n(self): return K()",
+         "K().m().k", ("k = 1", "k = 2")),
+        ("from types import SimpleNamespace as N\nk = N(k=1)", "k.k", ("k=1", "k=2")),
+        ("k = {1, 2}", "len(k)", ("1,", "1, 3,")),
+        ("k = {'a', 'b'}", "[c in {'a', 'b'} for c in k]", ("= {'a'", "= {'c'")),
+    ],
+)  # fmt: skip
+def test_what_a_session_defines_is_seen_to_change(given, use, changed, monkeypatch):
+    session = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", session)
+    found = []
+    for text in (given, given, given.replace(*changed)):
+        exec(f"{text}\ndef task(c): return {use}", vars(session))
+        found.append((parameters_of(session.task), code_of_objects(code_owners(session.task))))
+    assert found[0] == found[1] != found[2]
+
+
+def test_what_libraries_define_is_not_read(monkeypatch):
+    """Their versions are recorded; some of their objects refer to themselves or to machine code."""
+    session = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", session)
+    exec(
+        "import math, numpy as np\nfrom scipy.stats import norm\n"
+        "from scipy.optimize import brentq\nmixed = np.array([1, None])\n"
+        "def task(c): return math.sin(c), np.cos(c), norm.cdf(c), brentq, mixed",
+        vars(session),
+    )
+    assert parameters_of(session.task) == "typed_here.task"
+    for task in (session.task, session.norm.cdf, partial(math.pow, 2.0), np.sin):
+        assert code_of_objects(code_owners(task))[0] == ()
+
+
+def test_a_decorated_function_is_told_from_another_by_what_decorates_it():
+    def scaled(factor):
+        def decorate(task):
+            @wraps(task)
+            def called(c):
+                return factor * task(c)
+
+            return called
+
+        return decorate
+
+    def task(c):
+        return c
+
+    one, same, other = (parameters_of(scaled(factor)(task)) for factor in (2.0, 2.0, 3.0))
+    assert one == same != other
 
 
 @pytest.mark.parametrize("use", ["from {} import inner", "import {} as outer"])

@@ -13,16 +13,24 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from theory.arrays import AnyArray
-from verification.execution.imports import SOURCES, closure, code_of, own_packages, source_of
+from verification.execution.imports import (
+    SOURCES,
+    closure,
+    code_of,
+    is_library,
+    source_of,
+)
 
 DRAWING = (
     "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
@@ -68,7 +76,11 @@ def digest_of_files(folder: Path, files: Iterable[Path]) -> str:
 
 
 def digest_of_code(
-    roots: Iterable[str], packages: Collection[str] = SOURCES, without: Collection[str] = DRAWING
+    roots: Iterable[str],
+    packages: Collection[str] = SOURCES,
+    without: Collection[str] = DRAWING,
+    *,
+    users: bool = False,
 ) -> str:
     """Return a digest of the code of modules and of everything they import.
 
@@ -80,6 +92,8 @@ def digest_of_code(
         Top-level packages whose code counts.
     without : collection of str, optional
         Modules among them that do not count.
+    users : bool, optional
+        Whether the files of a user count too.
 
     Raises
     ------
@@ -87,7 +101,7 @@ def digest_of_code(
         If one of the modules does not exist.
     """
     asked = (tuple(sorted({root.partition(":")[0] for root in roots})),
-             frozenset(packages), frozenset(without))  # fmt: skip
+             frozenset(packages), frozenset(without), users)  # fmt: skip
     known = _KNOWN.get(asked)
     if known is None or not known.holds():
         known = _KNOWN[asked] = _read(*asked)
@@ -124,7 +138,7 @@ class _Known:
             return False
 
 
-_KNOWN: dict[tuple[tuple[str, ...], frozenset[str], frozenset[str]], _Known] = {}
+_KNOWN: dict[tuple[tuple[str, ...], frozenset[str], frozenset[str], bool], _Known] = {}
 """Digests by request: finding the hundred files of a sweep again takes 10 ms per call."""
 
 
@@ -133,10 +147,12 @@ def _state(place: str) -> tuple[int, int]:
     return status.st_mtime_ns, status.st_size
 
 
-def _read(modules: tuple[str, ...], packages: frozenset[str], without: frozenset[str]) -> _Known:
+def _read(
+    modules: tuple[str, ...], packages: frozenset[str], without: frozenset[str], users: bool
+) -> _Known:
     found: dict[str, Path] = {}
     for module in modules:
-        held = closure(module, packages, without)
+        held = closure(module, packages, without, users=users)
         if module not in held:
             raise ValueError(f"there is no module {module} whose code could be read")
         found |= held
@@ -152,10 +168,10 @@ def _read(modules: tuple[str, ...], packages: frozenset[str], without: frozenset
 def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
     """Return the modules of functions, classes, instances and modules, and a digest of their code.
 
-    The files of a user that they import are included, and so is this project; libraries are not,
-    since their versions are recorded. Code that is in no importable module (a script, or code typed
-    into a session) is included by itself. The functions that it calls there are listed by
-    `verification.execution.task`.
+    This project and the files of a user are included with all that they import of these; libraries
+    are not, since their versions are recorded. Code that is in no importable module (a script, or
+    code typed into a session) is included by itself, with all of this project, since what it calls
+    there is not known.
 
     Examples
     --------
@@ -164,38 +180,84 @@ def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
     """
     modules: set[str] = set()
     loose: list[Any] = []
-    own = own_packages()
     for each in objects:
         named = hasattr(each, "__qualname__") or isinstance(each, ModuleType)
         owner: Any = each if named else type(each)
         name = owner.__name__ if isinstance(owner, ModuleType) else owner.__module__
+        if is_library(name):
+            continue
         if source_of(name) is None:
             loose.append([name, _loose(owner, name)])
-        elif name.partition(".")[0] in own | {*SOURCES}:
+        else:
             modules.add(name)
-    if loose:  # the functions of this project that it calls are not known
-        loose.append(digest_of_packages(_CALLED))
-    return tuple(sorted(modules)), digest_of([digest_of_code(modules, own | {*SOURCES}), loose])
-
-
-_CALLED = ("fronts", "theory", "verification")
+    if loose:
+        loose.append(digest_of_packages((*SOURCES, "fronts")))
+    return tuple(sorted(modules)), digest_of([digest_of_code(modules, users=True), loose])
 
 
 def _loose(owner: object, name: str) -> Any:
-    file = getattr(sys.modules.get(name), "__file__", None)
-    if file is not None and Path(file).is_file():
+    file = getattr(sys.modules.get(name), "__file__", None) or ""
+    if file.endswith(".py") and Path(file).is_file():
         return code_of(Path(file))
     code = getattr(owner, "__code__", None)
     if code is not None:
         return _bytecode(code)
-    methods = vars(owner).items() if isinstance(owner, type) else ()
-    return [[key, _bytecode(m.__code__)] for key, m in methods if hasattr(m, "__code__")]
+    bases = owner.__mro__ if isinstance(owner, type) else ()
+    return [
+        [base.__qualname__, [[key, _defined(value)] for key, value in sorted(vars(base).items())
+                             if not (key.startswith("__") and not callable(value))]]
+        for base in bases if source_of(base.__module__) is None and not is_library(base.__module__)
+    ]  # fmt: skip
+
+
+def _defined(value: object) -> Any:
+    """Return what a class defines by a name: the code of a function, or a plain value."""
+    functions = list(_functions_of(value))
+    if functions:
+        return [[_bytecode(each.__code__), repr_of(each.__defaults__)] for each in functions]
+    return repr_of(value)
+
+
+def functions_of_class(kind: type) -> Iterator[tuple[str, FunctionType]]:
+    """Yield the functions that a class defines by itself, also as properties and class methods."""
+    for name, value in vars(kind).items():
+        for each in _functions_of(value):
+            yield name, each
+
+
+def _functions_of(value: object) -> Iterator[FunctionType]:
+    inner = [getattr(value, name, None) for name in ("fget", "fset", "__func__", "func", "py_func")]
+    for each in (value, *inner):
+        if isinstance(each, FunctionType):
+            yield each
+
+
+def names_in(code: CodeType) -> tuple[str, ...]:
+    """Return the global names and the attributes that code uses, and functions within it."""
+    inner = [names_in(each) for each in code.co_consts if isinstance(each, CodeType)]
+    return tuple(dict.fromkeys((*code.co_names, *chain.from_iterable(inner))))
 
 
 def _bytecode(code: CodeType) -> list[Any]:
     """Return the bytecode of a function, independent of its location."""
-    constants = [_bytecode(c) if isinstance(c, CodeType) else repr(c) for c in code.co_consts]
+    constants = [_bytecode(c) if isinstance(c, CodeType) else repr_of(c) for c in code.co_consts]
     return [code.co_code.hex(), constants, list(code.co_names)]
+
+
+def repr_of(value: object) -> str:
+    """Return the text of a plain value, the same in every process; of other objects their class.
+
+    Examples
+    --------
+    >>> repr_of((1, {"b", "a"}, object()))
+    "(1, {'a', 'b'}, <object>)"
+    """
+    if isinstance(value, tuple | list):
+        return f"({', '.join(map(repr_of, value))})"
+    if isinstance(value, set | frozenset):
+        return f"{{{', '.join(sorted(map(repr_of, value)))}}}"
+    plain = isinstance(value, bool | int | float | complex | str | bytes | type(None))
+    return repr(value) if plain else f"<{type(value).__qualname__}>"
 
 
 def digest_of_packages(packages: Iterable[str]) -> str:
@@ -210,5 +272,12 @@ def digest_of_packages(packages: Iterable[str]) -> str:
     for package in packages:
         home = source_of(package)
         if home is not None:
-            found[package] = digest_of_files(home.parent, home.parent.rglob("*.py"))
+            files = sorted(str(path) for path in home.parent.rglob("*.py"))
+            found[package] = _digest_at(home.parent, tuple((each, _state(each)) for each in files))
     return digest_of(found)
+
+
+@lru_cache(maxsize=64)
+def _digest_at(folder: Path, files: tuple[tuple[str, tuple[int, int]], ...]) -> str:
+    """Return the digest of files in their present state; reading them takes 40 ms."""
+    return digest_of_files(folder, (Path(each) for each, _ in files))

@@ -25,6 +25,8 @@ def closure(
     packages: Collection[str] = SOURCES,
     without: Collection[str] = (),
     known: dict[str, Imported] | None = None,
+    *,
+    users: bool = False,
 ) -> dict[str, Path]:
     """Return the files that a module imports directly or indirectly, including itself.
 
@@ -41,6 +43,8 @@ def closure(
         Modules that are ignored, and not followed.
     known : dict, optional
         Direct imports of modules, filled by one call and used by the next: for many modules.
+    users : bool, optional
+        Whether to follow the files of a user as well.
 
     Returns
     -------
@@ -57,7 +61,10 @@ def closure(
     waiting = [module]
     while waiting:
         name = waiting.pop()
-        if name in found or name in without or name.partition(".")[0] not in packages:
+        top = name.partition(".")[0]
+        if name in found or name in without:
+            continue
+        if top not in packages and not (users and top not in _OURS and not is_library(top)):
             continue
         if name not in known:
             known[name] = _imported(name)
@@ -106,31 +113,31 @@ def source_of(name: str) -> Path | None:
     return None
 
 
-def own_packages() -> frozenset[str]:
-    """Return the imported top-level packages that are neither of a library nor of this project.
+@functools.lru_cache(maxsize=4096)
+def is_library(name: str) -> bool:
+    """Return whether a module is of the standard library or installed, but not of this project.
 
-    They hold the files of a user, whose code may change while the versions of libraries do not.
-    """
-    found = {name.partition(".")[0] for name, module in [*sys.modules.items()] if is_own(module)}
-    return frozenset(found - {*SOURCES, "fronts"})
-
-
-def is_own(module: object) -> bool:
-    """Return whether a module is a Python file outside the folders of installed libraries.
+    Its code is determined by its version. All others, and scripts, are files of a user.
 
     Examples
     --------
-    >>> is_own(ast), is_own(sys)
-    (False, False)
+    >>> [is_library(name) for name in ("math", "numpy.linalg", "theory.cells.vdp", "__main__")]
+    [True, True, False, False]
     """
-    file = getattr(module, "__file__", None)
-    name = getattr(module, "__name__", "")
-    if file is None or not file.endswith(".py") or name in ("__main__", "__mp_main__"):
+    top = name.partition(".")[0]
+    if top in _OURS or top in ("__main__", "__mp_main__"):
         return False
-    library = name.partition(".")[0] in sys.stdlib_module_names
-    return not library and not _INSTALLED & {*Path(file).parts}
+    if top in sys.stdlib_module_names:
+        return True
+    try:
+        spec = importlib.util.find_spec(top)
+    except (ImportError, ValueError):  # a session, or a script as seen by a worker process
+        return False
+    places = [spec.origin or "", *(spec.submodule_search_locations or ())] if spec else []
+    return any(_INSTALLED & {*Path(each).parts} for each in places)
 
 
+_OURS = (*SOURCES, "fronts")
 _INSTALLED = {"site-packages", "dist-packages"}
 
 

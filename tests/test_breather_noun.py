@@ -20,6 +20,9 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
+from verification.breathers.envelope import solve_envelope_breather
+from verification.breathers.exponents import exponents
+from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.result import Breather
 from verification.cells.cell import cell
@@ -132,6 +135,49 @@ def test_errors_of_phases_frequency_and_growth_bound_the_distance_from_those_of_
     assert rough[10].phases_error.max() > 1e-5
     assert others["envelope"].phases_error[2] < 0.1
     assert exact.to_dict()["phases_error"] == exact.phases_error.tolist()
+
+
+def test_the_error_of_growth_covers_that_of_an_orbit_by_too_few_steps() -> None:
+    """Scipy's multipliers, by differences, do not show so small an error; the same orbit does."""
+    chain = VdpChain(a=A, b=B, c=0.1, eps=0.03, sites=3)
+    exact = solve_orbit(chain, Nucleus(1))
+    assert exact.growth is not None
+    assert exact.growth_error is not None
+    for steps in (8, 10, 14):
+        rough = solve_orbit(chain, Nucleus(1), steps=steps)
+        assert rough.growth is not None
+        assert rough.growth_error is not None
+        assert 1e-10 < abs(rough.growth - exact.growth) <= rough.growth_error + exact.growth_error
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_error_of_growth_covers_what_an_error_of_the_matrix_or_the_state_changes(
+    sign: float,
+) -> None:
+    """Every entry is off by as much as it may be, in the direction of the multiplier."""
+    eps, period, off = 0.1, 2.0, 1e-4
+    vector = np.ones((4, 1)) / 2.0
+    exact = 0.25 * np.eye(4) + 0.375 * vector @ vector.T  # a quarter three times, and 0.625
+    there = floquet_multipliers(exact, period, eps)
+    found = floquet_multipliers(exact + sign * off, period, eps, error=off)
+    # The one next to 1 is the trivial one; here it is that of the vector, and moves by 4 off.
+    moved = abs(found.trivial - there.trivial)
+    assert moved == pytest.approx(4.0 * off, rel=1e-9)
+    assert moved <= found.error
+    leader = np.diag([1.0, 0.5])
+    shifted = floquet_multipliers(leader + sign * np.diag([0.0, off]), period, eps, error=off)
+    true = abs(shifted.growth - floquet_multipliers(leader, period, eps).growth)
+    assert true == pytest.approx(off / 0.5 / (eps * period), rel=1e-3)
+    assert true <= shifted.growth_error
+
+    chain = AveragedChain(a=A, b=B, c=0.1, sites=3)
+    state = solve_envelope_breather(chain, Nucleus(1))
+    omega, size = float(state.unknowns[-1]), float(np.abs(state.waves).max())
+    own, other = (
+        exponents(waves, omega, chain, mirrored=True, error=error)
+        for waves, error in ((state.waves, 0.0), (state.waves * (1.0 + sign * off / size), off))
+    )
+    assert 1e-6 < abs(own.growth - other.growth) <= other.growth_error
 
 
 def test_phases_of_which_nothing_is_known_say_so() -> None:

@@ -119,9 +119,12 @@ class Orbits(BreatherFamily):
 
     def _first(self, c_end: float) -> BranchPoint:
         least = start_of(self.chain, STARTS[0], 0.5)
-        for start in (least, *STARTS[1:]) if c_end > least else (0.5 * c_end,):
+        starts = (least, *STARTS[1:]) if c_end > least else (0.5 * c_end,)
+        for start in starts:
             if start < c_end:
-                with contextlib.suppress(NotConvergedError):
+                # A later start may be beyond the fold of the averaged breather, which nobody gave.
+                missed = () if start == starts[0] else (ParameterError,)
+                with contextlib.suppress(NotConvergedError, *missed):
                     return replace(self, chain=self.chain.replace(c=start))._from_small_eps()
         raise ParameterError(
             "small parameter eps",

@@ -354,7 +354,9 @@ def test_compiled_code_of_other_sources_is_kept_for_a_week(
         os.utime(folder, (time.time() - days * day,) * 2)
     (tmp_path / "other").mkdir()
     os.utime(tmp_path / "other", (0.0, 0.0))
-    compiled.keep_compiled_code()
+    folder = compiled.keep_compiled_code()
+    assert getattr(config, compiled._OPTION) == str(folder)
+    assert folder.parent == tmp_path
     assert {each.name for each in tmp_path.iterdir()} == {f"{compiled._PREFIX}new", "other"}
 
 

@@ -251,6 +251,23 @@ def test_an_end_that_stays_twice_counts_half() -> None:
         assert found == pytest.approx(expected)
 
 
+def test_the_length_to_a_solution_is_along_the_tangent() -> None:
+    tangent = np.array([0.1, 0.2, 0.3])
+    start = BranchPoint(np.array([1.0, 2.0]), 0.5, tangent, 0.0, 0.0, 1)
+    found = branches._length_to(start, np.array([1.5, 4.0]), 0.7)
+    assert found == pytest.approx(0.05 + 0.4 + 0.3 * PARAMETER_WEIGHT * 0.2)
+
+
+def test_a_step_is_shortened_if_any_of_its_equations_becomes_worse() -> None:
+    """A step of one leads to where one of two is solved and the other one is far from it."""
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([0.0, 5.0]) if u[0] < -0.75 else np.array([u[0] + 0.5, u[1]])
+        return value, np.diag([0.5, 1.0]), np.ones(2)
+
+    assert solve_at(system, np.zeros(2), 1.0).u == pytest.approx([-0.5, 0.0], abs=1e-9)
+
+
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_the_first_end_that_is_replaced_leaves_the_other_as_it_is(side: float) -> None:
     bracket = _Bracket(0.0, 1.0, -1.0, 1.0)

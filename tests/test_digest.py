@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from theory.parameters import ParameterError
-from verification.execution import metadata
+from verification.execution import digest, metadata
 from verification.execution.digest import (
     DRAWING,
     code_of_objects,
@@ -189,6 +189,21 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
     ).with_name("__init__.py")
     assert source_of("no_such_module_anywhere") is source_of("__main__") is None
     assert source_of("bisect.bisect") is None  # a module has none below it
+
+
+def test_a_function_inside_of_another_counts_by_what_it_does():
+    def compiled(text):
+        space = {}
+        exec(compile(text, "no such file", "exec"), space)
+        return digest._bytecode(space["f"].__code__)
+
+    text = "def f(x):\n    def g(y):\n        return y + 1\n    return g(x)"
+    assert compiled(text) == compiled(text)
+    assert compiled(text) != compiled(text.replace("+ 1", "+ 2"))
+
+
+def test_a_class_is_a_task_by_its_name():
+    assert parameters_of(Code) == "verification.execution.metadata.Code"
 
 
 def test_everything_with_code_counts_that_a_task_holds_in_whatever_it_is():

@@ -299,6 +299,37 @@ def test_a_stiff_stage_that_ends_in_what_is_not_finite_is_no_answer(
     assert stiff_stage._radau(chain, state, 0.0, 1.0, 1e-6, gentle) is ended
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize(("beyond", "high", "wider"), [(0, 2.0, 1), (-1, 2.0, 4), (0, 0.9, 1)])
+def test_the_part_of_a_stiff_stage_is_widened_until_its_margins_stay_at_rest(
+    side: int, beyond: int, high: float, wider: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One site moves at its end, beside the margin on one side, or in it."""
+    chain, margin, rest = VdpChain(a=4, b=0.5, c=0.6, sites=400), 2, 1e-6
+    pad = stiff_stage._PAD * margin
+    state = np.array([np.arange(400.0), np.zeros(400)])
+    spans: list[tuple[float, float]] = []
+
+    def solve(part: Any, x: Any, *given: Any) -> Any:
+        begin, end, tolerance, gentle = given
+        assert (part.sites, tolerance) == (x.shape[1], 1e-9)
+        assert gentle == stiff_stage.MAX_STEPS - 7
+        spans.append((begin, end))
+        moves = x[0] == 200 + side * (pad - margin - beyond)
+        y = np.zeros((2 * part.sites, 2))
+        y[: part.sites, 1] = np.where(moves, high * rest, 0.0)
+        return SimpleNamespace(t=np.array([begin, end]), y=y, sol="path")
+
+    monkeypatch.setattr(stiff_stage, "_radau", solve)
+    monkeypatch.setattr(stiff_stage, "_Gentle", lambda _, steps: steps)
+    piece = stiff_stage.solve_stiff_piece(
+        chain, state, (200, 201), 5.0, 6.0, 1e-9, rest, margin, steps_taken=7
+    )
+    assert (piece.first, piece.last) == (200 - wider * pad, 201 + wider * pad)
+    assert piece.times.tolist() == [5.0, 6.0]
+    assert set(spans) == {(5.0, 6.0)}  # the end of the run comes before that of a piece
+
+
 def test_a_chain_without_an_implicit_method_says_that_it_is_too_stiff() -> None:
     chain = AveragedChain(a=4e4, b=1e8, c=0.6, sites=3)
     with pytest.raises(StandstillError, match="run \\(8\\), which has a stiff method"):

@@ -220,6 +220,15 @@ def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
     assert path.read_bytes() == b"bytes"
 
 
+def test_asking_for_the_mask_of_new_files_leaves_it_as_it_is() -> None:
+    before = os.umask(0o027)
+    try:
+        assert files._umask() == 0o027
+        assert os.umask(0o027) == 0o027
+    finally:
+        os.umask(before)
+
+
 def test_a_folder_takes_the_place_of_one_that_is_not_empty(tmp_path: Path) -> None:
     target = tmp_path / "table.zarr"
     target.mkdir()

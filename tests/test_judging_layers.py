@@ -1504,7 +1504,8 @@ def test_the_profile_is_of_the_fastest_admissible_front_and_of_the_fastest_if_no
 def test_a_front_is_timed_where_there_is_no_wave_or_differences_do_not_resolve_it(
     value: float | None, uncertainty: float, by: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def found(method: str, *_: Any, **__: Any) -> Any:
+    def found(method: str, *given: Any, **_: Any) -> Any:
+        assert given == (at, stated)
         return SimpleNamespace(uncertainty=uncertainty, method=method)
 
     monkeypatch.setattr(fronts_of, "_by_differences", partial(found, "differences"))

@@ -337,6 +337,10 @@ def test_what_is_left_when_nobody_asks_any_more_is_not_computed() -> None:
     assert all(each.cancelled() for each in futures[1:])
 
 
+def test_a_worker_that_has_died_is_told_with_what_may_have_ended_it() -> None:
+    assert "memory ran out" in str(WorkerDiedError())
+
+
 def test_what_is_computed_here_is_said_as_it_begins_and_how_much_is_done() -> None:
     begun: list[int] = []
     coming = answers(pool_example.inverse, [1, 2, 4], workers=1, only=[2, 0], begun=begun.append)

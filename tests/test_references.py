@@ -16,7 +16,7 @@ from theory.chains.vdp import VdpChain
 from theory.piecewise.limits import static_sum_distance
 from verification.execution.imports import closure
 from verification.references import equations
-from verification.references.network import states_by_scipy
+from verification.references.network import overdamped_rate, states_by_scipy
 from verification.references.piecewise import static_sum, sum_by_quadrature, threshold_ratio
 
 ROOT = Path(__file__).parents[1]
@@ -99,6 +99,13 @@ def test_the_quarter_turn_rate_is_the_averaged_one_on_its_manifold() -> None:
     wave = equations.quarter_turn_rate(CHAIN, wave=True)(0.0, r)
     assert np.array_equal(wave[1:], found[1:])
     assert wave[0] - found[0] == pytest.approx(0.5 * CHAIN.c * r[0])
+
+
+def test_a_chain_without_inertia_moves_by_its_forces_and_springs() -> None:
+    y, matrix = np.array([0.3, -0.2]), np.array([[1.0, -1.0], [-2.0, 2.0]])
+    rate = overdamped_rate(lambda y: y**3, matrix, c=0.4, force=lambda t: np.array([t, 0.0]))
+    expected = np.array([2.0, 0.0]) - y**3 - 0.4 * np.array([0.5, -1.0])
+    assert rate(2.0, y) == pytest.approx(expected, abs=1e-15)
 
 
 def test_a_wave_goes_on_at_the_left_end() -> None:

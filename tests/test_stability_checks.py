@@ -463,6 +463,14 @@ def test_a_cycle_is_off_by_its_period_or_its_stick_time_whichever_is_more(
     assert friction.cycle_by_scipy(BELT, stated).distance == math.inf
 
 
+def test_a_cell_without_a_cycle_has_neither_period_nor_stick_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("verification.cells.friction.stick_slip_cycle", lambda _: None)
+    stated = friction.stable_cycle(BELT)
+    assert (stated.value.tolist(), stated.error, stated.note) == ([0.0, 0.0], 0.0, "no cycle")
+
+
 @pytest.mark.parametrize("sticks", [0, 1, 2])
 def test_a_cycle_that_is_denied_must_not_stick_again(
     sticks: int, monkeypatch: pytest.MonkeyPatch
@@ -510,15 +518,20 @@ def test_sites_of_a_friction_chain_move_to_either_side_of_rest(
     rest = friction.friction_chain(at).cell.steady_sliding
     true = rest + side * 1e-3 * (np.arange(40) < 10)
     followed: list[int] = []
+    starts: list[np.ndarray] = []
 
-    def events(chain: Any, *_: Any) -> SimpleNamespace:
+    def events(chain: Any, start: Any, _: float, accuracy: Any = friction._TIGHT) -> Any:
         followed.append(chain.sites)
-        return SimpleNamespace(y=[true[: chain.sites]])
+        starts.append(start)
+        looser = 1e-5 * (np.arange(chain.sites) == 2) * (accuracy == friction._LOOSE)
+        return SimpleNamespace(y=[true[: chain.sites] + side * looser])
 
     monkeypatch.setattr(friction, "_events", events)
-    stated = StatedValue(value=true, error=1e-9, extra=np.ones((2, 40)))
-    assert friction.friction_by_scipy(at, stated).distance == 0.0
+    start = np.array([np.full(40, 2.0), np.zeros(40)])
+    check = friction.friction_by_scipy(at, StatedValue(value=true, error=1e-9, extra=start))
+    assert (check.distance, check.uncertainty) == (0.0, pytest.approx(1e-5))
     assert max(followed) == 12
+    assert 0.0 < np.abs(starts[-1][0] / 2.0 - 1.0).max() < 1e-14  # as rounding may be
 
 
 def test_a_friction_run_states_its_own_error_and_none_where_rounding_decides(

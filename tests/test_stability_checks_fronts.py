@@ -657,9 +657,9 @@ def test_a_state_is_as_uncertain_as_two_tolerances_are_apart() -> None:
     for loose in (2.0, 0.0):
 
         def last(tolerance: float, loose: float = loose) -> np.ndarray:
-            return np.array([1.0 if tolerance < 1e-11 else loose])
+            return np.array([1.0 if tolerance < 1e-11 else loose, 3.0])
 
-        found = states_compared(np.array([1.5]), last, "another")
+        found = states_compared(np.array([1.5, 3.0]), last, "another")
         assert (found.distance, found.uncertainty) == (0.5, 1.0)
 
 

@@ -8,6 +8,7 @@ import json
 import os
 import random
 import sqlite3
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -206,6 +207,13 @@ def test_a_file_that_cannot_be_read_is_said_to_be_so(path: Path) -> None:
         found(path)
     assert str(refusal.value.value).startswith("unreadable (")
     assert refusal.value.allowed == "a file of finished results"
+
+
+def test_results_of_another_thread_are_stored_as_well(tmp_path: Path) -> None:
+    with Store(tmp_path / "threads.part", IDENTITY, resume=False) as store:
+        with ThreadPoolExecutor(1) as threads:
+            threads.submit(store.add, "7", 0.25).result()
+        assert store.results == {"7": 0.25}
 
 
 def test_a_store_that_can_be_neither_read_nor_begun_anew_does_not_keep_the_lock(

@@ -308,6 +308,11 @@ def test_progress_is_the_fraction_done(tmp_path: Path) -> None:
     assert seen == pytest.approx(np.linspace(0.0, 1.0, len(POINTS) + 1))
 
 
+def test_an_array_by_the_name_of_a_coordinate_is_refused() -> None:
+    with pytest.raises(ParameterError, match="the coordinate of the same name"):
+        sweep(lambda p: {"x": np.ones(2)}, {"x": [1.0]}, workers=1)
+
+
 def test_points_that_are_known_are_done_from_the_beginning() -> None:
     seen: list[float] = []
     found = sweeping._Found(points=points_of([{"x": 1}]), out=None, names={})

@@ -94,6 +94,17 @@ def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) 
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
 
 
+@pytest.mark.parametrize("later", [1e-3, -1e-3])
+def test_a_period_that_depends_on_the_steps_is_seen_whatever_its_sign(
+    later: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def solve(*_: Any, steps: int = 0) -> Any:
+        return SimpleNamespace(period=6.0 + (later if steps else 0.0), state=np.ones(3), error=1e-9)
+
+    monkeypatch.setattr(orbits, "solve_orbit", solve)
+    assert orbits.fewer_steps().changed == pytest.approx(1e-3)
+
+
 @pytest.mark.parametrize("missing", ["v", "error"])
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_front_that_does_not_settle_exceeds_every_bound(

@@ -59,7 +59,7 @@ def paced(rate: Callable[..., Any], end: float) -> Callable[..., Any]:
     pace = Pace()
 
     def checked(t: float, state: Any) -> Any:
-        pace.check(abs(t / end))
+        pace.check(t / end)
         return rate(t, state)
 
     return checked

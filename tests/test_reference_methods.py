@@ -198,6 +198,7 @@ def test_a_cycle_is_from_release_to_release_with_the_stick_before_the_last() -> 
     cycle = [(1.0, 1, ENDS), (4.0, 1, BEGINS), (4.5, 1, ENDS), (7.5, 1, BEGINS), (8.25, 1, ENDS)]
     assert _event_run(*cycle).last_cycle == (3.75, 0.75)
     assert _event_run(*cycle, (11.0, 1, BEGINS)).last_cycle == (3.75, 0.75)
+    assert _event_run(*cycle[:3]).last_cycle == (3.5, 0.5)
     for few in ([], cycle[:1], cycle[:2], cycle[1:3], [cycle[0], cycle[2]]):
         assert _event_run(*few).last_cycle is None
 

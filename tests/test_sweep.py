@@ -313,6 +313,12 @@ def test_an_array_by_the_name_of_a_coordinate_is_refused() -> None:
         sweep(lambda p: {"x": np.ones(2)}, {"x": [1.0]}, workers=1)
 
 
+def test_a_chunk_of_an_array_is_as_large_as_it_may_be() -> None:
+    most = tables.CHUNK_BYTES // 8
+    for shape in ((10**8,), (10**8, 1), (1, 10**8)):
+        assert math.prod(tables.chunk_shape(shape, 8)) == most
+
+
 def test_points_that_are_known_are_done_from_the_beginning() -> None:
     seen: list[float] = []
     found = sweeping._Found(points=points_of([{"x": 1}]), out=None, names={})

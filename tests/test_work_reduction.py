@@ -94,6 +94,23 @@ def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) 
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
 
 
+def test_what_is_left_of_a_balance_is_in_the_error_of_its_period(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of any of its equations, and the last harmonic that is kept."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
+    h = np.array([[0.1, 0.0], [2.0, 1e-4], [0.1, 0.0]], dtype=complex)
+
+    def solved(_: Any, guess: Any, **__: Any) -> Any:
+        return SimpleNamespace(x=guess, jac=np.eye(guess.size), fun=1e-3 * np.eye(guess.size)[4])
+
+    monkeypatch.setattr(orbits, "least_squares", solved)
+    orbit: Any = SimpleNamespace(period=6.3)
+    period, error = orbits._balanced(chain, np.array([1, 3]), h, orbit)
+    assert period == pytest.approx(6.3 / 1.01)
+    assert error == pytest.approx(period * (1e-3 + 1e-4), rel=1e-6)
+
+
 @pytest.mark.parametrize("later", [1e-3, -1e-3])
 def test_a_period_that_depends_on_the_steps_is_seen_whatever_its_sign(
     later: float, monkeypatch: pytest.MonkeyPatch

@@ -53,7 +53,7 @@ def test_a_claim_says_on_how_many_sites_and_for_how_long_two_methods_are_compare
         lines = (line for name, line in words(claim.rule.__module__, claim.key) if name == "by")
         form = r"with located events on (\d+) sites(?: to τ = (\d+))?"
         ((sites, end),) = re.findall(form, "\n".join(lines))
-        assert int(sites) in {each[0] for each in compared}
+        assert int(sites) in {each[1] for each in compared}
         assert not end or {float(end)} == {each[-1] for each in compared}
 
 

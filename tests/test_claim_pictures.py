@@ -306,6 +306,8 @@ def test_a_breather_is_drawn_by_site_beside_its_run_and_one_exponential(drawn: A
     (one,) = (found for name, found in right.lines.items() if name.startswith("paper"))
     assert np.array(one)[:, 1] == pytest.approx(3.0 * 0.25 ** np.abs(place))
     assert stated(left.title) == {"A": 2.5, "B": 0.5, "C": fig07.C, "EPS": fig07.EPS}
+    assert left.reaches((), (0.0, *orbit))
+    assert right.reaches((), (1e-5, *orbit))
     assert all(panel.across and panel.up for panel in (left, right))
     assert right.legend
 
@@ -453,7 +455,7 @@ def test_velocity_and_its_exponent_are_drawn_over_coupling(drawn: Any) -> None:
     assert np.array(right.lines["averaged chain (43)"])[:, 1] == pytest.approx(2.0)
     assert right.levels == {"paper: linear in the end": 1.0}
     assert stated(left.title) == {"A": fig13.A, "B": fig13.B}
-    assert left.reaches((0.0, *fig13.FULL))
+    assert left.reaches((0.0, *fig13.FULL), (0.0, *full))
     assert right.reaches((), (1.0,))
     assert all(panel.across == "coupling c" and panel.up for panel in (left, right))
 

@@ -105,11 +105,11 @@ def _quarter_turn(sites: int) -> dict[str, Any]:
 
 
 _compared: list[Json] = []
-"""Sites, excited sites and end of each comparison of two methods in the evidence at work."""
+"""Of each comparison of two methods: the coupling, the sites, the excited sites and the end."""
 
 
 def _short(chain: Any, excited: tuple[int, ...], end: float) -> float:
-    _compared.append([chain.sites, *excited, end])
+    _compared.append([chain.c, chain.sites, *excited, end])
     return disagreement(chain, excited, 0.1 * end)
 
 

@@ -156,6 +156,16 @@ def test_of_the_files_a_map_gets_the_one_that_can_be_resumed(called, tmp_path):
     assert called(f"{line} --out {tmp_path}/m.csv")[1]["out"] == tmp_path / "m.csv"
 
 
+def test_a_map_gets_the_nucleus_that_is_named_and_else_that_of_the_figure(called):
+    assert "nucleus" not in called("map friction --c 0.01:0.05:3")[1]
+    assert called("map friction --c 0.01:0.05:3 --nucleus 3")[1]["nucleus"].size == 3
+
+
+def test_a_curve_gets_the_number_of_processes(called):
+    line = "front vdp --c 0.5:1:3 --eta 0.05"
+    assert [called(line + more)[1]["workers"] for more in ("", " --workers 2")] == [1, 2]
+
+
 def test_eta_stands_for_a_and_b(called):
     (chain,), _, _ = called("front vdp --c 0.6 --eta 0.05")
     assert (chain.a, chain.b, chain.sites) == (1.0, 0.05, 32)

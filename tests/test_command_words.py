@@ -65,6 +65,21 @@ def test_a_reader_that_has_seen_enough_ends_a_command_without_an_error(
         assert main(["--version"]) == 0
 
 
+def test_a_closed_output_and_an_interruption_are_said_on_the_other_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    with monkeypatch.context() as closed:
+        closed.setattr(sys, "stdout", None)
+        assert main(["--version", "--json"]) == main(["--version"]) == 2
+    as_json, plain = capsys.readouterr().err.splitlines()
+    assert f"fronts: {json.loads(as_json)['error']['message']}" == plain
+    assert plain.startswith("fronts: standard output is closed: ")
+    monkeypatch.setattr(cli, "_run", Mock(side_effect=KeyboardInterrupt))
+    assert main(["--version"]) == 130
+    said = capsys.readouterr().err
+    assert said == "fronts: interrupted; nothing half-written is left behind.\n"
+
+
 def test_words_are_those_of_the_process_where_none_are_given(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
@@ -1091,7 +1106,7 @@ def test_the_radius_of_a_root_of_many_digits_reaches_as_far_as_it_is_off(
         assert off <= one.radius <= 2.001 * off
 
 
-@pytest.mark.parametrize(("v", "c"), [("0.3", 0.5), (0.25, "0.7")])
+@pytest.mark.parametrize(("v", "c"), [("0.3", 0.5), ("0.1", 0.5), (0.25, "0.7"), (0.25, "0.1")])
 def test_the_radius_of_a_root_includes_the_rounding_of_what_is_given_in_decimals(
     v: str | float, c: str | float
 ) -> None:

@@ -16,12 +16,13 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from PIL import Image, ImageSequence
 
 import fronts as fr
 from fronts.animation import animate, snapshot
 from fronts.branches import BranchFold, FollowedBranch
-from fronts.pictures import BLUE, DRAWINGS, VERMILION, draw
-from theory.parameters import MissingPackageError
+from fronts.pictures import BLUE, DRAWINGS, VERMILION, _thresholds, draw
+from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
 from verification.pictures.figures import COLOURS, use_style
 
@@ -83,6 +84,9 @@ def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
     axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": 0.25}))
     chained = _segments(axes, "-")
     # 0.6, 0.5, fold 0.45, 0.4, 0.3, end 0.25, 0.2
+    shown = [line for line in axes.lines if line.get_transform() is axes.transData]
+    heights = [x_y for line in shown for x_y in zip(*line.get_data(), strict=True)]
+    assert {(0.25, 0.0), (0.45, 0.9)} <= set(heights)
     vertical = [each for each in chained if each[0] == each[1]]
     assert vertical == [(0.25, 0.25), (0.45, 0.45)]
     order = [each for each in chained if each[0] != each[1]]
@@ -165,6 +169,18 @@ def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) 
     })  # fmt: skip
 
 
+def test_a_threshold_that_is_not_shown_in_words_is_not_drawn_either() -> None:
+    for shown in (False, True):
+        axes = Figure().subplots()
+        axes.plot([0.0, 1.0], [0.0, 1.0])
+        answer = SimpleNamespace(c_fold=None, c_pin=0.25, c_retreat=7.0, c_stable=0.75,
+                                 limit_shown=shown)  # fmt: skip
+        limits = axes.get_xlim()
+        _thresholds(axes, answer)
+        assert [each.get_xdata()[0] for each in axes.lines[1:]] == [0.25, 0.75][: 1 + shown]
+        assert axes.get_xlim() == limits
+
+
 def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> None:
     found = fr.front_profile(0.5, 0.03125, points=11)
     axes = draw(found)
@@ -173,6 +189,7 @@ def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> 
     for line, part in zip(named.values(), parts, strict=True):
         assert np.array_equal(line.get_xdata(), found.zeta)
         assert np.array_equal(line.get_ydata(), part)
+    assert axes.texts[0].xy == (found.zeta[-1], found.threshold)
     (level,) = (line for line in axes.lines if line.get_label() not in named)
     assert list(level.get_ydata()) == [found.threshold] * 2
     assert [text.get_text() for text in axes.texts] == ["threshold"]
@@ -308,6 +325,27 @@ def test_a_film_in_mp4_is_refused_without_the_program_that_writes_it(
     monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
     with pytest.raises(MissingPackageError, match="ffmpeg"):
         animate(_run(np.zeros((2, 3))), tmp_path / "run.mp4")
+    for rate in (0.5, 61.0):
+        with pytest.raises(ParameterError, match="frames per second"):
+            animate(_run(np.zeros((2, 3))), tmp_path / "run.gif", frames_per_second=rate)
+
+
+def test_each_frame_of_a_film_shows_its_own_sample_and_no_other(tmp_path: Path) -> None:
+    """Below the title, a sample that comes again, or that comes first, gives the same frame."""
+    one, other = np.array([1.0, 2.0, 3.0]), np.array([3.0, 1.0, 2.0])
+    films = []
+    for samples in ([one, other, one], [other, one]):
+        run = _run(np.array(samples))
+        run.times = np.arange(float(len(samples)))
+        path = animate(run, tmp_path / "run.gif")
+        with Image.open(path) as film:
+            frames = [np.array(each.convert("L"), int) for each in ImageSequence.Iterator(film)]
+        films.append([each[len(each) // 8 :] for each in frames])
+    (first, middle, last), (begin, end) = films
+    # Each frame has a palette of its own, which changes a shade of grey a little.
+    for same, again in ((first, last), (first, end), (middle, begin)):
+        assert np.abs(same - again).max() < 50
+    assert (np.abs(first - middle) > 100).sum() > 500
 
 
 def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -321,12 +359,22 @@ def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
             assert min(drawn.x0, drawn.y0) > 0.0
             assert all((drawn.x1, drawn.y1) < figure.get_size_inches())
 
-        def grab_frame(self) -> None: ...
+        def grab_frame(self) -> None:
+            titles.append(axes.get_title())
 
-    monkeypatch.setattr("fronts.animation._writer", lambda *_: Writer())
+    def writer(*given: Any) -> Writer:
+        nonlocal axes
+        axes = given[-1]
+        return Writer()
+
+    axes: Any = None
+    titles: list[str] = []
+    monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: True)
+    monkeypatch.setattr("fronts.animation._writer", writer)
     run = _run(np.array([[1e-3, 2e-3], [2e-3, 1.1e-3]]))
     run.times = np.array([0.0, 5.0])
-    assert animate(run, "run.gif") == Path("run.gif")
+    assert animate(run, "run.mp4") == Path("run.mp4")
+    assert titles == ["t = 0", "t = 5"]
 
 
 def test_a_frame_of_a_chain_at_rest_has_an_axis() -> None:
@@ -629,6 +677,9 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     page.worker.submit(lambda: None).result()  # after all before it
     assert asked == [replace(page.controls.settings(), c=0.5), page.controls.settings()]
     (closed,) = page.document.session_destroyed_callbacks
+    ready = page.document.callbacks._js_event_callbacks
+    assert list(ready) == ["document_ready"]  # which starts the clock of the run
+    assert (page.worker._max_workers, page.code.visible) == (1, False)
     closed(None)
     assert not page.document.session_callbacks
     page._later(lambda: None)
@@ -645,11 +696,17 @@ def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -
     shown: list[str] = []
 
     def picture(name: str, needs: tuple[str, ...], also: tuple[str, ...]) -> Any:
-        return SimpleNamespace(needs=needs, also=also, show=lambda *_: shown.append(name))
+        def show(settings: Settings, found: Any) -> None:
+            assert (type(settings), held) == (Settings, ["hold"])
+            assert set(found) <= set(results)
+            shown.append(name)
+
+        return SimpleNamespace(needs=needs, also=also, show=show)
 
     pictures = [picture("a", ("run",), ("breather",)), picture("b", ("breather",), ()),
                 picture("c", ("point",), ("run",))]  # fmt: skip
-    document = SimpleNamespace(hold=lambda _: None, unhold=lambda: None)
+    held: list[str] = []
+    document = SimpleNamespace(hold=lambda _: held.append("hold"), unhold=held.clear)
     page: Any = SimpleNamespace(document=document, pictures=pictures, begun=0.0,
                                 status=SimpleNamespace(object=""))  # fmt: skip
     results = {"point": 1, "run": 2, "breather": 3, "curve": 4}
@@ -657,7 +714,7 @@ def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -
         shown.clear()
         found = dict(list(results.items())[:count])
         ExplorerPage._shower(page, Settings(), found)()
-        assert shown == expected
+        assert (shown, held) == (expected, [])
         assert bool(page.status.object) is (count >= 3)
         assert "updated in" not in page.status.object  # the first one includes compiling
     ExplorerPage._shower(page, Settings(), dict(list(results.items())[:3]))()

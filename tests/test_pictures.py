@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import matplotlib as mpl
 import numpy as np
@@ -680,7 +681,10 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     ready = page.document.callbacks._js_event_callbacks
     assert list(ready) == ["document_ready"]  # which starts the clock of the run
     assert (page.worker._max_workers, page.code.visible) == (1, False)
+    worker, page.worker = page.worker, Mock(wraps=page.worker)
     closed(None)
+    page.worker.shutdown.assert_called_once_with(cancel_futures=True)
+    page.worker = worker
     assert not page.document.session_callbacks
     page._later(lambda: None)
     assert len(page.document.session_callbacks) == 1

@@ -24,7 +24,7 @@ from verification.quantities.friction import cycle_by_scipy, stable_cycle
 from verification.quantities.judging import BAD, PointOutcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
 from verification.quantities.registry import all_computations, computation_named
-from verification.quantities.robustness import points_of, robustness
+from verification.quantities.robustness import Robustness, points_of, robustness
 from verification.references import pace
 
 pytestmark = pytest.mark.usefixtures("unhurried")
@@ -396,6 +396,26 @@ def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]
         counts.append([(one["quantity"], one["points"]) for one in found["quantities"]])
     assert counts[0] == counts[1]
     assert [name for name, _ in counts[2]] == ["c-pin", "eta-pin"]
+
+
+def test_without_options_a_thousand_points_are_tried_and_the_file_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A table of points is written as they are tried, and not once more at the end."""
+    plain = robustness(("c-pin",), 12, 0, workers=1)
+    asked: list[object] = []
+
+    def tried(quantities: tuple[str, ...], points: int, seed: int, **_: object) -> Robustness:
+        asked.append((quantities, points, seed))
+        return plain
+
+    monkeypatch.setattr("verification.quantities.robustness.robustness", tried)
+    for name in ("", "found.json", "found.csv"):
+        options = ["--out", str(tmp_path / name)] if name else []
+        assert main(["stress", "--json", *options]) == 0
+        assert json.loads(capsys.readouterr().out)["out"] == (options[1] if name else None)
+    assert asked == [((), 1000, 0)] * 3
+    assert [path.name for path in tmp_path.iterdir()] == ["found.json"]
 
 
 def test_the_command_refuses_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:

@@ -220,6 +220,29 @@ def test_the_schema_is_of_the_version_that_is_written() -> None:
     assert f"`format` | integer | version of this document, now {written} |" in schema
 
 
+def test_a_report_takes_the_place_of_an_earlier_one_and_of_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts.commands import check
+
+    files = {"a.png": b"image", "a.csv": "c,v\n"}
+    monkeypatch.setattr(check, "picture_files", lambda _: files)
+    monkeypatch.setattr(check, "pictures_listed", lambda _: {"a.png", "old.svg", "gone.svg"})
+    for name in ("page", "measurements_page"):
+        monkeypatch.setattr(render, name, lambda _, name=name: f"<{name}>")
+    for name in ("old.svg", "mine.svg"):
+        (tmp_path / name).touch()
+    report: Any = None
+    assert check._write(tmp_path, report, {"η": 1.0}) == 1
+    found = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert found == {
+        "a.png": b"image", "a.csv": b"c,v\n", "mine.svg": b"", "index.html": b"<page>",
+        "methods.html": b"<measurements_page>", "report.json": '{\n  "η": 1.0\n}\n'.encode(),
+    }  # fmt: skip
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        check._write(tmp_path, report, {"v": np.nan})
+
+
 def test_the_list_of_claims_has_a_line_for_each_and_is_never_too_narrow_to_read() -> None:
     entries = find_entries()[:3]
     head, *rows = (re.split(" {2,}", line) for line in entries_as_text(entries, 400).splitlines())

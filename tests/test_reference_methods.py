@@ -191,7 +191,7 @@ def test_the_averaged_front_of_friction_has_the_velocity_of_steps_of_another_met
 
 def _event_run(*log: tuple[float, int, int]) -> EventRun:
     return EventRun(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)),
-                    np.array(log, dtype=float).reshape(-1, 3), 0.0)  # fmt: skip
+                    np.array(log, dtype=float).reshape(-1, 3), 0, 0.0)  # fmt: skip
 
 
 def test_a_cycle_is_from_release_to_release_with_the_stick_before_the_last() -> None:

@@ -100,7 +100,7 @@ def _lines(entries: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[str
                 error = None  # the error of a value given as text has its own line
             uncertain = "" if error is None else f", uncertain by {error:.1e}"
             if error == math.inf:
-                uncertain = ", its error is not known"
+                uncertain = " (error unknown)"
             unit = f" {units[name]}" if name in units else ""
             yield f"{name:<{width}}  {_text(name, value, error)}{unit}{uncertain}"
 

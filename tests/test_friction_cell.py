@@ -715,7 +715,7 @@ def test_a_number_whose_error_is_not_known_is_printed_so() -> None:
         v: float | None
         error: float
 
-    assert in_words(Measured(v=0.25, error=math.inf)) == "v  0.2, its error is not known"
+    assert in_words(Measured(v=0.25, error=math.inf)) == "v  0.2 (error unknown)"
     assert in_words(Measured(v=0.25, error=1e-3)) == "v  0.250, uncertain by 1.0e-03"
     assert in_words(Measured(v=None, error=math.inf)) == ""
 

@@ -29,7 +29,7 @@ from verification.fronts.status import FrontStatus
 from verification.references import equations
 from verification.runs import simulate as simulate_module
 from verification.runs.excite import excite
-from verification.runs.simulate import simulate
+from verification.runs.simulate import _with_comparisons, simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import smooth
 from verification.steppers.stop_code import StopCode
@@ -411,3 +411,18 @@ def test_every_cubic_that_passes_zero_between_negative_ends_is_looked_at() -> No
     assert 1000 < passes.sum() < 3000
     assert np.all(looked_at[passes])
     assert looked_at.sum() < 3800  # some are left out
+
+
+@pytest.mark.parametrize(
+    ("samples", "times"), [(2, 200), (51, 199), (101, 199), (200, 200), (300, 300)]
+)
+def test_runs_are_compared_at_some_two_hundred_times(samples: int, times: int) -> None:
+    """At different ones: a run compared twice at a time is compared once."""
+    asked = np.linspace(0.0, 7.0, samples)
+    every, places = _with_comparisons(asked, FRONT)
+    assert np.unique(every).size == every.size >= times or samples == 2
+    assert np.unique(every).size >= times
+    assert np.array_equal(every if places is None else every[places], asked)
+    assert (places is None) is (samples >= 200)
+    long = FRONT.replace(sites=100_000)
+    assert _with_comparisons(asked, long)[0] is asked

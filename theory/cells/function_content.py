@@ -53,10 +53,17 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 
 
 def _code(code: CodeType) -> str:
-    constants = [_code(each) if isinstance(each, CodeType) else repr(each)
-                 for each in code.co_consts]  # fmt: skip
+    constants = [_constant(each) for each in code.co_consts]
     names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
     return f"{code.co_code.hex()} {constants} {names}"
+
+
+def _constant(value: object) -> str:
+    if isinstance(value, CodeType):
+        return _code(value)
+    if isinstance(value, frozenset):  # in another order in every process
+        return f"set({sorted(map(repr, value))})"
+    return repr(value)
 
 
 def _captured(plain: FunctionType) -> dict[str, Any]:
@@ -107,11 +114,16 @@ def _value(value: Any, name: str, within: tuple[Any, ...]) -> str:
         return f"set({sorted(_value(each, name, within) for each in value)})"
     if isinstance(value, (np.ndarray, np.generic)) and not value.dtype.hasobject:
         return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    value = getattr(value, "_dispatcher", value)  # of a function that numba vectorises
     if hasattr(value, "py_func") and hasattr(value, "targetoptions"):
         return function_content(value, within)
+    if kind is type and issubclass(value, tuple) and hasattr(value, "_fields"):
+        return f"{value.__qualname__}{value._fields}"
     if isinstance(value, (BuiltinFunctionType, FunctionType, type)):
         if _of_library(value.__module__):
             return f"{value.__module__}.{value.__qualname__}"
+        if isinstance(value, FunctionType):  # compiled where it is called, if numba knows it
+            return function_content(value, within)
     elif kind is np.ufunc or kind.__module__.startswith("numba.core.types"):
         return str(value)
     raise ParameterError(

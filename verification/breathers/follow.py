@@ -134,14 +134,14 @@ def _described(family: BreatherFamily, fold: Fold, tangent: FloatArray, place: i
         family.measured(BranchPoint(u, fold.parameter, tangent, 0.0, 0.0, 0), begin)
         for u in (fold.u, fold.u + fold.away)
     )
-    height, error = float(there.outward[0]), fold.error + family.step_error(fold)
+    height, moved = float(there.outward[0]), family.step_error(fold)
     # Across the branch, amplitudes change no faster than the state, of which they have two parts.
     return BreatherFold(
         c=float(fold.parameter),
-        c_error=error,
+        c_error=fold.error + moved,
         height=height,
         height_error=abs(height - float(beside.outward[0]))
-        + 2.0 * family.unit * (fold.aside + family.step_error(fold))
+        + 2.0 * family.unit * (fold.aside + moved)
         + 1e-14 * height,
         place=place,
     )

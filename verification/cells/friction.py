@@ -138,9 +138,9 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[
     """Return the limits of v_d between which there is a stick-slip cycle; both 0 if there is none.
 
     At the limits the slip phase from release just touches ẏ = v_d. The upper limit is infinite for
-    ξ = 0: a slow departure from v_rel = 0 gains energy, and nothing dissipates it; also if it is
-    above the largest v_d of a cell, 1e9. The lower limit
-    is 0 except under Stribeck's law, which does not decrease at small velocities, so that no energy
+    ξ = 0, where a slow departure from v_rel = 0 gains energy and nothing dissipates it, and is
+    stated as infinite if it exceeds the largest v_d that is allowed for a cell. The lower limit is
+    0 except under Stribeck's law, which does not decrease at small velocities, so that no energy
     is gained there. With little damping it is v_H(1 + ¾(v_H/v_s)²), where v_H is the velocity at
     which sliding becomes unstable.
 

@@ -68,8 +68,9 @@ def creep(cell: FrictionCell) -> phases.Creep:
     """Return where backward slip approaches steady sliding without turning: at strong damping.
 
     Drag rises by at least `_STRONG` times the velocity outside an interval of speeds, found as that
-    of unstable sliding is, with so much less damping. Across the interval, from less than v_d/2 to
-    v_d, friction falls by less than μ_st - μ_d.
+    of unstable sliding is, with so much less damping. Above the interval, the condition holds for
+    every slower speed if the drag gained by v_d/2 exceeds μ_st - μ_d, by which friction falls at
+    most.
     """
     curve, v_d, sliding = cell.curve, cell.v_d, cell.steady_sliding
     damping = 2.0 * cell.xi - _STRONG

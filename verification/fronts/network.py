@@ -142,7 +142,7 @@ def spread(
     ParameterError
         If the excited sites are all the sites there are.
     """
-    count_within("excited sites", excited, 1, chain.sites - 1)
+    excited = count_within("excited sites", excited, 1, chain.sites - 1)
     middle = middle_site(chain)
     away = distances_from(chain, middle)
     nearest = np.argsort(away, kind="stable")[:excited]
@@ -316,7 +316,7 @@ def planar(
     """
     assert chain.shape is not None
     rows, columns = chain.shape
-    count_within("excited rows", excited, 1, max(1, rows - 2 * LEAST))
+    excited = count_within("excited rows", excited, 1, max(1, rows - 2 * LEAST))
     row = np.arange(chain.sites) // columns
     sites = np.flatnonzero(row < excited)
     turns = [chain.front_phase_step * int(row[n]) for n in sites]

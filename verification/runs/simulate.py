@@ -46,8 +46,8 @@ SAMPLES = Range(2, 1_000_000)
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may store: a few gigabytes."""
 
-_COMPARED, _COMPARED_NUMBERS = 200, 10**7
-"""Times at which runs are compared at least, beside those of the samples: at few samples, runs that
+_COMPARED, _COMPARED_NUMBERS = 200, 10**5
+"""Times at which runs are compared at least, with those of the samples: at few samples, runs that
 have become independent may agree by chance. For long chains, with which that does not happen, at
 most so many times as have this number of states in all."""
 
@@ -176,10 +176,16 @@ def _sample_times(
     return found
 
 
-def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntArray]:
-    """Return the times of the samples and of further comparisons, and the places of the former."""
+def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntArray | None]:
+    """Return the times of the samples and of further comparisons, and the places of the former.
+
+    The places are None if no comparison is added. Further times are in the middle of equal parts,
+    so that few of them are those of samples.
+    """
     further = min(_COMPARED, _COMPARED_NUMBERS // getattr(chain, "sites", 1)) - len(asked)
-    every = np.append(asked, np.linspace(0.0, asked[-1], max(0, further) + 2)[1:-1])
+    if further <= 0:
+        return asked, None
+    every = np.append(asked, asked[-1] * (np.arange(further) + 0.5) / further)
     order = np.argsort(every, kind="stable")
     return every[order], np.flatnonzero(order < len(asked))
 

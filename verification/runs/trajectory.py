@@ -58,8 +58,9 @@ class Trajectory(Result):
     level : float
         Amplitude that counts as an arrival; for the friction chain, the velocity of the belt.
     error : float or None
-        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances, at 200
-        times at least, so that it hardly depends on the samples; None if no such run was made.
+        Bound on √(Δy² + Δw²) of every sample, by comparison with runs at other tolerances, at some
+        200 times at least (fewer for more than 500 sites), so that it hardly depends on the
+        samples; None if no such run was made.
     arrival_error : float or None
         The same for ``arrivals``; inf if one run saw an arrival that another did not.
     status : RunStatus

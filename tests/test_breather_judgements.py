@@ -236,7 +236,7 @@ def test_the_small_parameter_is_halved_five_times_at_most(monkeypatch: pytest.Mo
 def test_an_orbit_that_is_not_found_is_not_blamed_on_a_coupling_that_nobody_gave() -> None:
     """The fold of the averaged breather is at 0.04, below the couplings that are tried last."""
     chain = VdpChain(a=1.0, b=0.00466965, c=0.0, sites=9)
-    with pytest.raises(ParameterError, match=r"small parameter eps = 0\.01 .* smaller one, or"):
+    with pytest.raises(ParameterError, match=r"small parameter eps = 0\.01 .* smaller eps, or"):
         Orbits(chain, Nucleus(3, "-+")).start(2.0)
     assert Orbits(chain.replace(eps=1e-3), Nucleus(3, "-+")).start(2.0).parameter < 0.04
 

@@ -128,7 +128,8 @@ def test_costly_computations_are_right_at_single_points(
 
 def test_what_a_costly_reference_cannot_confirm_it_does_not_refute() -> None:
     """Steady sliding is unstable here: roundings grow a thousandfold and more."""
-    sliding = {**SLIDING, "v_d": 0.12, "v0": 2.3, "mu_st": 9.4, "c": 6e-7, "sites": 3.0}
+    sliding = {**SLIDING, "v_d": 0.21, "v0": 1.6, "mu_st": 3.0, "c": 1e-6, "sites": 3.0}
+    sliding["displacement"] = 0.5
     found = judge(computation_named("run-friction"), sliding)
     assert found["outcome"] == PointOutcome.UNDECIDED.value, found
     assert float(found["distance"]) < float(found["uncertainty"])

@@ -358,6 +358,20 @@ def test_what_libraries_define_is_not_read(monkeypatch):
         assert code_of_objects(code_owners(task))[0] == ()
 
 
+def test_a_session_may_use_this_project_as_a_module_and_by_its_names(monkeypatch):
+    session = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", session)
+    exec(
+        "import fronts as fr\nfrom fronts import sigma, measure_front\nfrom theory import chains\n"
+        "def task(c): return fr.VdpChain, sigma(c, 1.0), measure_front, chains",
+        vars(session),
+    )
+    found = code_of_objects(code_owners(session.task))
+    assert found[0] == ("fronts.piecewise.sigma", "verification.fronts.measure")
+    assert found == code_of_objects(code_owners(session.task))
+    assert code_of_objects(code_owners(partial(session.sigma, 0.3)))[0] == (found[0][0],)
+
+
 def test_a_decorated_function_is_told_from_another_by_what_decorates_it():
     def scaled(factor):
         def decorate(task):

@@ -29,6 +29,7 @@ from verification.execution.imports import (
     closure,
     code_of,
     is_library,
+    is_ours,
     source_of,
 )
 
@@ -184,15 +185,16 @@ def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
         named = hasattr(each, "__qualname__") or isinstance(each, ModuleType)
         owner: Any = each if named else type(each)
         name = owner.__name__ if isinstance(owner, ModuleType) else owner.__module__
-        if is_library(name):
-            continue
+        if is_library(name) or (isinstance(owner, ModuleType) and is_ours(name)):
+            continue  # a module of this project is used in a session, with which all of it counts
         if source_of(name) is None:
             loose.append([name, _loose(owner, name)])
         else:
             modules.add(name)
     if loose:
         loose.append(digest_of_packages((*SOURCES, "fronts")))
-    return tuple(sorted(modules)), digest_of([digest_of_code(modules, users=True), loose])
+    packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
+    return tuple(sorted(modules)), digest_of([digest_of_code(modules, packages, users=True), loose])
 
 
 def _loose(owner: object, name: str) -> Any:

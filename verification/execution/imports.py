@@ -64,7 +64,7 @@ def closure(
         top = name.partition(".")[0]
         if name in found or name in without:
             continue
-        if top not in packages and not (users and top not in _OURS and not is_library(top)):
+        if top not in packages and not (users and not is_ours(top) and not is_library(top)):
             continue
         if name not in known:
             known[name] = _imported(name)
@@ -125,7 +125,7 @@ def is_library(name: str) -> bool:
     [True, True, False, False]
     """
     top = name.partition(".")[0]
-    if top in _OURS or top in ("__main__", "__mp_main__"):
+    if is_ours(top) or top in ("__main__", "__mp_main__"):
         return False
     if top in sys.stdlib_module_names:
         return True
@@ -137,7 +137,11 @@ def is_library(name: str) -> bool:
     return any(_INSTALLED & {*Path(each).parts} for each in places)
 
 
-_OURS = (*SOURCES, "fronts")
+def is_ours(name: str) -> bool:
+    """Return whether a module is of this project."""
+    return name.partition(".")[0] in (*SOURCES, "fronts")
+
+
 _INSTALLED = {"site-packages", "dist-packages"}
 
 

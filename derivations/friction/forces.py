@@ -65,3 +65,16 @@ def pull(chain: FrictionModel, displaced: dict[Any, float], field: Any, time: An
 
     own = displaced[field(s.n, time)]
     return energy(own + 0.5) - energy(own - 0.5)  # exact for a quadratic energy
+
+
+class FrictionChecks:
+    """Common part of the checks of model I.
+
+    Parameters
+    ----------
+    chain : FrictionModel
+        The chain.
+    """
+
+    def __init__(self, chain: FrictionModel) -> None:
+        self.chain = chain

@@ -15,11 +15,11 @@ from derivations.friction.forces import (
     DYNAMIC,
     SCALE,
     STATIC,
+    FrictionChecks,
     coefficient_at,
     force_at_velocity,
     slip_force,
 )
-from derivations.friction.model import FrictionModel
 
 _SPEEDS = (-1.3, -1e-9, 0.4, 2.0)
 _SHARES = (sp.Rational(999, 1000), sp.Integer(1), sp.Rational(1001, 1000))
@@ -80,17 +80,8 @@ def _units() -> dict[sp.Basic, float]:
             s.mu_st: STATIC, s.mu_d: DYNAMIC}  # fmt: skip
 
 
-class LawChecks:
-    """The checks of the friction law, for one chain.
-
-    Parameters
-    ----------
-    chain : FrictionModel
-        The chain.
-    """
-
-    def __init__(self, chain: FrictionModel) -> None:
-        self.chain = chain
+class LawChecks(FrictionChecks):
+    """The checks of the friction law, for one chain."""
 
     @equals("the decay of the model between two values")
     def falling(self, rng: random.Random) -> Point:

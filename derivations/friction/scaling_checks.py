@@ -13,7 +13,13 @@ from derivations.algebra.equations import parts_of
 from derivations.algebra.evidence import Point, Points, at_points, equals, value
 from derivations.algebra.steps import Evidence
 from derivations.friction import symbols as s
-from derivations.friction.forces import dimensional_numbers, displacements, number, pull
+from derivations.friction.forces import (
+    FrictionChecks,
+    dimensional_numbers,
+    displacements,
+    number,
+    pull,
+)
 from derivations.friction.model import PAPER, FrictionModel
 
 
@@ -41,17 +47,8 @@ def _scaled_point(chain: FrictionModel, rng: random.Random) -> tuple[dict[Any, A
     return point, net / point[s.F_N]
 
 
-class ScalingChecks:
-    """The checks of the equation of motion and of its scales, for one chain.
-
-    Parameters
-    ----------
-    chain : FrictionModel
-        The chain.
-    """
-
-    def __init__(self, chain: FrictionModel) -> None:
-        self.chain = chain
+class ScalingChecks(FrictionChecks):
+    """The checks of the equation of motion and of its scales, for one chain."""
 
     @equals("the forces of a potential energy, differentiated numerically")
     def newton(self, rng: random.Random) -> tuple[Point, list[complex]]:

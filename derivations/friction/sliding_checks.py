@@ -19,6 +19,7 @@ from derivations.friction import symbols as s
 from derivations.friction.forces import (
     DYNAMIC,
     STATIC,
+    FrictionChecks,
     displacements,
     force_at_velocity,
     number,
@@ -115,17 +116,8 @@ def _first_order_error(chain: FrictionModel, candidate: sp.Basic) -> float:
     return float(abs(lost / (2 * math.pi * small) / mean - 1))
 
 
-class SlidingChecks:
-    """The checks of the slipping chain, for one chain.
-
-    Parameters
-    ----------
-    chain : FrictionModel
-        The chain.
-    """
-
-    def __init__(self, chain: FrictionModel) -> None:
-        self.chain = chain
+class SlidingChecks(FrictionChecks):
+    """The checks of the slipping chain, for one chain."""
 
     @equals("the forces on a slipping site")
     def slipping(self, rng: random.Random) -> tuple[Point, list[complex]]:

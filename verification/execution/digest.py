@@ -216,15 +216,13 @@ def _defined(value: object) -> Any:
     """Return what a class defines by a name: the code of a function, or a plain value."""
     functions = list(_functions_of(value))
     if functions:
-        return [[_bytecode(each.__code__), repr_of(each.__defaults__)] for each in functions]
-    return repr_of(value)
+        return [[_bytecode(each.__code__), _text_of(each.__defaults__)] for each in functions]
+    return _text_of(value)
 
 
-def functions_of_class(kind: type) -> Iterator[tuple[str, FunctionType]]:
+def functions_of_class(kind: type) -> Iterator[FunctionType]:
     """Yield the functions that a class defines by itself, also as properties and class methods."""
-    for name, value in vars(kind).items():
-        for each in _functions_of(value):
-            yield name, each
+    return chain.from_iterable(map(_functions_of, vars(kind).values()))
 
 
 def _functions_of(value: object) -> Iterator[FunctionType]:
@@ -242,22 +240,22 @@ def names_in(code: CodeType) -> tuple[str, ...]:
 
 def _bytecode(code: CodeType) -> list[Any]:
     """Return the bytecode of a function, independent of its location."""
-    constants = [_bytecode(c) if isinstance(c, CodeType) else repr_of(c) for c in code.co_consts]
+    constants = [_bytecode(c) if isinstance(c, CodeType) else _text_of(c) for c in code.co_consts]
     return [code.co_code.hex(), constants, list(code.co_names)]
 
 
-def repr_of(value: object) -> str:
+def _text_of(value: object) -> str:
     """Return the text of a plain value, the same in every process; of other objects their class.
 
     Examples
     --------
-    >>> repr_of((1, {"b", "a"}, object()))
+    >>> _text_of((1, {"b", "a"}, object()))
     "(1, {'a', 'b'}, <object>)"
     """
     if isinstance(value, tuple | list):
-        return f"({', '.join(map(repr_of, value))})"
+        return f"({', '.join(map(_text_of, value))})"
     if isinstance(value, set | frozenset):
-        return f"{{{', '.join(sorted(map(repr_of, value)))}}}"
+        return f"{{{', '.join(sorted(map(_text_of, value)))}}}"
     plain = isinstance(value, bool | int | float | complex | str | bytes | type(None))
     return repr(value) if plain else f"<{type(value).__qualname__}>"
 

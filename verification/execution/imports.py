@@ -64,7 +64,8 @@ def closure(
         top = name.partition(".")[0]
         if name in found or name in without:
             continue
-        if top not in packages and not (users and not is_ours(top) and not is_library(top)):
+        of_a_user = users and not (is_ours(top) or is_library(top))
+        if top not in packages and not of_a_user:
             continue
         if name not in known:
             known[name] = _imported(name)

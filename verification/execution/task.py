@@ -142,14 +142,14 @@ def _session_parameters(task: object) -> dict[str, Any]:
     for name, value in _used_in_session(task).items():
         with suppress(ParameterError):
             if (function := _function(value)) is None:
-                if not isinstance(value, ModuleType | type) and not _is_builtin(value):
+                if not isinstance(value, ModuleType | type) and not _is_callable_of_library(value):
                     found[name] = parameters_of(value, session=False)
             elif not is_library(function.__module__) and (inner := _held(function)):
                 found[name] = parameters_of(inner, session=False)
     return found
 
 
-def _is_builtin(value: object) -> bool:
+def _is_callable_of_library(value: object) -> bool:
     return callable(value) and is_library(type(value).__module__)
 
 
@@ -186,4 +186,4 @@ def _methods(task: object) -> list[FunctionType]:
         return [function]
     owner = task.__self__ if isinstance(task, MethodType) else task
     kind = owner if isinstance(owner, type) else type(owner)
-    return [each for base in kind.__mro__ for _, each in functions_of_class(base)]
+    return [each for base in kind.__mro__ for each in functions_of_class(base)]

@@ -21,6 +21,7 @@ from numpy.lib import format as npy
 from theory.parameters import ParameterError, RunError
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import FileError
+from verification.execution.metadata import Code
 from verification.runs import checkpoint
 from verification.runs.checkpoint import load_checkpoint, run_to_end, save_checkpoint
 from verification.runs.simulate import MAX_NUMBERS, _check_samples
@@ -291,7 +292,7 @@ def test_a_run_is_saved_every_few_seconds_and_not_more_often(
 def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run.npz"
     run_to_end([Logistic()], 3.0, 1, path)
-    monkeypatch.setattr(checkpoint, "code_of_objects", lambda _: ((), "other"))
+    monkeypatch.setattr(checkpoint, "code_of", lambda *_: Code(modules=(), digest="other"))
     with pytest.raises(ParameterError, match=r"same parameters, code and versions .*code"):
         run_to_end([Logistic()], 3.0, 1, path)
 

@@ -12,16 +12,11 @@ import numpy as np
 import pytest
 
 from theory.parameters import ParameterError
-from verification.execution import digest, metadata
-from verification.execution.digest import (
-    DRAWING,
-    code_of_objects,
-    digest_of_arrays,
-    digest_of_files,
-)
+from verification.execution import metadata
+from verification.execution.digest import DRAWING, digest_of_arrays, digest_of_files
 from verification.execution.imports import closure, imports_of, shape, source_of
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
-from verification.execution.task import code_owners, parameters_of
+from verification.execution.task import code_of, parameters_of
 
 OURS = ("timed_code",)
 
@@ -191,31 +186,15 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
     assert source_of("bisect.bisect") is None  # a module has none below it
 
 
-def test_a_function_inside_of_another_counts_by_what_it_does():
-    def compiled(text):
-        space = {}
-        exec(compile(text, "no such file", "exec"), space)
-        return digest._bytecode(space["f"].__code__)
-
-    text = "def f(x):\n    def g(y):\n        return y + 1\n    return g(x)"
-    assert compiled(text) == compiled(text)
-    assert compiled(text) != compiled(text.replace("+ 1", "+ 2"))
-
-
 def test_a_class_is_a_task_by_its_name():
     assert parameters_of(Code) == "verification.execution.metadata.Code"
 
 
 def test_everything_with_code_counts_that_a_task_holds_in_whatever_it_is():
-    def one(x: float) -> float:
-        return x
-
-    def other(x: float) -> float:
-        return x
-
-    for held in ((one, other), [one, other], {"a": one, "b": other}):
-        assert list(code_owners(held)) == [one, other]
-        assert list(code_owners(partial(one, held))) == [one, one, other]
+    for held in ((shape, differences), [shape, differences], {"a": shape, "b": differences}):
+        for task in (held, partial(parameters_of, held), SimpleNamespace(held=held)):
+            modules = code_of(task).modules
+            assert {shape.__module__, differences.__module__} <= {*modules}
 
 
 def test_code_of_no_module_counts_by_itself(monkeypatch):
@@ -229,14 +208,15 @@ def test_code_of_no_module_counts_by_itself(monkeypatch):
 
     texts = [
         f"{head} return {value}"
-        for head in ("def x():", "class x:\n def f(self):", "class x:\n def g(self):")
+        for head in ("def x():", "def x():\n def y():", "class x:\n def f(self):")
         for value in ("1", "2", "a", "b", "lambda: 1", "lambda: 2")
     ]
-    found = [code_of_objects([typed(text)]) for text in texts]
-    assert {modules for modules, _ in found} == {()}
-    assert len({digest for _, digest in found}) == len(texts)
-    assert code_of_objects([typed(texts[7])()]) == found[7]  # of an instance that of its class
-    assert code_of_objects([typed("# one\ndef x():\n return 1")]) == found[0]
+    found = [code_of(typed(text)) for text in texts]
+    assert {code.modules for code in found} == {()}
+    assert len({code.digest for code in found}) == len(texts)
+    assert code_of(typed("# one\ndef x():\n return 1")) == found[0]
+    assert code_of(typed(texts[-1])()) == code_of(typed(texts[-1])())
+    assert code_of(typed(texts[-1])()) != code_of(typed(texts[-2])())
 
 
 def test_what_differs_is_named_with_both_values_where_these_are_short():
@@ -280,12 +260,9 @@ def test_a_function_of_a_session_is_told_from_another_by_what_it_uses_there(monk
     def identity(**changed):
         for text in (cells | changed).values():
             exec(text, vars(session))
-        task = vars(session)["task"]
-        return parameters_of(task), code_of_objects(code_owners(task))[1]
+        return code_of(vars(session)["task"])
 
     known = [identity()]
-    assert known[0][0]["session"]["chain"]["a"] == 4
-    assert set(known[0][0]["session"]) == {"scale", "chain", "deep"}
     for changed in (
         {"scale": "scale = 3.0"},
         {"chain": cells["chain"].replace("0.6", "0.7")},
@@ -312,7 +289,7 @@ def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
     for called in (lambda task: task, lambda task: task.twice, lambda task: partial(task, 1.0)):
         one, same, other = (parameters_of(called(Task(size))) for size in (1.0, 1.0, 3.0))
         assert one == same != other
-        assert code_of_objects(code_owners(called(Task(1.0))))[0] == (__name__,)
+        assert code_of(called(Task(1.0))).modules == (__name__,)
     with pytest.raises(ParameterError, match="one that holds a object"):
         parameters_of(Task(object()))
 
@@ -330,6 +307,17 @@ def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
          "K().m().k", ("k = 1", "k = 2")),
         ("from types import SimpleNamespace as N\nk = N(k=1)", "k.k", ("k=1", "k=2")),
         ("k = {1, 2}", "len(k)", ("1,", "1, 3,")),
+        ("k = [{'a': 1}]", "k[0]", ("1}", "2}")),
+        ("class K:\n __slots__ = 'k'\nK0 = K(); K0.k = 1", "K0.k", ("k = 1", "k = 2")),
+        ("from fractions import Fraction\nk = Fraction(1, 2)", "k * c", ("1, 2", "1, 3")),
+        ("from scipy.interpolate import CubicSpline\nk = CubicSpline([0, 1, 2, 3], [0, 1, 0, 1])",
+         "k(c)", ("0, 1]", "0, 2]")),
+        ("def K(c): return c\ndef k(f): return f", "k(K)(c)", ("return f", "return f(1)")),
+        ("from enum import Enum\nclass K(Enum):\n a = 1\n b = 2\nk = K.a", "k", ("K.a", "K.b")),
+        ("import functools\ndef f(c, k): return c\nk = functools.partial(f, k=1)", "k(c)",
+         ("k=1", "k=2")),
+        ("from functools import lru_cache\n@lru_cache\ndef k(c): return 1", "k(c)",
+         ("turn 1", "turn 2")),
         ("k = {'a', 'b'}", "[c in {'a', 'b'} for c in k]", ("= {'a'", "= {'c'")),
     ],
 )  # fmt: skip
@@ -339,7 +327,7 @@ def test_what_a_session_defines_is_seen_to_change(given, use, changed, monkeypat
     found = []
     for text in (given, given, given.replace(*changed)):
         exec(f"{text}\ndef task(c): return {use}", vars(session))
-        found.append((parameters_of(session.task), code_of_objects(code_owners(session.task))))
+        found.append(code_of(session.task))
     assert found[0] == found[1] != found[2]
 
 
@@ -355,7 +343,8 @@ def test_what_libraries_define_is_not_read(monkeypatch):
     )
     assert parameters_of(session.task) == "typed_here.task"
     for task in (session.task, session.norm.cdf, partial(math.pow, 2.0), np.sin):
-        assert code_of_objects(code_owners(task))[0] == ()
+        assert code_of(task).modules == ()
+        assert code_of(task) == code_of(task)
 
 
 def test_a_session_may_use_this_project_as_a_module_and_by_its_names(monkeypatch):
@@ -366,10 +355,9 @@ def test_a_session_may_use_this_project_as_a_module_and_by_its_names(monkeypatch
         "def task(c): return fr.VdpChain, sigma(c, 1.0), measure_front, chains",
         vars(session),
     )
-    found = code_of_objects(code_owners(session.task))
-    assert found[0] == ("fronts.piecewise.sigma", "verification.fronts.measure")
-    assert found == code_of_objects(code_owners(session.task))
-    assert code_of_objects(code_owners(partial(session.sigma, 0.3)))[0] == (found[0][0],)
+    assert code_of(session.task) == code_of(session.task)
+    assert code_of(session.task).modules == ()  # in a session all of the project counts
+    assert code_of(partial(session.sigma, 0.3)).modules == ("fronts.piecewise.sigma",)
 
 
 def test_a_decorated_function_is_told_from_another_by_what_decorates_it():
@@ -390,20 +378,23 @@ def test_a_decorated_function_is_told_from_another_by_what_decorates_it():
     assert one == same != other
 
 
+@pytest.mark.parametrize("inside", [False, True])
 @pytest.mark.parametrize("use", ["from {} import inner", "import {} as outer"])
-def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(use, tmp_path, monkeypatch):
+def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(
+    use, inside, tmp_path, monkeypatch
+):
     monkeypatch.syspath_prepend(tmp_path)
-    names = [f"of_a_user_{abs(hash(use))}_{i}" for i in range(2)]
+    names = [f"of_a_user_{inside}_{abs(hash(use))}_{i}" for i in range(2)]
     (tmp_path / f"{names[0]}.py").write_text(f"from {names[1]} import inner\n")
     script = ModuleType("typed_here")
     monkeypatch.setitem(sys.modules, "typed_here", script)
     digests = []
     for text in ("1", "2", "2 # one"):
         (tmp_path / f"{names[1]}.py").write_text(f"def inner(): return {text}\n")
-        exec(
-            f"{use.format(names[0])}\ndef task(c): return inner if c else outer.inner", vars(script)
-        )
-        digests.append(code_of_objects(code_owners(script.task))[1])
+        imported = use.format(names[0])
+        head = f"def task(c):\n {imported}\n" if inside else f"{imported}\ndef task(c):\n"
+        exec(f"{head} return inner if c else outer.inner", vars(script))
+        digests.append(code_of(script.task).digest)
     assert digests[0] != digests[1] == digests[2]
 
 
@@ -421,6 +412,6 @@ def test_code_whose_file_is_gone_is_known_by_what_is_executed(monkeypatch):
     module.__file__ = "/nowhere/code_that_is_gone.py"
     monkeypatch.setitem(sys.modules, module.__name__, module)
     exec("def f(x):\n    return x + 1", vars(module))
-    one = code_of_objects([module.f])
+    one = code_of(module.f)
     exec("def f(x):\n    return x + 2", vars(module))
-    assert code_of_objects([module.f]) != one
+    assert code_of(module.f) != one

@@ -12,26 +12,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
-from typing import Any
 
 import numpy as np
 
 from theory.arrays import AnyArray
-from verification.execution.imports import (
-    SOURCES,
-    closure,
-    code_of,
-    is_library,
-    is_ours,
-    source_of,
-)
+from verification.execution.imports import SOURCES, closure, code_of, source_of
 
 DRAWING = (
     "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
@@ -164,100 +153,6 @@ def _read(
         total.update(f"{name}\0{code_of(path)}\0".encode())
     homes = {name: source_of(name) for name in {name.partition(".")[0] for name in found}}
     return _Known(digest=total.hexdigest(), homes=homes, places=places)
-
-
-def code_of_objects(objects: Iterable[object]) -> tuple[tuple[str, ...], str]:
-    """Return the modules of functions, classes, instances and modules, and a digest of their code.
-
-    This project and the files of a user are included with all that they import of these; libraries
-    are not, since their versions are recorded. Code that is in no importable module (a script, or
-    code typed into a session) is included by itself, with all of this project, since what it calls
-    there is not known.
-
-    Examples
-    --------
-    >>> code_of_objects([digest_of])[0]
-    ('verification.execution.digest',)
-    """
-    modules: set[str] = set()
-    loose: list[Any] = []
-    for each in objects:
-        named = hasattr(each, "__qualname__") or isinstance(each, ModuleType)
-        owner: Any = each if named else type(each)
-        name = owner.__name__ if isinstance(owner, ModuleType) else owner.__module__
-        if is_library(name) or (isinstance(owner, ModuleType) and is_ours(name)):
-            continue  # a module of this project is used in a session, with which all of it counts
-        if source_of(name) is None:
-            loose.append([name, _loose(owner, name)])
-        else:
-            modules.add(name)
-    if loose:
-        loose.append(digest_of_packages((*SOURCES, "fronts")))
-    packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
-    return tuple(sorted(modules)), digest_of([digest_of_code(modules, packages, users=True), loose])
-
-
-def _loose(owner: object, name: str) -> Any:
-    file = getattr(sys.modules.get(name), "__file__", None) or ""
-    if file.endswith(".py") and Path(file).is_file():
-        return code_of(Path(file))
-    code = getattr(owner, "__code__", None)
-    if code is not None:
-        return _bytecode(code)
-    bases = owner.__mro__ if isinstance(owner, type) else ()
-    return [
-        [base.__qualname__, [[key, _defined(value)] for key, value in sorted(vars(base).items())
-                             if not (key.startswith("__") and not callable(value))]]
-        for base in bases if source_of(base.__module__) is None and not is_library(base.__module__)
-    ]  # fmt: skip
-
-
-def _defined(value: object) -> Any:
-    """Return what a class defines by a name: the code of a function, or a plain value."""
-    functions = list(_functions_of(value))
-    if functions:
-        return [[_bytecode(each.__code__), _text_of(each.__defaults__)] for each in functions]
-    return _text_of(value)
-
-
-def functions_of_class(kind: type) -> Iterator[FunctionType]:
-    """Yield the functions that a class defines by itself, also as properties and class methods."""
-    return chain.from_iterable(map(_functions_of, vars(kind).values()))
-
-
-def _functions_of(value: object) -> Iterator[FunctionType]:
-    inner = [getattr(value, name, None) for name in ("fget", "fset", "__func__", "func", "py_func")]
-    for each in (value, *inner):
-        if isinstance(each, FunctionType):
-            yield each
-
-
-def names_in(code: CodeType) -> tuple[str, ...]:
-    """Return the global names and the attributes that code uses, and functions within it."""
-    inner = [names_in(each) for each in code.co_consts if isinstance(each, CodeType)]
-    return tuple(dict.fromkeys((*code.co_names, *chain.from_iterable(inner))))
-
-
-def _bytecode(code: CodeType) -> list[Any]:
-    """Return the bytecode of a function, independent of its location."""
-    constants = [_bytecode(c) if isinstance(c, CodeType) else _text_of(c) for c in code.co_consts]
-    return [code.co_code.hex(), constants, list(code.co_names)]
-
-
-def _text_of(value: object) -> str:
-    """Return the text of a plain value, the same in every process; of other objects their class.
-
-    Examples
-    --------
-    >>> _text_of((1, {"b", "a"}, object()))
-    "(1, {'a', 'b'}, <object>)"
-    """
-    if isinstance(value, tuple | list):
-        return f"({', '.join(map(_text_of, value))})"
-    if isinstance(value, set | frozenset):
-        return f"{{{', '.join(sorted(map(_text_of, value)))}}}"
-    plain = isinstance(value, bool | int | float | complex | str | bytes | type(None))
-    return repr(value) if plain else f"<{type(value).__qualname__}>"
 
 
 def digest_of_packages(packages: Iterable[str]) -> str:

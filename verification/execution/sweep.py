@@ -27,9 +27,8 @@ import numpy as np
 from theory.parameters import ParameterError, need_instance, truth
 from theory.result import is_cell
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
-from verification.execution.digest import code_of_objects
 from verification.execution.interruption import terminated_as_interrupted
-from verification.execution.metadata import COMMAND_LINE, Code, Metadata
+from verification.execution.metadata import COMMAND_LINE, Metadata
 from verification.execution.points import (
     Grid,
     Point,
@@ -47,7 +46,7 @@ from verification.execution.table import (
     load_table,
     named_dims,
 )
-from verification.execution.task import code_owners, parameters_of, task_name
+from verification.execution.task import code_of, parameters_of, task_name
 
 Task: TypeAlias = Callable[[Point], Any]
 """Function that maps a point to its results: a mapping of names to numbers, words or arrays of
@@ -333,8 +332,7 @@ def _metadata(function: Task, points: Sequence[Point], command: str, needed: boo
     try:
         held = parameters_of(function)
         parameters = held if isinstance(held, dict) else {}
-        modules, digest = code_of_objects(code_owners(function))
-        code = Code(modules=modules, digest=digest)
+        code = code_of(function)
     except ParameterError:
         if needed:
             raise

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import itertools
 from argparse import Namespace
-from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from enum import Enum
 from types import FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from theory.cells.function_content import ContentReader, captured_in_closure, words_of
 from theory.parameters import ParameterError
 from verification.execution.columns import plain
-from verification.execution.digest import digest_of_arrays, functions_of_class, names_in
-from verification.execution.imports import is_library, source_of
+from verification.execution.digest import (
+    digest_of,
+    digest_of_arrays,
+    digest_of_code,
+    digest_of_packages,
+)
+from verification.execution.imports import SOURCES, is_library, is_ours, source_of
+from verification.execution.metadata import Code
 
 
 def task_name(task: object) -> str:
@@ -34,39 +39,33 @@ def task_name(task: object) -> str:
     return f"{owner.__module__}.{owner.__qualname__}"
 
 
-def parameters_of(task: object, *, session: bool = True) -> Any:
+def parameters_of(task: object) -> Any:
     """Return the parameters of a function or object as JSON data.
-
-    For a task from a script or session, they include as ``session`` the variables that it uses
-    there, except those that JSON cannot represent.
 
     Raises
     ------
     ParameterError
         If it holds something that JSON cannot represent.
     """
-    again = functools.partial(parameters_of, session=session)
     if isinstance(task, functools.partial):
         named = {str(i): value for i, value in enumerate(task.args)} | task.keywords
-        called = again(task.func)
+        called = parameters_of(task.func)
         held = called if isinstance(called, dict) else {}
-        return held | {name: again(value) for name, value in named.items()}
+        return held | {name: parameters_of(value) for name, value in named.items()}
     if isinstance(task, Enum):
         return task.value
     if isinstance(task, np.ndarray) and not task.dtype.hasobject:
         return {"array": digest_of_arrays({"": task})}
     if isinstance(task, SimpleNamespace | Namespace):
-        return again(vars(task))
+        return parameters_of(vars(task))
     if isinstance(task, Mapping):
-        return {str(name): again(value) for name, value in task.items()}
+        return {str(name): parameters_of(value) for name, value in task.items()}
     if isinstance(task, tuple | list):
-        return [again(value) for value in task]
+        return [parameters_of(value) for value in task]
     if isinstance(task, set | frozenset):
-        return {"set": sorted((again(value) for value in task), key=repr)}
+        return {"set": sorted((parameters_of(value) for value in task), key=repr)}
     if _is_dataclass(task) or callable(task):
-        inner = again(_held(task))
-        if session and (used := _session_parameters(task)):
-            inner["session"] = used
+        inner = parameters_of(_held(task))
         return {"is": task_name(task), **inner} if inner or _is_dataclass(task) else task_name(task)
     if isinstance(task, complex):
         return [task.real, task.imag]
@@ -78,26 +77,6 @@ def parameters_of(task: object, *, session: bool = True) -> Any:
             "one that holds numbers, words and their collections where its results are stored",
             "give its parameters as fields of a frozen dataclass",
         ) from None  # fmt: skip
-
-
-def code_owners(task: object, *, session: bool = True) -> Iterator[Any]:
-    """Yield everything that has code: functions, classes of objects, and modules."""
-    again = functools.partial(code_owners, session=session)
-    if isinstance(task, functools.partial):
-        yield from again(task.func)
-        yield from again((*task.args, *task.keywords.values()))
-    elif isinstance(task, tuple | list):
-        yield from itertools.chain.from_iterable(map(again, task))
-    elif isinstance(task, Mapping):
-        yield from again(tuple(task.values()))
-    elif isinstance(task, ModuleType):
-        yield task
-    elif _is_dataclass(task) or callable(task):
-        owner = task.__self__ if isinstance(task, MethodType) else task
-        yield owner if hasattr(owner, "__qualname__") else type(owner)
-        yield from again(_held(task))
-        for value in _used_in_session(task).values() if session else ():
-            yield from code_owners(value, session=False)
 
 
 def _is_dataclass(task: object) -> bool:
@@ -115,11 +94,8 @@ def _held(task: Any) -> dict[str, Any]:
     function = _function(task)
     if function is None:
         return {} if isinstance(task, type) else _attributes(task)
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     defaults = {f"default {i}": value for i, value in enumerate(function.__defaults__ or ())}
-    return defaults | (function.__kwdefaults__ or {}) | {
-        name: cell.cell_contents for name, cell in cells
-    }  # fmt: skip
+    return defaults | (function.__kwdefaults__ or {}) | captured_in_closure(function)
 
 
 def _attributes(task: object) -> dict[str, Any]:
@@ -136,54 +112,115 @@ def _function(task: Any) -> FunctionType | None:
     return task if isinstance(task, FunctionType) else None
 
 
-def _session_parameters(task: object) -> dict[str, Any]:
-    """Return what a task takes from its script or session, as JSON data."""
-    found: dict[str, Any] = {}
-    for name, value in _used_in_session(task).items():
-        with suppress(ParameterError):
-            if (function := _function(value)) is None:
-                if not isinstance(value, ModuleType | type) and not _is_callable_of_library(value):
-                    found[name] = parameters_of(value, session=False)
-            elif not is_library(function.__module__) and (inner := _held(function)):
-                found[name] = parameters_of(inner, session=False)
-    return found
+def code_of(*objects: object) -> Code:
+    """Return the code of functions, classes and objects, with all that determines what it does.
 
+    The modules are those of this project and of the user; libraries are not among them, since their
+    versions are recorded. Code that is in no importable module (a script, or code typed into a
+    session) is included by itself, with the variables that it uses there and with all of this
+    project.
 
-def _is_callable_of_library(value: object) -> bool:
-    return callable(value) and is_library(type(value).__module__)
-
-
-def _used_in_session(task: object) -> dict[str, Any]:
-    """Return the functions, classes, modules and variables of a session that a task uses there.
-
-    Those used by these functions, and by methods of these classes, are included. For a task from an
-    importable module there are none, since the code of the module determines them.
+    Examples
+    --------
+    >>> code_of(task_name).modules
+    ('verification.execution.task',)
     """
-    found: dict[str, Any] = {}
-    pending = [each for each in _methods(task) if source_of(each.__module__) is None]
-    seen = {id(each) for each in pending}
-    while pending:
-        function = pending.pop()
-        for name in names_in(function.__code__):
-            value = function.__globals__.get(name)
-            if name in found or value is None or value is task:
-                continue
-            found[name] = value
-            further = [
-                each
-                for each in _methods(value)
-                if each.__globals__ is function.__globals__ and id(each) not in seen
-            ]
-            seen |= {id(each) for each in further}
-            pending += further
-    return found
+    reader = _TaskReader()
+    texts = [reader.value(each, "the task") for each in objects]
+    if reader.in_session:
+        texts.append(digest_of_packages((*SOURCES, "fronts")))
+    modules = tuple(sorted(reader.modules))
+    packages = {*SOURCES, *(module.partition(".")[0] for module in modules)}
+    files = digest_of_code(modules, packages, users=True)
+    return Code(modules=modules, digest=digest_of([files, texts]))
 
 
-def _methods(task: object) -> list[FunctionType]:
-    """Return the functions that a call of a task, or of its methods, can enter first."""
-    function = _function(task)
-    if function is not None:
-        return [function]
-    owner = task.__self__ if isinstance(task, MethodType) else task
-    kind = owner if isinstance(owner, type) else type(owner)
-    return [each for base in kind.__mro__ for each in functions_of_class(base)]
+class _TaskReader(ContentReader):
+    """Reads what a task does and holds; of what a module defines, the module is noted.
+
+    Attributes
+    ----------
+    modules : set of str
+        Modules of this project and of the user in which the task has code.
+    in_session : bool
+        Whether it has code that is in no importable module.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.modules: set[str] = set()
+        self.in_session = False
+
+    def determines(self, module: str | None) -> bool:
+        """Return whether a module is of a library or can be imported; the latter is noted."""
+        if module is None or is_library(module):
+            return True
+        if source_of(module) is None:
+            self.in_session = True
+            return False
+        if not (self.in_session and is_ours(module)):  # in a session all of this project counts
+            self.modules.add(module)
+        return True
+
+    def other(self, value: Any, name: str) -> str:
+        """Return the content of a function, a class, an object or a collection."""
+        if isinstance(value, functools.partial):
+            return self.value((value.func, value.args, value.keywords), name)
+        if isinstance(value, MethodType):
+            return self.value((value.__func__, value.__self__), name)
+        if isinstance(value, Mapping):
+            pairs = [(self.value(key, name), self.value(value[key], name)) for key in value]
+            return f"{{{sorted(pairs)}}}"
+        if isinstance(value, list):
+            return f"[{self.value(tuple(value), name)}]"
+        if isinstance(value, Enum):
+            return f"{type(value).__qualname__}.{value.name}"
+        if isinstance(value, ModuleType):
+            return value.__name__ if self.determines(value.__name__) else "a module"
+        function = value if isinstance(value, type) else _function(value) or value
+        if hasattr(function, "__qualname__"):
+            return self._definition(function)
+        return self._object(value, name)
+
+    def _definition(self, owner: Any) -> str:
+        """Return the content of a function or class."""
+        module = getattr(owner, "__module__", None)  # None: of Python itself
+        if not self.determines(module):
+            return self._class(owner) if isinstance(owner, type) else self.function(owner)
+        place = f"{module}.{owner.__qualname__}"
+        if isinstance(owner, FunctionType) and module and not is_library(module):
+            return f"{place} {self.value(tuple(sorted(_held(owner).items())), place)}"
+        return place
+
+    def _class(self, kind: type) -> str:
+        """Return the content of a class of a session: its bases, and what it defines by itself."""
+        parts = [self.value(base, base.__qualname__) for base in kind.__bases__]
+        for name, value in sorted(vars(kind).items()):
+            if callable(value) or not name.startswith("__"):
+                inner = [getattr(value, each, None) for each in ("fget", "fset", "func")]
+                parts += [f"{name}={self.value(each, name)}" for each in (value, *inner)]
+        return f"{kind.__qualname__} {parts}"
+
+    def _object(self, value: object, name: str) -> str:
+        """Return the content of an instance of a class: the class, and its fields or attributes."""
+        kind = self.value(type(value), name)
+        if _is_dataclass(value):
+            return f"{kind} {self.value(_held(value), name)}"
+        if is_library(type(value).__module__) and " at 0x" not in (text := repr(value)):
+            return f"{kind} {text}"
+        try:
+            state = object.__getstate__(value)
+        except TypeError:  # an object of machine code
+            return kind
+        return f"{kind} {self.value(state, name)}"
+
+    def function(self, function: Any) -> str:
+        """Return the content of a function, and note the modules that it imports when called."""
+        module = ""
+        for kind, name in words_of(getattr(function, "py_func", function).__code__):
+            if kind == "IMPORT_NAME":
+                module = name
+                self.determines(module)
+            elif kind == "IMPORT_FROM" and source_of(f"{module}.{name}") is not None:
+                self.determines(f"{module}.{name}")
+        return super().function(function)

@@ -25,11 +25,12 @@ from numpy.lib import format as npy
 
 from theory.arrays import AnyArray
 from theory.parameters import ParameterError, RunError
-from verification.execution.digest import code_of_objects, digest_of_arrays
+from verification.execution.digest import digest_of_arrays
 from verification.execution.files import file_error, sole_writer, writing
 from verification.execution.interruption import Deferred, deferred_interrupts
 from verification.execution.metadata import differences, installed_versions
 from verification.execution.progress import ProgressCallback
+from verification.execution.task import code_of
 from verification.runs.integration import Integration
 
 FORMAT = 3
@@ -165,7 +166,7 @@ def _metadata(integrations: Sequence[Integration]) -> dict[str, Any]:
     owners = [*integrations, *(each.chain for each in integrations)]
     return {
         "integrations": {str(i): dict(each.metadata) for i, each in enumerate(integrations)},
-        "code": code_of_objects(owners)[1],
+        "code": code_of(*map(type, owners)).digest,
     }
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 from fronts.answer import UsageError
+from theory.chains.site_text import MAX_LISTED, read_shape, read_sites
 from verification.execution import files
 
 Number = TypeVar("Number", int, float)
 
 MAX_POINTS = 100_000
-MAX_EXCITED = 1_000_000
 
 
 class BadText(argparse.ArgumentTypeError):
@@ -143,17 +143,16 @@ def size_or_shape(text: str) -> int | tuple[int, int]:
     >>> size_or_shape("31"), size_or_shape("60x40")
     (31, (60, 40))
     """
-    rows, times, columns = text.partition("x")
-    if not times:
+    if "x" not in text:
         return whole(text)
     try:
-        return _read(int, rows), _read(int, columns)
+        return read_shape(text)
     except ValueError:
         raise BadText(text, "a whole number or rows x columns", "write it as in 60x40") from None
 
 
 def site_list(text: str) -> tuple[int, ...]:
-    """Read ``15``, ``14,15,16`` or ``14:16`` (both ends included).
+    """Read ``15``, ``14,15,16`` or ``14:16`` (both ends included), or a list of these.
 
     Examples
     --------
@@ -161,19 +160,10 @@ def site_list(text: str) -> tuple[int, ...]:
     ((15,), (14, 15, 16), (3, 5))
     """
     try:
-        if ":" in text:
-            first, last = (_read(int, part) for part in text.split(":"))
-            if 0 <= last - first < MAX_EXCITED:
-                return tuple(range(first, last + 1))
-        else:
-            return tuple(_read(int, part) for part in text.split(","))
+        return tuple(read_sites(text))
     except ValueError:
-        pass
-    raise BadText(
-        text,
-        f"a site, a list as in 14,15,16 or a range of at most {MAX_EXCITED} as in 14:16",
-        "give one of these",
-    )
+        allowed = f"a list of at most {MAX_LISTED} sites"
+        raise BadText(text, allowed, "write it as in 15 or 14,15,16 or 14:16") from None
 
 
 def folder(text: str) -> Path:

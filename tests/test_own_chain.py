@@ -296,6 +296,14 @@ def test_the_cycle_of_a_stiff_cell_is_where_scipy_ends() -> None:
     assert drawn[0] < far[0] - 1e-5  # stable: what begins outside is drawn inwards
 
 
+def test_every_site_of_a_short_chain_may_be_coupled_to_every_other() -> None:
+    row = network_of("next-nearest:1,0.2", (3,), Ends.FREE).matrix.toarray()[0]
+    assert row.tolist() == [1.2, -1.0, -0.2]
+    for ends, sites in ((Ends.FREE, 2), (Ends.PERIODIC, 3)):
+        with pytest.raises(ParameterError, match=f"fewer weights for {sites} sites"):
+            network_of("next-nearest:1,0.2", (sites,), ends)
+
+
 # What is refused, in one sentence
 
 BAD: list[tuple[dict[str, Any], str]] = [
@@ -381,6 +389,24 @@ def test_a_model_file_says_all_and_is_stored_with_the_result(
     chain = OscillatorChain.from_file(model)
     run = simulate(chain.replace(a=4.5), excite(chain.replace(a=4.5), [5]), 20.0, samples=2)
     assert run.amplitude[-1].tolist() == printed["amplitudes"]
+
+
+def test_sites_that_are_given_replace_the_lattice_of_a_model_file(tmp_path: Path) -> None:
+    model = tmp_path / "mine.toml"
+    model.write_text(
+        'damping = "y**2 - 1"\nc = 1\ncoupling = "next-nearest:1,0.2"\nshape = [4, 4]\n'
+    )
+    assert OscillatorChain.from_file(model).shape == (4, 4)
+    chain = OscillatorChain.from_file(model, sites=31)
+    assert (chain.sites, chain.shape) == (31, None)
+
+
+@pytest.mark.parametrize("sites", ["²x5", "6x", "3x3x3", "1_0x5"])
+def test_rows_and_columns_of_a_model_file_are_whole_numbers(tmp_path: Path, sites: str) -> None:
+    model = tmp_path / "mine.toml"
+    model.write_text(f'damping = "y**2 - 1"\nc = 1\nsites = "{sites}"\n', encoding="utf-8")
+    with pytest.raises(ParameterError, match="rows x columns"):
+        OscillatorChain.from_file(model)
 
 
 @pytest.mark.parametrize(

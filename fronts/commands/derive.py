@@ -136,13 +136,18 @@ class _Cell:
         """Whether any of these options was given."""
         return any(vars(self).values())
 
+    @property
+    def numbers(self) -> dict[str, str]:
+        """The given values of symbols, by name."""
+        from theory.chains.site_values import pairs
+
+        return pairs("value", self.values)
+
     def model(self) -> ChainModel:
         """Return the chain."""
         from derivations.cell.polynomial_input import chain_of
 
-        return chain_of(
-            self.damping, self.stiffness, self.coupling, self.weights, _values(self.values)
-        )
+        return chain_of(self.damping, self.stiffness, self.coupling, self.weights, self.numbers)
 
 
 def _written(answer: Answer, out: Path, asked: Mapping[str, Any], form: str) -> Answer:
@@ -278,7 +283,7 @@ def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool)
     from derivations.cell.steps import derive
 
     envelope = derive_envelope(cell.damping, cell.stiffness, cell.coupling or "c")
-    envelope = envelope.with_values(_values(cell.values))
+    envelope = envelope.with_values(cell.numbers)
     derivation = derive(envelope.model, order, front=front)
     answer = _shown(derivation, form)
     payload = dict(answer.payload)
@@ -311,15 +316,3 @@ def _pair(envelope: Envelope) -> tuple[str, str]:
 
 def _number(expression: Any) -> float | None:
     return None if expression.free_symbols else float(expression)
-
-
-def _values(pairs: Sequence[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for pair in pairs:
-        name, equals, number = pair.partition("=")
-        if not equals or not name or not number:
-            raise UsageError(f"--value {pair} is not of the form NAME=NUMBER, as in --value a=4.")
-        if name in found:
-            raise UsageError(f"--value gives {name} more than once.")
-        found[name] = number
-    return found

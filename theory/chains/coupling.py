@@ -225,7 +225,8 @@ def _chain(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) 
         raise _refused(
             repr(text), "square, next-nearest or hexagonal for rows and columns", "name one of them"
         )
-    if len(by_distance) >= shape[0] // 2 + 1:
+    farthest = shape[0] // 2 if ends is Ends.PERIODIC else shape[0] - 1
+    if len(by_distance) > farthest:
         raise _refused(
             repr(text),
             f"with fewer weights for {shape[0]} sites",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from theory.arrays import FloatArray
+from theory.chains.site_text import MAX_LISTED, read_sites
 from theory.parameters import ParameterError, real_number, whole_number
 
 MAX_FORCE, MAX_FREQUENCY = 1e6, 1e6
@@ -122,19 +123,15 @@ def _places(given: Any, sites: int) -> tuple[int, ...]:
     if isinstance(given, str):
         if given.strip() == "all":
             return ()
-        given = [place for part in given.split(",") for place in _run(part)]
+        try:
+            given = read_sites(given)
+        except ValueError:
+            raise _refused_sites(given) from None
     if not isinstance(given, (Sequence, np.ndarray)) or len(given) == 0:
-        raise ParameterError("sites of the drive", repr(given), "1,4:6 or all", _EXAMPLE)
+        raise _refused_sites(given)
     return tuple(sorted({whole_number("site of the drive", n, 1, sites) for n in given}))
 
 
-def _run(text: str) -> range:
-    """Return the sites that ``4`` or ``4:6`` denotes."""
-    first, colon, last = text.partition(":")
-    try:
-        found = range(int(first), int(last if colon else first) + 1)
-    except ValueError:
-        raise _refused(repr(text)) from None
-    if not found:
-        raise _refused(repr(text))
-    return found
+def _refused_sites(given: object) -> ParameterError:
+    allowed = f"1,4:6, of at most {MAX_LISTED} sites, or all"
+    return ParameterError("sites of the drive", repr(given)[:60], allowed, _EXAMPLE)

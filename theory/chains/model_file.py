@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from theory.chains.coupling import is_file
+from theory.chains.site_text import read_shape
 from theory.chains.site_values import pairs
 from theory.parameters import ParameterError
 
@@ -49,10 +50,12 @@ def read_model(
         found["coupling"] = str(path.parent / coupling)
     sites = found.get("sites")
     if isinstance(sites, str):
-        parts = sites.split("x")
-        if not all(part.isdigit() for part in parts):
-            raise ParameterError("sites", repr(sites), "rows x columns", "as in 60x60")
-        found["sites"] = tuple(int(part) for part in parts)
+        try:
+            found["sites"] = read_shape(sites)
+        except ValueError:
+            raise ParameterError("sites", repr(sites), "rows x columns", "as in 60x60") from None
+    if "sites" in (changes or {}):
+        found.pop("shape", None)
     for key, value in (changes or {}).items():
         named = key in ("values", "disorder") and key in found
         found[key] = {**pairs(key, found[key]), **pairs(key, value)} if named else value

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import fronts as fr
+from theory.parameters import refuse_unread
 from verification.breathers import breather as breathers
 from verification.maps.task import StateTask
 from verification.thresholds import threshold as thresholds
@@ -376,3 +377,9 @@ def test_a_claim_that_does_not_exist_is_refused_with_one_full_stop() -> None:
 @pytest.mark.parametrize("v", [0.3, 100.0])
 def test_a_value_of_the_sum_is_a_complex_number_of_python(v: float) -> None:
     assert type(fr.sigma(v=v, c=3.0).value) is complex
+
+
+@pytest.mark.parametrize("names", [("tests", "reading"), ("reading", "tests")])
+def test_of_several_options_without_effect_the_first_is_named(names: tuple[str, str]) -> None:
+    with pytest.raises(fr.ParameterError, match=f"^{names[0]} = 1 "):
+        refuse_unread(dict.fromkeys(names, 1), dict.fromkeys(names, 0), (), "here")

@@ -316,8 +316,10 @@ def refuse_unread(
     theory.parameters.ParameterError: tests = 3 is not allowed: it must be absent with an orbit; \
 leave it out: nothing depends on it.
     """
-    for name in given.keys() - {*read}:
-        value, default = given[name], defaults[name]
+    for name, value in given.items():
+        if name in read:
+            continue
+        default = defaults[name]
         plain = isinstance(value, (int, float, str))
         if value is not default and not (plain and value == default):
             remedy = "leave it out: nothing depends on it"

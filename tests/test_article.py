@@ -104,6 +104,17 @@ def test_a_report_of_some_claims_only_and_none_at_all_are_refused(
     assert "is not JSON" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "content", [{}, [1], 7, {"claims": [1], "claims_available": 1}, report() | {"counts": {}}]
+)
+def test_json_that_is_no_report_is_refused_in_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: Any
+) -> None:
+    assert written(tmp_path, content) == 2
+    assert "it must be a report.json written by 'fronts check --out'" in capsys.readouterr().err
+    assert not (tmp_path / "article").exists()
+
+
 def test_latex_sets_the_article_on_two_pages(tmp_path: Path) -> None:
     """With as many rows as the table takes, each as long as those of the paper's claims."""
     if shutil.which("pdflatex") is None:

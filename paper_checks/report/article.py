@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, StrictUndefined, UndefinedError
 
 from paper_checks.claim import Fault, Verdict
 from paper_checks.report.inline_math import in_latex
@@ -24,6 +24,10 @@ FILES = ("metadata.yaml", "content.tex", "bibliography.bib", "article.tex")
 
 MAX_ROWS = 12
 """Largest number of rows of a table, so that the article fits on two pages."""
+
+
+_WRITTEN = "a report.json written by 'fronts check --out'"
+_REMEDY = "run 'fronts check --out report'"
 
 
 def article(report: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
@@ -44,24 +48,27 @@ def article(report: Mapping[str, Any], folder: Path) -> tuple[Path, ...]:
     Raises
     ------
     ParameterError
-        If claims are missing from the report.
+        If claims are missing from the report, or it has another content.
     FileError
         If a file cannot be written.
     """
-    judged, available = len(report["claims"]), report["claims_available"]
+    try:
+        judged, available = len(report["claims"]), int(report["claims_available"])
+        known = _content(report)
+        texts = {name: _text(name, known) for name in FILES}
+    except (KeyError, TypeError, ValueError, UndefinedError):
+        raise ParameterError("report", "a file of another content", _WRITTEN, _REMEDY) from None
     if judged < available:
-        raise ParameterError(
-            "claims of the report", judged, f"all {available}", "run 'fronts check --out report'"
-        )
-    known, templates = _content(report), _templates()
+        raise ParameterError("claims of the report", judged, f"all {available}", _REMEDY)
     folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name in FILES:
-        text = files(__package__).joinpath(f"{name}.j2").read_text(encoding="utf-8")
-        path = folder / name
-        write_text(path, templates.from_string(text).render(known))
-        written.append(path)
-    return tuple(written)
+    for name, text in texts.items():
+        write_text(folder / name, text)
+    return tuple(folder / name for name in texts)
+
+
+def _text(name: str, known: Mapping[str, Any]) -> str:
+    template = files(__package__).joinpath(f"{name}.j2").read_text(encoding="utf-8")
+    return _templates().from_string(template).render(known)
 
 
 def _content(report: Mapping[str, Any]) -> dict[str, Any]:

@@ -112,6 +112,16 @@ def test_a_new_cell(capsys):
     assert run(capsys, "cell", "--damping", "y**2 - 1", "--no-front")[0] == 0
 
 
+def test_a_cell_without_coupling_has_cycles_and_no_front(capsys):
+    line = ["cell", "--damping", "1 - 4*y**2 + y**4/2", "--coupling", "0"]
+    code, out, err = run(capsys, *line)
+    assert (code, out) == (2, "")
+    assert "coupling = 0 is not allowed: it must be other than zero for a front" in err
+    assert "--no-front" in err
+    code, out, _ = run(capsys, *line, "--no-front", "--json")
+    assert (code, len(json.loads(out)["cycles"])) == (0, 2)
+
+
 @pytest.mark.parametrize(
     "words",
     [

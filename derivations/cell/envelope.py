@@ -105,8 +105,12 @@ class Envelope:
         Raises
         ------
         DerivationInputError
-            If the cell does not have exactly two cycles around a stable rest state.
+            If the cell does not have exactly two cycles around a stable rest state, or is not
+            coupled.
         """
+        if self.model.coupling == 0:
+            raise DerivationInputError("coupling", 0, "other than zero for a front",
+                                       "give a number or a letter")  # fmt: skip
         ratio, rest = self.ratio, self.damping_mean.subs(square, 0)
         neglected = ""
         if self.shift_mean.has(square):

@@ -168,7 +168,7 @@ def chain_of(
     spring = PAPER.coupling if coupling is None else number(coupling, "coupling")
     if spring == 0:
         raise DerivationInputError("coupling", coupling, "other than zero",
-                                   "use 'cell' for an isolated oscillator")  # fmt: skip
+                                   "use 'cell --no-front' for an isolated cell")  # fmt: skip
     row = tuple(number(part.strip(), "weights") for part in (weights or "1").split(","))
     if len(row) > MAX_REACH or row[0] == 0 or row[-1] == 0:
         raise DerivationInputError("weights", weights, f"1 to {MAX_REACH} numbers or letters, the "

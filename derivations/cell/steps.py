@@ -51,11 +51,11 @@ def derive(given: ChainModel, order: int = 1, *, front: bool = True) -> Derivati
     order : {1, 2}
         With 2, the second order of the cell and the chain is added.
     front : bool
-        Whether the kinetic relation of a bistable cell is added.
+        Whether the kinetic relation of a bistable cell is added, if cells are coupled.
     """
     draft = Draft(derive_front())
     _average(draft, given)
-    _cycles(draft, given, front=front)
+    _cycles(draft, given, front=front and given.coupling != 0)
     if order == 2:
         second_order(draft, given, "cell in its chain")
     title = f"Averaged equation of the cell with damping {shown(given.damping)}"

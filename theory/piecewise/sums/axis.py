@@ -6,7 +6,6 @@ the number of points, and the error bounds.
 
 from __future__ import annotations
 
-import cmath
 import math
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
@@ -75,7 +74,7 @@ def is_plain(v: Any, c: Any, count: Any) -> Any:
 
 
 def integrand(E: Any, a: Any, X4: Any) -> Any:
-    """Return S/a = 2vG from E = e^{-a}, a and X4 = 4 sin²(k/2), numbers or arrays; compilable."""
+    """Return S/a = 2vG from E = e^{-a}, a and X4 = 4 sin²(k/2), numbers or arrays."""
     F = 1.0 - E
     return quotient(F + E * F, (F * F + X4 * E) * a)
 
@@ -121,36 +120,6 @@ def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any,
         mean(h) * (-1j * q * q),
         (dot(g, g).real * (2.0 / count)) ** 0.5 * q,
         (dot(S_a, S_a).real * (2.0 / count)) ** 0.5 * (2.0 * q),
-    )
-
-
-def axis_means_of_one(
-    v: float, c: float, count: int, slopes: bool
-) -> tuple[complex, complex, complex, float, float]:
-    """Return the result of `axis_means` for numbers, by a loop; the compiled rules call this."""
-    by_v, by_c, total, squares, steep = 0j, 0j, 0j, 0.0, 0.0
-    q = 0.5 / v
-    for j in range(count // 2):
-        half = math.sin((j + 0.5) * (math.pi / count))
-        X4 = 4.0 * half * half
-        a = complex(q, -X4 * q * c)
-        E = cmath.exp(-a)
-        if slopes:
-            g, S_a, h = integrand_and_slopes(E, a, X4)
-            by_v += S_a
-            by_c += h
-            steep += S_a.real * S_a.real + S_a.imag * S_a.imag
-        else:
-            g = integrand(E, a, X4)
-        total += g
-        squares += g.real * g.real + g.imag * g.imag
-    weight = 2.0 / count
-    return (
-        total * (weight * q),
-        by_v * (-2.0 * weight * q * q),
-        by_c * (-1j * weight * q * q),
-        math.sqrt(weight * squares) * q,
-        math.sqrt(weight * steep) * (2.0 * q),
     )
 
 

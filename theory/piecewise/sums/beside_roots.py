@@ -6,12 +6,11 @@ root takes more than ``_MAX_STEPS`` steps are computed one by one.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from theory.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from theory.piecewise.sums.axis import EPS, SLOWEST, STEEPEST
+from theory.piecewise.sums.compiled import CompiledRules
 from theory.piecewise.sums.corrected_axis import PAIR_FROM, corrected_errors
 from theory.piecewise.sums.rules import fill
 from theory.piecewise.sums.segments import CLEAR
@@ -25,11 +24,11 @@ Found = tuple[ComplexArray, FloatArray, FloatArray, BoolArray]
 
 
 def sums_beside_roots(
-    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: CompiledRules
 ) -> tuple[ComplexArray, FloatArray, IntArray]:
     """Return Σ and derivatives, their error bounds, each of shape (3, n), and numbers of points.
 
-    Meant for values for which the plain rule does not suffice; ``fast`` holds the compiled rules.
+    Meant for values for which the plain rule does not suffice.
     The shapes are (1, n) without ``slopes``.
     """
     rows = 3 if slopes else 1
@@ -59,22 +58,22 @@ def _bounds(
 
 
 def _arches(
-    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: CompiledRules
 ) -> Found:
     """Return the results of `segments.arch`."""
     rows, bounds = np.zeros((6, v.size)), np.full((2, v.size), 8.0 * EPS)
     number, unconverged = np.zeros(v.size), np.zeros(v.size)
     plan, parts, at = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((5, v.size))
     for second in (False, True):
-        fast["plan_segments"](v, c, tolerance, slopes, second, plan)
+        fast.plan_segments(v, c, tolerance, slopes, second, plan)
         if not second:
-            fast["static_parts"](v, c, plan[0], parts)
+            fast.static_parts(v, c, plan[0], parts)
         offset, taken = _roots_beside(v, c, plan, second, slopes, unconverged, fast)
         sums = np.zeros((8, v.size))
-        fast["add_all_nodes"](v, c, plan, offset, second, slopes, at, sums)
-        fast["add_segment"](v, c, plan, sums, taken, second, rows, bounds)
+        fast.add_all_nodes(v, c, plan, offset, second, slopes, at, sums)
+        fast.add_segment(v, c, plan, sums, taken, second, rows, bounds)
         if slopes:
-            fast["add_segment_slopes"](v, c, plan, sums, taken, second, rows)
+            fast.add_segment_slopes(v, c, plan, sums, taken, second, rows)
         number += plan[1]
     rows[0] -= 1.0
     rows[0:2] += parts[0:2]
@@ -86,7 +85,7 @@ def _arches(
 
 def _roots_beside(
     v: FloatArray, c: FloatArray, plan: FloatArray, second: bool, slopes: bool,
-    unconverged: FloatArray, fast: dict[str, Any],
+    unconverged: FloatArray, fast: CompiledRules,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return the position of the first node in steps, and the pole corrections of one segment."""
     step, psi = plan[0], plan[3]
@@ -94,28 +93,28 @@ def _roots_beside(
     q, rho, near = 0.5 / v, c / v, (v >= SLOWEST).astype(float)
     roots, powers, turns = np.empty((2, 6, n)), np.empty((2, 3, n)), np.empty((2, 2, n))
     halfway, whole = np.ones(n), np.ones(n)
-    fast["start_roots"](q, psi, rho, roots)
+    fast.start_roots(q, psi, rho, roots)
     for at, power, turn in zip(roots, powers, turns, strict=True):
         moving = near.copy()
-        fast["converge"](at, q, psi, rho, moving, _MAX_STEPS)
+        fast.converge(at, q, psi, rho, moving, _MAX_STEPS)
         np.maximum(unconverged, moving, out=unconverged)
-        fast["exponents_on_segments"](rho, step, at, power, turn)
-        fast["exponentials"](power)
+        fast.exponents_on_segments(rho, step, at, power, turn)
+        fast.exponentials(power)
         if second:
-            fast["clearances"](power, halfway, whole)
+            fast.clearances(power, halfway, whole)
     offset = np.where((halfway < CLEAR) & (whole > halfway), 0.0, 0.5)
     poles, sign = np.zeros((8, n)), np.where(offset > 0.0, -1.0, 1.0)
     along = 2.0 * rho - psi if second else np.zeros(n)
     for at, power, turn in zip(roots, powers, turns, strict=True):
         root = (at, along, power, turn, sign, near, poles)
-        fast["add_pole_corrections"](v, c, *root)
+        fast.add_pole_corrections(v, c, *root)
         if slopes:
-            fast["add_pole_correction_slopes"](v, c, *root)
+            fast.add_pole_correction_slopes(v, c, *root)
     return offset, poles
 
 
 def _axes(
-    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: dict[str, Any]
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, fast: CompiledRules
 ) -> Found:
     """Return the results of `corrected_axis`."""
     n = v.size
@@ -123,27 +122,27 @@ def _axes(
     equation = q, np.zeros(n), rho
     every, paired = np.ones(n), (rho > PAIR_FROM).astype(float)
     roots, unconverged = np.empty((3, 6, n)), np.zeros(n)
-    fast["start_roots"](*equation, roots[:2])
+    fast.start_roots(*equation, roots[:2])
     roots[1:, :2] = roots[0, :2]  # used where no pair is subtracted
-    fast["start_resonant_pairs"](q, rho, roots)
+    fast.start_resonant_pairs(q, rho, roots)
     taken = [(roots[0], every), (roots[1], paired), (roots[2], paired)][: 3 if paired.any() else 1]
     for at, required in taken:
         moving = required.copy()
-        fast["converge"](at, *equation, moving, _MAX_STEPS)
+        fast.converge(at, *equation, moving, _MAX_STEPS)
         np.maximum(unconverged, moving, out=unconverged)
     plan = np.empty((2, n))
-    fast["plan_axis"](v, c, tolerance, roots, plan)
+    fast.plan_axis(v, c, tolerance, roots, plan)
     count, truncation = plan
     rows = 3 if slopes else 1
     values, sizes, poles = np.zeros((rows, n), dtype=complex), np.zeros((2, n)), np.zeros((8, n))
     for at, required in taken:
         power, turn = np.empty((3, n)), np.empty((2, n))
-        fast["exponents_on_axis"](count, at, power, turn)
-        fast["exponentials"](power)
+        fast.exponents_on_axis(count, at, power, turn)
+        fast.exponentials(power)
         root = (at, np.zeros(n), power, turn, np.full(n, -1.0), required, poles)
-        fast["add_pole_corrections"](v, c, *root)
+        fast.add_pole_corrections(v, c, *root)
         if slopes:
-            fast["add_pole_correction_slopes"](v, c, *root)
+            fast.add_pole_correction_slopes(v, c, *root)
     for number in np.unique(count):
         some = np.flatnonzero(count == number)
         values[:, some], sizes[:, some] = means_of_block(
@@ -157,15 +156,15 @@ def _axes(
 
 
 def means_of_block(
-    v: FloatArray, c: FloatArray, count: int, slopes: bool, fast: dict[str, Any]
+    v: FloatArray, c: FloatArray, count: int, slopes: bool, fast: CompiledRules
 ) -> tuple[ComplexArray, FloatArray]:
     """Return the means of G, ∂G/∂v, ∂G/∂c over the points, and the rms of |G| and |∂G/∂ ln v|."""
     values, sizes = np.empty((3 if slopes else 1, v.size), dtype=complex), np.zeros((2, v.size))
     q = 0.5 / v
-    re, im, squares = fast["block_values"](v, c, count)
+    re, im, squares = fast.block_values(v, c, count)
     values[0], sizes[0] = q * (re + 1j * im), q * np.sqrt(squares)
     if slopes:
-        re, im, squares, re_c, im_c = fast["block_slopes"](v, c, count)
+        re, im, squares, re_c, im_c = fast.block_slopes(v, c, count)
         values[1], sizes[1] = -2.0 * q * q * (re + 1j * im), 2.0 * q * np.sqrt(squares)
         values[2] = q * q * (im_c - 1j * re_c)
     return values, sizes

@@ -1,25 +1,31 @@
-"""The rules of ``theory.piecewise.sums.rules`` compiled by numba: the same functions, much faster.
+"""Loops over many values of Σ, compiled by numba.
 
-Each function is compiled when it is first called, once for all processes. Since importing numba
-takes half a second, the uncompiled functions are faster where only few values are needed.
+What is compiled are the functions named in `CompiledRules`, and what they call. For this, all
+functions of the modules below are copied, so that a copy calls other copies, with the versions of
+the complex operations that have no branches; a copy is compiled when it is first called, once for
+all processes. The rules for a single value (``theory.piecewise.sums.rules``, `segments.arch`,
+`corrected_axis.corrected_axis`, `axis.plain_points`) run in Python only: since importing numba
+takes half a second, they are faster where only few values are needed.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, poles, rules, segments
+from theory.arrays import FloatArray
+from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, poles, segments
 
-_MODULES = (arithmetic, axis, poles, segments, corrected_axis, rules, blocks)
+_MODULES = (arithmetic, axis, poles, segments, corrected_axis, blocks)
 _WITHOUT_BRANCHES = {
     "quotient": "quotient_without_branches",
     "modulus": "modulus_without_branches",
     "square_root": "square_root_without_branches",
-    "axis_means": "axis_means_of_one",
 }
 _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
@@ -29,13 +35,33 @@ _WITHIN_LOOPS = (
     "segment_errors", "phase_rate", "_node", "side_of", "twice_arcsine",
 )  # fmt: skip
 """Functions that are inlined, because a call would prevent a loop from being vectorised."""
-_CALLED = (
-    "block_values", "block_slopes", "plan_segments", "static_parts", "start_roots",
-    "start_resonant_pairs", "converge", "exponents_on_segments", "exponents_on_axis",
-    "exponentials", "clearances", "add_pole_corrections", "add_pole_correction_slopes",
-    "add_all_nodes", "add_segment", "add_segment_slopes", "plan_axis",
-)  # fmt: skip
-"""Functions called from Python; the others are compiled into these, without an entry point."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompiledRules:
+    """The compiled functions that are called from Python; each writes into its last arguments.
+
+    They are described where they are defined: the first two, which return their results as rows, in
+    ``axis``, the others in ``blocks``.
+    """
+
+    block_values: Callable[..., FloatArray]
+    block_slopes: Callable[..., FloatArray]
+    plan_axis: Callable[..., None]
+    plan_segments: Callable[..., None]
+    static_parts: Callable[..., None]
+    start_roots: Callable[..., None]
+    start_resonant_pairs: Callable[..., None]
+    converge: Callable[..., None]
+    exponents_on_segments: Callable[..., None]
+    exponents_on_axis: Callable[..., None]
+    exponentials: Callable[..., None]
+    clearances: Callable[..., None]
+    add_pole_corrections: Callable[..., None]
+    add_pole_correction_slopes: Callable[..., None]
+    add_all_nodes: Callable[..., None]
+    add_segment: Callable[..., None]
+    add_segment_slopes: Callable[..., None]
 
 
 def _state_of_sources() -> str:
@@ -50,14 +76,14 @@ def _state_of_sources() -> str:
 
 
 @lru_cache(maxsize=1)
-def compiled_rules() -> dict[str, Any]:
-    """Return the compiled rules that are called from Python, by name."""
+def compiled_rules() -> CompiledRules:
+    """Return the compiled rules."""
     import numba
 
     njit: Any = numba.njit
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
     inner: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    state = _state_of_sources()
+    state, called = _state_of_sources(), [each.name for each in fields(CompiledRules)]
     namespace: dict[str, Any] = {}
     for module in _MODULES:
         namespace |= vars(module)
@@ -67,8 +93,8 @@ def compiled_rules() -> dict[str, Any]:
                 copy = FunctionType(plain.__code__, namespace, name)
                 copy.__module__, copy.__qualname__ = plain.__module__, f"{name}_{state}"
                 options |= {"forceinline": name in _WITHIN_LOOPS}
-                kind = {"cache": True} if name in _CALLED else inner
+                kind = {"cache": True} if name in called else inner
                 namespace[name] = njit(**(options | kind))(copy)
     for plain_name, name in _WITHOUT_BRANCHES.items():
         namespace[plain_name] = namespace[name]
-    return {name: namespace[name] for name in _CALLED}
+    return CompiledRules(**{name: namespace[name] for name in called})

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +29,7 @@ from theory.parameters import within
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums import axis, rules
 from theory.piecewise.sums.beside_roots import means_of_block, sums_beside_roots
-from theory.piecewise.sums.compiled import compiled_rules
+from theory.piecewise.sums.compiled import CompiledRules, compiled_rules
 from theory.piecewise.sums.result import KineticSum
 
 MANY = 20_000
@@ -209,7 +208,7 @@ def sums_of_pairs(
 
 def _plain(
     v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, *, slopes: bool,
-    fast: dict[str, Any] | None,
+    fast: CompiledRules | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
     """Return Σ, derivatives and error bounds as rows, by the plain rule."""
     rows = 3 if slopes else 1

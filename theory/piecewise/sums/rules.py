@@ -22,9 +22,9 @@ given these bounds, the error bounds follow from the theorem on the trapezoidal 
 Below v = 0.08 no root is near a path. For the plain rule on the real axis the bound is proved
 (`plain_points`).
 
-Everything here, and in the modules ``axis``, ``poles`` and ``segments``, is plain Python for single
-numbers, which can also be compiled unchanged (``theory.piecewise.sums.compiled``). Loops over many
-values are in ``axis`` and in ``blocks``; ``beside_roots`` combines the latter.
+Everything here is plain Python for single numbers. Loops over many values, which are compiled
+(``theory.piecewise.sums.compiled``), are in ``axis`` and in ``blocks``, and ``beside_roots``
+combines those in ``blocks``.
 
 References
 ----------

@@ -12,44 +12,65 @@ from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.sums import precise as sum_integral_precise
 from theory.piecewise.sums import series as sum_series
-from theory.piecewise.sums.axis import plain_points
+from theory.piecewise.sums.axis import plain_points, slope_truncation
 from theory.piecewise.sums.precise import precise_sum_by_integral
 from theory.piecewise.sums.quadrature import sum_by_quadrature
 from theory.piecewise.sums.series import sum_by_roots
 
 
-@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 0.2), (2.0, 1.5)])
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
-def test_equispaced_points_are_near_the_fewest_that_the_strip_allows(
+def mean_on_line(v: float, c: float, depth: float, of: str = "G") -> float:
+    """Return the mean over Re k of |G|, or of a derivative of it, on Im k = depth."""
+    k = np.linspace(-np.pi, np.pi, 4000, endpoint=False) + 1j * depth
+    A = 0.5 - 1j * c * (1.0 - np.cos(k))
+    half = 0.5 * (A / v + 1j * k), 0.5 * (A / v - 1j * k)
+    S = 0.5 * (1 / np.tanh(half[0]) + 1 / np.tanh(half[1]))
+    S_a = -0.25 * (np.sinh(half[0]) ** -2 + np.sinh(half[1]) ** -2)
+    by_A = S_a / (2 * v * A) - S / (2 * A**2)
+    values = {"G": S / (2 * A), "by ln v": -S_a / (2 * v), "by ln c": (A - 0.5) * by_A}
+    return float(np.abs(values[of]).mean())
+
+
+def bounds_on_line(v: float, c: float, depth: float) -> tuple[float, float, float]:
+    """Return means of bounds of |G| and of its derivatives by ln v and ln c on Im k = depth."""
+    x = np.linspace(-np.pi, np.pi, 4000, endpoint=False)
+    w = 1 + 2 * c * math.sinh(depth) * np.sin(x)
+    less, more = w - 2 * v * depth, w + 2 * v * depth
+    G = float(((1 + 2 * v / less + 2 * v / more) / w).mean())
+    by_v = float((2 * v * (less**-2 + more**-2)).mean())
+    lowest = float(w.min())
+    return G, by_v, (G + by_v) * min(1 + 1 / lowest, 2 * c * (1 + math.cosh(depth)) / lowest)
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1.0, 0.2), (2.0, 1.5), (0.05, 0.1), (30.0, 1.0)])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6, 1e-12])
+def test_equispaced_points_are_near_the_fewest_of_all_lines_in_the_strip(
     v: float, c: float, tolerance: float
 ) -> None:
-    # The error is below 2M/(e^{N s} - 1), M = coth(d/2v)/(1 - 2c sinh s), d = 1/2 - c sinh s - v s.
-    def needed(s: float) -> float:
-        d = 0.5 - c * math.sinh(s) - v * s
-        if d <= 0:
-            return math.inf
-        size = 1 / math.tanh(d / (2 * v)) / (1 - 2 * c * math.sinh(s))
-        return math.log1p(2 * size / tolerance) / s
-
-    fewest = min(needed(s) for s in np.linspace(1e-3, math.asinh(0.5 / c), 2000))
+    lines = np.linspace(0.5, 0.999, 100) * root_free_strip(v, c)
+    means = [bounds_on_line(v, c, s)[0] for s in lines]
+    every = list(zip(lines, means, strict=True))
+    fewest = min(math.log1p(2 * mean / tolerance) / s for s, mean in every)
     points, bound = plain_points(v, c, tolerance)
-    assert fewest <= points <= 1.35 * fewest + 8  # rounded up, and one width is tried
-    assert 0 < bound <= tolerance
+    assert fewest <= points <= 1.16 * fewest + 8  # rounded up by an eighth, and one line is tried
+    sharpest = min(2 * mean / math.expm1(points * s) for s, mean in every)
+    assert 0.999 * sharpest <= bound <= min(1.5 * sharpest, tolerance)
 
 
-@pytest.mark.parametrize("v", [0.2, 3.0])
-def test_the_bound_of_equispaced_points_is_the_sharpest_of_its_kind(v: float) -> None:
-    c = 0.5
-    count, bound = plain_points(v, c, 1e-9)
-
-    def bounds(s: float) -> float:
-        d = 0.5 - c * math.sinh(s) - v * s
-        size = 1 / math.tanh(d / (2 * v)) / (1 - 2 * c * math.sinh(s))
-        return 2 * size / math.expm1(count * s)
-
-    strip = root_free_strip(v, c)
-    sharpest = min(bounds(s) for s in np.linspace(0.5, 0.999, 500) * strip)
-    assert sharpest <= bound <= 8 * sharpest  # one width is tried
+@pytest.mark.parametrize(("v", "c"), [(0.05, 0.02), (0.2, 3.0), (1.0, 0.5), (3.0, 0.02)])
+@pytest.mark.parametrize("count", [8, 60, 200])
+def test_the_bound_of_slopes_is_the_mean_of_bounds_of_their_moduli(
+    v: float, c: float, count: int
+) -> None:
+    """Where G is largest on a line, and in the mean over it."""
+    s = root_free_strip(v, c)
+    depth = s * (1 - 1.5 / (count * s + 1.5))
+    G, by_v, by_c = bounds_on_line(v, c, depth)
+    for of, bound in (("G", G), ("by ln v", by_v), ("by ln c", by_c)):
+        assert mean_on_line(v, c, depth, of) <= bound
+    expected = 2 * max(by_v, by_c) / math.expm1(count * depth)
+    assert slope_truncation(v, c, count) == pytest.approx(expected, rel=1e-6, abs=0)
+    both = slope_truncation(np.array([v, 1.0]), np.array([c, 0.3]), count)
+    assert both[0] == pytest.approx(slope_truncation(v, c, count), rel=1e-12, abs=0)
 
 
 def test_near_the_static_limit_the_distance_to_it_is_an_error() -> None:

@@ -67,7 +67,7 @@ def test_orders_left_out_of_a_tail_change_less_than_30_times_the_smallest(
     assert off <= missed + 1e-14 * np.abs(terms).sum()  # roots and terms in double precision
 
 
-@pytest.mark.parametrize("c", [10.0, 100.0, 300.0])
+@pytest.mark.parametrize("c", [30.0, 100.0, 300.0])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-13])
 def test_points_left_out_change_less_than_the_error_returned(c: float, tolerance: float) -> None:
     held(sums.few_points(c, tolerance), 2.0 * tolerance + 1e-13)  # the rounding of both

@@ -72,7 +72,7 @@ def few_points(c: float = 100.0, tolerance: float = 1e-13) -> Comparison:
     """
     v = np.geomspace(0.05, 5.0, 200)
     own = sums(v, c, tolerance)
-    counts = [plain_points(float(each), c, tolerance)[0] for each in v]
+    counts = [int(plain_points(float(each), c, tolerance)[0]) for each in v]
     plain = np.array([_plain_mean(float(each), c, n) for each, n in zip(v, counts, strict=True)])
     changed = np.abs(own.value - (plain - 1.0))
     # of the plain rule: its truncation error, and the rounding of terms of order one

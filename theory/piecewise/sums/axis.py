@@ -28,44 +28,91 @@ MAX_PLAIN = 400
 Up to here, evaluating points costs less than finding the roots that would make some of them
 unnecessary.
 """
-_MAX_POINTS = 2.0**40
-"""Cap on the number of points, which fits a compiled integer and is never reached."""
 _BLOCK = 256
 SLOPE_SHARE = 10.0
-"""Upper bound of the truncation error of ∂Σ/∂ln v and ∂Σ/∂ln c, divided by that of Σ."""
+"""Upper bound of the truncation error of ∂Σ/∂ln v and ∂Σ/∂ln c, divided by that of Σ, where roots
+are subtracted."""
 
 
-def plain_points(v: float, c: float, tolerance: float) -> tuple[int, float]:
-    """Return the number N of points of the plain rule, at most some 10¹², and the proven bound.
+def plain_points(v: Any, c: Any, tolerance: float) -> tuple[Any, Any]:
+    """Return the number N of points of the plain rule, and the proven bound of its error.
 
     N is a multiple of 4; it is rounded up by as much as an eighth so that few different N occur.
 
-    On |Im k| ≤ σ < s, c sinh s + vs = ½, both Re A ≥ ½ - c sinh σ and Re(a ± ik) ≥ d/v with
-    d = ½ - c sinh σ - vσ > 0, and S is the mean of coth((a ± ik)/2). So |G| ≤
-    coth(d/2v)/(1 - 2c sinh σ).
+    Let Im k = σ < s, c sinh s + vs = ½, and w = 1 + 2c sinh σ sin Re k. Then 2 Re A = w, Re(a ± ik)
+    = (w ∓ 2vσ)/2v > 0, and S is the mean of coth((a ± ik)/2), of which the moduli are at most 1 +
+    2/Re(a ± ik). Hence |G| = |S/2A| ≤ (1 + 2v/(w - 2vσ) + 2v/(w + 2vσ))/w. The mean M of this over
+    Re k, see `_line`, bounds the Fourier coefficients, |G_n| ≤ M e^{-|n|σ}, and the error of the
+    rule, 2M/(e^{Nσ} - 1).
+
+    Parameters
+    ----------
+    v, c : float, or ndarray of float, shape (n,)
+        Front velocity v̂ and coupling, both numbers or both arrays.
+    tolerance : float
+        Required truncation error.
     """
-    strip = 0.5 / (c + v)
-    if strip < 0.1:  # s is smaller by less than 0.2 per cent
-        strip *= 0.88
-        sinh = strip * (1.0 + 0.2 * strip * strip)
-    else:
-        strip = min(strip, math.log1p(1.0 / c))
-        for _ in range(3):  # from above, to within 0.5 per cent
-            grown = math.exp(strip)
-            back = 1.0 / grown
-            strip -= (c * (grown - back) + 2.0 * v * strip - 1.0) / (c * (grown + back) + 2.0 * v)
-        strip *= 0.88
-        grown = math.exp(strip)
-        sinh = 0.5 * (grown - 1.0 / grown)
-    gap = 0.5 - c * sinh
-    lost = -math.expm1(strip - gap / v)
-    peak = (2.0 - lost) / (lost * 2.0 * gap)
-    required = min(math.log(1.0 + 2.0 * peak / tolerance) / strip, _MAX_POINTS)
-    unit = 4.0
-    while required > 16.0 * unit:
-        unit *= 2.0
-    count = max(8, int(unit * math.ceil(required / unit)))
-    return count, 2.0 * peak / math.expm1(count * strip)
+    by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
+    # M grows like (s - σ)^{-1/2}, so that N is smallest near this σ.
+    depth = (1.0 - 0.5 / (math.log(2.0 / tolerance) + 3.0)) * _strip(v, c)
+    q, p, r = _line(v, c, depth)
+    M = 1.0 / by.sqrt(1.0 - q * q)
+    M = M + (1.0 / by.sqrt((p - q) * (p + q)) - 1.0 / by.sqrt((r - q) * (r + q))) / depth
+    required = by.log1p(2.0 * M / tolerance) / depth
+    unit = 4.0 * by.exp2(most(by.ceil(by.log2(required / 64.0)), 0.0))
+    count = most(unit * by.ceil(required / unit), 8.0)
+    return count, 2.0 * M / by.expm1(count * depth)
+
+
+def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
+    """Return the result of `plain_points`, but 0 points where another rule is used."""
+    points, truncation = np.zeros(v.size, dtype=np.int64), np.zeros(v.size)
+    # All others need more than MAX_PLAIN points, since s ≤ ½/(c + v) and M ≥ 1.
+    some = np.flatnonzero(c + v <= 0.5 * MAX_PLAIN / math.log(2.0 / tolerance))
+    v, c = v[some], c[some]
+    count, truncation[some] = plain_points(v, c, tolerance)
+    points[some] = np.where(is_plain(v, c, count), count, 0.0)
+    return points, truncation
+
+
+def _strip(v: Any, c: Any) -> Any:
+    """Return s with c sinh s + vs = ½, at most 1e-4 too large; no root has |Im k| < s."""
+    by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
+    s = least(0.5 / (c + v), by.log1p(1.0 / c))
+    for _ in range(2):  # Halley's method
+        second, first = c * by.sinh(s), c * by.cosh(s) + v
+        value = second + v * s - 0.5
+        s = s - value * first / (first * first - 0.5 * value * second)
+    return s
+
+
+def _line(v: Any, c: Any, depth: Any) -> tuple[Any, Any, Any]:
+    """Return q = 2c sinh σ, 1 - 2vσ and 1 + 2vσ for the line Im k = σ, see `plain_points`.
+
+    The means of 1/(p + q sin x) and 1/(p + q sin x)² over x are (p² - q²)^{-1/2} and
+    p (p² - q²)^{-3/2}.
+    """
+    by, shift = np if isinstance(v, np.ndarray) else math, 2.0 * v * depth
+    return 2.0 * c * by.sinh(depth), 1.0 - shift, 1.0 + shift
+
+
+def slope_truncation(v: Any, c: Any, count: Any) -> Any:
+    """Return a proven bound of the truncation errors of ∂Σ/∂ln v and ∂Σ/∂ln c by the plain rule.
+
+    As in `plain_points`, since |∂S/∂a| is at most the sum of 1/Re²(a ± ik), ∂G/∂ln v =
+    -(∂S/∂a)/2v and ∂G/∂ln c = ((A - ½)/A)((∂S/∂a)/2v - G), where |A - ½| ≤ c (1 + cosh σ).
+    """
+    by, most, least = (
+        (np, np.maximum, np.minimum) if isinstance(v, np.ndarray) else (math, max, min)
+    )
+    s = _strip(v, c)
+    depth = s * (1.0 - 1.5 / (count * s + 1.5))
+    q, p, r = _line(v, c, depth)
+    below, above = (p - q) * (p + q), (r - q) * (r + q)
+    M = (1.0 - q * q) ** -0.5 + (below**-0.5 - above**-0.5) / depth
+    M_v = 2.0 * v * (p * below**-1.5 + r * above**-1.5)
+    share = least(1.0 + 1.0 / (1.0 - q), 2.0 * c * (1.0 + by.cosh(depth)) / (1.0 - q))
+    return 2.0 * most(M_v, share * (M + M_v)) / by.expm1(count * depth)
 
 
 def is_plain(v: Any, c: Any, count: Any) -> Any:
@@ -210,33 +257,7 @@ def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
     return means
 
 
-def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
-    """Return the result of `plain_points` for arrays, but 0 points where another rule is used."""
-    # Since strip ≤ 0.44/(c + v) and peak ≥ 1, all other values need more than ``MAX_PLAIN`` points.
-    some = c + v <= 0.44 * MAX_PLAIN / math.log(2.0 / tolerance)
-    if not some.all():
-        points, truncation = np.zeros(v.size, dtype=np.int64), np.zeros(v.size)
-        if some.any():
-            points[some], truncation[some] = plan(v[some], c[some], tolerance)
-        return points, truncation
-    strip = np.minimum(0.5 / (c + v), np.log1p(1.0 / c))
-    for _ in range(3):
-        strip -= (c * np.sinh(strip) + v * strip - 0.5) / (c * np.cosh(strip) + v)
-    strip *= 0.88
-    gap = 0.5 - c * np.sinh(strip)
-    lost = -np.expm1(strip - gap / v)
-    peak = (2.0 - lost) / (lost * 2.0 * gap)
-    required = np.minimum(np.log1p(2.0 * peak / tolerance) / strip, _MAX_POINTS)
-    unit = 4.0 * np.exp2(np.maximum(np.ceil(np.log2(required / 64.0)), 0.0))
-    counts = np.maximum(unit * np.ceil(required / unit), 8.0)
-    truncation = 2.0 * peak / np.expm1(counts * strip)
-    return np.where(is_plain(v, c, counts), counts, 0.0).astype(np.int64), truncation
-
-
-def plain_errors(
-    v: Any, c: Any, truncation: Any, size: Any, steep: Any
-) -> tuple[Any, Any]:  # fmt: skip
-    """Return bounds of the rounding error of Σ, and of the errors of v ∂Σ/∂v and c ∂Σ/∂c."""
+def plain_errors(v: Any, c: Any, size: Any, steep: Any) -> tuple[Any, Any]:
+    """Return bounds of the rounding errors of Σ, and of v ∂Σ/∂v and c ∂Σ/∂c."""
     phase = 1.0 + np.exp(-0.5 / v) * c / v  # e^{-a} loses digits because its phase is large
-    rounding = 8.0 * EPS * (size + 1.0) * phase
-    return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + steep) * phase
+    return 8.0 * EPS * (size + 1.0) * phase, 8.0 * EPS * (1.0 + steep) * phase

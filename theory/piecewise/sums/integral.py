@@ -223,8 +223,11 @@ def _plain(
             for row, column in zip((*values, *sizes), found, strict=True):
                 row[part] = column
     values[0] -= 1.0
-    rounding, rough = axis.plain_errors(v, c, truncation, *sizes)
-    bounds = [truncation + rounding, rough / v, rough / c] if slopes else [truncation + rounding]
+    rounding, rough = axis.plain_errors(v, c, *sizes)
+    bounds = [truncation + rounding]
+    if slopes:
+        rough += axis.slope_truncation(v, c, count)
+        bounds += [rough / v, rough / c]
     return values[:rows], np.array(bounds)
 
 

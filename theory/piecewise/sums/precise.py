@@ -77,7 +77,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     # The bound is least on a line inside the strip; with more points it lies nearer the edge.
     strip = (1.0 - 1.0 / (2.0 + (digits + 1) * math.log(10.0))) * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)
-    # The bound of theory.piecewise.sums.axis.plain_points: 2M/(e^{Nσ} - 1).
+    # 2M/(e^{Nσ} - 1) as in `axis.plain_points`, with the largest |G| on the line as M.
     peak = 1.0 / (math.tanh(0.5 * (gap - v_ * strip) / v_) * 2.0 * gap)
     equispaced = 2 * math.ceil((math.log(2.0 * peak) + (digits + 1) * math.log(10.0)) / strip / 2.0)
     step = math.pi**2 / 2.0 / ((digits + 3) * math.log(10.0)) * 0.8

@@ -43,6 +43,7 @@ from theory.piecewise.sums.axis import (
     is_plain,
     plain_errors,
     plain_points,
+    slope_truncation,
 )
 from theory.piecewise.sums.corrected_axis import corrected_axis
 from theory.piecewise.sums.segments import arch
@@ -70,7 +71,7 @@ def sum_at(
     """
     count, truncation = plain_points(v, c, tolerance)
     if is_plain(v, c, count):
-        return _plain(v, c, count, truncation, slopes)
+        return _plain(v, c, int(count), truncation, slopes)
     if c > STEEPEST * v:
         return arch(v, c, tolerance, slopes)
     return corrected_axis(v, c, tolerance, slopes)
@@ -94,5 +95,7 @@ def _plain(
 ) -> tuple[complex, complex, complex, float, float, float, int]:
     """Return Σ by the plain rule: points on the real axis, no root subtracted; see `sum_at`."""
     value, by_v, by_c, size, steep = axis_means(v, c, count, slopes)
-    rounding, rough = plain_errors(v, c, truncation, size, steep)
+    rounding, rough = plain_errors(v, c, size, steep)
+    if slopes:
+        rough += slope_truncation(v, c, count)
     return complex(value - 1.0), by_v, by_c, truncation, float(rounding), rough, count // 2

@@ -208,8 +208,10 @@ def _solve_step(
     rule: _Rule, z: FloatArray, now: FloatArray, h: float, sticks: IntArray
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return the state after h, its derivative, and the last change in the iteration."""
-    following = z + h * now
-    later = np.zeros(z.shape)
+    following, later = np.empty(z.shape), np.zeros(z.shape)
+    for i in range(2):  # whole arrays would take longer to compile than all of this module
+        for n in range(z.shape[1]):
+            following[i, n] = z[i, n] + h * now[i, n]
     change = math.inf
     for _ in range(_ITERATIONS):
         _right_side(following, rule.law, rule.free, later, sticks)
@@ -256,12 +258,14 @@ def _take_samples(
     while counters[3] < times.size and (times[counters[3]] <= t + h or last):
         s = min(1.0, (times[counters[3]] - t) / h)
         a, b = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s * (1.0 - s) ** 2
-        record.states[counters[3]] = (
-            a * states[0]
-            + b * h * slopes[0]
-            + (1.0 - a) * states[1]
-            + s * s * (s - 1.0) * h * slopes[1]
-        )
+        for i in range(2):
+            for n in range(states[0].shape[1]):
+                record.states[counters[3], i, n] = (
+                    a * states[0][i, n]
+                    + b * h * slopes[0][i, n]
+                    + (1.0 - a) * states[1][i, n]
+                    + s * s * (s - 1.0) * h * slopes[1][i, n]
+                )
         counters[3] += 1
 
 

@@ -154,10 +154,10 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
     They are columns of one array; shared quantities are looked up once rather than at every stage.
     """
     count, resistive = chain.sites, chain.velocity_coupling
-    matrix, p, n = chain.links.matrix, chain.kernel_parameters(), np.arange(count)
+    matrix, p, n = chain.links.matrix.toarray(), chain.kernel_parameters(), np.arange(count)
     cell, slopes = chain.kernels()
     line = chain.network is None
-    strength = chain.eps * chain.c
+    strength, gains = chain.eps * chain.c, np.empty((count, 2))
 
     def rate(columns: FloatArray) -> FloatArray:
         y, v = columns[:count], columns[count:]
@@ -165,8 +165,8 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
         by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
         out = np.empty_like(columns)
         out[:count] = v
-        tangents = (by_y + np.zeros(count))[:, None] * y + (by_v + np.zeros(count))[:, None] * v
-        out[count:] = tangents - strength * pull
+        gains[:, 0], gains[:, 1] = by_y, by_v  # each one number, or one for each site
+        out[count:] = gains[:, :1] * y + gains[:, 1:] * v - strength * pull
         out[count:, -1] -= chain.eps * pull[:, 0]
         site = y[:, 0], v[:, 0]
         # Differences of velocities are needed only where velocities are coupled.

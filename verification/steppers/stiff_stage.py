@@ -38,8 +38,8 @@ TIGHTEST = 1e-12
 
 def full_right_side(chain: VdpChain, state: FloatArray) -> FloatArray:
     """Return d(y, ẏ)/dt of (8) for state (y, ẏ), shape (2N,)."""
-    y, w = np.split(state, 2)
-    padded = np.concatenate([[y[-1]], y, [y[0]]])
+    y, w = state[: chain.sites], state[chain.sites :]
+    padded = np.concatenate([y[-1:], y, y[:1]])
     if chain.ends is Ends.FREE:
         padded[0], padded[-1] = y[0], y[-1]
     pull = chain.eps * chain.c * (2.0 * y - padded[:-2] - padded[2:])
@@ -53,7 +53,7 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
     from scipy.sparse import bmat, diags, identity, lil_matrix
 
     n = chain.sites
-    y, w = np.split(state, 2)
+    y, w = state[: chain.sites], state[chain.sites :]
     laplacian = lil_matrix((n, n))
     laplacian.setdiag(2.0)
     laplacian.setdiag(-1.0, 1)

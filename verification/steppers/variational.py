@@ -222,11 +222,15 @@ class _Sinusoids(NamedTuple):
 
 
 class _Series(NamedTuple):
-    """Taylor coefficients of the orbit, shape (order + 1, N), and of its M tangents."""
+    """Taylor coefficients of the orbit, shape (order + 1, N), and of its M tangents.
+
+    N and M are rounded up to multiples of four.
+    """
 
     Y: FloatArray
     V: FloatArray
     S: FloatArray
+    T: FloatArray
     Q: FloatArray
     G: FloatArray
     H: FloatArray
@@ -240,37 +244,47 @@ class _Series(NamedTuple):
 def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order: int) -> bool:
     """Advance the state and its tangents by all steps; False if the solution is out of range."""
     sites, columns = run.ty.shape
-    size = (order + 1, sites)
-    Y, V, S, Q = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
+    size = (order + 1, _in_fours(sites))
+    Y, V, S, T, Q = (np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size))
     G, H, P, W = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
-    DY, DV = np.zeros((order + 1, sites, columns)), np.zeros((order + 1, sites, columns))
-    series = _Series(Y, V, S, Q, G, H, P, W, DY, DV)
-    row, spring = np.zeros(columns), np.zeros(sites)
+    large = (order + 1, sites, _in_fours(columns))
+    DY, DV = np.zeros(large), np.zeros(large)
+    series = _Series(Y, V, S, T, Q, G, H, P, W, DY, DV)
+    row, spring = np.zeros(large[2]), np.zeros(sites)
+    put(run.y, Y[0, :sites])
+    put(run.v, V[0, :sites])
+    for n in range(sites):
+        put(run.ty[n], DY[0, n, :columns])
+        put(run.tv[n], DV[0, n, :columns])
     for step in range(run.samples.shape[0]):
-        put(run.y, run.samples[step])
-        put(run.y, Y[0])
-        put(run.v, V[0])
-        for n in range(sites):
-            put(run.ty[n], DY[0, n])
-            put(run.tv[n], DV[0, n])
+        put(Y[0, :sites], run.samples[step])
         for k in range(order):
             _add_products(equation, series, k)
-            for n in range(sites):
-                left, right = _neighbours(equation.ring, sites, n)
-                # The two differences are added, which gives the same bits after reflection.
-                spring[n] = 0.0
-                if left >= 0:
-                    spring[n] += Y[k, n] - Y[k, left]
-                if right < sites:
-                    spring[n] += Y[k, n] - Y[k, right]
+            _stretch(equation.ring, Y[k], spring)
             if forced.base.shape[0] == 2:
                 _add_sinusoids(series, forced, forced.omega * step * h, k)
             else:
                 _add_motion(equation, series, spring, k)
-            _add_tangents(equation, series, spring, row, k)
-        if not _sum_up(series, run, h):
-            return False
+            if columns > 0:
+                _add_tangents(equation, series, spring, row, k)
+        for each in (Y, V):
+            _sum_up(each, h)
+        for each in (DY, DV):
+            _sum_up(each.reshape(order + 1, -1), h)
+        put(Y[0, :sites], run.y)
+        put(V[0, :sites], run.v)
+        for n in range(sites):
+            put(DY[0, n, :columns], run.ty[n])
+            put(DV[0, n, :columns], run.tv[n])
+            if not abs(run.y[n]) < LARGEST:
+                return False
     return True
+
+
+@inner()
+def _in_fours(count: int) -> int:
+    """Return the next multiple of four: an addition waits for another, so four sums run at once."""
+    return -(-count // 4) * 4
 
 
 @inner()
@@ -284,33 +298,52 @@ def _neighbours(ring: bool, sites: int, n: int) -> tuple[int, int]:
 
 
 @inner()
+def _stretch(ring: bool, y: FloatArray, spring: FloatArray) -> None:
+    """Put 2y_n - y_{n-1} - y_{n+1} into ``spring``, without the neighbours that are missing."""
+    sites = spring.size
+    for n in range(sites):
+        left, right = _neighbours(ring, sites, n)
+        # The two differences are added, which gives the same bits after reflection.
+        spring[n] = 0.0
+        if left >= 0:
+            spring[n] += y[n] - y[left]
+        if right < sites:
+            spring[n] += y[n] - y[right]
+
+
+@inner()
 def _add_products(equation: _Equation, series: _Series, k: int) -> None:
-    """Fill the coefficients of index k of S, Q, G, H, P and W."""
+    """Fill the coefficients of index k of S, Q, G and W, and of T, H and P for tangents."""
     Y, V, S, Q, G, H = series.Y, series.V, series.S, series.Q, series.G, series.H
     a, b = equation.a, equation.b
+    _add_product(Y, Y, S, k)
+    _add_product(S, S, Q, k)
     for n in range(Y.shape[1]):
-        s = 0.0
-        for j in range(k + 1):
-            s += Y[j, n] * Y[k - j, n]
-        S[k, n] = s
-        q = 0.0
-        t = 0.0
-        for j in range(k + 1):
-            q += S[j, n] * S[k - j, n]
-            t += S[j, n] * Y[k - j, n]
-        Q[k, n] = q
-        G[k, n] = b * q - a * s
-        H[k, n] = 4.0 * b * t - 2.0 * a * Y[k, n]
+        G[k, n] = b * Q[k, n] - a * S[k, n]
         if k == 0:
             G[k, n] += 1.0
-            H[k, n] += equation.extra
-        w = 0.0
-        p = 0.0
+    _add_product(V, G, series.W, k)
+    if series.DY.size > 0:
+        _add_product(S, Y, series.T, k)
+        for n in range(Y.shape[1]):
+            H[k, n] = 4.0 * b * series.T[k, n] - 2.0 * a * Y[k, n]
+            if k == 0:
+                H[k, n] += equation.extra
+        _add_product(V, H, series.P, k)
+
+
+@inner()
+def _add_product(left: FloatArray, right: FloatArray, product: FloatArray, k: int) -> None:
+    """Fill the coefficients of index k of the product of two series."""
+    for n in range(0, product.shape[1], 4):
+        first = second = third = fourth = 0.0
         for j in range(k + 1):
-            w += V[j, n] * G[k - j, n]
-            p += V[j, n] * H[k - j, n]
-        series.W[k, n] = w
-        series.P[k, n] = p
+            first += left[j, n] * right[k - j, n]
+            second += left[j, n + 1] * right[k - j, n + 1]
+            third += left[j, n + 2] * right[k - j, n + 2]
+            fourth += left[j, n + 3] * right[k - j, n + 3]
+        product[k, n], product[k, n + 1] = first, second
+        product[k, n + 2], product[k, n + 3] = third, fourth
 
 
 @inner()
@@ -347,12 +380,10 @@ def _add_tangents(
         left, right = _neighbours(equation.ring, sites, n)
         row[:] = 0.0
         for j in range(k + 1):
-            g = G[j, n]
-            p = P[j, n]
+            g, p = G[j, n], P[j, n]
             for m in range(columns):
                 row[m] += g * DV[k - j, n, m] + p * DY[k - j, n, m]
-        if columns > 0:
-            row[columns - 1] += spring[n]
+        row[2 * sites] += spring[n]  # the derivative with respect to c
         if left >= 0:
             for m in range(columns):
                 row[m] += c * (DY[k, n, m] - DY[k, left, m])
@@ -365,24 +396,15 @@ def _add_tangents(
 
 
 @inner()
-def _sum_up(series: _Series, run: _Run, h: float) -> bool:
-    """Put the sums of the series at h into the state and tangents; False if out of range."""
-    sites, columns = run.ty.shape
-    for n in range(sites):
-        run.y[n] = _value(series.Y[:, n], h)
-        run.v[n] = _value(series.V[:, n], h)
-        if not abs(run.y[n]) < LARGEST:
-            return False
-        for m in range(columns):
-            run.ty[n, m] = _value(series.DY[:, n, m], h)
-            run.tv[n, m] = _value(series.DV[:, n, m], h)
-    return True
-
-
-@inner()
-def _value(coefficients: FloatArray, h: float) -> float:
-    """Return the polynomial at h (Horner)."""
-    total = coefficients[-1]
-    for k in range(coefficients.size - 2, -1, -1):
-        total = total * h + coefficients[k]
-    return float(total)
+def _sum_up(coefficients: FloatArray, h: float) -> None:
+    """Replace the first coefficients by the values of the polynomials at h (Horner)."""
+    for m in range(0, coefficients.shape[1], 4):
+        first, second = coefficients[-1, m], coefficients[-1, m + 1]
+        third, fourth = coefficients[-1, m + 2], coefficients[-1, m + 3]
+        for k in range(coefficients.shape[0] - 2, -1, -1):
+            first = first * h + coefficients[k, m]
+            second = second * h + coefficients[k, m + 1]
+            third = third * h + coefficients[k, m + 2]
+            fourth = fourth * h + coefficients[k, m + 3]
+        coefficients[0, m], coefficients[0, m + 1] = first, second
+        coefficients[0, m + 2], coefficients[0, m + 3] = third, fourth

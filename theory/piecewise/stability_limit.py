@@ -199,7 +199,9 @@ def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit
     error = (high.c - low.c) + _FOLD_ERROR * low.c
     if low.solutions == high.solutions:
         slack = 5.0 * TOLERANCE / r  # in |φ|², ten times the violation that may go undetected
-        error += sum(abs(_narrowed(last, beyond, r, s)[0].c - low.c) for s in (slack, -slack))
+        for each in (slack, -slack):
+            moved = _narrowed(last, beyond, r, each, low.c)
+            error += max(abs(place.c - low.c) for place in moved)
         if error > 0.4 * (beyond.c - last.c):
             reason = f"margins of (47) are too thin near c = {low.c:.6g} to locate it"
             return StabilityLimit(reason=reason)
@@ -208,11 +210,16 @@ def _end_of_branch(last: _Leading, beyond: _Leading, r: float) -> StabilityLimit
 
 
 def _narrowed(
-    last: _Leading, beyond: _Leading, r: float, slack: float
+    last: _Leading, beyond: _Leading, r: float, slack: float, c: float = math.nan
 ) -> tuple[_Leading, _Leading]:
-    """Bisect until two couplings differ by rounding only, with r + ``slack`` in (47)."""
+    """Bisect until two couplings differ by rounding only, with r + ``slack`` in (47).
+
+    If a coupling ``c`` is given, only the distance from it matters, and a hundredth of it suffices.
+    """
     low, high = last, beyond
     while high.c - low.c > 4.0 * _EPS * high.c:
+        if high.c - low.c < 0.01 * abs(low.c - c):
+            break
         middle = _Leading.at(0.5 * (low.c + high.c), r, slack)
         if not low.c < middle.c < high.c:
             break

@@ -57,7 +57,6 @@ VERIFIED = {
     "springs of both signs, of one strength": ChainModel(
         damping={0: 1, 2: -4, 4: b}, coupling=sp.Rational(-1, 2), weights=(1, -w)
     ),
-    "next-nearest": CHAINS["next-nearest"],
     "coefficient and third neighbours that push": replace(
         CHAINS["coefficient"], coupling=-c, weights=(1, w, sp.Symbol("u", positive=True))
     ),

@@ -60,10 +60,10 @@ def joined_by_scipy(c: float, sites: int, slow_time: float) -> np.ndarray:
 
 
 def test_sites_join_when_they_do_by_scipy() -> None:
-    """Five sites by T = 55 at c = 0.203."""
-    followed = follow_nucleus(chain(0.203, 31), slow_time=55.0)
+    """Five sites by T = 42 at c = 0.21."""
+    followed = follow_nucleus(chain(0.21, 31), slow_time=42.0)
     half = EPS * followed.run.arrivals[15:]
-    expected = joined_by_scipy(0.203, 31, 55.0)
+    expected = joined_by_scipy(0.21, 31, 42.0)
     assert np.array_equal(np.isnan(half), np.isnan(expected))
     assert np.count_nonzero(~np.isnan(half)) == 3
     # scipy is read at its steps, of 0.01 of T or less; its own error is 1e-3 by then.

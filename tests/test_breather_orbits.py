@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath as mp
@@ -27,7 +28,8 @@ from verification.breathers.envelope import (
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.follow import _described, follow
 from verification.breathers.orbits import Orbits, solve_orbit
-from verification.continuation.branch import trace
+from verification.continuation.branch import Fold, trace
+from verification.continuation.newton import BranchPoint
 from verification.references.equations import (
     averaged_damping,
     damping,
@@ -317,7 +319,7 @@ def test_a_breather_of_three_sites_without_a_fold_becomes_a_mode_of_the_chain(
 def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.0, sites=3)
     found = []
-    for steps in (14, 18, 50):
+    for steps in (10, 14, 18, 50):
         orbits = Orbits(chain, Nucleus(1), steps=steps)
         branch = trace(orbits.system(), orbits.start(0.2, 0.15), 2.0)
         assert branch.fold is not None
@@ -328,6 +330,22 @@ def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
         assert abs(each.c - fine.c) <= each.c_error + fine.c_error
         assert abs(each.height - fine.height) <= each.height_error + fine.height_error
     assert abs(rough[0].c - fine.c) > 1e-11
+
+
+def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be() -> None:
+    """Made up: the state is found along the branch, and is off across it by what is stated."""
+    aside, unit = 1e-3, 16.0
+
+    def amplitude(u: np.ndarray) -> float:
+        return float(unit * math.hypot(u[0], u[1]))
+
+    def measured(point: BranchPoint, _: float) -> Any:
+        return SimpleNamespace(outward=np.array([amplitude(point.u)]))
+
+    family: Any = SimpleNamespace(measured=measured, step_error=lambda _: 0.0, unit=unit)
+    fold = Fold(0.2, 1e-12, np.array([0.5, 0.5]), away=np.zeros(2), aside=aside)
+    found = _described(family, fold, np.zeros(3), 1)
+    assert abs(amplitude(fold.u + aside) - found.height) <= found.height_error < 0.05
 
 
 def test_multipliers_do_not_depend_on_the_length_of_the_chain() -> None:

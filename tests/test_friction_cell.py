@@ -324,6 +324,7 @@ def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
     ("given", "tolerance"),
     [
         (CELL, 1e-12), (CELL, 1e-8), (replace(CELL, v_d=1.7), 1e-12),
+        (replace(CELL, v_d=1.83), 1e-12),  # the curvature of the map, seen beside rounding
         (FrictionCell(v_d=CELL.hopf_velocity + 1e-6), 1e-12),  # rounding, seen beside the step
         (FrictionCell(v_d=CELL.hopf_velocity + 1e-8), 1e-12),  # expanded
         (FrictionCell(law="stribeck", v_d=1.0), 1e-10),
@@ -353,22 +354,32 @@ def test_the_error_of_a_multiplier_covers_that_of_its_integral_by_scipy(
     assert abs(run.y[1].max() - cycle.speed) <= cycle.error + 0.05 * cycle.speed  # of its steps
 
 
-@pytest.mark.parametrize("eps", [1e-3, 0.3])
+@pytest.mark.parametrize(
+    ("a", "b", "eps", "tolerance", "most"),
+    [
+        (2.5, 0.5, 1e-3, 1e-11, 0.05),
+        (2.5, 0.5, 0.3, 1e-11, 0.05),
+        (1.0, 0.1, 0.3, 1e-13, 1e-3),  # the curvature of the map, seen beside the tolerance
+        (2.5, 0.5, 0.01, 1e-6, 30.0),  # the tolerance, seen beside the curvature
+    ],
+)
 def test_the_error_of_a_multiplier_of_van_der_pol_cycles_covers_that_of_its_integral(
-    eps: float,
+    a: float, b: float, eps: float, tolerance: float, most: float
 ) -> None:
-    found = vdp_cell(2.5, 0.5, eps, 1e-11)
+    found = vdp_cell(a, b, eps, tolerance)
     for cycle in (found.stable_cycle, found.unstable_cycle):
         assert cycle is not None
         assert cycle.multiplier is not None
         assert cycle.multiplier_error is not None
 
         def rate(_: float, z: np.ndarray) -> list[float]:
-            damping = eps * (1 - 2.5 * z[0] ** 2 + 0.5 * z[0] ** 4)
+            damping = eps * (1 - a * z[0] ** 2 + b * z[0] ** 4)
             return [z[1], -z[0] - damping * z[1], -damping]
 
-        run = solve_ivp(rate, (0, cycle.period), [cycle.max, 0, 0], "DOP853", rtol=1e-12)
-        assert abs(math.exp(run.y[2, -1]) - cycle.multiplier) <= cycle.multiplier_error < 0.05
+        run = solve_ivp(
+            rate, (0, cycle.period), [cycle.max, 0, 0], "DOP853", rtol=1e-13, atol=1e-14
+        )
+        assert abs(math.exp(run.y[2, -1]) - cycle.multiplier) <= cycle.multiplier_error < most
 
 
 def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_error() -> None:
@@ -378,6 +389,11 @@ def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_erro
     found = _with_error(CELL, cycle, unresolved)
     assert found is not None
     assert found.multiplier_error == math.inf
+    assert cycle.multiplier is not None
+    assert cycle.multiplier_error is not None
+    other = _with_error(CELL, cycle, replace(cycle, multiplier=cycle.multiplier + 0.5))
+    assert other is not None
+    assert other.multiplier_error == pytest.approx(0.5 + cycle.multiplier_error, rel=1e-12)
     lost = _with_error(CELL, cycle, None)
     assert lost is not None
     assert lost.multiplier_error == math.inf

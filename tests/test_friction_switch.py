@@ -123,11 +123,24 @@ def test_regularised_friction_converges_with_its_width(solver: Solver) -> None:
 
 
 @pytest.mark.parametrize(
-    "options", [{"band": 0.0}, {"band": -1.0}, {"step": 0.0}, {"step": 99.0}, {"relative": 0.0}]
-)
-def test_bad_options_are_refused(options: dict[str, float]) -> None:
+    "options",
+    [
+        {"band": 0.0}, {"band": -1.0}, {"step": 0.0}, {"step": 99.0}, {"relative": 0.0},
+        {"samples": 1}, {"samples": 1_000_001},
+    ],
+)  # fmt: skip
+def test_bad_options_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(ParameterError):
         run_switch(CHAIN, start(), 10.0, **options)
+
+
+def test_the_steps_are_chosen_by_default_as_those_of_ode23t_are() -> None:
+    default, explicit = (
+        run_switch(CHAIN, start(), 10.0, **options)
+        for options in ({}, {"relative": 1e-3, "absolute": 1e-6})
+    )
+    assert default.steps == explicit.steps
+    assert np.array_equal(default.y, explicit.y)
 
 
 @pytest.mark.parametrize(

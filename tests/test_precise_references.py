@@ -211,6 +211,15 @@ def test_a_fold_is_where_the_matrix_is_singular_in_forty_digits() -> None:
         assert farthest(found.value[-1:], np.array([true[5]])) <= found.uncertainty < 1e-16
 
 
+def test_of_all_locked_states_the_one_that_is_given_is_refined() -> None:
+    """Of three sites on the cycle, a quarter of a turn apart, and not of fewer."""
+    chain = VdpChain(a=1.0, b=0.05, c=0.05, eps=0.01, sites=7)
+    given = solve_envelope_breather(chain, Nucleus(3, "-+"))
+    phi, omega = given.waves, float(given.unknowns[-1])
+    found = locked_state(0.05, 0.05, phi, omega)
+    assert farthest(found.value, np.array([*phi.real, *phi.imag, omega])) < 1e-10
+
+
 def test_newton_does_not_invent_a_state() -> None:
     with pytest.raises(ArithmeticError, match="converge"):
         locked_state(0.05, 5.0, np.array([0.1j, 6.0, 0.1j, 0.0, 0.0]), 3.0)

@@ -240,8 +240,27 @@ def test_an_event_is_due_however_slowly_it_is_come_to(slope: float) -> None:
 def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
     cell = FrictionCell(v_d=1.0, mu_st=1.0, xi=0.25)
     chain = FrictionChain.of(cell, c=0.0, sites=1)
-    with pytest.raises(NoReferenceError, match="starts on an event"):
-        run_events(chain, np.array([[0.5], [1.0]]), 1.0)  # y + 2ξv_d is μ_st
+    for end in (1e-4, 1.0):  # of one step, and of several
+        with pytest.raises(NoReferenceError, match="starts on an event"):
+            run_events(chain, np.array([[0.5], [1.0]]), end)  # y + 2ξv_d is μ_st
+
+
+def test_a_run_with_events_is_positive_and_fast_enough_and_counts_its_evaluations(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain, start = FrictionChain(c=0.0, sites=1), np.array([[2.0], [0.0]])
+    for end in (0.0, -1.0):
+        with pytest.raises(ParameterError, match="end time"):
+            run_events(chain, start, end)
+    covered: list[float] = []
+    counted: list[float] = []
+    rate = _Law.rate
+    monkeypatch.setattr(_Law, "rate", lambda *given: (counted.append(given[2]), rate(*given))[1])
+    found = run_events(chain, start, 12.0, pace=SimpleNamespace(check=covered.append))  # type: ignore[arg-type]
+    assert len(found.log) == 4
+    assert found.evaluations == len(counted)
+    assert covered[-1] == 1.0
+    assert 0.0 < covered[0] < 0.1
 
 
 @pytest.mark.parametrize("scale", [1e3, 1e-3])
@@ -377,12 +396,12 @@ def test_sites_arrive_in_a_chain_as_they_do_by_the_engine() -> None:
     chain = VdpChain(a=4.0, b=0.5, c=5.0, eps=0.3, sites=5)
     start = np.zeros((2, 5))
     start[0, 0] = 3.0
-    level = 0.4
-    found = passages.arrivals_of_chain(chain, 60.0, level, 3.0)
-    run = simulate(chain, start, 60.0, samples=2, level=level, tolerance=1e-10)
-    assert np.isfinite(found).sum() == 5
-    assert found[1:] == pytest.approx(run.arrivals[1:], abs=1e-5)
-    assert found[0] == 0.0
+    for level in (1e-4, 0.4):
+        found = passages.arrivals_of_chain(chain, 60.0, level, 3.0)
+        run = simulate(chain, start, 60.0, samples=2, level=level, tolerance=1e-12)
+        assert np.isfinite(found).sum() == 5
+        assert found[1:] == pytest.approx(run.arrivals[1:], abs=1e-7)
+        assert found[0] == 0.0
     never = passages.arrivals_of_chain(chain, 3.0, 50.0, 3.0)
     assert np.isnan(never[1:]).all()
 
@@ -402,6 +421,26 @@ def test_an_arrival_in_the_first_step_of_a_piece_is_found() -> None:
                 assert found[site] == pytest.approx(when, abs=1e-5)
                 tried += 1
     assert tried
+
+
+@pytest.mark.parametrize(("eta", "c", "eps"), [(0.03125, 5.0, 0.1), (0.11, 1.0, 0.3)])
+def test_a_front_on_few_sites_has_the_velocity_of_the_engine(
+    eta: float, c: float, eps: float
+) -> None:
+    """From the passages of the same sites; those of scipy are on lines between its steps."""
+    chain, filled, watched = VdpChain(a=1.0, b=eta, c=c, eps=eps, sites=40), 10, np.arange(25, 32)
+    start, turn = np.zeros((2, 40)), 0.5 * np.pi * np.arange(filled)
+    start[:, :filled] = chain.stable_amplitude * np.array([np.cos(turn), np.sin(turn)])
+    run = simulate(chain, start, 250.0, samples=2, level=chain.unstable_amplitude, tolerance=1e-10)
+    v = 1.0 / np.polyfit(watched, run.arrivals[watched], 1)[0] / eps
+    assert passages.velocity_on_few_sites(chain, filled) == pytest.approx(v, rel=3e-4)
+
+
+@pytest.mark.parametrize("eta", [0.11, 0.115])
+def test_a_front_that_passes_some_or_none_of_the_sites_has_no_velocity(eta: float) -> None:
+    chain = VdpChain(a=1.0, b=eta, c=0.7, eps=0.3, sites=40)
+    with pytest.raises(ArithmeticError, match="does not come to its end"):
+        passages.velocity_on_few_sites(chain, 10)
 
 
 @pytest.mark.parametrize(("c", "eta"), [(0.6, 0.03125), (0.34, 0.07)])
@@ -590,6 +629,10 @@ def test_newton_finds_a_breather_from_far_off_too(short: int) -> None:
         whole = guess - min(1.0, 0.5 / float(np.abs(step).max())) * step
         if size(whole) > size(guess):  # the first step leads away
             reached.append(phase_locked.solve(guess, one.c, A, B))
+    exact = next(u for u in reached if u is not None)
+    again = phase_locked.solve(exact, one.c, A, B, rounds=1)
+    assert again is not None
+    assert np.array_equal(again, exact)  # no step is taken from a solution
     assert len(reached) >= 2
     assert all(size(u) < 1e-10 for u in reached if u is not None)
     assert any(u is not None for u in reached)
@@ -635,6 +678,12 @@ def test_ranges_of_stability_are_from_first_to_last_of_what_is_stable(
 
 
 # --------------------------------------------------------------------- the front of (44), and r
+
+
+def test_the_sum_by_quadrature_has_a_tolerance_of_its_own() -> None:
+    """That of scipy, about 1e-8; at c = 0, where Σ = 0."""
+    value, error = piecewise.sum_by_quadrature(1.0, 0.0)
+    assert abs(value) <= error < 1e-7
 
 
 @pytest.mark.parametrize("v", [0.01, 0.3])

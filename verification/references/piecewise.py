@@ -45,8 +45,7 @@ def sum_by_quadrature(
 
     options: dict[str, Any] = {} if tolerance is None else {"epsabs": tolerance, "epsrel": 0.0}
     value, stated = quad(integrand, 0.0, math.inf, complex_func=True, limit=limit, **options)
-    size = abs(complex(stated)) if np.iscomplexobj(stated) else float(stated)
-    return complex(value) * v / math.pi - 1.0, size * v / math.pi
+    return complex(value) * v / math.pi - 1.0, abs(complex(stated)) * v / math.pi
 
 
 def sum_on_the_line(v: float, c: float) -> tuple[complex, float]:

@@ -33,7 +33,7 @@ from theory.piecewise.sums.result import DIGITS
 from verification.cells import friction as cells
 from verification.cells import shooting
 from verification.cells.vdp import EPS_RANGE
-from verification.fronts import friction, smooth
+from verification.fronts import friction, request, smooth
 from verification.maps import vdp_rules
 from verification.piecewise import simulation
 from verification.runs import simulate
@@ -100,7 +100,7 @@ def test_the_range_of_eps_in_the_help_is_that_of_the_check(capsys, command, rang
     ("command", "option", "outside", "allowed"),
     [
         ("front vdp --a 4 --b 0.5 --c 0.6", "accuracy", 0.2, smooth.ACCURACY.allowed),
-        ("front vdp --a 4 --b 0.5 --c 0.6", "tolerance", 0.1, simulate.TOLERANCES),
+        ("front vdp --a 4 --b 0.5 --c 0.6", "tolerance", 0.01, request.TOLERANCE.allowed),
         ("front friction --c 0.02", "accuracy", 0.2, friction.ACCURACY.allowed),
         ("front friction --c 0.02", "tolerance", 1e-13, friction.TOLERANCE.allowed),
         ("front piecewise --c 0.5 --eta 0.03", "accuracy", 0.02, simulation.ACCURACIES),

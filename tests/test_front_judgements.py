@@ -19,7 +19,7 @@ from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, Range
 from verification.continuation.branch import Crossing, Fold
 from verification.fronts import (
     follow,
@@ -413,7 +413,7 @@ def _lengths(kind: str) -> Any:
     ("kind", "option", "low", "high"),
     [
         ("smooth", "accuracy", 1e-13, 0.1),
-        ("smooth", "tolerance", 1e-14, 0.01),
+        ("smooth", "tolerance", 1e-14, 1e-4),
         ("smooth", "excited", 4, 1000),
         ("friction", "accuracy", 1e-6, 0.1),
         ("friction", "tolerance", 1e-12, 1e-4),
@@ -421,6 +421,7 @@ def _lengths(kind: str) -> Any:
         ("piecewise", "accuracy", 1e-13, 0.01),
         ("piecewise", "max_sites", 80, 1_000_000),
         ("lattice", "accuracy", 1e-13, 0.1),
+        ("lattice", "tolerance", 1e-14, 1e-4),
         ("lattice", "excited", 1, 40 - 12),
         ("network", "excited", 1, 59),
     ],
@@ -1408,8 +1409,16 @@ def test_what_is_usual_of_a_threshold_is_the_same_by_either_door() -> None:
     assert inspect.signature(escape.escape_range).parameters["duration"].default == 2000.0
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
-def test_a_coarser_run_has_no_coarser_tolerance_than_any_run_may_have(
+def test_a_threshold_is_refused_where_it_could_not_be_compared_with_a_coarser_one() -> None:
+    """A run at 1e-4 has no coarser one; at 1e-6 it has, with a hundred times the tolerance."""
+    assert Spreading(tolerance=1e-4).tolerance == 1e-4
+    with pytest.raises(ParameterError, match="tolerance") as refusal:
+        spreading.spreading_threshold(AVERAGED, Spreading(tolerance=2e-6))
+    assert refusal.value.allowed.endswith(str(Range(1e-12, 1e-6)))
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_a_coarser_run_has_a_tolerance_as_many_times_larger_as_is_asked(
     tolerance: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[tuple[float, float]] = []
@@ -1420,8 +1429,8 @@ def test_a_coarser_run_has_no_coarser_tolerance_than_any_run_may_have(
 
     monkeypatch.setattr(spreading, "spreads", spreads)
     search = spreading._Search(AVERAGED, Spreading(tolerance=tolerance), 1e-4, 0.1, 0.2)
-    assert search.spreads(0.1, longer=2.0, coarser=10.0)
-    assert made == [(pytest.approx(min(1e-4, 10.0 * tolerance)), 2000.0)]
+    assert search.spreads(0.1, longer=2.0, coarser=100.0)
+    assert made == [(pytest.approx(100.0 * tolerance), 2000.0)]
 
 
 def test_a_threshold_is_looked_for_in_one_range_whoever_asks() -> None:

@@ -20,8 +20,10 @@ from theory.parameters import ParameterError
 from verification.fronts import watch
 from verification.fronts.arrival_fit import line, velocity_of_arrivals
 from verification.fronts.measure import measure_front
+from verification.fronts.request import TOLERANCE
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
+from verification.fronts.wave import front_wave
 from verification.references.passages import quarter_turn_velocity
 
 
@@ -50,6 +52,16 @@ def test_the_uncertainty_bounds_the_distance_from_a_longer_measurement(
         assert short.error is not None
         assert long.error is not None
         assert abs(short.v - long.v) <= short.error + long.error
+
+
+@pytest.mark.parametrize(("c", "b"), [(1.5, 0.5), (2.0, 0.32), (3.0, 0.5), (6.0, 0.32)])
+def test_the_uncertainty_holds_at_the_coarsest_tolerance(c: float, b: float) -> None:
+    """The front itself, solved for; the run is compared with one that is coarser still."""
+    chain = VdpChain(a=4.0, b=b, c=c).averaged()
+    front = measure_front(chain, tolerance=TOLERANCE.allowed.high)
+    assert front.v is not None
+    assert front.error is not None
+    assert abs(front.v - front_wave(c, chain.eta).v) <= front.error
 
 
 def test_a_front_of_the_full_chain_below_depinning_is_pinned_and_not_creeping() -> None:

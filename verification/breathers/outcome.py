@@ -40,7 +40,7 @@ from theory.chains.vdp import VanDerPolChain
 from theory.parameters import count_within, positive, within
 from theory.status import Status
 from verification.breathers.orbits import solve_orbit
-from verification.runs.comparison import coarser_tolerance
+from verification.runs.comparison import COARSER
 from verification.runs.excite import add_noise, excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import Trajectory
@@ -247,7 +247,7 @@ def follow_nucleus(
             samples=SAMPLES,
             estimate_error=False,
         )
-        for each in (_TOLERANCE, coarser_tolerance(_TOLERANCE))
+        for each in (_TOLERANCE, COARSER * _TOLERANCE)
     ]
     found = [evolution_of(run) for run in runs]
     last = runs[0].psi[-1]

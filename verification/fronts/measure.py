@@ -29,7 +29,7 @@ from theory.parameters import ParameterError, need_instance, with_ranges, word
 from verification.execution.progress import ProgressCallback
 from verification.fronts import friction, network, smooth
 from verification.fronts.friction import friction_front
-from verification.fronts.request import Request
+from verification.fronts.request import TOLERANCE, Request
 from verification.fronts.resting import StaticFold, static_fold
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.smooth import OUTRUNS, own_front, smooth_front
@@ -44,7 +44,7 @@ from verification.runs.excite import StartPoint
     smooth_accuracy=smooth.ACCURACY.allowed,
     friction_accuracy=friction.ACCURACY.allowed,
     piecewise_accuracy=simulation.ACCURACIES,
-    smooth_tolerance=smooth.TOLERANCE.allowed,
+    smooth_tolerance=TOLERANCE.allowed,
     friction_tolerance=friction.TOLERANCE.allowed,
     smooth_excited=smooth.EXCITED.allowed,
     friction_excited=friction.EXCITED.allowed,

@@ -23,13 +23,12 @@ from theory.parameters import ParameterError, Range, count_within
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import line
-from verification.fronts.request import Option, Request, stall_time
+from verification.fronts.request import TOLERANCE, Option, Request, stall_time
 from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import Stall
-from verification.runs.comparison import coarser_tolerance
+from verification.runs.comparison import COARSER
 from verification.runs.excite import excite
-from verification.runs.simulate import TOLERANCES
 from verification.runs.smooth_integration import SmoothIntegration
 
 EXCITED = 37
@@ -46,7 +45,6 @@ ROWS = 4
 """Default number of rows excited for a planar front."""
 ACCURACY = Option(quantity="accuracy", allowed=Range(1e-13, 0.1), default=0.1)
 """The default is coarse because the lattice cannot be enlarged."""
-TOLERANCE = Option(quantity="tolerance", allowed=TOLERANCES, default=1e-8)
 STALL_TIME = stall_time(60.0)
 DIRECTIONS = Option(quantity="directions", allowed=Range(4, 360), default=4)
 """The default is that of networks; on a lattice, no number means a planar front."""
@@ -187,7 +185,7 @@ def _measured(
     steps = run.counts["steps"]
     angles, v, error = fit(run.arrivals)
     if stopped is None:
-        other = SmoothIntegration(chain, start, [_NEVER], tolerance=coarser_tolerance(tolerance))
+        other = SmoothIntegration(chain, start, [_NEVER], tolerance=COARSER * tolerance)
         arrived = _follow(other, stall, within_reach, progress) is None
         coarser = fit(other.arrivals)[1] if arrived else np.zeros(v.size)
         error = np.maximum(error, np.abs(v - coarser))

@@ -8,7 +8,9 @@ from theory.chains.chain import MAX_SITES
 from theory.parameters import LATEST, Range, count_within, refuse_unread, within
 from verification.execution.progress import ProgressCallback
 from verification.fronts.result import LeftBoundary
+from verification.runs.comparison import COARSER
 from verification.runs.excite import StartPoint
+from verification.runs.simulate import TOLERANCES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +73,11 @@ def longest_chain(least: int, default: int) -> Option:
     allowed = Range(least, MAX_SITES)
     return Option(quantity="longest chain, max_sites,", allowed=allowed, default=default)
 
+
+TOLERANCE = Option(
+    quantity="tolerance", allowed=Range(TOLERANCES.low, TOLERANCES.high / COARSER), default=1e-8
+)
+"""Tolerance of the runs of a smooth chain: `COARSER` times as much must still be one of a run."""
 
 RUN = ("accuracy", "tolerance", "excited", "max_sites", "stall_time")
 """Options that apply to every run on a chain that can be lengthened."""

@@ -22,12 +22,18 @@ from theory.parameters import ParameterError, Range, count_within
 from verification.fronts.arrival_fit import Settled
 from verification.fronts.network import spreading_front
 from verification.fronts.preparation import FrontPreparation
-from verification.fronts.request import RUN, Option, Request, longest_chain, stall_time
+from verification.fronts.request import (
+    RUN,
+    TOLERANCE,
+    Option,
+    Request,
+    longest_chain,
+    stall_time,
+)
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.runs.excite import excite_edge
 from verification.runs.integration import Integration
-from verification.runs.simulate import TOLERANCES
 from verification.runs.smooth_integration import SmoothIntegration
 
 OUTRUNS = 1.01
@@ -36,7 +42,6 @@ OUTRUNS = 1.01
 _SHORTEST = 32
 """Fewest sites beyond the excited ones to which v is fitted."""
 ACCURACY = Option(quantity="accuracy", allowed=Range(1e-13, 0.1), default=1e-3)
-TOLERANCE = Option(quantity="tolerance", allowed=TOLERANCES, default=1e-8)
 EXCITED = Option(quantity="excited sites", allowed=Range(4, 1000), default=24)
 MAX_SITES = longest_chain(_SHORTEST, 1000)
 STALL_TIME = stall_time(60.0)

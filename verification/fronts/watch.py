@@ -18,7 +18,7 @@ from theory.chains.vdp import VdpChain, effective_epsilon
 from verification.execution.progress import ProgressCallback
 from verification.fronts.arrival_fit import Trial
 from verification.fronts.status import FrontStatus
-from verification.runs.comparison import coarser_tolerance
+from verification.runs.comparison import COARSER
 from verification.runs.integration import Integration
 
 MARGIN = 8
@@ -182,7 +182,7 @@ class Watch:
         used, steps = slice(self.first, run.state.shape[1] - MARGIN), run.counts["steps"]
         coarser = np.empty(0)
         if stopped is None:
-            other = begin(coarser_tolerance(tolerance))
+            other = begin(COARSER * tolerance)
             if self.follow(other) is None:
                 coarser = other.arrivals[used]
             steps += other.counts["steps"]

@@ -27,7 +27,7 @@ PERTURBATION = 8
 
 _RATIO = 10.0
 _SAFETY = 3.0
-_FINEST, _COARSEST = 1e-14, 1e-2
+_FINEST = 1e-14
 
 
 def other_tolerance(tolerance: float) -> float:
@@ -40,17 +40,6 @@ def other_tolerance(tolerance: float) -> float:
     """
     finer = tolerance / _RATIO
     return finer if finer >= _FINEST else _RATIO * tolerance
-
-
-def coarser_tolerance(tolerance: float) -> float:
-    """Return the tolerance of the comparison run where an event is timed.
-
-    Examples
-    --------
-    >>> coarser_tolerance(1e-3)
-    0.01
-    """
-    return min(_COARSEST, COARSER * tolerance)
 
 
 def error_by_sample(samples: FloatArray, other: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
-from theory.parameters import ParameterError, count_within, positive, within
+from theory.parameters import ParameterError, Range, count_within, positive, within
 from verification.runs import friction_integration, smooth_integration  # noqa: F401  (register)
 from verification.runs.comparison import COARSER
 from verification.runs.excite import StartPoint, excite
@@ -40,6 +40,8 @@ REACH = 0.2
 """Fraction of the threshold, on either side of it, over which monotonicity is tested."""
 SEVERAL = 3
 """Number of new sites on each side of the nucleus for ``Definition.SEVERAL``."""
+TOLERANCES = Range(1e-12, 1e-4)
+"""Tolerances of the runs."""
 _BUDGET = 20_000
 """Sites times steps between two checks of the sites reached."""
 
@@ -62,7 +64,8 @@ class Spreading:
     point : StartPoint
         Point on the cycle of (5) from which the excited sites start.
     tolerance : float
-        Tolerance of the integrator, from 1e-12 to 1e-4.
+        Tolerance of the integrator, from 1e-12 to 1e-4; of a threshold, which is compared with
+        that of a hundred times the tolerance, up to 1e-6.
     pattern : str
         Phase steps between the excited sites of a smooth chain, as in `Nucleus`.
     displacement : float or None
@@ -86,7 +89,7 @@ class Spreading:
     def __post_init__(self) -> None:
         count_within("nucleus size", self.size, 1, 100_000)
         within("final time", self.final_time, 1.0, 1e6)
-        within("tolerance", self.tolerance, 1e-12, 1e-4)
+        within("tolerance", self.tolerance, *TOLERANCES)
         object.__setattr__(self, "place", Place(self.place))
         for name, kind in (("definition", Definition), ("point", StartPoint)):
             object.__setattr__(self, name, kind(getattr(self, name)))
@@ -204,7 +207,7 @@ class _Search:
         """Run the chain at a coupling, with factors on the final time and the tolerance."""
         self.runs += 1
         self._report(0.0)
-        tolerance = min(1e-4, coarser * self._spreading.tolerance)
+        tolerance = coarser * self._spreading.tolerance
         final = longer * self._spreading.final_time
         spreading = replace(self._spreading, tolerance=tolerance)
         return spreads(self._chain.replace(c=c), spreading, final, self._report)
@@ -285,6 +288,7 @@ def spreading_threshold(
     positive("lowest coupling", lowest)
     within("highest coupling", highest, 1.01 * lowest, 1e6, "it must be above the lowest")
     within("accuracy", accuracy, 1e-12, 0.1)
+    within("tolerance", spreading.tolerance, TOLERANCES.low, TOLERANCES.high / COARSER)
     count_within("tests of monotonicity", tests, 0, 10_000)
     search = _Search(chain, spreading, accuracy, lowest, highest)
     search.expect(2 * tests, progress)

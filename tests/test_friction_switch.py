@@ -97,6 +97,13 @@ def test_every_band_gives_a_finite_run_or_stops_and_says_where(
     assert run.unconverged > 0
 
 
+@pytest.mark.parametrize("other", [{"law": "coulomb"}, {"law": "stribeck"}, {"viscous": 0.2}])
+def test_other_laws_than_that_of_the_paper_are_refused(other: dict[str, Any]) -> None:
+    chain = FrictionChain.of(FrictionCell(**other), c=0.02, sites=3)
+    with pytest.raises(ParameterError, match="friction law"):
+        run_switch(chain, start(), 1.0)
+
+
 def test_mirror_symmetry_of_the_switch_model() -> None:
     chain = FrictionChain(c=0.05, sites=7)
     run = run_switch(chain, excite(chain, [4]), 30.0, step=0.01)

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from theory.arrays import FloatArray, IntArray
+from theory.cells.friction_law import FrictionLaw
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, positive, within
@@ -125,6 +126,11 @@ def run_switch(
     positive("absolute tolerance", absolute)
     within("number of samples", samples, 2, 1_000_000)
     cell = chain.cell
+    if cell.law is not FrictionLaw.EXPONENTIAL or cell.viscous != 0.0:
+        raise ParameterError(
+            "friction law", f"{cell.law} with a viscous part of {cell.viscous:g}",
+            "exponential without a viscous part", "take the law of the paper, (2)",
+        )  # fmt: skip
     # The implicit equation is solved by iteration, each of which multiplies the error by half a
     # step times the fastest rate of the chain; if this is a half or less, fifty iterations suffice.
     longest = min(t_end, 1.0 / (math.sqrt(1.0 + 4.0 * chain.c) + 2.0 * cell.xi))

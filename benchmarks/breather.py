@@ -5,9 +5,8 @@ frequency. Our methods are Newton's method on the averaged chain, whose error is
 it costs, shooting with variational equations, and a long run. A user would otherwise choose scipy:
 ``root`` on the flow of ``solve_ivp``, started from the averaged breather, or ``solve_ivp`` for a
 long time. Our methods are compared with scipy's shooting at 1e-13, and scipy's methods with our
-shooting with twice the steps. ``agreement`` is the difference between these two references: about
-1e-9, because ours reads the largest displacement off a parabola through three samples; states and
-periods agree to 1e-12. The error that shooting states is that of state and period; the error that
+shooting with twice the steps. ``agreement`` is the difference between these two references, below
+1e-11. The error that shooting states is that of state and period; the error that
 the long run states measures how far it has not yet settled. The averaged breather is exact for
 another equation, and states no error with respect to (8).
 """

@@ -345,7 +345,7 @@ QUANTITIES = (
     ),
     Quantity(
         name="breather", title="breather of the chain (8)", equation="(8), (34)",
-        problems="breather", accuracy=1e-9, default="shooting", useful=(1e-8, 1e-3),
+        problems="breather", accuracy=1e-11, default="shooting", useful=(1e-8, 1e-3),
         reference="shooting over a flow in extended precision",
         computations=(
             Computation(

@@ -500,6 +500,8 @@ def test_a_refusal_names_the_value_that_was_given() -> None:
         StateTask(chain=FIGURE_15, displacement=200.0)
     with pytest.raises(ParameterError, match=r"^part of the spacing, refine, = 3\b"):
         state_map(ENVELOPE, c=[0.1], refine=3.0)
+    with pytest.raises(ParameterError, match=r"^part of the spacing, refine, = 1e-12\b.*0 for no"):
+        state_map(ENVELOPE, c=[0.1, 0.6], eta=[0.03, 0.13], refine=1e-12, workers=1)
     with pytest.raises(ParameterError, match=r"^number of sites n = 1001\b"):
         StateTask(chain=FIGURE_15.replace(sites=1001))
 

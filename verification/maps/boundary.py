@@ -12,12 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from theory.parameters import within
+from theory.parameters import Range, within
 from verification.execution.columns import Scalar
 from verification.execution.points import Point
 from verification.execution.sweep import Task
 from verification.execution.table import Table
 
+TOLERANCES = Range(1e-9, 1.0)
+"""Widths of a bracket, as fractions of its line."""
 NOTHING = "nothing"
 """What lies between the two labels if they are adjacent."""
 _PREDICTED = 1.0 / 8.0
@@ -67,7 +69,7 @@ class Bisection:
     predictor: Task | None = None
 
     def __post_init__(self) -> None:
-        within("tolerance of the boundary", self.tolerance, 1e-9, 1.0)
+        within("tolerance of the boundary", self.tolerance, *TOLERANCES)
 
     def __call__(self, point: Point) -> dict[str, Scalar]:
         """Bisect one line."""
@@ -111,7 +113,7 @@ class Bisection:
         labels = [str(self.predictor(_at(point, end))[self.label]) for end in ends]
         if labels != [point["label_low"], point["label_high"]]:
             return None, None
-        finer = max(1e-9, _PREDICTED * self.tolerance)
+        finer = max(TOLERANCES.low, _PREDICTED * self.tolerance)
         found = Bisection(self.predictor, finer, self.label)(point)
         at = ("at", "at") if found["between"] == NOTHING else ("low", "high")
         return float(found[at[0]]), float(found[at[1]])

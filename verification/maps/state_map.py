@@ -26,7 +26,7 @@ from verification.execution.pool import worker_count, worker_pool
 from verification.execution.progress import ProgressCallback
 from verification.execution.sweep import sweep
 from verification.execution.table import ARRAY_FORMATS, Table
-from verification.maps.boundary import Bisection, boundary_lines
+from verification.maps.boundary import TOLERANCES, Bisection, boundary_lines
 from verification.maps.state import State
 from verification.maps.task import HELD, StateTask, state_points
 
@@ -198,7 +198,8 @@ def state_map(
     what : Chain or StateTask
         A chain, for the start and the times of the paper's figures; or a task with further options.
     refine : float, optional
-        Boundaries are bisected to this fraction of the grid spacing; 0 for no bisection.
+        Boundaries are bisected to this fraction of the grid spacing, from 1e-9 to 1; 0 for no
+        bisection.
     workers : int, optional
         Number of processes, by default one per available core.
     executor : concurrent.futures.Executor, optional
@@ -238,6 +239,8 @@ def state_map(
     need_instance("chain", what, (Chain, StateTask), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     task = what if isinstance(what, StateTask) else StateTask(chain=what)
     within("part of the spacing, refine,", refine, 0.0, 1.0)
+    if refine > 0.0:
+        within("part of the spacing, refine,", refine, *TOLERANCES, "or give 0 for no bisection")
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
     out = None if out is None else Path(out)

@@ -187,6 +187,12 @@ def test_the_regression_finds_a_velocity_through_steps_and_a_transient() -> None
         assert abs(found - v) < error < 0.01 * v
 
 
+def test_sites_reached_at_once_have_no_velocity() -> None:
+    together = 0.13 + 1e-16 * np.random.default_rng(3).random(64)
+    assert velocity_of_arrivals(together) == (np.inf, np.inf)
+    assert velocity_of_arrivals(np.zeros(32)) == (np.inf, np.inf)
+
+
 def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:
     arrivals = np.arange(40.0)
     late = arrivals.copy()

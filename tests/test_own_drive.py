@@ -15,6 +15,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
 from verification.fronts.measure import measure_front
+from verification.fronts.status import FrontStatus
 from verification.maps.smooth_rules import find_smooth_state
 from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
@@ -48,6 +49,12 @@ def test_the_error_of_a_driven_run_bounds_its_distance_from_scipy(tolerance: flo
     assert not integration(driven(), np.zeros((2, 9)), [1.0]).going_to_rest()
     distance = np.abs(run.states.reshape(5, -1) - exact).max()
     assert 1e-3 * tolerance < distance <= run.error < 1e3 * tolerance
+
+
+def test_sites_that_a_force_excites_at_once_have_no_velocity() -> None:
+    """The force takes every site at rest across the level at the same time."""
+    front = measure_front(OscillatorChain(**PAPER, c=0.1, drive="8,1@all"), max_sites=64)
+    assert (front.status, front.v, front.error) == (FrontStatus.UNSTEADY, None, None)
 
 
 def test_a_drift_below_the_last_bit_of_a_parameter_changes_nothing() -> None:

@@ -32,6 +32,8 @@ from theory.arrays import FloatArray
 from verification.fronts.status import FrontStatus
 
 _NOISE, _DRIFT = 3.0, 6.0
+_AT_ONCE = 1e-12
+"""Relative difference of arrival times that may be a rounding error."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class Settled:
         What became of the front.
     v, error : float or None
         Velocity and its uncertainty: 0 and ``pinned_error`` for a pinned front, None if there is no
-        front.
+        front, or all sites were reached at once.
     arrivals : ndarray, shape (m,)
         Arrival times of the last trial, without the sites that were not reached.
     sites : int
@@ -138,6 +140,8 @@ def settle(
             error = max(error, abs(v - other_velocity))
         if error < accuracy * v and (long or longest):
             return Settled(FrontStatus.STEADY, v, error, arrivals, sites, steps)
+        if longest and math.isinf(v):
+            return Settled(FrontStatus.UNSTEADY, None, None, arrivals, sites, steps)
         if longest:
             return Settled(FrontStatus.UNSTEADY, v, error, arrivals, sites, steps)
         sites *= 2
@@ -159,6 +163,8 @@ def leading(arrivals: FloatArray) -> FloatArray:
 def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     """Return v and its uncertainty from the second half of the arrival times.
 
+    Both are infinite if those sites were reached at once, as by a force that acts on all of them.
+
     Parameters
     ----------
     arrivals : ndarray, shape (m,)
@@ -172,6 +178,8 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     late = arrivals[arrivals.size // 2 :]
     site = np.arange(late.size)
     slope, noise = line(site, late)
+    if slope * late.size <= _AT_ONCE * late[-1]:
+        return math.inf, math.inf
     half = late.size // 2
     first, first_noise = line(site[:half], late[:half])
     second, second_noise = line(site[half:], late[half:])

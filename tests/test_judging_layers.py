@@ -387,11 +387,18 @@ def test_what_passes_the_level_again_and_again_is_not_steady(
 @pytest.mark.parametrize("hold", [3.0, 8.0])
 def test_a_filled_chain_is_a_front_when_it_has_been_filled_for_so_long(hold: float) -> None:
     chain = UNSTABLE
-    rules = state_run.Rules(
-        level=chain.unstable_amplitude, rest_bound=1e-3, stiffness=0.0, hold=hold, window=5.0,
+    found = state_run.run_to_state(
+        chain,
+        excite(chain, range(1, 5)),
+        level=chain.unstable_amplitude,
+        rest_bound=1e-3,
+        stiffness=0.0,
+        hold=hold,
+        window=5.0,
         settled=1e-5,
-    )  # fmt: skip
-    found = state_run.run_to_state(chain, excite(chain, range(1, 5)), rules, 100.0, 1e-8)
+        end=100.0,
+        tolerance=1e-8,
+    )
     assert found.state is State.FRONT
     assert hold <= found.time < hold + 1.5
 
@@ -401,11 +408,18 @@ def test_a_breather_is_named_the_later_the_less_its_amplitudes_may_still_change(
     chain = AveragedChain(a=4, b=0.5, c=0.05, sites=6)
     times = []
     for settled in (1e-2, 1e-4, 1e-6):
-        rules = state_run.Rules(
-            level=chain.unstable_amplitude, rest_bound=1e-3, stiffness=0.0, hold=10.0, window=2.0,
+        found = state_run.run_to_state(
+            chain,
+            excite(chain, [3]),
+            level=chain.unstable_amplitude,
+            rest_bound=1e-3,
+            stiffness=0.0,
+            hold=10.0,
+            window=2.0,
             settled=settled,
-        )  # fmt: skip
-        found = state_run.run_to_state(chain, excite(chain, [3]), rules, 400.0, 1e-10)
+            end=400.0,
+            tolerance=1e-10,
+        )
         assert found.state is State.BREATHER
         times.append(found.time)
     assert times[0] < times[1] < times[2]
@@ -423,11 +437,18 @@ def test_a_stop_condition_that_counts_sites_is_given_all_of_them(
 
     monkeypatch.setattr(state_run, "SmoothIntegration", integration)
     chain = AveragedChain(a=4, b=0.5, c=0.05, sites=40)
-    rules = state_run.Rules(
-        level=chain.unstable_amplitude, rest_bound=1e-3, stiffness=0.0, hold=10.0, window=2.0,
+    found = state_run.run_to_state(
+        chain,
+        excite(chain, [3]),
+        level=chain.unstable_amplitude,
+        rest_bound=1e-3,
+        stiffness=0.0,
+        hold=10.0,
+        window=2.0,
         settled=1e-3,
-    )  # fmt: skip
-    found = state_run.run_to_state(chain, excite(chain, [3]), rules, 100.0, 1e-8)
+        end=100.0,
+        tolerance=1e-8,
+    )
     (run,) = made
     assert (found.state, found.above) == (State.BREATHER, 1)
     assert run.counts["site_steps"] == 40 * found.steps
@@ -528,10 +549,18 @@ def test_at_the_end_a_chain_that_has_stayed_half_filled_for_half_the_time_is_a_f
         )  # fmt: skip
 
     monkeypatch.setattr(state_run, "SmoothIntegration", integration)
-    rules = state_run.Rules(
-        level=1.0, rest_bound=0.0, stiffness=0.0, hold=5.0, window=10.0, settled=1e-3
+    found = state_run.run_to_state(
+        chain,
+        np.full((2, 8), 2.0),
+        level=1.0,
+        rest_bound=0.0,
+        stiffness=0.0,
+        hold=5.0,
+        window=10.0,
+        settled=1e-3,
+        end=100.0,
+        tolerance=1e-6,
     )
-    found = state_run.run_to_state(chain, np.full((2, 8), 2.0), rules, 100.0, 1e-6)
     assert found.state is state
     assert (found.reason is Reason.END_TIME) is (state is State.UNDECIDED)
 

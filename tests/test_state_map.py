@@ -23,7 +23,7 @@ from fronts.cli import main
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import AveragedChain, VdpChain
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
@@ -31,16 +31,15 @@ from verification.maps import state_map as state_map_module
 from verification.maps import state_run
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.friction_rules import find_friction_state
-from verification.maps.rules import StateRules
+from verification.maps.rules import RULES, StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import FoundState, Reason, State
 from verification.maps.state_map import compare, state_map
-from verification.maps.state_run import LONGEST, Rules, at_rest_for_ever, run_to_state
+from verification.maps.state_run import LONGEST, at_rest_for_ever, run_to_state
 from verification.maps.task import StateTask, state_points
 from verification.maps.vdp_rules import (
     DISPLACEMENT,
     FIGURE_15,
-    VanDerPolRules,
     find_vdp_state,
     level_of,
     positive_damping_square,
@@ -419,18 +418,26 @@ def test_a_point_at_which_two_starts_end_otherwise_is_undecided(
             amplitude=np.zeros(16), seconds=0.0,
         )  # fmt: skip
 
-    monkeypatch.setattr(VanDerPolRules, "find", find)
+    rules = replace(RULES[VanDerPolChain], find=find)
+    monkeypatch.setitem(RULES, VanDerPolChain, rules)
     row = ENVELOPE(Point(eta=0.05, c=0.1))
     assert (row["label"], row["why"], row["steps"]) == ("undecided", "perturbation", 10)
 
 
 def test_a_chain_that_is_more_than_half_filled_and_never_whole_is_no_front() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.0, sites=4)
-    rules = Rules(
-        level=chain.unstable_amplitude, rest_bound=0.0, stiffness=0.0, hold=10.0, window=math.inf,
+    found = run_to_state(
+        chain,
+        excite(chain, [1, 2, 3]),
+        level=chain.unstable_amplitude,
+        rest_bound=0.0,
+        stiffness=0.0,
+        hold=10.0,
+        window=math.inf,
         settled=1e-5,
-    )  # fmt: skip
-    found = run_to_state(chain, excite(chain, [1, 2, 3]), rules, 50.0, 1e-8)
+        end=50.0,
+        tolerance=1e-8,
+    )
     assert (found.state, found.reason) == (State.UNDECIDED, Reason.END_TIME)
 
 
@@ -482,6 +489,8 @@ def test_maps_are_the_same_for_one_and_two_workers_and_the_equations_agree(
         lambda: StateTask(chain=FIGURE_15.replace(eps=1e-6)),
         lambda: StateTask(chain=FIGURE_15, displacement=1e6),
         lambda: StateTask(chain=FIGURE_15, tolerance=1e-2),
+        lambda: StateTask(chain=FrictionChain(c=0.05, sites=7), tolerance=1e-3),
+        lambda: StateTask(chain=FrictionChain(c=0.05, sites=7), tolerance=1e-13),
         lambda: find_vdp_state(FIGURE_15, np.zeros((2, 16)), end=0.0),
         lambda: state_points(FULL, {"eta": [0.0], "c": [0.1]}),
         lambda: state_points(FULL, {"eta": [0.1], "c": [-0.1]}),

@@ -22,15 +22,13 @@ undecided
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Any, ClassVar
 
 import numpy as np
 
 from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
-from theory.parameters import within
-from verification.maps.rules import RULES, StateRules
+from theory.parameters import Range, within
 from verification.maps.state import FoundState, Reason, State
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
@@ -38,32 +36,24 @@ from verification.runs.friction_integration import FrictionIntegration
 WINDOW = 40.0
 HOLD = 3
 STEADY = 1e-5
+ENDS = Range(8.0 * WINDOW, 1e7)
+TOLERANCES = Range(1e-12, 1e-4)
 
 
-class FrictionRules(StateRules):
-    """The rules of this module, for (5)."""
-
-    default_end: ClassVar[float] = 20_000.0
-    shortest_end: ClassVar[float] = 8.0 * WINDOW
-    longest_end: ClassVar[float] = 1e7
-    seed: ClassVar[int] = 5
-
-    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
-        """Return a start in steady sliding except for some sites, by default the middle one."""
-        point = options.get("point") or StartPoint.MAXIMUM
-        chosen = sites or Nucleus(1).excited(chain.sites)
-        return excite(chain, chosen, options.get("displacement"), point=point)
-
-    def perturbed(self, start: FloatArray, size: float, seed: int) -> FloatArray:
-        """Return the start with noise of this size on y and ẏ, both of which are of order one."""
-        return start + size * np.random.default_rng(seed).standard_normal(start.shape)
-
-    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state is determined."""
-        return find_friction_state(chain, start, end=end, tolerance=tolerance)
+def start(
+    chain: FrictionChain,
+    sites: tuple[int, ...] | None,
+    displacement: float | None = None,
+    point: StartPoint = StartPoint.MAXIMUM,
+) -> FloatArray:
+    """Return a start in steady sliding except for some sites, by default the middle one."""
+    chosen = sites or Nucleus(1).excited(chain.sites)
+    return excite(chain, chosen, displacement, point=point)
 
 
-RULES[FrictionChain] = FrictionRules()
+def perturbed(start: FloatArray, size: float, seed: int) -> FloatArray:
+    """Return the start with noise of this size on y and ẏ, both of which are of order one."""
+    return start + size * np.random.default_rng(seed).standard_normal(start.shape)
 
 
 def find_friction_state(
@@ -100,8 +90,8 @@ def find_friction_state(
     'front'
     """
     begin = perf_counter()
-    within("end time tau", end, 8.0 * WINDOW, 1e7)
-    within("tolerance", tolerance, 1e-12, 1e-4)
+    within("end time tau", end, *ENDS)
+    within("tolerance", tolerance, *TOLERANCES)
     run = FrictionIntegration(chain, start, tolerance=tolerance)
     ever = np.zeros(chain.sites, dtype=bool)
     steady_from, held = 0.0, 0

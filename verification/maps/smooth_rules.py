@@ -22,7 +22,7 @@ undecided
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,8 +30,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
-from theory.parameters import within
-from verification.maps.rules import RULES, StateRules
+from theory.parameters import Range, within
 from verification.maps.state import FoundState, Reason, State
 from verification.runs import smooth_integration  # noqa: F401  (register)
 from verification.runs.excite import excite
@@ -42,31 +41,20 @@ SAMPLES = 16
 HOLD = 4
 STEADY = 1e-5
 SMALL = 1e-3
+TOLERANCES = Range(1e-13, 1e-3)
 _STATE = "a map of states, which requires a chain without external forces"
 
 
-class SmoothRules(StateRules):
-    """The rules of this module, for a smooth chain of any model."""
-
-    default_end: ClassVar[float] = 2000.0
-    shortest_end: ClassVar[float] = 4.0 * HOLD * WINDOW
-    longest_end: ClassVar[float] = 1e6
-
-    def check(self, chain: Any) -> None:
-        """Also refuse a chain with external forces."""
-        super().check(chain)
-        chain.check_unforced(_STATE)
-
-    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
-        """Return a start at rest except for some sites, by default the middle one."""
-        return excite(chain, sites or Nucleus(1).excited(chain.sites), options.get("displacement"))
-
-    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state is determined."""
-        return find_smooth_state(chain, start, end=end, tolerance=tolerance)
+def check_chain(chain: SmoothChain) -> None:
+    """Refuse a chain with external forces."""
+    chain.check_unforced(_STATE)
 
 
-RULES[SmoothChain] = SmoothRules()
+def start(
+    chain: SmoothChain, sites: tuple[int, ...] | None, displacement: float | None = None, **_: Any
+) -> FloatArray:
+    """Return a start at rest except for some sites, by default the middle one."""
+    return excite(chain, sites or Nucleus(1).excited(chain.sites), displacement)
 
 
 class _Window(NamedTuple):
@@ -107,8 +95,8 @@ def find_smooth_state(
     ('front', 16)
     """
     begin = perf_counter()
-    within("tolerance", tolerance, 1e-13, 1e-3)
-    chain.check_unforced(_STATE)
+    within("tolerance", tolerance, *TOLERANCES)
+    check_chain(chain)
     level = chain.unstable_amplitude
     state, elapsed, steps = checked_state(chain, start), 0.0, 0
     ever = np.hypot(*state) > level

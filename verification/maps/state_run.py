@@ -7,7 +7,6 @@ stop condition. All sites are stepped, the ends are free, and times are kernel t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -44,38 +43,6 @@ the highest amplitude of each site in the present window."""
 _BUDGET = 10**9
 _ROUNDING = 1e-14
 """Relative change of a square that exceeds any effect of rounding."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rules:
-    """Criteria for the states; times are kernel times.
-
-    Attributes
-    ----------
-    level : float
-        Amplitude of the unstable cycle; infinite if there is none.
-    rest_bound : float
-        The chain is certain to go to rest if Σ(y² + w²) + κΣ(y_n - y_{n-1})² is below this value
-        (:func:`at_rest_for_ever`); infinite where the damping is positive everywhere.
-    stiffness : float
-        κ.
-    hold : float
-        FRONT if all sites have been above the level without interruption from some time until twice
-        that time, and for at least this long. At the end of the run also FRONT if all were above it
-        at once by half of that time, and never fewer than half of them since then.
-    window, settled : float
-        BREATHER if, in every window of this length from some time until twice that time, each
-        site's amplitude varied by at most ``settled`` without crossing the level, and some sites,
-        but not all, were above it. Where sites oscillate, amplitudes have a ripple within a period,
-        so they are taken when the last site passes y = 0 upwards.
-    """
-
-    level: float
-    rest_bound: float
-    stiffness: float
-    hold: float
-    window: float
-    settled: float
 
 
 @outer(cache=True, **UNCOUNTED)
@@ -254,13 +221,23 @@ def named_state(  # noqa: PLR0917  (as a Condition)
     return 0
 
 
-def run_to_state(
-    chain: SmoothChain, start: npt.ArrayLike, rules: Rules, end: float, tolerance: float
+def run_to_state(  # noqa: PLR0913  (six of them are the criteria)
+    chain: SmoothChain,
+    start: npt.ArrayLike,
+    *,
+    level: float,
+    rest_bound: float,
+    stiffness: float,
+    hold: float,
+    window: float,
+    settled: float,
+    end: float,
+    tolerance: float,
 ) -> FoundState:
     """Step until the state of the chain is certain.
 
     The time of the result is in units of the chain's `time_unit`; its ``above`` refers to the last
-    sample.
+    sample. Times that are given are kernel times.
 
     Parameters
     ----------
@@ -269,10 +246,23 @@ def run_to_state(
     start : array_like
         State at time zero; the amplitudes of oscillating sites are sampled by the phase of the last
         site.
-    rules : Rules
-        Criteria for the states.
+    level : float
+        Amplitude of the unstable cycle; infinite if there is none.
+    rest_bound, stiffness : float
+        The chain is certain to go to rest if Σ(y² + w²) + κΣ(y_n - y_{n-1})², where κ is the
+        stiffness, is below this value (:func:`at_rest_for_ever`); infinite where the damping is
+        positive everywhere.
+    hold : float
+        FRONT if all sites have been above the level without interruption from some time until twice
+        that time, and for at least this long. At the end of the run also FRONT if all were above it
+        at once by half of that time, and never fewer than half of them since then.
+    window, settled : float
+        BREATHER if, in every window of this length from some time until twice that time, each
+        site's amplitude varied by at most ``settled`` without crossing the level, and some sites,
+        but not all, were above it. Where sites oscillate, amplitudes have a ripple within a period,
+        so they are taken when the last site passes y = 0 upwards.
     end : float
-        Kernel time at which the run ends.
+        Time at which the run ends.
     tolerance : float
         Local error of a step, relative to the largest value.
 
@@ -284,8 +274,7 @@ def run_to_state(
     begin, sites = perf_counter(), chain.sites
     memory = np.zeros(_SITES + 2 * sites)
     memory[: _OSCILLATES + 1] = (
-        rules.level, rules.rest_bound, rules.stiffness, rules.hold, rules.window, rules.settled,
-        chain.oscillates,
+        level, rest_bound, stiffness, hold, window, settled, chain.oscillates,
     )  # fmt: skip
     memory[[_FILLED, _LASTING, _FIRST]] = -1.0
     run = SmoothIntegration(
@@ -300,7 +289,7 @@ def run_to_state(
         watch=named_state,
         memory=memory,
     )
-    if at_rest_for_ever(np.ravel(run.state), rules.stiffness, rules.rest_bound):
+    if at_rest_for_ever(np.ravel(run.state), stiffness, rest_bound):
         state = State.FIXED_POINT
     else:
         while not run.finished:

@@ -22,7 +22,6 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, random_seed, real_array, truth, within
 from verification.execution.columns import Cell, Scalar
 from verification.execution.points import Grid, Point
-from verification.maps import friction_rules, smooth_rules, vdp_rules  # noqa: F401  (register)
 from verification.maps.rules import rules_of
 from verification.maps.state import Reason, State
 from verification.runs.excite import StartPoint
@@ -92,8 +91,8 @@ class StateTask:
         truth("amplitudes", self.amplitudes)
         if self.held not in HELD:
             raise ParameterError("coefficient held", self.held, "a or b", "name one of them")
-        within("end time", self.end_time, rules.shortest_end, rules.longest_end)
-        within("tolerance", self.local_error, 1e-13, 1e-3)
+        within("end time", self.end_time, *rules.ends)
+        within("tolerance", self.local_error, *rules.tolerances)
         within("perturbation", self.perturbation, 0.0, 1e-2)
         if self.seed is not None:
             random_seed(self.seed)

@@ -28,7 +28,7 @@ long that an error of 1e-6 would be visible against ``STEADY``.
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy.typing as npt
 
@@ -36,9 +36,9 @@ from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError, Range, positive, within
-from verification.maps.rules import RULES, StateRules
+from verification.maps.smooth_rules import TOLERANCES
 from verification.maps.state import FoundState
-from verification.maps.state_run import Rules, run_to_state
+from verification.maps.state_run import run_to_state
 from verification.runs.excite import excite
 
 FIGURE_15 = VdpChain(a=4.0, b=0.5, c=0.0, sites=16)
@@ -52,38 +52,23 @@ WINDOW = 5.0
 STEADY = 1e-5
 
 
-class VanDerPolRules(StateRules):
-    """The rules of this module, for (43) and, except for the tolerance, for (8)."""
-
-    default_end: ClassVar[float] = 2000.0
-    shortest_end: ClassVar[float] = 4.0 * HOLD
-    longest_end: ClassVar[float] = 1e5
-    seed: ClassVar[int] = 15
-
-    def check(self, chain: Any) -> None:
-        """Refuse closed chains, and an ε so small that (8) takes hours."""
-        super().check(chain)
-        _check(chain)
-
-    def start(self, chain: Any, sites: tuple[int, ...] | None, **options: Any) -> FloatArray:
-        """Return a start at rest except for some sites, by default the last one, displaced by 6."""
-        displacement = options.get("displacement")
-        size = DISPLACEMENT if displacement is None else displacement
-        return excite(chain, sites or (chain.sites,), size)
-
-    def find(self, chain: Any, start: FloatArray, *, end: float, tolerance: float) -> FoundState:
-        """Run until the state is determined."""
-        return find_vdp_state(chain, start, end=end, tolerance=tolerance)
+def start(
+    chain: VanDerPolChain,
+    sites: tuple[int, ...] | None,
+    displacement: float | None = None,
+    **_: Any,
+) -> FloatArray:
+    """Return a start at rest except for some sites, by default the last one, displaced by 6."""
+    size = DISPLACEMENT if displacement is None else displacement
+    return excite(chain, sites or (chain.sites,), size)
 
 
-class VdpRules(VanDerPolRules):
-    """The rules of this module, for (8)."""
-
-    tolerance: ClassVar[float] = 1e-6
-
-
-RULES[VanDerPolChain] = VanDerPolRules()
-RULES[VdpChain] = VdpRules()
+def check_chain(chain: VanDerPolChain) -> None:
+    """Refuse closed chains, and an ε so small that (8) takes hours."""
+    if chain.ends is not Ends.FREE:
+        raise ParameterError("ends", str(chain.ends), "free", "the rule for rest is for these")
+    if isinstance(chain, VdpChain):
+        within("small parameter eps", chain.eps, *EPS_RANGE, "take the averaged chain")
 
 
 def find_vdp_state(
@@ -119,27 +104,23 @@ def find_vdp_state(
     'front'
     """
     positive("end time", end)
-    within("tolerance", tolerance, 1e-13, 1e-3)
-    _check(chain)
+    within("tolerance", tolerance, *TOLERANCES)
+    check_chain(chain)
     full = isinstance(chain, VdpChain)
     level = level_of(chain.a, chain.b)
     scale = chain.time_unit * chain.kernel_rate
-    rules = Rules(
+    return run_to_state(
+        chain,
+        start,
         level=level,
         rest_bound=positive_damping_square(chain.a, chain.b) if full else level**2,
         stiffness=chain.eps * chain.c if full else 0.0,
         hold=HOLD * scale,
         window=WINDOW * scale,
         settled=STEADY * (level if math.isfinite(level) else 1.0),
+        end=0.5 * end * scale,
+        tolerance=tolerance,
     )
-    return run_to_state(chain, start, rules, 0.5 * end * scale, tolerance)
-
-
-def _check(chain: VanDerPolChain) -> None:
-    if chain.ends is not Ends.FREE:
-        raise ParameterError("ends", str(chain.ends), "free", "the rule for rest is for these")
-    if isinstance(chain, VdpChain):
-        within("small parameter eps", chain.eps, *EPS_RANGE, "take the averaged chain")
 
 
 def level_of(a: float, b: float) -> float:

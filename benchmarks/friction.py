@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.record import Target, WorkPoint
+from benchmarks.regularised import Solver, run_regularised
 from benchmarks.work_precision import (
     Effort,
     MethodAnswer,
@@ -29,7 +30,6 @@ from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from verification.quantities.problems import Problem, timed
 from verification.references.friction_events import run_events
-from verification.references.regularised import Solver, run_regularised
 from verification.references.switch_model import run_switch
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate

@@ -36,7 +36,7 @@ from theory.chains.oscillator import OscillatorChain
 from verification.execution.time_limit import time_limit
 from verification.quantities.own_chains import OURS, chain_of, rate_of
 from verification.quantities.problems import Problem, timed
-from verification.references.network import states_by_scipy
+from verification.references.pace import last_state
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
@@ -108,8 +108,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     """Return the settings of all methods, and how well the reference is known."""
     chain, end = chain_of(problem.values), problem["t"]
     report(f"scipy, {chain.sites} sites")
-    times = np.array([0.0, end])
-    true = states_by_scipy(rate_of(problem.values), start_of(chain).ravel(), times, 1e-13)[-1]
+    true = last_state(rate_of(problem.values), end, start_of(chain).ravel(), 1e-13, 1e-15)
     apart = float(np.abs(ours(chain, end, 1e-13) - true).max())
     rows: list[tuple[str, float, Callable[[], MethodAnswer]]] = [
         (OURS, tolerance, partial(_value, partial(ours, chain, end), tolerance))

@@ -34,8 +34,8 @@ from verification.references.equations import (
     averaged_damping,
     damping,
     full_rate,
-    linearised_rate,
     pull,
+    variational_rate,
 )
 from verification.references.precise_breather import locked_fold
 from verification.steppers.variational import integrate_chain, integrate_variations
@@ -369,7 +369,12 @@ def test_multipliers_along_sinusoids_are_those_of_scipy() -> None:
         angle = breather.frequency * t - 0.5 * np.pi * away
         return size * np.sin(angle), breather.frequency * size * np.cos(angle)
 
-    rate, period = linearised_rate(chain, sinusoids), 2 * np.pi / breather.frequency
+    beside, period = variational_rate(chain), 2 * np.pi / breather.frequency
+
+    def rate(t: float, flat: np.ndarray) -> np.ndarray:
+        both = np.column_stack([np.concatenate(sinusoids(t)), flat.reshape(10, 10)])
+        return beside(t, both.ravel()).reshape(10, 11)[:, 1:].ravel()
+
     run = solve_ivp(rate, (0, period), np.eye(10).ravel(), "DOP853", rtol=1e-12, atol=1e-13)
     theirs = np.linalg.eigvals(run.y[:, -1].reshape(10, 10))
     assert np.abs(np.sort(np.abs(ours.values)) - np.sort(np.abs(theirs))).max() < 1e-9

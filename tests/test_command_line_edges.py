@@ -435,7 +435,7 @@ def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys
 
 def test_a_map_ends_where_its_grid_ends():
     from paper_checks.report.state_picture import _rim, draw_states
-    from verification.execution.table import table_of
+    from tests.tables import table_of
     from verification.pictures.figures import new_axes
 
     states = table_of(

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.regularised import Solver, run_regularised
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.friction import stick_slip_cycle
-from verification.references.regularised import Solver, run_regularised
 from verification.references.switch_model import run_switch
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate

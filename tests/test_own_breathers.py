@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
+from tests.reference_runs import states_by_scipy
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
@@ -27,7 +28,7 @@ from verification.breathers.own import (
 from verification.breathers.periodic_motion import largest_displacements
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.references.equations import pull_matrix
-from verification.references.network import oscillator_rate, states_by_scipy
+from verification.references.network import oscillator_rate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds.continuation import _Report, breather_threshold
 from verification.thresholds.result import ThresholdMethod

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from fronts.cli import main
+from tests.reference_runs import states_by_scipy
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -23,7 +24,7 @@ from verification.cells.result import Cell, CellCycle, CellStatus, OwnCell
 from verification.cells.shooting import longest_step
 from verification.cells.vdp import vdp_cell
 from verification.references.equations import damping
-from verification.references.network import oscillator_rate, states_by_scipy
+from verification.references.network import oscillator_rate
 
 PERIOD, AMPLITUDE = 6.663286859323130, 2.008619860874843
 """Of the cycle of Van der Pol at ε = 1: P. Amore, Computing the solutions of the van der Pol

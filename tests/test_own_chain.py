@@ -17,6 +17,7 @@ from scipy.spatial.distance import cdist
 
 from derivations.cell.polynomial_text import read_polynomial as read_for_derivations
 from fronts.cli import main
+from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import read_polynomial
 from theory.chains.coupling import network_of
@@ -25,7 +26,7 @@ from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.references.equations import pull_matrix
-from verification.references.network import oscillator_rate, overdamped_rate, states_by_scipy
+from verification.references.network import oscillator_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus

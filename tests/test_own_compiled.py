@@ -12,6 +12,7 @@ import numba
 import numpy as np
 import pytest
 
+from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.cells.compiled import CompiledForce
 from theory.cells.compiled_cell import CompiledCell
 from theory.chains.oscillator import OscillatorChain
@@ -19,7 +20,7 @@ from theory.parameters import ParameterError
 from verification.breathers.breather import breather
 from verification.fronts.measure import measure_front
 from verification.references.equations import pull_matrix
-from verification.references.network import oscillator_rate, overdamped_rate, states_by_scipy
+from verification.references.network import oscillator_rate
 from verification.runs.averaging_error import averaging_error
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate

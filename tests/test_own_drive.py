@@ -11,6 +11,7 @@ import pytest
 
 from benchmarks.steppers.fixed import fixed_steps
 from fronts.cli import main
+from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
@@ -19,7 +20,7 @@ from verification.fronts.status import FrontStatus
 from verification.maps.smooth_rules import find_smooth_state
 from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
-from verification.references.network import oscillator_rate, overdamped_rate, states_by_scipy
+from verification.references.network import oscillator_rate
 from verification.runs.excite import excite
 from verification.runs.integration import integration
 from verification.runs.simulate import simulate

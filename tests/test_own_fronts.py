@@ -16,6 +16,7 @@ from PIL import Image, ImageSequence
 from derivations.cell.envelope import derive_envelope
 from fronts.animation import animate
 from fronts.cli import main
+from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
@@ -25,7 +26,6 @@ from verification.fronts.status import FrontStatus
 from verification.maps.state_map import state_map
 from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
-from verification.references.network import overdamped_rate, states_by_scipy
 from verification.runs.ensemble import ensemble
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate

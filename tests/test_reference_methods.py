@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
+from benchmarks import regularised
+from tests import strong_coupling
 from theory.averaged.front import strong_coupling_front
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
@@ -32,13 +34,11 @@ from verification.references import (
     phase_locked,
     piecewise,
     precise_breather,
-    regularised,
-    strong_coupling,
 )
 from verification.references import (
     front_wave as waves,
 )
-from verification.references.equations import full_rate, regularised_rate
+from verification.references.equations import full_rate
 from verification.references.friction_events import BEGINS, ENDS, EventRun, _Law, run_events
 from verification.references.pace import NoReferenceError
 from verification.references.switch_model import SwitchRun, run_switch
@@ -281,7 +281,7 @@ def test_a_friction_chain_with_all_forces_and_speeds_scaled_moves_alike(scale: f
 
 def test_the_pattern_of_regularised_friction_is_that_of_its_derivatives() -> None:
     chain = FrictionChain.of(FrictionCell(), c=0.3, sites=4)
-    rate, z = regularised_rate(chain, 0.1), np.random.default_rng(4).normal(size=8)
+    rate, z = regularised.regularised_rate(chain, 0.1), np.random.default_rng(4).normal(size=8)
     slope = [(rate(0.0, z + 1e-6 * e) - rate(0.0, z - 1e-6 * e)) / 2e-6 for e in np.eye(8)]
     found = regularised._sparsity(4).toarray() != 0
     assert np.array_equal(found, np.abs(np.array(slope).T) > 1e-6)

@@ -8,6 +8,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from benchmarks.regularised import regularised_rate
+from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.averaged.envelope import envelope_rate
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
@@ -16,7 +18,6 @@ from theory.chains.vdp import VdpChain
 from theory.piecewise.limits import static_sum_distance
 from verification.execution.imports import closure
 from verification.references import equations
-from verification.references.network import overdamped_rate, states_by_scipy
 from verification.references.piecewise import static_sum, sum_by_quadrature, threshold_ratio
 
 ROOT = Path(__file__).parents[1]
@@ -85,8 +86,6 @@ def test_variations_and_the_jacobian_are_derivatives_of_the_rate(ends: Ends) -> 
     both = equations.variational_rate(chain)(0.0, start).reshape(12, 13)
     assert np.abs(both[:, 0] - rate(0.0, state)).max() == 0.0
     assert np.abs(both[:, 1:] - slope).max() < 1e-9
-    along = equations.linearised_rate(chain, lambda _: (state[:6], state[6:]))
-    assert np.abs(along(0.0, np.eye(12).ravel()).reshape(12, 12) - slope).max() < 1e-9
 
 
 def test_the_quarter_turn_rate_is_the_averaged_one_on_its_manifold() -> None:
@@ -131,7 +130,7 @@ def test_regularised_friction_tends_to_that_of_the_cell() -> None:
     chain = FrictionChain.of(FrictionCell(), c=0.2, sites=3)
     z = np.array([0.3, 0.5, -0.2, 2.0, 0.1, 0.0])
     y, velocity = z[0::2], z[1::2]
-    rate = equations.regularised_rate(chain, 1e-6)(0.0, z)
+    rate = regularised_rate(chain, 1e-6)(0.0, z)
     cell = chain.cell
     slip = velocity - cell.v_d
     mu = cell.mu_d + (cell.mu_st - cell.mu_d) * np.exp(-np.abs(slip) / cell.v0)

@@ -18,13 +18,14 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from tests.tables import table_of
 from theory.averaged.breather import BreatherStatus
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.parameters import RunError
 from verification.breathers.envelope import solve_envelope_breather
-from verification.execution.table import Table, table_of
+from verification.execution.table import Table
 from verification.quantities import breathers, chains, friction, own_chains, robustness
 from verification.quantities.judging import PointOutcome, compared
 from verification.quantities.problems import PROBLEMS

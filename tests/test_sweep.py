@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from verification.execution import columns
 from verification.execution import sweep as sweeping
@@ -35,7 +36,7 @@ from verification.execution.files import FileError
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
 from verification.execution.sweep import SweepError, part_path, sweep
-from verification.execution.table import Table, load_table, record_path, table_of, zarr_writer
+from verification.execution.table import Table, load_table, record_path, zarr_writer
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from tests.strong_coupling import kappa_by_shooting
 from theory.averaged.front import StrongCouplingFront, strong_coupling_front, wave_fast_eta
-from verification.references.strong_coupling import kappa_by_shooting
 
 
 def test_the_velocity_is_c_and_the_width_of_the_front_times_kappa():

@@ -19,7 +19,6 @@ from verification.execution.columns import (
     Array,
     Cell,
     Columns,
-    cell_of,
     on_disk,
     python_rows,
     read_only,
@@ -65,7 +64,8 @@ class Table(Result):
 
     Examples
     --------
-    >>> table = table_of([{"c": 1, "label": "front"}, {"c": 2.5, "label": "breather"}])
+    >>> labels = np.array(["front", "breather"])
+    >>> table = Table(arrays={"c": np.array([1.0, 2.5]), "label": labels})
     >>> table["c"], table.counts("label")
     (array([1. , 2.5]), {'breather': 1, 'front': 1})
     """
@@ -327,25 +327,6 @@ def record_path(path: Path) -> Path:
     'map.csv.json'
     """
     return path.with_name(path.name + ".json")
-
-
-def table_of(rows: Sequence[Mapping[str, object]]) -> Table:
-    """Make a table from rows with the same names.
-
-    Parameters
-    ----------
-    rows : sequence of mappings
-        Names mapped to truth values, numbers, words, or arrays, with one shape for each name.
-
-    Raises
-    ------
-    ParameterError
-        If rows differ in their names or shapes, or a name or word would be misread in CSV.
-    """
-    columns = Columns(len(rows))
-    for index, row in enumerate(rows):
-        columns.put(index, {name: cell_of(value) for name, value in row.items()})
-    return Table(arrays=columns.arrays(), dims=named_dims(columns.shapes, {}))
 
 
 def named_dims(shapes: Mapping[str, tuple[int, ...]], dims: Mapping[str, Any]) -> Dims:

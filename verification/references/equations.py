@@ -1,10 +1,10 @@
 """Each model written a second time, for scipy and mpmath: the right-hand sides of the references.
 
 There is one right-hand side per model: (8) and its variational equations (42), the averaged chain
-(43) and its reduction to real amplitudes, the piecewise-linear chain (44), and friction (6) with
-the regularised chain (5). They share no code with the compiled right-hand sides of the steppers, so
-that they can be used to check the engines. Springs, forces and damping are plain functions that
-accept arrays, complex numbers and mpmath numbers alike.
+(43) and its reduction to real amplitudes, the piecewise-linear chain (44), and friction (6). They
+share no code with the compiled right-hand sides of the steppers, so that they can be used to check
+the engines. Springs, forces and damping are plain functions that accept arrays, complex numbers and
+mpmath numbers alike.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from theory.chains.vdp import VanDerPolChain
 
 Rate = Callable[[float, FloatArray], FloatArray]
 ComplexRate = Callable[[float, ComplexArray], ComplexArray]
-Motion = Callable[[float], tuple[FloatArray, FloatArray]]
 
 
 def pull(y: AnyArray, ends: Ends = Ends.FREE) -> AnyArray:
@@ -111,31 +110,6 @@ def full_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
     return rate
 
 
-def linearised_rate(chain: VanDerPolChain, motion: Motion) -> Rate:
-    """Return d(δy, δẏ)/dt of (42), for small deviations from a given motion of (8).
-
-    Parameters
-    ----------
-    chain : VanDerPolChain
-        Its a, b, c, ε and ends are used.
-    motion : callable
-        Maps t to y and ẏ, shape (N,) each.
-
-    Returns
-    -------
-    callable
-        Function of t and the deviations, shape (2N, M) flattened.
-    """
-    n = chain.sites
-
-    def rate(t: float, flat: FloatArray) -> FloatArray:
-        x = flat.reshape(2 * n, -1)
-        y, w = (part[:, None] for part in motion(t))
-        return np.concatenate([x[n:], _deviating_force(chain, y, w, x[:n], x[n:])]).ravel()
-
-    return rate
-
-
 def variational_rate(chain: VanDerPolChain) -> Rate:
     """Return the rate of a motion of (8) and of deviations from it, (42).
 
@@ -145,28 +119,20 @@ def variational_rate(chain: VanDerPolChain) -> Rate:
         Function of t and a matrix, shape (2N, 1 + M) flattened, with the motion in the first column
         and deviations in the others.
     """
-    n, motion = chain.sites, full_rate(chain)
+    n, a, b, motion = chain.sites, chain.a, chain.b, full_rate(chain)
 
     def rate(t: float, flat: FloatArray) -> FloatArray:
         x = flat.reshape(2 * n, -1)
+        y, w, dy, dw = x[:n, :1], x[n:, :1], x[:n, 1:], x[n:, 1:]
+        bend = w * y * (4.0 * b * y * y - 2.0 * a)
+        springs = chain.c * pull(dy, chain.ends)
         out = np.empty_like(x)
         out[:, 0] = motion(t, x[:, 0])
-        out[:n, 1:] = x[n:, 1:]
-        out[n:, 1:] = _deviating_force(chain, x[:n, :1], x[n:, :1], x[:n, 1:], x[n:, 1:])
+        out[:n, 1:] = dw
+        out[n:, 1:] = -dy - chain.eps * (springs + bend * dy + damping(y, a, b) * dw)
         return out.ravel()
 
     return rate
-
-
-def _deviating_force(
-    chain: VanDerPolChain, y: FloatArray, w: FloatArray, dy: FloatArray, dw: FloatArray
-) -> FloatArray:
-    a, b = chain.a, chain.b
-    bend = w * y * (4.0 * b * y * y - 2.0 * a)
-    force: FloatArray = -dy - chain.eps * (
-        chain.c * pull(dy, chain.ends) + bend * dy + damping(y, a, b) * dw
-    )
-    return force
 
 
 def full_jacobian(chain: VanDerPolChain) -> Callable[[float, FloatArray], Any]:
@@ -276,25 +242,6 @@ def load(y: FloatArray, velocity: Any, chain: FrictionChain) -> FloatArray:
     springs = y + chain.c * pull(y, chain.ends)
     out: FloatArray = springs + 2.0 * chain.cell.xi * velocity
     return out
-
-
-def regularised_rate(chain: FrictionChain, delta: float) -> Rate:
-    """Return d(y_1, ẏ_1, y_2, …)/dτ of (5) with friction -μ(|v|) tanh(v/δ), v = ẏ - v_d.
-
-    Sites are interleaved, so that the Jacobian is banded.
-    """
-    cell = chain.cell
-
-    def rate(_: float, z: FloatArray) -> FloatArray:
-        velocity = z[1::2]
-        slip = velocity - cell.v_d
-        out = np.empty_like(z)
-        out[0::2] = velocity
-        out[1::2] = -dynamic_friction(np.abs(slip), cell) * np.tanh(slip / delta)
-        out[1::2] -= load(z[0::2], velocity, chain)
-        return out
-
-    return rate
 
 
 def as_state(psi: ComplexArray) -> FloatArray:

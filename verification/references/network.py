@@ -1,6 +1,6 @@
 """Oscillators on any network, written a second time for scipy: plain functions and a matrix L.
 
-ÿ + g(y) + ε h(y, ẏ) ẏ + εc L (y + d ẏ) = F(t),      or      ẏ + g(y) + c L y = F(t)
+ÿ + g(y) + ε h(y, ẏ) ẏ + εc L (y + d ẏ) = F(t)
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from theory.arrays import FloatArray
 from verification.references.equations import Rate
@@ -48,32 +47,3 @@ def oscillator_rate(
         return np.concatenate([v, force(t) - restoring])
 
     return rate
-
-
-def overdamped_rate(
-    g: Force, matrix: Any, *, c: float, force: Callable[[float], Any] = undriven
-) -> Rate:
-    """Return the right-hand side without inertia, for y alone."""
-
-    def rate(t: float, y: FloatArray) -> FloatArray:
-        slope: FloatArray = force(t) - g(y) - c * (matrix @ y)
-        return slope
-
-    return rate
-
-
-def states_by_scipy(
-    rate: Rate, start: FloatArray, times: FloatArray, tolerance: float = 1e-12
-) -> FloatArray:
-    """Return the states at the times, shape (M, …), by DOP853.
-
-    Raises
-    ------
-    ArithmeticError
-        If the integration does not reach the last of them.
-    """
-    span, floor = (0.0, float(times[-1])), 1e-2 * tolerance
-    found = solve_ivp(rate, span, start, method="DOP853", rtol=tolerance, atol=floor, t_eval=times)
-    if not found.success:
-        raise ArithmeticError(found.message)
-    return np.asarray(found.y.T)

@@ -17,7 +17,7 @@ import numpy as np
 from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.parameters import positive, within
-from verification.references.equations import regularised_rate
+from verification.references.equations import Rate, dynamic_friction, load
 
 
 class Solver(StrEnum):
@@ -26,6 +26,25 @@ class Solver(StrEnum):
     LSODA = "LSODA"
     RADAU = "Radau"
     BDF = "BDF"
+
+
+def regularised_rate(chain: FrictionChain, delta: float) -> Rate:
+    """Return d(y_1, ẏ_1, y_2, …)/dτ of (5) with friction -μ(|v|) tanh(v/δ), v = ẏ - v_d.
+
+    Sites are interleaved, so that the Jacobian is banded.
+    """
+    cell = chain.cell
+
+    def rate(_: float, z: FloatArray) -> FloatArray:
+        velocity = z[1::2]
+        slip = velocity - cell.v_d
+        out = np.empty_like(z)
+        out[0::2] = velocity
+        out[1::2] = -dynamic_friction(np.abs(slip), cell) * np.tanh(slip / delta)
+        out[1::2] -= load(z[0::2], velocity, chain)
+        return out
+
+    return rate
 
 
 @dataclass(frozen=True)

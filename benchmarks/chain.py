@@ -23,7 +23,7 @@ import numpy as np
 from benchmarks.record import Target, WorkPoint
 from benchmarks.steppers.fixed import fixed_steps
 from benchmarks.steppers.splitting import saba, split_steps
-from benchmarks.steppers.taylor import FULL, taylor_steps
+from benchmarks.steppers.taylor import taylor_steps
 from benchmarks.work_precision import (
     Effort,
     MethodAnswer,
@@ -42,7 +42,6 @@ from verification.references.pace import last_state
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers.active import FREE
 from verification.steppers.friction_series import taylor_order
 
 Solve = Callable[[float], FloatArray]
@@ -172,7 +171,7 @@ def by_series(task: TrajectoryTask, tolerance: float) -> FloatArray:
     """Return the final (y, ẏ) by Taylor series."""
     state = task.start.reshape(2, -1).copy()
     order = taylor_order(tolerance)
-    if taylor_steps(FULL, state, task.parameters, FREE, task.end, tolerance, order) < 0:
+    if taylor_steps(state, task.parameters, task.end, tolerance, order) < 0:
         raise ArithmeticError("the result is not finite")
     return state.ravel()
 

@@ -1,14 +1,12 @@
-"""Compiled Taylor series in time for (8) and (43), slower than DOP853 and independent of it.
+"""Compiled Taylor series in time for (8) with free ends, slower than DOP853, independent of it.
 
-Both right-hand sides are polynomials, so the Taylor coefficients of the solution follow from one
+The right-hand side is a polynomial, so the Taylor coefficients of the solution follow from one
 another by convolutions (Cauchy products):
 
-    full      s = y², q = s², g = 1 - a s + b q, ẇ = -y - εc(2y - y₋ - y₊) - ε g w, ẏ = w
-    envelope  s = |φ|², q = s², g = 1 - as/4 + bq/8, φ' = (ic/2)(2φ - φ₋ - φ₊) - g φ/2
+    s = y², q = s², g = 1 - a s + b q, ẇ = -y - εc(2y - y₋ - y₊) - ε g w, ẏ = w
 
-The step length is chosen from the last two coefficients only; no step is rejected. The state is a
-row (u, v) of length 2m (``active``): (y, ẏ) or (Re φ, Im φ). The coefficients of each factor are in
-an array of shape (order + 1, m); all quantities are dimensionless.
+The step length is chosen from the last two coefficients only; no step is rejected. The coefficients
+of each factor are in an array of shape (order + 1, N); all quantities are dimensionless.
 """
 
 from __future__ import annotations
@@ -19,15 +17,10 @@ import numpy as np
 
 from theory.arrays import FloatArray
 from verification.execution.compiled import inner, outer
-from verification.steppers.active import add_coupling, end_codes
 from verification.steppers.rows import finite, largest, put
 
-FULL, ENVELOPE = 0, 1
-"""Codes of the two equations."""
-
-
 Series = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-"""Coefficients of u, v, s, q, g."""
+"""Coefficients of y, ẏ, s, q, g."""
 
 
 @inner()
@@ -65,10 +58,8 @@ def _product(target: FloatArray, A: FloatArray, B: FloatArray, k: int) -> None:
 
 
 @inner(fastmath={"contract"}, error_model="numpy")
-def full_coefficients(
-    series: Series, order: int, parameters: FloatArray, left: int, right: int
-) -> None:
-    """Compute the coefficients k = 1 … order for (8) from the state, k = 0.
+def coefficients(series: Series, order: int, parameters: FloatArray) -> None:
+    """Compute the coefficients k = 1 … order from the state, k = 0.
 
     Parameters
     ----------
@@ -78,8 +69,6 @@ def full_coefficients(
         Highest coefficient.
     parameters : ndarray, shape (4,)
         a, b, c, ε.
-    left, right : int
-        What is beyond the ends (``active``).
     """
     a, b, c, eps = parameters[0], parameters[1], parameters[2], parameters[3]
     Y, W, S, Q, G = series
@@ -96,38 +85,12 @@ def full_coefficients(
         for n in range(g.size):
             next_y[n] = factor * w[n]
             next_w[n] = -factor * (eps * next_w[n] + y[n])
-        add_coupling(next_w, y, -factor * eps * c, left, right, w[0])
-
-
-@inner(fastmath={"contract"}, error_model="numpy")
-def envelope_coefficients(
-    series: Series, order: int, parameters: FloatArray, left: int, right: int
-) -> None:
-    """Compute the coefficients k = 1 … order for (43), in slow time, from the state, k = 0.
-
-    Parameters are as in :func:`full_coefficients`; the series are those of Re φ, Im φ, s, q and g.
-    """
-    a, b, c = parameters[0], parameters[1], parameters[2]
-    U, V, S, Q, G = series
-    for k in range(order):
-        _square(S[k], U, k)
-        _square(G[k], V, k)
-        s, q, g = S[k], Q[k], G[k]
-        for n in range(g.size):
-            s[n] += g[n]
-        _square(q, S, k)
-        one = 1.0 if k == 0 else 0.0
-        for n in range(g.size):
-            g[n] = one - 0.25 * a * s[n] + 0.125 * b * q[n]
-        half = 0.5 / (k + 1)
-        u, v, next_u, next_v = U[k], V[k], U[k + 1], V[k + 1]
-        _product(next_u, G, U, k)
-        _product(next_v, G, V, k)
-        for n in range(g.size):
-            next_u[n] *= -half
-            next_v[n] *= -half
-        add_coupling(next_u, v, -half * c, left, right, u[0])
-        add_coupling(next_v, u, half * c, left, right, -v[0])
+        spring, last = factor * eps * c, g.size - 1
+        if last > 0:
+            next_w[0] -= spring * (y[0] - y[1])
+            next_w[last] -= spring * (y[last] - y[last - 1])
+        for n in range(1, last):
+            next_w[n] -= spring * (2.0 * y[n] - (y[n - 1] + y[n + 1]))
 
 
 @inner()
@@ -161,30 +124,24 @@ def evaluate(series: Series, order: int, h: float, out: FloatArray) -> None:
 
 @outer(cache=True, error_model="numpy")
 def taylor_steps(
-    model: int,
     state: FloatArray,
     parameters: FloatArray,
-    first: int,
     end: float,
     tolerance: float,
     order: int,
 ) -> int:
-    """Advance a state of shape (2, N) to ``end``, with all sites active.
+    """Advance a state (y, ẏ), shape (2, N), to ``end``.
 
     Return the number of steps, or -1 if a value is not finite.
     """
     sites = state.shape[1]
-    left, right = end_codes(0, sites, sites, first, False)
     series = series_room(order, sites)
     x = state.copy().reshape(2 * sites)
     t, steps = 0.0, 0
     while t < end:
         put(x[:sites], series[0][0])
         put(x[sites:], series[1][0])
-        if model == FULL:
-            full_coefficients(series, order, parameters, left, right)
-        else:
-            envelope_coefficients(series, order, parameters, left, right)
+        coefficients(series, order, parameters)
         h = step_length(series, order, tolerance)
         if math.isnan(h):
             return -1

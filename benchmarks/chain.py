@@ -32,7 +32,7 @@ from benchmarks.work_precision import (
     Setting,
     Style,
     WorkPrecision,
-    least_factor,
+    ratio_target,
 )
 from theory.arrays import FloatArray
 from theory.chains.vdp import VdpChain
@@ -270,39 +270,23 @@ def compiled_by_heyoka(
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:
     """Return comparisons of the default stepper at the ordinary problem, and whole tasks."""
-    ordinary = timed("chain")[0].name
-    return (*ratio_targets([p for p in points if p.problem == ordinary]), *_tasks(quick, report))
-
-
-def ratio_targets(points: Sequence[WorkPoint]) -> tuple[Target, ...]:
-    """Return the least factors by which the default is faster than the others at equal error."""
-    default = [point for point in points if point.method == OURS]
-    rows = []
-    for names, limit in (
-        (("scipy",), 50.0),
-        (("jitcode",), 5.0),
-        (("heyoka",), 1.0),
-        ((SERIES, FIXED8, FIXED4, SPLIT), None),
-    ):
-        peers = [point for point in points if point.method.startswith(names)]
-        least = least_factor(default, peers, LOW, HIGH)
-        detail = f"errors from {LOW:g} to {HIGH:g}"
-        if least is not None:
-            worst = least[1]
-            detail = (
-                f"least favourable: {worst.method}, {worst.knob}: error {worst.error:.1e} in "
-                f"{worst.seconds:.2g} s"
-            )
-        who = "its own rivals" if SERIES in names else names[0]
-        rows.append(
-            Target(
-                f"default stepper against {who}, at equal error",
-                None if least is None else least[0],
-                "no target" if limit is None else "at least",
-                limit, "times", detail,
-            )
-        )  # fmt: skip
-    return tuple(rows)
+    here = [point for point in points if point.problem == timed("chain")[0].name]
+    ratios = [
+        ratio_target(
+            f"default stepper against {who}, at equal error",
+            [point for point in here if point.method == OURS],
+            [point for point in here if point.method.startswith(names)],
+            errors=(LOW, HIGH),
+            limit=limit,
+        )
+        for who, names, limit in (
+            ("scipy", ("scipy",), 50.0),
+            ("jitcode", ("jitcode",), 5.0),
+            ("heyoka", ("heyoka",), 1.0),
+            ("its own rivals", (SERIES, FIXED8, FIXED4, SPLIT), None),
+        )
+    ]
+    return (*ratios, *_tasks(quick, report))
 
 
 def _tasks(quick: bool, report: Report) -> list[Target]:

@@ -10,6 +10,7 @@ states by how much they differ. Times are seconds of processor time, with one th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -24,7 +25,7 @@ from benchmarks.work_precision import (
     Setting,
     Style,
     WorkPrecision,
-    least_factor,
+    ratio_target,
 )
 from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
@@ -135,20 +136,10 @@ def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[T
     ours = [point for point in points if point.method == EXACT]
     peers = [point for point in points if point.method.startswith("scipy ")]
     garbage = sum(point.error > GARBAGE for point in peers)
-    least = least_factor(ours, peers, 0.0, GARBAGE)
-    detail = f"{garbage} of {len(peers)} settings of scipy are garbage: error above {GARBAGE:g}"
-    if least is not None:
-        best = least[1]
-        detail = (
-            f"scipy's best: {best.method}, {best.knob}: error {best.error:.1e} in "
-            f"{best.seconds:.2g} s; {detail}"
-        )
-    return (
-        Target(
-            "event-exact against scipy's best, at equal error",
-            None if least is None else least[0], "at least", 50.0, "times", detail,
-        ),
-    )  # fmt: skip
+    claim = "event-exact against scipy's best, at equal error"
+    found = ratio_target(claim, ours, peers, errors=(0.0, GARBAGE), limit=50.0)
+    unusable = f"{garbage} of {len(peers)} settings of scipy are garbage: error above {GARBAGE:g}"
+    return (replace(found, detail=f"{found.detail}; {unusable}"),)
 
 
 def _first(method: str) -> MethodAnswer:

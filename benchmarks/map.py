@@ -15,12 +15,11 @@ per cent. Times are seconds of processor time per boundary.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
 
-from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
     Effort,
     MethodAnswer,
@@ -150,18 +149,6 @@ def reaches_the_end(eta: float, c: float) -> bool:
     return False
 
 
-def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> list[Target]:
-    """Return the number of boundaries a second for each setting."""
-    return [
-        Target(
-            ", ".join((point.method, point.knob, point.problem)), 1.0 / point.seconds,
-            "no target", None,
-            "boundaries a second", f"error {point.error:.1e} in c",
-        )
-        for point in points
-    ]  # fmt: skip
-
-
 def _first(method: str) -> bool:
     """Return one state of the first test problem."""
     eta = timed("map")[0]["eta"]
@@ -173,7 +160,6 @@ def _first(method: str) -> bool:
 BENCHMARK = WorkPrecision(
     name="map",
     prepare=prepare,
-    targets=targets,
     effort=Effort(min_repeats=1, max_repeats=9, once_from=1.0, limit=90.0),
     quick_effort=Effort(seconds=0.1, min_repeats=1, max_repeats=3, once_from=0.2, limit=20.0),
     style=Style(

@@ -92,6 +92,9 @@ class FirstCall:
     reason: str = ""
 
 
+Relation = Literal["at least", "below", "no target"]
+
+
 @dataclass(frozen=True)
 class Target:
     """A promised speed and the measured one.
@@ -114,7 +117,7 @@ class Target:
 
     claim: str
     measured: float | None
-    relation: Literal["at least", "below", "no target"]
+    relation: Relation
     limit: float | None
     unit: str
     detail: str

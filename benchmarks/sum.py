@@ -18,12 +18,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from time import perf_counter, process_time
-from typing import Any, Literal
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 
-from benchmarks.record import Target, WorkPoint
+from benchmarks.record import Relation, Target, WorkPoint
 from benchmarks.work_precision import (
     Effort,
     MethodAnswer,
@@ -33,7 +33,7 @@ from benchmarks.work_precision import (
     Style,
     WorkPrecision,
     distance,
-    least_factor,
+    ratio_target,
 )
 from theory.piecewise.kinetic_relation import KineticRelation, trace_kinetic_relation
 from theory.piecewise.root_count import height_above_roots
@@ -230,31 +230,21 @@ _LABELS = np.arange(-1000, 1000)
 def ratio_targets(points: Sequence[WorkPoint], problem: str) -> tuple[Target, ...]:
     """Return the factor by which the integral is faster than other programs at equal error.
 
-    Each setting of another program is compared with our fastest setting whose error is no larger;
-    the smallest ratio over its settings is reported. The promise concerned arrays; the ratio for a
-    single call is reported as well.
+    The promise concerned arrays; the ratio for a single call is reported as well.
     """
-    rows = []
     here = [point for point in points if point.problem == problem]
-    for name, limit in ((QUAD, 200.0), (WITH_TAIL, 1e4), (WITHOUT_TAIL, 1e4)):
-        peers = [point for point in here if point.method == name]
-        for ours in (BATCH, ONE_CALL) if peers else ():  # failed ones are listed as such
-            claim = f"{ours}, against {name}, {problem} problem, equal error"
-            least = least_factor([p for p in here if p.method == ours], peers, 0.0, math.inf)
-            detail = f"ours never reached the error of {name}"
-            if least is not None:
-                detail = "; ".join(
-                    f"{each.method} ({each.knob}): {each.seconds:.3g} s, error {each.error:.1e}"
-                    for each in least[1:]
-                )
-            promised = limit if ours == BATCH else None
-            relation: Relation = "at least" if promised else "no target"
-            factor = None if least is None else least[0]
-            rows.append(Target(claim, factor, relation, promised, "times faster", detail))
-    return tuple(rows)
-
-
-Relation = Literal["at least", "below", "no target"]
+    return tuple(
+        ratio_target(
+            f"{ours}, against {name}, {problem} problem, equal error",
+            [point for point in here if point.method == ours],
+            peers,
+            errors=(0.0, math.inf),
+            limit=limit if ours == BATCH else None,
+        )
+        for name, limit in ((QUAD, 200.0), (WITH_TAIL, 1e4), (WITHOUT_TAIL, 1e4))
+        if (peers := [point for point in here if point.method == name])  # failed ones are listed
+        for ours in (BATCH, ONE_CALL)
+    )
 
 
 def _batch_target(quick: bool) -> Target:

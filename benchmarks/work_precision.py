@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath as mp
 import numpy as np
 
-from benchmarks.record import BenchmarkFailure, Target, WorkPoint
+from benchmarks.record import BenchmarkFailure, Relation, Target, WorkPoint
 from verification.execution.time_limit import time_limit
 
 if TYPE_CHECKING:
@@ -340,3 +340,35 @@ def least_factor(
             fastest = min(equal, key=lambda point: point.seconds)
             factors.append((peer.seconds / fastest.seconds, peer, fastest))
     return min(factors, default=None, key=lambda row: row[0])
+
+
+def ratio_target(
+    claim: str,
+    ours: Sequence[WorkPoint],
+    peers: Sequence[WorkPoint],
+    *,
+    errors: tuple[float, float],
+    limit: float | None,
+) -> Target:
+    """Return the least factor by which our methods are faster at equal error, beside its limit.
+
+    Parameters
+    ----------
+    claim : str
+        What is claimed.
+    ours, peers : sequence of WorkPoint
+        As in :func:`least_factor`.
+    errors : (float, float)
+        Range of errors of the peers that are compared.
+    limit : float or None
+        The factor that was promised; None for no promise.
+    """
+    least = least_factor(ours, peers, *errors)
+    detail = "ours never reached an error of theirs from {:g} to {:g}".format(*errors)
+    if least is not None:
+        detail = "least favourable: " + "; ours: ".join(
+            f"{each.method}, {each.knob}: error {each.error:.1e} in {each.seconds:.2g} s"
+            for each in least[1:]
+        )
+    relation: Relation = "no target" if limit is None else "at least"
+    return Target(claim, None if least is None else least[0], relation, limit, "times", detail)

@@ -97,7 +97,7 @@ def choices(benchmark: WorkPrecision, quantity: Quantity, record: BenchmarkRecor
         If the record lacks the default method at a test problem.
     """
     rows, default = [], quantity.default
-    stale = staleness(record.code)
+    stale = staleness(record.metadata.code)
     apart = {*benchmark.variants, *benchmark.others}
     for problem in dict.fromkeys(point.problem for point in record.points):
         here = [point for point in record.points if point.problem == problem]
@@ -118,7 +118,8 @@ def choices(benchmark: WorkPrecision, quantity: Quantity, record: BenchmarkRecor
                 beaten.append(Beaten(error, rival, factor))
         rows.append(
             Choice(
-                benchmark.name, problem, default, record.date, tuple(fastest), tuple(beaten),
+                benchmark.name, problem, default, record.metadata.date,
+                tuple(fastest), tuple(beaten),
                 {each.by: benchmark.reasons.get(each.by, NO_REASON) for each in beaten},
                 {name: what for name, what in benchmark.others.items()
                  if any(point.method == name for point in here)},

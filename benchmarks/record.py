@@ -6,15 +6,15 @@ machine does not count, or wall-clock seconds where a record says so.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from verification.execution.files import write_json
-from verification.execution.metadata import installed_versions, now, this_machine
+from verification.execution.metadata import Metadata
+from verification.execution.record import Record
 
+KIND = "benchmark"
 PACKAGES = (
     "numpy", "scipy", "mpmath", "numba", "cxroots", "python-flint", "jitcode", "heyoka",
     "oscilate", "asymptotics",
@@ -134,80 +134,53 @@ class Target:
         return "met" if good else "not met"
 
 
-@dataclass(frozen=True)
+_ROWS: Mapping[str, type] = {
+    "points": WorkPoint,
+    "failures": BenchmarkFailure,
+    "targets": Target,
+    "first_calls": FirstCall,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
 class BenchmarkRecord:
     """One run of the benchmarks.
 
     Attributes
     ----------
-    command : str
-        The command line.
-    date : str
-        UTC, ISO 8601.
-    machine, versions : mapping
-        The machine and the versions of the packages (`verification.execution.metadata`).
     agreement : mapping of str to float
         For each test problem, the distance between the two references that share no code.
     points, failures, targets
         The measurements.
-    first_calls : tuple of FirstCall
+    first_calls : sequence of FirstCall
         Times of first calls, with compilation; empty in a quick run.
-    code : mapping or None
-        The measured code (`verification.execution.metadata.Code`); None in a record that does not
-        state it.
+    metadata : Metadata
+        The command, the machine, the versions of the packages, and the measured code.
     """
 
-    command: str
-    date: str
-    machine: Mapping[str, Any]
-    versions: Mapping[str, str | None]
     agreement: Mapping[str, float]
-    points: tuple[WorkPoint, ...]
-    failures: tuple[BenchmarkFailure, ...]
-    targets: tuple[Target, ...]
-    first_calls: tuple[FirstCall, ...] = ()
-    code: Mapping[str, object] | None = None
+    points: Sequence[WorkPoint]
+    failures: Sequence[BenchmarkFailure]
+    targets: Sequence[Target]
+    first_calls: Sequence[FirstCall] = ()
+    metadata: Metadata = field(default_factory=Metadata)
 
-
-def record_of(
-    command: str,
-    agreement: Mapping[str, float],
-    *,
-    points: Sequence[WorkPoint],
-    failures: Sequence[BenchmarkFailure],
-    targets: Sequence[Target] = (),
-    first_calls: Sequence[FirstCall] = (),
-    code: Mapping[str, object] | None = None,
-) -> BenchmarkRecord:
-    """Return the record of a run that has just ended on this machine."""
-    return BenchmarkRecord(
-        command, now(), this_machine(), installed_versions(PACKAGES), agreement, tuple(points),
-        tuple(failures), tuple(targets), tuple(first_calls), code,
-    )  # fmt: skip
-
-
-def as_payload(record: BenchmarkRecord) -> dict[str, Any]:
-    """Return a record for JSON, with the verdict on each target."""
-    payload = asdict(record)
-    for row, target in zip(payload["targets"], record.targets, strict=True):
-        row["verdict"] = target.verdict
-    return payload
-
-
-def write_record(record: BenchmarkRecord, path: Path) -> None:
-    """Write a record as JSON."""
-    write_json(path, as_payload(record))
+    def stored(self) -> Record:
+        """Return the record as it is stored, with the verdict on each target."""
+        content: dict[str, Any] = {
+            name: [asdict(each) for each in getattr(self, name)] for name in _ROWS
+        }
+        for row, target in zip(content["targets"], self.targets, strict=True):
+            row["verdict"] = target.verdict
+        content["agreement"] = dict(self.agreement)
+        return Record(kind=KIND, content=content, metadata=self.metadata)
 
 
 def read_record(path: Path) -> BenchmarkRecord:
-    """Read a record written by :func:`write_record`."""
-    payload = json.loads(path.read_text(encoding="utf-8"))
-    for row in payload["targets"]:
+    """Read a stored record."""
+    found = Record.load(path, KIND)
+    rows = {name: [dict(row) for row in found.content[name]] for name in _ROWS}
+    for row in rows["targets"]:
         del row["verdict"]
-    rows = {
-        "points": WorkPoint, "failures": BenchmarkFailure, "targets": Target,
-        "first_calls": FirstCall,
-    }  # fmt: skip
-    for name, kind in rows.items():
-        payload[name] = tuple(kind(**row) for row in payload.get(name, ()))
-    return BenchmarkRecord(**payload)
+    made = {name: tuple(kind(**row) for row in rows[name]) for name, kind in _ROWS.items()}
+    return BenchmarkRecord(agreement=found.content["agreement"], metadata=found.metadata, **made)

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import asdict
 
 from benchmarks.first_call import first_calls
-from benchmarks.record import BenchmarkFailure, BenchmarkRecord, WorkPoint, record_of
+from benchmarks.record import PACKAGES, BenchmarkFailure, BenchmarkRecord, WorkPoint
 from benchmarks.work_precision import Report, WorkPrecision, measure_side_by_side
 from theory.parameters import ParameterError
 from verification.execution.discovery import check_distinct, exposed
-from verification.execution.metadata import Code
+from verification.execution.metadata import Code, Metadata, installed_versions
 from verification.quantities.quantity import Quantity
 from verification.quantities.registry import quantity_named
 
@@ -57,7 +56,7 @@ def chosen(names: Sequence[str]) -> tuple[WorkPrecision, ...]:
 
 def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> BenchmarkRecord:
     """Measure a benchmark and return its record; a quick one has no first calls."""
-    code = asdict(Code.of([benchmark.module, *benchmark.code]))  # as it is before the measurement
+    code = Code.of([benchmark.module, *benchmark.code])  # as it is before the measurement
     points: list[WorkPoint] = []
     failures: list[BenchmarkFailure] = []
     agreement: dict[str, float] = {}
@@ -77,12 +76,11 @@ def measured(benchmark: WorkPrecision, quick: bool, report: Report) -> Benchmark
     targets = benchmark.targets(points, quick, report)
     calls = () if quick else first_calls(benchmark, report)
     command = f"fronts bench {benchmark.name}" + " --quick" * quick
-    return record_of(
-        command,
-        agreement,
+    return BenchmarkRecord(
+        agreement=agreement,
         points=points,
         failures=failures,
         targets=targets,
         first_calls=calls,
-        code=code,
+        metadata=Metadata(command=command, versions=installed_versions(PACKAGES), code=code),
     )

@@ -15,9 +15,10 @@ def as_text(run: BenchmarkRecord) -> str:
 
 
 def _head(run: BenchmarkRecord) -> Iterator[str]:
-    yield f"{run.command}    {run.date}"
-    yield ", ".join(f"{name} {value}" for name, value in run.machine.items())
-    yield ", ".join(f"{name} {value}" for name, value in run.versions.items())
+    about = run.metadata
+    yield f"{about.command}    {about.date}"
+    yield ", ".join(f"{name} {value}" for name, value in about.machine.items())
+    yield ", ".join(f"{name} {value}" for name, value in about.versions.items())
 
 
 def _points(run: BenchmarkRecord) -> Iterator[str]:

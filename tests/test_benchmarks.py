@@ -27,7 +27,7 @@ from benchmarks import (
 from benchmarks import sum as sum_benchmark
 from benchmarks.diagram import draw, worth_choosing
 from benchmarks.growth_diagram import draw_growth
-from benchmarks.record import BenchmarkRecord, Target, WorkPoint, read_record, write_record
+from benchmarks.record import BenchmarkRecord, Target, WorkPoint, read_record
 from benchmarks.registry import all_benchmarks, chosen, quantity_of
 from benchmarks.work_precision import (
     RESULTS,
@@ -44,7 +44,7 @@ from fronts.commands import bench
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import vdp_acceleration
 from theory.piecewise.sums import axis
-from verification.execution.metadata import staleness
+from verification.execution.metadata import Metadata, staleness
 from verification.execution.time_limit import TimeIsUpError, time_limit
 from verification.quantities.problems import timed
 from verification.quantities.quantity import Quantity
@@ -207,10 +207,11 @@ def test_the_diagram_of_growth_has_memory_workers_and_what_is_expected(tmp_path)
 def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     point = WorkPoint("sum", "s", "m", "k", 2.0, 1.0, 0.1, 0.1, 3)
     missed = Target("speed", 2.0, "below", 1.0, "s", "detail")
+    metadata = Metadata(command="c", machine={"system": "x"}, versions={"numpy": "1"}, date="d")
     run = BenchmarkRecord(
-        "c", "d", {"system": "x"}, {"numpy": "1"}, {"s": 0.0}, (point,), (), (missed,)
+        agreement={"s": 0.0}, points=(point,), failures=(), targets=(missed,), metadata=metadata
     )
-    write_record(run, tmp_path / "run.json")
+    run.stored().save(tmp_path / "run.json")
     assert read_record(tmp_path / "run.json") == run
     text = tables.as_text(run)
     assert "ERROR LARGER THAN CLAIMED" in text
@@ -318,10 +319,10 @@ def test_a_quantity_draws_its_default_and_has_useful_errors(benchmark):
 @pytest.mark.parametrize("benchmark", all_benchmarks(), ids=lambda benchmark: benchmark.name)
 def test_the_stored_record_of_every_quantity_is_complete(benchmark):
     record = read_record(RESULTS / f"{benchmark.name}.json")
-    assert record.machine["processor"]
-    assert record.versions["numpy"]
+    assert record.metadata.machine["processor"]
+    assert record.metadata.versions["numpy"]
     assert (RESULTS / f"{benchmark.name}.svg").is_file()
-    if staleness(record.code):
+    if staleness(record.metadata.code):
         return  # it says so; problems and methods may have changed since
     assert record.first_calls
     accuracy = quantity_of(benchmark).accuracy
@@ -347,7 +348,7 @@ def test_the_choice_of_every_default_is_stored_and_follows_from_the_record(bench
     assert all(row["default"] == quantity_of(benchmark).default for row in mine)
     assert all(row["reasons"].keys() == {each["by"] for each in row["beaten"]} for row in mine)
     assert all(choice.NO_REASON not in row["reasons"].values() for row in mine)
-    if not staleness(record.code):
+    if not staleness(record.metadata.code):
         assert {row["problem"] for row in mine} == _problems(benchmark)
 
 
@@ -366,7 +367,7 @@ def _choices(record, **options):
 
 def _record(*points):
     rows = tuple(WorkPoint("q", "s", m, "k", e, None, t, t, 3) for m, e, t in points)
-    return BenchmarkRecord("c", "d", {}, {}, {"s": 0.0}, rows, (), ())
+    return BenchmarkRecord(agreement={"s": 0.0}, points=rows, failures=(), targets=())
 
 
 def test_a_default_is_judged_at_each_decade_of_error():

@@ -880,20 +880,22 @@ def test_growth_is_written_into_the_folder_that_is_named(
 def test_records_and_the_choice_of_defaults_are_written_into_the_folder_that_is_named(
     asked: bool, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from benchmarks import choice, diagram, record, registry, tables
+    from benchmarks import choice, diagram, registry, tables
     from fronts.commands.bench import _measure
 
     written: list[tuple[Any, ...]] = []
     some: Any = tuple(SimpleNamespace(name=f"b{n}", style="style") for n in range(count))
     made = {"points": "points"}
-    monkeypatch.setattr(
-        registry, "measured", lambda each, quick, _: SimpleNamespace(of=each.name, **made)
-    )
-    monkeypatch.setattr(record, "as_payload", lambda found: {"of": found.of})
+
+    def measured(each: Any, quick: bool, _: object) -> SimpleNamespace:
+        def save(path: Path) -> None:
+            written.append((each.name, path))
+
+        stored = SimpleNamespace(to_dict=lambda: {"of": each.name}, save=save)
+        return SimpleNamespace(of=each.name, stored=lambda: stored, **made)
+
+    monkeypatch.setattr(registry, "measured", measured)
     monkeypatch.setattr(tables, "as_text", lambda found: f"text of {found.of}")
-    monkeypatch.setattr(
-        record, "write_record", lambda found, path: written.append((found.of, path))
-    )
     monkeypatch.setattr(diagram, "draw", lambda *given: written.append(given))
     monkeypatch.setattr(choice, "stored_choices", lambda every, folder: ((every, folder), []))
     monkeypatch.setattr(choice, "write_choices", lambda *given: written.append(given))

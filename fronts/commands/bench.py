@@ -139,7 +139,6 @@ def _measure(
 ) -> Answer:
     from benchmarks.choice import stored_choices, write_choices
     from benchmarks.diagram import draw
-    from benchmarks.record import as_payload, write_record
     from benchmarks.registry import all_benchmarks, measured
     from benchmarks.tables import as_text
 
@@ -147,10 +146,11 @@ def _measure(
     texts = []
     for benchmark in selected:
         record = measured(benchmark, quick, _report)
-        records[benchmark.name] = as_payload(record)
+        stored = record.stored()
+        records[benchmark.name] = stored.to_dict()
         texts.append(as_text(record))
         if folder is not None:
-            write_record(record, folder / f"{benchmark.name}.json")
+            stored.save(folder / f"{benchmark.name}.json")
             draw(benchmark.name, record.points, benchmark.style, folder)
     payload: dict[str, object] = {"records": records}
     if growth:

@@ -12,6 +12,7 @@ import sympy as sp
 
 from derivations import catalogue
 from derivations.algebra.equations import same
+from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.steps import Kind
 from derivations.chain import ChainModel
 from derivations.symbols import a, b, c
@@ -123,3 +124,11 @@ def test_the_lists_name_all_equations_that_are_derived():
     }
     assert [number for number, kind in kinds.items() if kind is Kind.DERIVED] == DERIVED
     assert all(unchanged <= set(DERIVED) for unchanged in UNCHANGED.values())
+
+
+def test_only_letters_of_the_derivation_itself_are_refused():
+    free, taken = sp.Symbol("D", positive=True), sp.Symbol("omega", positive=True)
+    model = ChainModel(damping={0: 1, 2: -free})
+    assert free in catalogue.load("multiple-scales", model=model).named("chain").result.free_symbols
+    with pytest.raises(DerivationInputError, match="no other meaning in 'multiple-scales'"):
+        catalogue.load("multiple-scales", model=ChainModel(damping={0: 1, 2: -taken}))

@@ -20,9 +20,6 @@ from derivations.algebra.sums import SumOver
 TERMS_A_LINE = 3
 """Number of terms above which a sum is broken to fit the width of a page."""
 
-FORMATS = ("text", "latex", "mathml", "markdown", "json")
-"""Formats in which a derivation can be shown on the command line."""
-
 PREAMBLE = r"""\documentclass[a4paper,11pt]{article}
 \usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.symbols import n, t
+from derivations.symbols import t
 
 psi = sp.Function("Psi")
 """Complex variable of Eq. (31); ``psi(n, t)``."""
@@ -22,8 +22,6 @@ ratio = sp.Symbol("ratio", positive=True)
 squares = sp.symbols("s_0:8", positive=True)
 divided = sp.Symbol("H", real=True)
 """Divided difference of the damping over several sites."""
-
-own, rate = phi(n, t), phi(n, t).diff(t)
 
 amplitude = sp.Function("A")
 """Complex amplitude of ``y = A e^{it} + c.c.``; ``amplitude(n, t)``."""

@@ -13,5 +13,3 @@ Y_1 = sp.Function("Y_1", real=True)(t_hat, tau)
 A = sp.Function("A")(tau)
 R_slow = sp.Function("R", positive=True)(tau)
 theta_slow = sp.Function("theta", real=True)(tau)
-growth = sp.Symbol("D", real=True)
-"""Mean power fed by the cell into its motion, in the unit of (28)."""

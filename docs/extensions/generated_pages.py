@@ -13,14 +13,6 @@ from typing import Any
 HERE = Path(__file__).parents[1]
 OUT = HERE / "generated"
 REPORT = HERE.parent / "report"
-KINDS = {
-    "holds": "holds",
-    "definition": "definition",
-    "assumption": "assumption",
-    "misprint": "misprint",
-    "ambiguous": "ambiguous",
-    "inconsistent": "inconsistent",
-}
 
 
 def write(name: str, text: str) -> None:
@@ -53,6 +45,7 @@ def equations() -> str:
     """Return the page of the 54 equations."""
     from derivations import catalogue
     from derivations.judgement import equations as every
+    from derivations.printing import EquationVerdict
 
     known = uses()
     steps = {step.number: step for made in catalogue.everything() for step in made.steps}
@@ -60,7 +53,7 @@ def equations() -> str:
         f'<a class="eq {each.verdict.value}" href="#eq-{each.number}">{each.number}</a>'
         for each in every()
     )
-    legend = " ".join(f'<span class="eq {name}">{words}</span>' for name, words in KINDS.items())
+    legend = " ".join(f'<span class="eq {each}">{each}</span>' for each in EquationVerdict)
     rows = [_row(each, steps[each.number], *known[each.number]) for each in every()]
     table = f'<table class="equations"><tbody>{"".join(rows)}</tbody></table>'
     return (

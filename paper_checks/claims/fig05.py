@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,9 +14,6 @@ from paper_checks.report.state_picture import draw_states
 from paper_checks.ruling import fails, holds
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import new_axes, picture
-
-if TYPE_CHECKING:
-    pass
 
 COUPLINGS = (0.005, 0.015, 0.025, 0.035, 0.045, 0.055, 0.065, 0.075, 0.085, 0.095)
 VELOCITIES = (1.05, 1.15, 1.25, 1.35, 1.45, 1.55, 1.65, 1.75, 1.85, 1.95)

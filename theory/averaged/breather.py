@@ -29,6 +29,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from theory.arrays import FloatArray
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
+from theory.cells.vdp import SMALLEST_ETA
 from theory.chains.chain import MAX_SITES
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VanDerPolChain
@@ -37,8 +38,6 @@ from theory.status import Status
 
 SMALLEST_C = 1e-100
 """Smallest coupling; below it e^{2 k_1}, which is about c², is too small for double precision."""
-SMALLEST_ETA = 1e-24
-"""Smallest η; below it products of the squared amplitudes of the two cycles lose accuracy."""
 _EPS = float(np.finfo(float).eps)
 _NOISE = 64.0 * _EPS
 """Relative rounding error of c along a branch."""

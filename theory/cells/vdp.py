@@ -14,7 +14,8 @@ ETA_END = 0.125
 """η at which the two cycles meet; beyond it the cell has no limit cycle."""
 
 SMALLEST_ETA = 1e-24
-"""Smallest η; below it |Σ| = 2r cannot be distinguished from zero in double precision."""
+"""Smallest η; below it |Σ| = 2r cannot be distinguished from zero in double precision, and products
+of the squared amplitudes of the two cycles lose accuracy."""
 
 
 def eta_from_damping(a: float, b: float) -> float:

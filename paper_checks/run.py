@@ -5,8 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
-from typing import Protocol
+from functools import partial
 
 from paper_checks.discover import PACKAGE, Entry, find_entries
 from paper_checks.outcome import JudgedClaim, Judgement, judge, judged_by
@@ -20,27 +19,10 @@ from verification.execution.store import Store
 KEPT = ("evidence", "seconds", "judged", "shared")
 """Fields of a judgement that are stored for a resumed run."""
 
+Judges = Callable[[tuple[str, ...]], tuple[Judgement, ...]]
+"""What judges the claims of some keys."""
+
 logger = logging.getLogger(__name__)
-
-
-class JudgingProgress(Protocol):
-    """Interface of the object that is notified as the run proceeds."""
-
-    def start(self, key: str) -> None:
-        """Record that a claim is about to be judged."""
-
-    def done(self, outcome: JudgedClaim) -> None:
-        """Record that a claim has been judged."""
-
-
-class Silence:
-    """Report nothing."""
-
-    def start(self, key: str) -> None:
-        """Ignore."""
-
-    def done(self, outcome: JudgedClaim) -> None:
-        """Ignore."""
 
 
 def run(
@@ -51,7 +33,8 @@ def run(
     store: Store | None = None,
     packages: Sequence[str] = SOURCES,
     shipped: Shipped | None = None,
-    progress: JudgingProgress | None = None,
+    started: Callable[[str], object] | None = None,
+    done: Callable[[JudgedClaim], object] | None = None,
 ) -> tuple[JudgedClaim, ...]:
     """Judge claims.
 
@@ -73,15 +56,14 @@ def run(
         Packages whose classes stored evidence may contain.
     shipped : Shipped, optional
         Findings of expensive claims that are used instead of being computed anew.
-    progress : JudgingProgress, optional
-        Notified at each start and end.
+    started, done : callable, optional
+        Called with the key of each claim that is about to be judged, and with each judged claim.
 
     Returns
     -------
     tuple of JudgedClaim
         The judged claims in the order of ``entries``, whatever the number of processes.
     """
-    progress = progress or Silence()
     judged: dict[str, Judgement] = {}
 
     def note(entry: Entry, judgement: Judgement) -> None:
@@ -89,16 +71,17 @@ def run(
         judged[key] = judgement
         if store is not None and judgement.evidence is not None:
             store.add(key, {name: getattr(judgement, name) for name in KEPT})
-        progress.done(JudgedClaim(entry, judgement))
+        if done is not None:
+            done(JudgedClaim(entry, judgement))
 
     for entry in entries:
         found = _stored(store, entry, packages) or (shipped.load(entry) if shipped else None)
         if found is not None:
             note(entry, found)
     left = tuple(e for e in entries if e.claim.key not in judged)
-    judges = _Here(left) if jobs == 1 else _ByKey(package or PACKAGE)
+    judges = partial(_judgements, left if jobs == 1 else package or PACKAGE)
     groups = [(entry,) for entry in left] if jobs == 1 else sharing(left)
-    for entry, judgement in _computed(groups, judges, jobs, progress):
+    for entry, judgement in _computed(groups, judges, jobs, started):
         note(entry, judgement)
     return tuple(JudgedClaim(entry, judged[entry.claim.key]) for entry in entries)
 
@@ -116,9 +99,9 @@ def sharing(entries: Sequence[Entry]) -> list[tuple[Entry, ...]]:
 
 def _computed(
     groups: Sequence[tuple[Entry, ...]],
-    judges: _Here | _ByKey,
+    judges: Judges,
     jobs: int,
-    progress: JudgingProgress,
+    started: Callable[[str], object] | None,
 ) -> Iterator[tuple[Entry, Judgement]]:
     """Judge claims group by group and yield each judgement as it arrives.
 
@@ -128,8 +111,9 @@ def _computed(
     failed: list[Entry] = []
 
     def begun(index: int) -> None:
-        for key in keys[index]:
-            progress.start(key)
+        if started is not None:
+            for key in keys[index]:
+                started(key)
 
     # Closed at once on an interrupt, rather than by the garbage collector: it owns the workers.
     with (
@@ -145,7 +129,7 @@ def _computed(
             else:
                 yield group[0], Judgement(None, str(answer), 0.0, now())
     if failed:
-        yield from _computed([(entry,) for entry in failed], judges, jobs, progress)
+        yield from _computed([(entry,) for entry in failed], judges, jobs, started)
 
 
 def _stored(store: Store | None, entry: Entry, packages: Sequence[str]) -> Judgement | None:
@@ -160,26 +144,13 @@ def _stored(store: Store | None, entry: Entry, packages: Sequence[str]) -> Judge
         return None
 
 
-@dataclass(frozen=True)
-class _Here:
-    """Judge claims in this process."""
+def _judgements(entries: Sequence[Entry] | str, keys: tuple[str, ...]) -> tuple[Judgement, ...]:
+    """Judge the claims with these keys.
 
-    entries: tuple[Entry, ...]
-
-    def __call__(self, keys: tuple[str, ...]) -> tuple[Judgement, ...]:
-        return _judgements(self.entries, keys)
-
-
-@dataclass(frozen=True)
-class _ByKey:
-    """Judge claims in another process, which looks them up by their keys."""
-
-    package: str
-
-    def __call__(self, keys: tuple[str, ...]) -> tuple[Judgement, ...]:
-        return _judgements(find_entries(self.package), keys)
-
-
-def _judgements(entries: Sequence[Entry], keys: tuple[str, ...]) -> tuple[Judgement, ...]:
+    Another process looks them up in a package, which is given by name, since entries need not be
+    picklable.
+    """
+    if isinstance(entries, str):
+        entries = find_entries(entries)
     claims = {entry.claim.key: entry.claim for entry in entries}
     return tuple(judge(claims[key]) for key in keys)

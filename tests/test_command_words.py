@@ -790,21 +790,37 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
         assert len(followed) == 2
 
 
+def test_progress_is_told_of_a_claim_before_and_after_it_is_judged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from fronts.commands import check
+
+    def judged(entries: Any, *, started: Any, done: Any, **_: Any) -> None:
+        started("fig01-x")
+        done(entries)
+        raise KeyboardInterrupt
+
+    told: list[Any] = []
+    monkeypatch.setattr(check, "judge_all", judged)
+    monkeypatch.setattr(check.Progress, "begin", lambda _, key: told.append(key))
+    monkeypatch.setattr(check, "_tell", lambda _, outcome: told.append(outcome))
+    main(["check", "fig16-admissible"])
+    assert told[0] == "fig01-x"
+    assert [entry.claim.key for entry in told[1]] == ["fig16-admissible"]
+
+
 def test_progress_says_of_a_stored_finding_whether_it_is_stale() -> None:
-    from fronts.commands.check import _Reporter
+    from fronts.commands.check import _tell
 
     said: list[str] = []
-    begun: list[str] = []
-    shown = SimpleNamespace(begin=begun.append, end=lambda key, words, computed: said.append(words))
-    _Reporter(cast("Any", shown)).start("fig01-x")
-    assert begun == ["fig01-x"]
+    shown: Any = SimpleNamespace(end=lambda key, words, computed: said.append(words))
     for stored, stale in ((True, False), (True, True), (False, False)):
         judgement = SimpleNamespace(seconds=0.5, stored=stored, stale=stale)
         claim = SimpleNamespace(key="fig01-x")
         outcome: Any = SimpleNamespace(
             judgement=judgement, changed=False, claim=claim, status="reproduced"
         )
-        _Reporter(cast("Any", shown)).done(outcome)
+        _tell(shown, outcome)
     assert [words.count("stored") for words in said] == [1, 1, 0]
     assert [words.count("stale") for words in said] == [0, 1, 0]
 

@@ -5,10 +5,10 @@ The commands and the pages as a whole are those of `tests.test_report`.
 
 from __future__ import annotations
 
+import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -84,7 +84,8 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     tried: list[tuple[str, ...]] = []
 
     def answers(judges: Any, keys: Any, *, workers: int, begun: Any) -> Any:
-        assert isinstance(judges, run._ByKey)
+        assert judges.args == (run.PACKAGE,)
+        assert pickle.loads(pickle.dumps(judges)).args == judges.args
         assert workers == 2
         for index, group in enumerate(keys):
             begun(index)
@@ -96,8 +97,7 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     monkeypatch.setattr(run, "answers", answers)
     entries = [Entry("fig16", claim(key, evidence=tuple)) for key in ("holds", "dies")]
     entries.append(Entry("fig16", claim("other", evidence=list)))
-    progress = SimpleNamespace(start=told.append, done=lambda _: None)
-    found = run.run(entries, jobs=2, progress=progress)
+    found = run.run(entries, jobs=2, started=told.append)
     assert tried == [("holds", "dies"), ("other",), ("holds",), ("dies",)]
     assert told == ["holds", "dies", "other", "holds", "dies"]
     assert [one.judgement.failure for one in found] == [None, "its process died.", None]
@@ -115,7 +115,7 @@ def test_another_process_finds_its_claims_by_their_keys(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(run, "find_entries", find)
     monkeypatch.setattr(run, "judge", lambda one: Judgement(None, one.key, 1.0, ""))
-    found = run._ByKey("some.claims")(("c", "a"))
+    found = run._judgements("some.claims", ("c", "a"))
     assert [one.failure for one in found] == ["c", "a"]
     assert asked == ["some.claims"]
 

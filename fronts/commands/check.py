@@ -10,6 +10,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 from fronts.answer import Answer, UsageError
@@ -165,7 +166,8 @@ def _judged(
             store=store,
             packages=_sources(),
             shipped=shipped,
-            progress=_Reporter(shown),
+            started=shown.begin,
+            done=partial(_tell, shown),
         )
     seconds = time.perf_counter() - start
     # Imported late, since the report imports SymPy and the chains, which judging does not need.
@@ -188,25 +190,15 @@ def _written(folder: Path, removed: int) -> str:
     return text
 
 
-class _Reporter:
-    """Pass the progress of the run on to the terminal."""
-
-    def __init__(self, shown: Progress) -> None:
-        self._shown = shown
-
-    def start(self, key: str) -> None:
-        self._shown.begin(key)
-
-    def done(self, outcome: JudgedClaim) -> None:
-        notes = [duration(outcome.judgement.seconds)]
-        if outcome.judgement.stored:
-            notes.append("stored, stale" if outcome.judgement.stale else "stored")
-        if outcome.changed:
-            notes.append("not as recorded")
-        computed = not outcome.judgement.stored
-        self._shown.end(
-            outcome.claim.key, f"{outcome.status} ({', '.join(notes)})", computed=computed
-        )
+def _tell(shown: Progress, outcome: JudgedClaim) -> None:
+    """Tell the terminal that a claim has been judged."""
+    notes = [duration(outcome.judgement.seconds)]
+    if outcome.judgement.stored:
+        notes.append("stored, stale" if outcome.judgement.stale else "stored")
+    if outcome.changed:
+        notes.append("not as recorded")
+    computed = not outcome.judgement.stored
+    shown.end(outcome.claim.key, f"{outcome.status} ({', '.join(notes)})", computed=computed)
 
 
 def _chosen(

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fronts.wording import error_name
+from verification.pictures.figures import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-"""Colours of the palette of Okabe and Ito, which colour-blind readers can distinguish."""
+BLUE, VERMILION, GREEN = (COLOURS[name] for name in ("blue", "vermilion", "green"))
 
 
 def draw(result: Any, axes: Axes | None = None, **style: Any) -> Axes:
@@ -110,13 +110,13 @@ def _branches(axes: Axes, points: Any, along: str, style: Mapping[str, Any]) -> 
 
 
 def _thresholds(axes: Axes, answer: Any) -> None:
+    from paper_checks.report.velocity_plot import draw_thresholds
+
     low, high = axes.get_xlim()
-    for name in ("fold", "pin", "retreat", *(["stable"] if answer.limit_shown else [])):
-        value = getattr(answer, f"c_{name}")
-        if value is not None and low < value < high:
-            line = {"fold": "--", "stable": ":"}.get(name, "-")
-            label = f"$c_\\mathrm{{{name}}}$ = {value:.4g}"
-            axes.axvline(value, color="0.5", lw=0.8, ls=line, label=label)
+    names = ("fold", "pin", "retreat", *(["stable"] if answer.limit_shown else []))
+    values = {name: getattr(answer, f"c_{name}") for name in names}
+    inside = {name: c for name, c in values.items() if c is not None and low < c < high}
+    draw_thresholds(axes, inside, "c")
     axes.set_xlim(low, high)
 
 

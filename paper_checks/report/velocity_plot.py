@@ -60,15 +60,18 @@ def draw_curve(axes: Axes, curve: PlottedSolutions) -> None:
 
 
 def draw_thresholds(axes: Axes, values: Mapping[str, float | None], symbol: str) -> None:
-    """Draw a vertical line at each existing threshold: dashed for the fold, solid for pinning."""
+    """Draw a vertical line at each existing threshold.
+
+    It is dashed for the fold, dotted for the limit of stability, and solid for all others.
+    """
     for name, value in values.items():
         if value is not None:
             axes.axvline(
                 value,
                 color="0.5",
                 lw=0.8,
-                ls="--" if name == "fold" else "-",
-                label=rf"${symbol}_\mathrm{{{name}}}$ = {value:.4f}",
+                ls={"fold": "--", "stable": ":"}.get(name, "-"),
+                label=rf"${symbol}_\mathrm{{{name}}}$ = {value:.4g}",
             )
 
 

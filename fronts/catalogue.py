@@ -236,7 +236,7 @@ COMMANDS: dict[str, Command] = {
       --directions 8
   fronts front averaged-chain --damping "1 - 4*y**2 + y**4/2" --c 0.6""",
         calls={
-            "piecewise": Measurement(function="fronts.piecewise.simulated_front:piecewise_front"),
+            "piecewise": Measurement(function="verification.fronts.switchings:front_by_switchings"),
             "vdp": Measurement(
                 function=_FRONT,
                 presets={"chain.sites": 32},

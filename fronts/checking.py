@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fronts.wording import rows_of
 from theory.parameters import ParameterError, count_within, need_instance, truth, whole_number
 from theory.result import Result
 
@@ -196,11 +197,7 @@ class Verdicts(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the claims and the run time."""
-        columns = {name: column.tolist() for name, column in self.columns().items()}
-        claims = [
-            dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
-        ]
-        return {"claims": claims, "seconds": self.seconds}
+        return {"claims": rows_of(self.columns()), "seconds": self.seconds}
 
 
 def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:

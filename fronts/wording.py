@@ -61,8 +61,8 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
     if "branches" in entries:
         entries["branches"] = [_judged(row) for row in entries["branches"]]
     if result.is_curve:
-        columns = {name: column.tolist() for name, column in result.columns().items()}
-        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        columns = result.columns()
+        rows = rows_of(columns)
         if getattr(result, "stability_shown", False):
             rows = [_judged(row) for row in rows]
         listed = {"points", *(name for name in columns if isinstance(entries.get(name), list))}
@@ -76,6 +76,12 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
     shown = [name for name, value in entries.items() if not _empty(value)]
     shown.sort(key=lambda name: name in _LAST)
     return "\n".join([*head, *_lines({name: entries[name] for name in shown}, result.units)])
+
+
+def rows_of(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows of columns that are arrays."""
+    lists = [column.tolist() for column in columns.values()]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
 
 
 def _judged(row: Mapping[str, Any]) -> dict[str, Any]:

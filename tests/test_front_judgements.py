@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from fronts.catalogue import COMMANDS, Measurement
-from fronts.piecewise.simulated_front import piecewise_front
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -273,9 +272,9 @@ def test_a_piecewise_front_is_followed_over_so_many_sites_as_are_asked_for(
     measure._piecewise_front(chain, _request())
     usual = inspect.signature(simulate_front).parameters
     assert made[0] == made[1] | asked
-    assert made[1] == {name: usual[name].default for name in ("accuracy", "max_sites")}
-    piecewise_front(chain)  # what the command line calls
-    assert made[1].items() <= made[2].items()
+    assert made[1] == {n: usual[n].default for n in ("start_velocity", "accuracy", "max_sites")}
+    switchings.front_by_switchings(chain)  # what the command line calls
+    assert made[1] == made[2]
 
 
 def test_a_motion_over_a_lattice_has_what_was_excited_and_when_others_were_reached(

@@ -11,6 +11,7 @@ from fronts.files import check_files, write_result
 from fronts.interrupted import resumable_tables
 from fronts.options import refuse_beside
 from theory.parameters import count_within
+from theory.result import plain
 from verification.execution.metadata import Code, Metadata
 from verification.execution.progress import Progress
 from verification.execution.record import Record
@@ -146,7 +147,7 @@ def _payload(found: Robustness, seed: int) -> dict[str, object]:
         "quantities": [
             vars(line) | _range_of(computation_named(line.quantity)) for line in found.lines
         ],
-        "bad": [{k: _finite(v) for k, v in row.items()} for row in found.bad],
+        "bad": plain(found.bad),
         "seconds": found.table.seconds,
     }
 
@@ -158,12 +159,6 @@ def _store(name: str, payload: dict[str, object], command: str, modules: tuple[s
     metadata = Metadata(command=command, code=Code.of(modules))
     path = ROOT / "benchmarks" / "results" / f"{name}.json"
     Record(kind=name, content=payload, metadata=metadata).save(path)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float) and not abs(value) < float("inf"):
-        return None
-    return value
 
 
 def _text(found: Robustness) -> str:

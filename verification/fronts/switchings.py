@@ -2,33 +2,52 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Literal
 
 from theory.chains.piecewise import PiecewiseChain
+from theory.parameters import with_ranges
 from verification.fronts.result import Front
+from verification.piecewise import simulation
+from verification.piecewise.run import FrontRun
 
-if TYPE_CHECKING:
-    from verification.piecewise.run import FrontRun
 
-
-def front_by_switchings(chain: PiecewiseChain, **options: Any) -> Front:
-    """Return the front of (44), advanced exactly from one switching to the next.
+@with_ranges(accuracy=simulation.ACCURACIES, max_sites=simulation.PERIODS.low)
+def front_by_switchings(
+    chain: PiecewiseChain,
+    *,
+    start: Literal["moving", "resting", "step"] = "moving",
+    start_v: float | None = None,
+    accuracy: float = simulation.ACCURACY,
+    max_sites: int = simulation.MAX_SITES,
+) -> Front:
+    """Return the front of (44), integrated exactly from one switching to the next.
 
     Parameters
     ----------
     chain : PiecewiseChain
-        Coupling and η.
-    **options
-        Further parameters of `verification.piecewise.simulation.simulate_front`.
+        The chain.
+    start : {"moving", "resting", "step"}, optional
+        Initial state. Moving: a travelling wave, close to the fastest possible one; resting: the
+        static front; step: phi = 1 up to site 0 and 0 beyond.
+    start_v : float, optional
+        Velocity of a moving initial state; negative for a retreating front.
+    accuracy : float, optional
+        Relative spread of the period below which the motion counts as steady, {accuracy}.
+    max_sites : int, optional
+        Largest number of sites that the front may pass, at least {max_sites}.
+
+    Returns
+    -------
+    Front
 
     Raises
     ------
     ParameterError
         If a value is out of range.
     """
-    from verification.piecewise.simulation import simulate_front
-
-    run = simulate_front(chain.c, chain.eta, **options)
+    run = simulation.simulate_front(
+        chain.c, chain.eta, start, start_velocity=start_v, accuracy=accuracy, max_sites=max_sites
+    )
     return front_of_switchings(chain, run)
 
 

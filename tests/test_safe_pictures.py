@@ -1,4 +1,4 @@
-"""What a forged picture of a stored finding can do in the report: nothing."""
+"""What a forged picture can do in the report: nothing."""
 
 import base64
 import hashlib

@@ -1,9 +1,11 @@
-"""Sanitise pictures of stored findings before they are shown: only what is listed here is kept.
+"""Sanitise pictures before they are shown: only what is listed here is kept.
 
-A stored finding is read from a file, and whoever can write that file determines its pictures. The
-document is parsed and rewritten with the elements and attributes listed below. Scripts, event
-handlers, foreign content, animations, images and references to anything but the document itself are
-removed. The page's content security policy would also stop a script; either measure suffices alone.
+The diagrams of the report are read from files in ``benchmarks/results``, which whoever can write
+there may replace; the pictures of findings are drawn anew in each run, and go through the same
+function. The document is parsed and rewritten with the elements and attributes listed below.
+Scripts, event handlers, foreign content, animations, images and references to anything but the
+document itself are removed. The page's content security policy would also stop a script; either
+measure suffices alone.
 """
 
 from __future__ import annotations

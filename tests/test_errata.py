@@ -19,7 +19,6 @@ from derivations.averaging.symbols import phi
 from derivations.catalogue import owner
 from derivations.judgement import EquationJudgement
 from derivations.printing import EquationVerdict
-from derivations.prose import readable
 from derivations.symbols import a, b, c, epsilon, n, omega, t
 from paper_checks.claim import Fault, Finding, Formula, Verdict
 from paper_checks.claims import _equation_numbers, equations
@@ -89,7 +88,7 @@ def test_a_correction_shows_what_differs_and_nothing_else(
 def test_the_derived_form_is_shown_unless_it_is_long(
     corrected: str | None, shown: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    line = SimpleNamespace(verdict=SimpleNamespace(value="holds"), note="eps", readings=(),
+    line = SimpleNamespace(verdict=SimpleNamespace(value="holds"), note="ε", readings=(),
                            latex="x", affects="")  # fmt: skip
     said = SimpleNamespace(holds=True, statement="")
     found = SimpleNamespace(printed=line, on_print=said, on_derived=said, confirmed=True,
@@ -242,19 +241,6 @@ def test_text_in_formulas_is_escaped() -> None:
     assert "<script" not in typeset(r"$\text{<script>}$")
 
 
-@pytest.mark.parametrize(
-    ("prose", "better"),
-    [
-        ("mu_st >= eps c", "μ_st ≥ ε c"),
-        ("the derivation 'multiple-scales' of a pinned theta", None),
-        ("O(eps^2), phi* and alpha_0", "O(ε^2), φ* and α_0"),
-        ("meta and museum", "meta and museum"),
-    ],
-)
-def test_letters_are_replaced_and_words_are_not(prose: str, better: str | None) -> None:
-    assert readable(prose) == (better or prose.replace("theta", "θ"))
-
-
 # ------------------------------------------------------- corrections of equations that are made up
 
 
@@ -280,7 +266,7 @@ def test_of_a_misprint_the_changed_line_or_what_is_derived_is_the_correction(
     line: str | None,
 ) -> None:
     """Beside a changed line the proof says what it changes."""
-    found = made_up(X - 2 * Y, sp.Eq(X, Y), amended_latex=line, affects="eps" if line else "")
+    found = made_up(X - 2 * Y, sp.Eq(X, Y), amended_latex=line, affects="ε" if line else "")
     erratum = erratum_of(found, "averaging")
     assert erratum is not None
     assert (erratum.fault, erratum.corrected) == (Fault.MISPRINT, f"${line or 'whole'}$")
@@ -342,7 +328,7 @@ def test_what_cannot_be_evaluated_is_said_to_be_so_and_the_rest_as_it_is() -> No
     said = equations._said("both sides could not be evaluated: TypeError")
     assert "could not be evaluated" not in said
     assert "taken literally" in said
-    assert equations._said("eps is small") == "ε is small"
+    assert equations._said("ε is small") == "ε is small"
 
 
 def test_a_term_that_is_wrong_must_be_all_that_is() -> None:

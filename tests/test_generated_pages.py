@@ -6,8 +6,8 @@ import importlib
 import re
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
+from derivations import catalogue
 from derivations.judgement import equations
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "extensions"))
@@ -17,8 +17,12 @@ ASCII = re.compile(r"\b(?:mu|phi|psi|omega|eps|xi|infinity|sqrt|theta|alpha|v_ha
 
 
 def test_the_notes_of_equations_have_the_letters_of_the_paper() -> None:
-    step = SimpleNamespace(sources=(), operation="phi at rest, sqrt(xi)")
-    rows = "".join(generated_pages._row(each, step, [], []) for each in equations())
+    steps = [step for made in catalogue.everything() for step in made.steps]
+    of = {step.number: step for step in steps}
+    rows = "".join(generated_pages._row(each, of[each.number], [], []) for each in equations())
+    rows += "".join(f" {each.affects}" for each in equations())
+    rows += "".join(f" {r.meaning} {r.implies}" for each in equations() for r in each.readings)
+    rows += "".join(f" {step.operation} {step.note}" for step in steps)
     text = re.sub(r"<math\b.*?</math>", "", rows, flags=re.DOTALL)
     assert "μ(0) = 2 " in text
     assert ASCII.findall(text) == []

@@ -80,7 +80,7 @@ _TO_AVERAGE = (
             equation(y(n, t).diff(t), (_Psi + _bar) / 2),
             equation(y(n, t).diff(t, 2), _Psi.diff(t) - i * omega * (_Psi + _bar) / 2)),
         verdict=EquationVerdict.DEFINITION,
-        note="The same as Psi = y' + i omega y; the third part follows.",
+        note="The same as Ψ = y' + i ω y; the third part follows.",
     ),
     PrintedEquation(
         number=32,
@@ -117,7 +117,7 @@ _TO_AVERAGE = (
               r"\end{aligned}\right) = 0\end{aligned}",
         expression=_rotating(-1),
         verdict=EquationVerdict.MISPRINT,
-        note="In the a-term the sign of (phi*)^2 e^{-2 i omega t} must be plus: it is a square.",
+        note="In the a-term the sign of (φ*)^2 e^{-2 i ω t} must be plus: it is a square.",
         affects="Nothing: this term has no mean, so (34) is the same with either sign.",
         slip=(-(_q**2) * _fast, _q**2 * _fast, _rotating(1)),
         amendments=((r"2|\varphi_n|^2 - \left(", r"2|\varphi_n|^2 + \left("),),
@@ -134,7 +134,7 @@ _TO_AVERAGE = (
             + epsilon * _p / 2 * (1 - a * _size**2 / (4 * omega**2)
                                   + b * _size**4 / (8 * omega**4))),
         verdict=EquationVerdict.HOLDS,
-        note="Every term and sign, for any omega, when phi is frozen over the period.",
+        note="Every term and sign, for any ω, when φ is frozen over the period.",
     ),
     PrintedEquation(
         number=43,
@@ -145,7 +145,7 @@ _TO_AVERAGE = (
             _p.diff(t) - i * epsilon * c / 2 * (2 * _p - _left - _right)
             + epsilon * _p / 2 * (1 - a * _size**2 / 4 + b * _size**4 / 8)),
         verdict=EquationVerdict.HOLDS,
-        note="(34) at omega = 1.",
+        note="(34) at ω = 1.",
     ),
 )  # fmt: skip
 
@@ -159,15 +159,15 @@ _DECAYING = (
         expression=_BALANCE,
         verdict=EquationVerdict.AMBIGUOUS,
         note="n is left open while k_1 and k_2 are constants. The ansatz is written with n, not "
-             "|n|: it is meant for n >= 1. Its alpha_0 is an amplitude of phi, omega times that of "
+             "|n|: it is meant for n ≥ 1. Its α_0 is an amplitude of φ, ω times that of "
              "y: see (36).",
         affects="(36), (37), (38) and Fig. 8 inherit the open n.",
         readings=(
-            EquationReading("at one site n >= 1", _BALANCE, True, "the substitution is right"),
+            EquationReading("at one site n ≥ 1", _BALANCE, True, "the substitution is right"),
             EquationReading(
-                "at every n >= 1", _BALANCE, False,
+                "at every n ≥ 1", _BALANCE, False,
                 "three sites require equal amplitudes: no decaying solution exists; what is true "
-                "instead are real amplitudes with phase steps of -pi/2 and a varying ratio",
+                "instead are real amplitudes with phase steps of -π/2 and a varying ratio",
                 readings.at_every_site),
         ),
     ),
@@ -179,20 +179,20 @@ _DECAYING = (
               r"-\frac{\varepsilon c}{(e^{k_1} + e^{-k_1})}\end{aligned}",
         expression=_phases(1 + epsilon * c),
         verdict=EquationVerdict.INCONSISTENT,
-        note="The parts of (35) at the same single site n, with omega = 1 + eps c; right for "
-             "alpha_0 as an amplitude of phi. By (31) |phi| = omega |y|, so this alpha_0 is omega "
-             "times the alpha_0 of (9), (29) and (38), which is an amplitude of y.",
+        note="The parts of (35) at the same single site n, with ω = 1 + ε c; right for "
+             "α_0 as an amplitude of φ. By (31) |φ| = ω |y|, so this α_0 is ω "
+             "times the α_0 of (9), (29) and (38), which is an amplitude of y.",
         affects="(35) in the same way. (29) and (36) may not be solved together as they stand at "
-                "eps > 0; in the limit (37) the two are the same.",
+                "ε > 0; in the limit (37) the two are the same.",
         readings=(
             EquationReading(
-                "alpha_0 as in (9), (29) and (38), an amplitude of y", _phases(1 + epsilon * c),
-                False, "the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4 are then too many",
+                "α_0 as in (9), (29) and (38), an amplitude of y", _phases(1 + epsilon * c),
+                False, "the factors 1/(1 + ε c)^2 and 1/(1 + ε c)^4 are then too many",
                 _BY_DISPLACEMENT),
             EquationReading(
-                "with alpha_0 of (9): without the factors 1/(1 + eps c)^2 and 1/(1 + eps c)^4, "
-                "and without 1/omega^2 and 1/omega^4 in (35)", _phases(sp.Integer(1)), True,
-                "one alpha_0 throughout", _BY_DISPLACEMENT),
+                "with α_0 of (9): without the factors 1/(1 + ε c)^2 and 1/(1 + ε c)^4, "
+                "and without 1/ω^2 and 1/ω^4 in (35)", _phases(sp.Integer(1)), True,
+                "one α_0 throughout", _BY_DISPLACEMENT),
         ),
     ),
     PrintedEquation(
@@ -201,9 +201,9 @@ _DECAYING = (
               r"{8} + b\frac{\alpha_0^4 e^{4k_1 n}}{16}\right) = -1, \quad k_2 = -\frac{\pi}{2}",
         expression=_DECAY,
         verdict=EquationVerdict.AMBIGUOUS,
-        note="A site must be chosen before (29) and (37) can be solved. -pi/2 is the branch for "
+        note="A site must be chosen before (29) and (37) can be solved. -π/2 is the branch for "
              "k_1 < 0 and a positive bracket, that is below the unstable cycle.",
-        affects="Fig. 8: alpha_0 and k_1. Against the averaged chain at a = 2.5, b = 0.5, c = 0.1.",
+        affects="Fig. 8: α_0 and k_1. Against the averaged chain at a = 2.5, b = 0.5, c = 0.1.",
         readings=(
             EquationReading("n = 0, the centre", _DECAY.subs(n, 0), False,
                             "with (29) no solution: its bracket is negative on the cycle",

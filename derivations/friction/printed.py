@@ -63,9 +63,9 @@ EQUATIONS = (
               r"\right)}",
         expression=equation(mu(v_rel), mu_st + (mu_st - mu_d) * sp.exp(-sp.Abs(v_rel) / v_0)),
         verdict=EquationVerdict.MISPRINT,
-        note="The first mu_st must be mu_d. As printed mu(0) = 2 mu_st - mu_d and mu tends to "
-             "mu_st; the text below states mu(0) = mu_st and mu(infinity) = mu_d.",
-        affects="(3), (6) and all of model I use mu: the steady state, its stability and Figs. "
+        note="The first μ_st must be μ_d. As printed μ(0) = 2 μ_st - μ_d and μ tends to "
+             "μ_st; the text below states μ(0) = μ_st and μ(∞) = μ_d.",
+        affects="(3), (6) and all of model I use μ: the steady state, its stability and Figs. "
                 "2-6. With the printed sign the slip force at rest would also exceed the stick "
                 "limit of (3).",
         amendments=((r"= \mu_{st}", r"= \mu_d"),),
@@ -78,8 +78,8 @@ EQUATIONS = (
             equation(F, -sp.sign(v_rel) * F_N * mu(v_rel)), sp.Ne(v_rel, 0, evaluate=False),
             sp.Lt(sp.Abs(F), mu_st * F_N, evaluate=False), equation(v_rel, 0)),
         verdict=EquationVerdict.MISPRINT,
-        note="The bound must include equality: at the instant of breaking away |F| = mu_st F_N, "
-             "the value at which slip begins, and as printed there is no law for it. mu is that "
+        note="The bound must include equality: at the instant of breaking away |F| = μ_st F_N, "
+             "the value at which slip begins, and as printed there is no law for it. μ is that "
              "of the corrected (2).",
         affects="(6). Simulations are not affected: the instant has no duration.",
         amendments=((r"|F| <", r"|F| \leq"),),
@@ -92,9 +92,9 @@ EQUATIONS = (
             equation(omega_n, sp.sqrt(k / m)), equation(y_0, F_N / k), equation(c, eta_c / k),
             equation(xi, d / (2 * sp.sqrt(d * m))), equation(tau, omega_n * t)),
         verdict=EquationVerdict.MISPRINT,
-        note="xi must be d / (2 sqrt(k m)): only then is 2 xi the coefficient in (5); as printed "
+        note="ξ must be d / (2 √(k m)): only then is 2 ξ the coefficient in (5); as printed "
              "it is not even dimensionless.",
-        affects="(5) and (7): a dimensional damper read off xi = 0.05 would be wrong. Nothing in "
+        affects="(5) and (7): a dimensional damper read off ξ = 0.05 would be wrong. Nothing in "
                 "the dimensionless equations changes. The text below (5) writes x_0 for y_0.",
         amendments=((r"\sqrt{dm}", r"\sqrt{km}"),),
     ),
@@ -106,7 +106,7 @@ EQUATIONS = (
             _scaled.diff(tau, 2) + 2 * xi * _scaled.diff(tau) + _scaled
             + c * (2 * _scaled - y_tilde(n + 1, tau) - y_tilde(n - 1, tau)), F_tilde),
         verdict=EquationVerdict.HOLDS,
-        note="Follows from (1) with the corrected xi and with x_0 below it read as y_0. Free ends "
+        note="Follows from (1) with the corrected ξ and with x_0 below it read as y_0. Free ends "
              "as under (1).",
     ),
     PrintedEquation(
@@ -116,15 +116,15 @@ EQUATIONS = (
               r"\end{cases}",
         expression=_force(v_tilde_rel, sp.Lt),
         verdict=EquationVerdict.AMBIGUOUS,
-        note="mu of (2) contains v_0; at the scaled velocity it must contain the scaled v_0. The "
+        note="μ of (2) contains v_0; at the scaled velocity it must contain the scaled v_0. The "
              "bound must include equality, as in (3).",
         affects="All numbers of model I: they use the scaled v_0 = 0.5 of (7).",
         readings=(
             EquationReading(
-                "the same function mu, with the dimensional v_0", _force(v_tilde_rel, sp.Le),
-                False, "right only if omega_n y_0 = 1"),
-            EquationReading("mu at the velocity omega_n y_0 times the scaled one, that is with "
-                            "v_0 / (omega_n y_0) in the place of v_0",
+                "the same function μ, with the dimensional v_0", _force(v_tilde_rel, sp.Le),
+                False, "right only if ω_n y_0 = 1"),
+            EquationReading("μ at the velocity ω_n y_0 times the scaled one, that is with "
+                            "v_0 / (ω_n y_0) in the place of v_0",
                             _force(omega_n * y_0 * v_tilde_rel, sp.Le), True,
                             "(6) is (3) divided by F_N; (7) names this scaled velocity"),
         ),

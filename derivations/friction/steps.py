@@ -146,7 +146,7 @@ def _scaled(
     draft.derived("dimensionless law",
                   (Substitute(), Divide((F_N, omega_n * y_0, F_N, omega_n * y_0))), "friction law",
                   "scaled velocities", check=law_checks.scaled_law, number=6,
-                  note="mu is the function (2) of the dimensional velocity")
+                  note="μ is the function (2) of the dimensional velocity")
     draft.derived("force of slip", Take(0), "dimensionless law",
                   check=law_checks.force_of_slip)
     draft.derived("slip law", Substitute(index=v_rel, at=(omega_n * y_0 * v_tilde_rel,)),

@@ -77,12 +77,12 @@ EQUATIONS = (
               r"\end{cases}",
         expression=_lines(_own, phi_us), verdict=EquationVerdict.AMBIGUOUS,
         note="An inequality between complex numbers has no meaning. The model also fixes the phase "
-             "of phi_s, which (43) leaves free, and gives the cycle the decay rate of the rest "
-             "state; in (43) it is s sqrt(a^2 - 8 b) / 4 with s = |phi_s|^2.",
+             "of φ_s, which (43) leaves free, and gives the cycle the decay rate of the rest "
+             "state; in (43) it is s √(a^2 - 8 b) / 4 with s = |φ_s|^2.",
         affects="(45), (47), (53), (54): the reading decides which kinetic relation follows.",
         readings=(
             EquationReading(
-                "|phi_n| against |phi_us|", _lines(sp.Abs(_own), sp.Abs(phi_us)), True,
+                "|φ_n| against |φ_us|", _lines(sp.Abs(_own), sp.Abs(phi_us)), True,
                 "both equilibria for every phase of the cycle; leads to |Sum| = 2 r, (54)"),
             EquationReading(
                 "real parts", _lines(sp.re(_own), sp.re(phi_us)), False,
@@ -101,7 +101,7 @@ EQUATIONS = (
         affects="(48).",
         readings=(
             EquationReading(
-                "step at |phi_n| = |phi_us|", _force(sp.Abs(_own) - sp.Abs(phi_us)), True,
+                "step at |φ_n| = |φ_us|", _force(sp.Abs(_own) - sp.Abs(phi_us)), True,
                 "identical with (44) read by modulus"),
             EquationReading("step in the real part", _force(sp.re(_own - phi_us)), False,
                             "differs from (44) read by modulus"),
@@ -118,7 +118,7 @@ EQUATIONS = (
             equation(_right, phi(_place + 1)), equation(phi(_place + 1), phi(zeta + 1)),
             equation(_left, phi(_place - 1)), equation(phi(_place - 1), phi(zeta - 1))),
         verdict=EquationVerdict.DEFINITION,
-        note="A travelling wave with a phase that does not rotate; the fixed phase of phi_s "
+        note="A travelling wave with a phase that does not rotate; the fixed phase of φ_s "
              "in (44) forces that.",
     ),
     PrintedEquation(
@@ -140,7 +140,7 @@ EQUATIONS = (
             - i * c / 2 * (2 * phi(zeta) - phi(zeta + 1) - phi(zeta - 1)) + phi(zeta) / 2,
             phi_s * sp.Heaviside(-zeta, _half) / 2),
         verdict=EquationVerdict.HOLDS,
-        note="With v = eps v_hat; the dot is now d/dzeta.",
+        note="With v = ε v̂; the dot is now d/dζ.",
     ),
     PrintedEquation(
         number=49,
@@ -151,7 +151,7 @@ EQUATIONS = (
             (phi_s + _half * phi_s * SumOver(_wave, k, M_minus), zeta < 0),
             (-_half * phi_s * SumOver(_wave, k, M_plus), zeta > 0))),
         verdict=EquationVerdict.HOLDS,
-        note="Both signs, for v > 0. The series converges only like 1/N at zeta = 0.",
+        note="Both signs, for v > 0. The series converges only like 1/N at ζ = 0.",
     ),
     PrintedEquation(
         number=50,
@@ -166,10 +166,10 @@ EQUATIONS = (
         note="Called the derivative of L, it is so only where L = 0.",
         affects="Nothing: (49), (53) and (54) use it on the roots only.",
         readings=(
-            EquationReading("for every k", _slope, False, "the derivative is -i v_hat - i c sin k",
+            EquationReading("for every k", _slope, False, "the derivative is -i v̂ - i c sin k",
                             _checks.slope),
             EquationReading("on the roots of L", _slope, True,
-                            "the same number there, with v_hat eliminated", _checks.slope_on_roots),
+                            "the same number there, with v̂ eliminated", _checks.slope_on_roots),
         ),
     ),
     PrintedEquation(
@@ -185,13 +185,13 @@ EQUATIONS = (
         latex=r"\sum_{k \in M^+} \dfrac{1}{kL_k} = -\dfrac{2\varphi_{us}}{\varphi_s}",
         expression=_threshold, verdict=EquationVerdict.AMBIGUOUS,
         note="Sign and factor are right. But it is one complex equation, two real ones, for the "
-             "single unknown v_hat.",
+             "single unknown v̂.",
         affects="(54) and Figs. 16-18.",
         readings=(
-            EquationReading("the phase of phi_us is free and comes out of (53)", _threshold, True,
-                            "the modulus alone fixes v_hat: (54)"),
+            EquationReading("the phase of φ_us is free and comes out of (53)", _threshold, True,
+                            "the modulus alone fixes v̂: (54)"),
             EquationReading(
-                "phi_us / phi_s is real and positive, as both on one line in (44)", _threshold,
+                "φ_us / φ_s is real and positive, as both on one line in (44)", _threshold,
                 False, "no solution in general: the sum is not real and negative on (54)",
                 readings.real_ratio),
         ),
@@ -206,6 +206,6 @@ EQUATIONS = (
             equation(2 * sp.Abs(phi_us) / sp.Abs(phi_s), 2 * sp.sqrt((1 - _root) / (1 + _root))),
             equation(eta, b / a**2)),
         verdict=EquationVerdict.HOLDS,
-        note="By modulus, for eta < 1/8. Several v_hat can solve it; (47) selects one.",
+        note="By modulus, for η < 1/8. Several v̂ can solve it; (47) selects one.",
     ),
 )  # fmt: skip

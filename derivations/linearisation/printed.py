@@ -106,7 +106,7 @@ EQUATIONS = (
             EquationReading("the open ends of Figs. 12 and 15", _field(), False,
                             "the rows of sites 1 and N have one neighbour too many", _open_check),
             EquationReading(
-                "for an open chain: rows -x_1 - eps c (x_1 - x_2) - ... and its mirror for N",
+                "for an open chain: rows -x_1 - ε c (x_1 - x_2) - ... and its mirror for N",
                 _open_field(), True,
                 "what Figs. 12 and 15 need; uniform states are as on the ring", _open_check),
         ),
@@ -119,7 +119,7 @@ EQUATIONS = (
               r"O(\delta^2) \quad \rightarrow \quad \dot{\delta} = J\big|_{X=\hat{X}} \delta",
         expression=_linearised(),
         verdict=EquationVerdict.HOLDS,
-        note="Linearisation, with J the derivative of f; shown for N = 4. The letter delta is that "
+        note="Linearisation, with J the derivative of f; shown for N = 4. The letter δ is that "
              "of (27).",
     ),
     PrintedEquation(
@@ -139,7 +139,7 @@ EQUATIONS = (
         note="The '1' in the bracket of A_nn must go: the derivative of 1 - a x^2 + b x^4 is "
              "-2 a x + 4 b x^3. All other entries agree, with the corners of the ring (40).",
         affects="Fig. 9 if the matrix was coded as printed. The extra term has no resonant mean, "
-                "so it moves the multipliers at O(eps^2) only.",
+                "so it moves the multipliers at O(ε^2) only.",
         amendments=tuple((f"(1 - 2ax_{n}", f"(-2ax_{n}") for n in ("1", "2", "N")),
     ),
 )  # fmt: skip

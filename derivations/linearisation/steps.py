@@ -85,7 +85,7 @@ def _extra_term(draft: Draft) -> None:
     """Derive the resonant part of ``-y' delta``, which the '1' in print adds."""
     wave = sp.exp(i * t)
     draft.definition("term added by print", equation(resonant, -motion.diff(t) * deviation),
-                     "contribution of the '1' in the bracket of the printed (42), over eps",
+                     "contribution of the '1' in the bracket of the printed (42), over ε",
                      check=checks.added)
     draft.ansatz("oscillation and deviation",
                  sp.Tuple(*(equation(own, size * wave + sp.conjugate(size) / wave)
@@ -94,4 +94,4 @@ def _extra_term(draft: Draft) -> None:
                  check=checks.waves)
     draft.derived("resonant part of the added term", (Substitute(), CollectHarmonic(t, resonant)),
                   "term added by print", "oscillation and deviation", check=checks.mean,
-                  note="it vanishes, so the printed equation is in error at O(eps^2) only")
+                  note="it vanishes, so the printed equation is in error at O(ε^2) only")

@@ -50,8 +50,8 @@ _TO_ORDERS = (
             _y.diff(t, 2) + _y + epsilon * c * (2 * _y - y(n - 1, t) - y(n + 1, t))
             + epsilon * _y.diff(t) * _damping(_y)),
         verdict=EquationVerdict.DEFINITION,
-        note="The model. The ends of the chain are not stated here; see (40). With y / sqrt(a) in "
-             "place of y only eta = b / a^2 remains of a and b.",
+        note="The model. The ends of the chain are not stated here; see (40). With y / √(a) in "
+             "place of y only η = b / a^2 remains of a and b.",
     ),
     PrintedEquation(
         number=9,
@@ -93,7 +93,7 @@ _TO_ORDERS = (
         latex=r"\hat{t} = \omega t, \quad \tau = \varepsilon t",
         expression=sp.Tuple(equation(t_hat, omega * t), equation(tau, epsilon * t)),
         verdict=EquationVerdict.DEFINITION,
-        note="The two times. In model I the letter tau means omega_n t.",
+        note="The two times. In model I the letter τ means ω_n t.",
     ),
     PrintedEquation(
         number=14,
@@ -116,7 +116,7 @@ _TO_ORDERS = (
             omega**2 * Y.diff(t_hat, 2) + 2 * omega * epsilon * Y.diff(t_hat, tau) + Y
             + 2 * epsilon * c * (Y - _fast_wave) + epsilon * omega * Y.diff(t_hat) * _damping(Y)),
         verdict=EquationVerdict.HOLDS,
-        note="Up to O(eps^2). (14) is inserted into (11), not into (10) as the text says.",
+        note="Up to O(ε^2). (14) is inserted into (11), not into (10) as the text says.",
     ),
     PrintedEquation(
         number=16,
@@ -127,7 +127,7 @@ _TO_ORDERS = (
             (1 + 2 * epsilon * omega_1) * Y.diff(t_hat, 2) + 2 * epsilon * Y.diff(t_hat, tau) + Y
             + 2 * epsilon * c * (Y - _fast_wave) + epsilon * Y.diff(t_hat) * _damping(Y)),
         verdict=EquationVerdict.HOLDS,
-        note="Up to O(eps^2).",
+        note="Up to O(ε^2).",
     ),
     PrintedEquation(
         number=17,
@@ -154,7 +154,7 @@ _TO_ORDERS = (
             -2 * omega_1 * Y_0.diff(t_hat, 2) - 2 * Y_0.diff(t_hat, tau)
             - 2 * c * (Y_0 - _fast_wave) - Y_0.diff(t_hat) * _damping(Y_0)),
         verdict=EquationVerdict.HOLDS,
-        note="Order eps of (16).",
+        note="Order ε of (16).",
     ),
     PrintedEquation(
         number=20,
@@ -214,24 +214,24 @@ _TO_BREATHER = (
             equation(2 * R**5 * b - R**3 * a + R + _lag * sp.cos(k_2 - theta)),
             equation(2 * c * R - _lag * sp.sin(k_2 - theta) - 2 * omega_1 * R)),
         verdict=EquationVerdict.HOLDS,
-        note="Agreement with (9) at n = 0 also fixes theta = -pi/2, which the text does not use.",
+        note="Agreement with (9) at n = 0 also fixes θ = -π/2, which the text does not use.",
     ),
     PrintedEquation(
         number=26,
         latex=r"4c^2 e^{2k_1} = \left(-2R^4 b + R^2 a - 1\right)^2 + 4\left(c - \omega_1\right)^2",
         expression=equation(4 * c**2 * sp.exp(2 * k_1), _damped**2 + 4 * (c - omega_1) ** 2),
         verdict=EquationVerdict.HOLDS,
-        note="Squaring drops the phase k_2 - theta and with it one equation; with theta = -pi/2 "
-             "and k_2 = -pi/2 the pair (25) fixes omega_1 = c by itself and (27) is not needed.",
+        note="Squaring drops the phase k_2 - θ and with it one equation; with θ = -π/2 "
+             "and k_2 = -π/2 the pair (25) fixes ω_1 = c by itself and (27) is not needed.",
     ),
     PrintedEquation(
         number=27,
         latex=r"\omega_1 = c + \delta; \quad \delta \ll c",
         expression=equation(omega_1, c + delta),
         verdict=EquationVerdict.ASSUMPTION,
-        note="delta = -c e^{k_1} sin(k_2 - theta), which is zero for phase steps of -pi/2. The "
-             "condition that (28) needs is delta << c e^{k_1}, stronger than the one printed. The "
-             "letter delta returns in (41) as a perturbation.",
+        note="δ = -c e^{k_1} sin(k_2 - θ), which is zero for phase steps of -π/2. The "
+             "condition that (28) needs is δ ≪ c e^{k_1}, stronger than the one printed. The "
+             "letter δ returns in (41) as a perturbation.",
         affects="(28)-(30).",
     ),
     PrintedEquation(
@@ -239,14 +239,14 @@ _TO_BREATHER = (
         latex=r"4c^2 e^{2k_1} \approx \left(-2R^4 b + R^2 a - 1\right)^2",
         expression=equation(4 * c**2 * sp.exp(2 * k_1), _damped**2),
         verdict=EquationVerdict.HOLDS,
-        note="With a relative error of (delta / (c e^{k_1}))^2.",
+        note="With a relative error of (δ / (c e^{k_1}))^2.",
     ),
     PrintedEquation(
         number=29,
         latex=r"e^{k_1} = \frac{-\alpha_0^4 b + 2\alpha_0^2 a - 8}{16c}",
         expression=equation(sp.exp(k_1), (-(alpha_0**4) * b + 2 * alpha_0**2 * a - 8) / (16 * c)),
         verdict=EquationVerdict.HOLDS,
-        note="The root of (28) with k_2 = theta, positive when alpha_0 lies between the two "
+        note="The root of (28) with k_2 = θ, positive when α_0 lies between the two "
              "cycles. It is exact for site 0 of the averaged chain, with e^{k_1} the ratio "
              "r_1 / r_0.",
     ),
@@ -255,7 +255,7 @@ _TO_BREATHER = (
         latex=r"\omega = 1 + \varepsilon c",
         expression=equation(omega, 1 + epsilon * c),
         verdict=EquationVerdict.HOLDS,
-        note="To first order; the second order adds eps^2 omega_2 (see second-order).",
+        note="To first order; the second order adds ε^2 ω_2 (see second-order).",
     ),
 )  # fmt: skip
 

@@ -70,7 +70,6 @@ def equations() -> str:
 
 def _row(printed: Any, step: Any, functions: list[str], figures: list[str]) -> str:
     from derivations import catalogue
-    from derivations.prose import readable
     from paper_checks.report.inline_math import typeset
     from paper_checks.report.mathml import formula
 
@@ -86,11 +85,11 @@ def _row(printed: Any, step: Any, functions: list[str], figures: list[str]) -> s
     )
     name = catalogue.owner(printed.number)
     verdict = printed.verdict.value
-    note = f" {typeset(readable(printed.note))}" if printed.note else ""
+    note = f" {typeset(printed.note)}" if printed.note else ""
     lines = [
         f'<span class="eq {verdict}">{verdict}</span>{note}',
         f'Derivation <a href="steps.html#{name}">{escape(name)}</a>: '
-        f"{typeset(readable(step.operation))}" + (f" (from {sources})" if sources else ""),
+        f"{typeset(step.operation)}" + (f" (from {sources})" if sources else ""),
     ]
     if functions:
         lines.append(
@@ -125,7 +124,6 @@ def steps() -> str:
     """Return the page of the derivations: every step with its operation and its equation."""
     from derivations import catalogue
     from derivations.algebra.rendering import equation_mathml
-    from derivations.prose import readable
     from paper_checks.report.inline_math import typeset
 
     parts = [(HERE / "steps_head.md").read_text(encoding="utf-8")]
@@ -133,7 +131,7 @@ def steps() -> str:
         catalogue.everything(), (*catalogue.NUMBERED, "second-order"), strict=True
     ):
         rows = "".join(
-            f"<tr><td>{place}</td><td>{typeset(readable(step.operation))}"
+            f"<tr><td>{place}</td><td>{typeset(step.operation)}"
             + (
                 f' <a href="equations.html#eq-{step.number}">({step.number})</a>'
                 if step.number is not None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from derivations.prose import readable
 from paper_checks.finding import Erratum, Fault
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:
         # A changed line has a single reading, the last; otherwise all readings that hold are named.
         named = right[-1:] if line else right
         mark = "read: " if ambiguous else ""
-        corrected = readable("; or ".join(f"{mark}{reading.meaning}" for reading in named))
+        corrected = "; or ".join(f"{mark}{reading.meaning}" for reading in named)
         if line or ambiguous:
             corrected = f"${line or printed.latex}$; {corrected}"
         proof = f"Compared with {step}. "
@@ -66,9 +65,9 @@ def erratum_of(found: EquationJudgement, derivation: str) -> Erratum | None:
         fault=fault,
         printed=f"${printed.latex}$",
         corrected=corrected,
-        reason=readable(printed.note),
-        proof=readable(proof) + differs,
-        affects=readable(printed.affects) or "Nothing else.",
+        reason=printed.note,
+        proof=proof + differs,
+        affects=printed.affects or "Nothing else.",
     )
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
-from derivations.prose import readable
 from paper_checks.claim import Claim, Erratum, Formula, Method, Ruling, Verdict
 from paper_checks.claims._equation_errata import LONG, erratum_of
 from paper_checks.claims._equation_numbers import method, residual
@@ -93,7 +92,7 @@ class CheckedEquation:
         """Further remarks: its notation, other readings."""
         remarks = [self.style] if self.style else []
         remarks += [
-            readable(f"Read as “{meaning}” it {'holds' if good else 'fails'}: {implies}.")
+            f"Read as “{meaning}” it {'holds' if good else 'fails'}: {implies}."
             for meaning, good, implies in self.readings
         ]
         return tuple(remarks)
@@ -119,7 +118,7 @@ def printed(number: int) -> CheckedEquation:
         passes=found.on_print.holds,
         derived_passes=found.on_derived.holds,
         confirmed=found.confirmed,
-        note=readable(found.printed.note),
+        note=found.printed.note,
         test=_said(found.on_print.statement),
         derived_test=_said(found.on_derived.statement),
         readings=tuple(
@@ -136,7 +135,7 @@ def printed(number: int) -> CheckedEquation:
 def _said(statement: str) -> str:
     """Return the result of a test in words; a statement that cannot be evaluated has none."""
     meant = "taken literally it cannot be evaluated"
-    return meant if "could not be evaluated" in statement else readable(statement)
+    return meant if "could not be evaluated" in statement else statement
 
 
 def rule(e: CheckedEquation) -> Ruling:

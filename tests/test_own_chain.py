@@ -92,6 +92,11 @@ def test_the_chain_of_the_paper_as_text_is_the_built_in_one() -> None:
     np.testing.assert_allclose(rows.arrivals, built_in.arrivals, rtol=1e-11)
 
 
+def test_weights_in_nested_lists_are_those_of_the_matrix() -> None:
+    weights = np.eye(5, k=1) + 0.3 * np.eye(5, k=-1)
+    assert papers(coupling=weights.tolist()) == papers(coupling=weights)
+
+
 def hexagonal_matrix(rows: int, columns: int) -> FloatArray:
     """Neighbours are the sites at distance 1: rows are shifted by half a distance each."""
     places = np.array(
@@ -307,6 +312,10 @@ def test_every_site_of_a_short_chain_may_be_coupled_to_every_other() -> None:
 
 # What is refused, in one sentence
 
+NO_INERTIA = {
+    "overdamped": True, "damping": 0, "stiffness": "y*(1 - y)*(a - y)", "values": {"a": 0.2}
+}  # fmt: skip
+
 BAD: list[tuple[dict[str, Any], str]] = [
     ({"damping": "sin(y)"}, r"damping = 'sin\(y\)' is not allowed"),
     ({"damping": "1/y"}, "it may be divided only by a number other than zero"),
@@ -338,14 +347,27 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"coupling": "chain", "sites": (5, 6)}, "square, next-nearest or hexagonal"),
     ({"coupling": "small-world:3,0.1"}, "even number of neighbours"),
     ({"coupling": "small-world:4,0.1,0.5", "sites": 9}, "seed = 0.5 is not allowed"),
+    ({"coupling": "small-world:4,0.1,7,9", "sites": 9}, "no more numbers than 3"),
+    ({"coupling": "square:1,0.2,0.3", "sites": (5, 6)}, "no more numbers than 2"),
+    ({"coupling": "hexagonal:1,2", "sites": (5, 6)}, "no more numbers than 1"),
+    ({"coupling": "chain:0"}, "weights that are all zero"),
+    ({"coupling": "square:0,0", "sites": (5, 6)}, "weights that are all zero"),
     ({"seed": -1}, "seed = -1 is not allowed"),
     ({"coupling": np.ones((3, 4))}, r"a matrix of shape \(3, 4\)"),
     ({"coupling": np.ones((3, 3)), "sites": 4}, r"of shape \(4, 4\)"),
     ({"coupling": np.full((3, 3), np.nan)}, "NaN or infinity"),
     ({"coupling": np.eye(3)}, "without links"),
+    ({"coupling": np.ones((3, 3)) * 1j}, "masked or complex numbers"),
+    ({"coupling": sparse.csr_array(np.ones((3, 3)) * 1j)}, "masked or complex numbers"),
+    ({"coupling": np.ma.masked_equal(np.eye(3, k=1), 1.0)}, "masked or complex numbers"),
+    ({"coupling": [[1.0], [1.0, 2.0]]}, "an object of type list"),
+    ({"coupling": np.ones((3, 3)), "ends": "periodic"}, "ends = periodic .* weights are given"),
+    ({"coupling": "small-world:4,0.1,7", "ends": "fixed"}, "ends = fixed .* a ring"),
     ({"coupling": "nowhere.npz"}, "a sparse matrix of scipy"),
     ({"coupling": object()}, "an object of type object"),
-    ({"overdamped": True}, "0 without inertia"),
+    ({"overdamped": True}, "damping = .* 0 without inertia"),
+    ({**NO_INERTIA, "velocity_coupling": 0.5}, "velocity coupling = 0.5 .* 0 without inertia"),
+    ({**NO_INERTIA, "eps": 0.5}, "small parameter eps = 0.5 .* 1 without inertia"),
     ({"ends": "literal"}, "free or periodic or fixed"),
 ]
 

@@ -139,10 +139,12 @@ def network_of(coupling: Any, shape: tuple[int, ...], ends: Ends) -> Network:
     >>> network_of("next-nearest:1,0.2", (5,), Ends.FREE).matrix.toarray()[0].tolist()
     [1.2, -1.0, -0.2, 0.0, 0.0]
     """
+    if isinstance(coupling, str) and not is_file(coupling):
+        return _by_name(coupling, shape, ends)
+    if ends is not Ends.FREE:
+        raise _ends_refused(ends, "free where the weights are given")
     if is_file(coupling):
         return _of_matrix(_read(Path(coupling)), shape)
-    if isinstance(coupling, str):
-        return _by_name(coupling, shape, ends)
     if hasattr(coupling, "adjacency") and hasattr(coupling, "nodes"):
         return _of_matrix(_of_graph(coupling), shape)
     return _of_matrix(coupling, shape)
@@ -163,8 +165,11 @@ def size_of(coupling: Any) -> int | None:
         return None
     if hasattr(coupling, "adjacency") and hasattr(coupling, "nodes"):
         return int(coupling.number_of_nodes())
-    shape = getattr(coupling, "shape", None)
-    return int(shape[0]) if shape else None
+    try:
+        shape = np.shape(coupling)
+    except ValueError:  # rows of different lengths, which `network_of` refuses
+        return None
+    return int(shape[0]) if len(shape) == 2 else None
 
 
 def largest_group_slope(coupling: str) -> float:
@@ -196,6 +201,10 @@ def _refused(coupling: object, allowed: str, remedy: str) -> ParameterError:
     return ParameterError("coupling", coupling, allowed, remedy)
 
 
+def _ends_refused(ends: Ends, allowed: str) -> ParameterError:
+    return ParameterError("ends", ends.value, allowed, "leave them out")
+
+
 def _by_name(text: str, shape: tuple[int, ...], ends: Ends) -> Network:
     name = text.partition(":")[0]
     if name not in _MAKERS:
@@ -203,7 +212,11 @@ def _by_name(text: str, shape: tuple[int, ...], ends: Ends) -> Network:
             repr(text), f"one of {', '.join(_MAKERS)}, or a file ending in {', '.join(FILES)}",
             "name one, as next-nearest:1,0.2",
         )  # fmt: skip
-    return _MAKERS[name](text, _numbers(text), shape, ends)
+    numbers = _numbers(text)
+    most = _MAX_NUMBERS.get(name, len(numbers))
+    if len(numbers) > most:
+        raise _refused(repr(text), f"followed by no more numbers than {most}", "leave out the rest")
+    return _MAKERS[name](text, numbers, shape, ends)
 
 
 def _numbers(text: str) -> list[float]:
@@ -252,7 +265,7 @@ def _ring(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -
 
 def _square(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
     """Return a square lattice with one weight for nearest and a second for diagonal neighbours."""
-    straight, diagonal = [*numbers, *[1.0, 0.0][len(numbers) :]][:2]
+    straight, diagonal = [*numbers, *[1.0, 0.0][len(numbers) :]]
     steps: Steps = dict.fromkeys(((0, 1), (0, -1), (1, 0), (-1, 0)), straight)
     steps |= dict.fromkeys(((1, 1), (1, -1), (-1, 1), (-1, -1)), diagonal)
     return _lattice(_two(text, shape), ends, steps, lambda n: n[:, ::-1].astype(float))
@@ -281,7 +294,7 @@ def _two(text: str, shape: tuple[int, ...]) -> tuple[int, ...]:
 
 def _small_world(text: str, numbers: list[float], shape: tuple[int, ...], ends: Ends) -> Network:
     """Return a ring with k neighbours, a fraction of its links rewired (Watts & Strogatz, 1998)."""
-    k, part, seed = [*numbers, *[4.0, 0.1, 0.0][len(numbers) :]][:3]
+    k, part, seed = [*numbers, *[4.0, 0.1, 0.0][len(numbers) :]]
     (count,) = shape if len(shape) == 1 else (0,)
     fits = k == int(k) and k % 2 == 0 and 2 <= k < count and 0.0 <= part <= 1.0
     if not fits:
@@ -289,6 +302,8 @@ def _small_world(text: str, numbers: list[float], shape: tuple[int, ...], ends: 
             repr(text), "an even number of neighbours below that of sites, a fraction from 0 to 1, "
             "a seed", "as in small-world:4,0.1,7",
         )  # fmt: skip
+    if ends is Ends.FIXED:
+        raise _ends_refused(ends, "free or periodic for a ring that is rewired")
     random = np.random.default_rng(random_seed(seed))
     links = [
         {(n + d) % count for d in range(-int(k) // 2, int(k) // 2 + 1) if d} for n in range(count)
@@ -321,6 +336,9 @@ _MAKERS: Mapping[str, Callable[[str, list[float], tuple[int, ...], Ends], Networ
     "hexagonal": _hexagonal,
 }
 
+_MAX_NUMBERS = {"small-world": 3, "square": 2, "hexagonal": 1}
+"""Largest number of numbers after a name; there is no entry where it depends on the sites."""
+
 
 def _lattice(
     shape: tuple[int, ...],
@@ -329,6 +347,8 @@ def _lattice(
     places: Callable[[npt.NDArray[np.int64]], FloatArray],
 ) -> Network:
     """Return the network in which every site is coupled to those at the given steps from it."""
+    if not any(steps.values()):
+        raise _refused("weights that are all zero", "one that couples sites", "give c = 0 instead")
     count = math.prod(shape)
     index = np.stack(np.unravel_index(np.arange(count), shape), axis=1)
     rows, columns, weights = [], [], []
@@ -371,7 +391,13 @@ def _built(links: Any, wall: FloatArray, positions: FloatArray | None) -> Networ
 def _of_matrix(given: Any, shape: tuple[int, ...]) -> Network:
     count = math.prod(shape)
     try:
+        if np.ma.is_masked(given) or np.iscomplexobj(given):
+            raise _refused(
+                "a matrix with masked or complex numbers", "one of real numbers", "fill it with them"
+            )
         matrix = sparse.csr_array(given, dtype=float)
+    except ParameterError:
+        raise
     except (TypeError, ValueError):
         raise _refused(
             f"an object of type {type(given).__name__}", "a name, a file, a matrix or a graph",

@@ -39,6 +39,9 @@ from theory.chains.site_values import (
 )
 from theory.parameters import ParameterError, random_seed, truth, whole_number
 
+_EPS = 0.01
+"""Default of the small parameter."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnChain(SmoothChain):
@@ -72,7 +75,7 @@ class OwnChain(SmoothChain):
         "chain, ring, next-nearest:1,0.2, small-world:4,0.1,7, square, hexagonal, or a file of "
         "weights ending in .npz or .mtx", "W", "chain", kind="str",
     )  # fmt: skip
-    eps: float = parameter("small parameter, {allowed}", "ε", 0.01, allowed=EPS_RANGE)
+    eps: float = parameter("small parameter, {allowed}", "ε", _EPS, allowed=EPS_RANGE)
     velocity_coupling: float = parameter("part of the coupling that acts on velocities", "d", 0.0)
     overdamped: bool = parameter("without inertia: dy/dt takes the place of d²y/dt²", "-", False)
     disorder: Any = parameter(
@@ -150,12 +153,18 @@ class OwnChain(SmoothChain):
 
     def _check_overdamped(self) -> None:
         """Refuse parameters that have no meaning without inertia, and set ε to one."""
-        zero = isinstance(self._h, Polynomial) and not self._h.terms
-        if not zero or self.velocity_coupling:
+        if not (isinstance(self._h, Polynomial) and not self._h.terms):
             raise ParameterError(
-                "damping", self.damping, "0 without inertia, and no coupling of velocities",
-                "put the force into the stiffness",
-            )  # fmt: skip
+                "damping", self.damping, "0 without inertia", "put the force into the stiffness"
+            )
+        if self.velocity_coupling:
+            raise ParameterError(
+                "velocity coupling", self.velocity_coupling, "0 without inertia", "leave it out"
+            )
+        if self.eps not in (_EPS, 1.0):
+            raise ParameterError(
+                "small parameter eps", self.eps, "1 without inertia", "leave it out"
+            )
         object.__setattr__(self, "eps", 1.0)
 
     @cached_property

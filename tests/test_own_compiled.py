@@ -15,6 +15,7 @@ import pytest
 from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.cells.compiled import CompiledForce
 from theory.cells.compiled_cell import CompiledCell
+from theory.cells.function_content import function_content, independent_copy
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
@@ -267,6 +268,48 @@ def test_each_of_two_chains_runs_with_the_numbers_that_its_own_function_captures
         chain = OscillatorChain(damping=0, stiffness=_pull(np.array([value])), c=0.0, sites=2)
         run = simulate(chain, np.array([[1.0, 1.0], [0.0, 0.0]]), 2.0, samples=2, level=9.0)
         assert run.y[-1, 0] == pytest.approx(math.cos(2.0 * math.sqrt(k)), abs=1e-5)
+
+
+@pytest.mark.parametrize("through", ["closure", "helper", "tuple"])
+def test_a_chain_keeps_the_numbers_that_its_function_captured_when_it_was_made(
+    through: str,
+) -> None:
+    """numba goes on with those of the first compilation; the digest has those that are there."""
+    numbers = np.array([1.0, 7.0])
+    both = (numbers, 2)
+
+    @numba.njit
+    def first():  # type: ignore[no-untyped-def]
+        return numbers[0]
+
+    @numba.njit
+    def pull(y):  # type: ignore[no-untyped-def]
+        if through == "helper":
+            return y * first()
+        return y * (both[0][0] if through == "tuple" else numbers[0])
+
+    assert pull(1.0) == 1.0
+    early = OscillatorChain(damping=0, stiffness=pull, c=0.0, sites=2)
+    numbers[0] = 4.0
+    assert pull(1.0) == 1.0
+    late = OscillatorChain(damping=0, stiffness=pull, c=0.0, sites=2)
+    assert early != late
+    forces = [dict(each._functions)["_g"] for each in (early, late, early.replace(c=0.1))]
+    assert [force(1.0) for force in forces] == [1.0, 4.0, 1.0]
+    assert forces[0] is forces[2]
+    assert late.cell.frequency == pytest.approx(2.0)
+
+
+def test_functions_that_call_themselves_are_copied_with_their_options() -> None:
+    @numba.njit(fastmath=True, locals={"y": numba.float64})
+    def power(y, k):  # type: ignore[no-untyped-def]
+        return y if k < 2.0 else y * power(y, k - 1.0)
+
+    copy = independent_copy(power)
+    assert copy(2, 10.0) == 1024.0
+    assert (copy.targetoptions, copy.locals) == (power.targetoptions, power.locals)
+    assert not power.signatures
+    assert function_content(copy) == function_content(power)
 
 
 def test_options_defaults_and_modules_of_a_function_are_part_of_what_it_does() -> None:

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -279,3 +280,21 @@ def test_functions_of_one_definition_are_told_apart_by_what_they_capture() -> No
     assert marks[0] == marks[3]
     with pytest.raises(ParameterError, match="the variable strength, which rate takes from"):
         source_mark(made([1.0], helper(1.0)))  # type: ignore[arg-type]
+
+
+def test_a_right_hand_side_is_compiled_again_when_a_number_that_it_captures_changes() -> None:
+    """As in a notebook in which a cell with a number is run again."""
+    space: dict[str, Any] = {"__name__": "prompt", "rate": 2.0}
+    exec("def kernel(site, left, right, p): return rate * site[0], -site[1]", space)
+    chain: Any = SimpleNamespace(
+        network=None, kernel=lambda: space["kernel"], kernel_layout=(1,), front_phase_step=0
+    )
+
+    def velocity() -> float:
+        slope, found = slope_of(chain), np.zeros(4)
+        called: Any = njit(lambda x, p, out: slope(x, p, FREE, FREE, out))
+        called(np.ones(4), np.zeros(1), found)
+        return float(found[0])
+
+    for space["rate"] in (2.0, 3.0, 2.0):
+        assert velocity() == space["rate"]

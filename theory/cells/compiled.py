@@ -9,10 +9,10 @@ import hashlib
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
-from theory.cells.function_content import function_content
+from theory.cells.function_content import function_content, independent_copy
 from theory.cells.polynomial import Polynomial, as_polynomial
 from theory.parameters import ParameterError
 
@@ -30,7 +30,7 @@ class CompiledForce:
     functions : tuple of callable
         The force and, optionally, its derivatives by y and, for h, by v; all compiled by
         ``numba.njit`` and with the same arguments. The arguments after y (and v) are named
-        parameters of the chain.
+        parameters of the chain. Copies are stored, so that the digest remains true.
     digest : str
         Digest of the code of the functions and of the values that they capture.
 
@@ -65,7 +65,9 @@ class CompiledForce:
                     "order in all functions",
                 )  # fmt: skip
         content = "\n".join(map(function_content, self.functions))
-        object.__setattr__(self, "digest", hashlib.sha256(content.encode()).hexdigest()[:12])
+        digest = hashlib.sha256(content.encode()).hexdigest()[:12]
+        object.__setattr__(self, "digest", digest)
+        object.__setattr__(self, "functions", _copies(self.functions, digest))
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -132,6 +134,13 @@ class CompiledForce:
         return f"compiled {self.functions[0].__name__}({arguments}) {self.digest}"
 
     __repr__ = __str__
+
+
+@lru_cache(maxsize=256)
+def _copies(functions: tuple[Function, ...], digest: str) -> tuple[Function, ...]:
+    """Return copies of functions, the same ones for as long as their digest is the same."""
+    made: dict[int, Any] = {}
+    return tuple(independent_copy(each, made) for each in functions)
 
 
 def _value(function: Function, parameters: tuple[float, ...], *variables: float) -> float:

@@ -1,4 +1,10 @@
-"""The content of functions and values as text, by which stored results of them are told apart."""
+"""The content of functions and values as text, by which stored results of them are told apart.
+
+numba treats captured values as constants, from the first compilation of a function on. A function
+whose values are changed afterwards continues to use the old ones, while its content as it can be
+read has the new ones. Chains therefore take a copy (`independent_copy`), which is compiled with the
+values that its content states.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +13,8 @@ import hashlib
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from functools import lru_cache
+from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -57,9 +64,7 @@ class ContentReader:
         if kind in _PLAIN:
             return repr(value)
         if isinstance(value, CodeType):
-            constants = [self.value(each, name) for each in value.co_consts]
-            names = (value.co_names, value.co_varnames, value.co_freevars, value.co_cellvars)
-            return f"{value.co_code.hex()} {constants} {names}"
+            return _code(value)
         if isinstance(value, tuple):
             fields = getattr(kind, "_fields", "")
             return f"{fields}({', '.join(self.value(each, name) for each in value)})"
@@ -122,17 +127,11 @@ class ContentReader:
 
     def _captured(self, plain: FunctionType) -> dict[str, Any]:
         """Return the captured values of a function by name, including attributes of modules."""
-        words = list(words_of(plain.__code__))
-        found = {
-            name: plain.__globals__[name]
-            for kind, name in words
-            if kind in ("LOAD_GLOBAL", "LOAD_NAME") and name in plain.__globals__
-        }
-        found |= captured_in_closure(plain)
-        attributes = {name for kind, name in words if kind in ("LOAD_ATTR", "LOAD_METHOD")}
-        return self._without_modules(found, attributes)
+        used, attributes = _names(plain.__code__)
+        found = {name: plain.__globals__[name] for name in used & plain.__globals__.keys()}
+        return self._without_modules(found | captured_in_closure(plain), attributes)
 
-    def _without_modules(self, found: dict[str, Any], attributes: set[str]) -> dict[str, Any]:
+    def _without_modules(self, found: dict[str, Any], attributes: frozenset[str]) -> dict[str, Any]:
         """Return the values with each module replaced by those of its attributes that are used."""
         places, read = list(found), []
         for place in places:
@@ -148,6 +147,53 @@ class ContentReader:
         return found
 
 
+def independent_copy(function: Any, made: dict[int, Any] | None = None) -> Any:
+    """Return a copy of a function that later changes of what it captures do not reach.
+
+    Captured arrays, and compiled functions that it calls by a global name or from a closure, are
+    copied as well; those that it calls as attributes of a module are not.
+
+    Parameters
+    ----------
+    function : callable
+        A function compiled by ``numba.njit``, or one that can be. A copy of the former is compiled
+        anew.
+    made : dict, optional
+        Copies already made, by the identity of the function, for functions that call each other.
+    """
+    made = {} if made is None else made
+    if id(function) in made:
+        return made[id(function)]
+    plain = getattr(function, "py_func", function)
+    names = dict(plain.__globals__)
+    cells = tuple(CellType() for _ in plain.__closure__ or ())
+    copy: Any = FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__, cells)
+    copy.__kwdefaults__, copy.__qualname__ = plain.__kwdefaults__, plain.__qualname__
+    copy.__module__ = plain.__module__
+    if plain is not function:
+        copy = type(function)(
+            copy, locals=function.locals, targetoptions=dict(function.targetoptions),
+            pipeline_class=function._compiler.pipeline_class,
+        )  # fmt: skip
+    made[id(function)] = copy
+    for name in _names(plain.__code__)[0] & names.keys():
+        names[name] = _independent(names[name], made)
+    for own, cell in zip(cells, plain.__closure__ or (), strict=True):
+        own.cell_contents = _independent(cell.cell_contents, made)
+    return copy
+
+
+def _independent(value: Any, made: dict[int, Any]) -> Any:
+    if hasattr(value, "py_func") and hasattr(value, "targetoptions"):
+        return independent_copy(value, made)
+    if isinstance(value, np.ndarray):
+        return value.copy(order="K")
+    if isinstance(value, tuple):
+        parts = (_independent(each, made) for each in value)
+        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+    return value
+
+
 def captured_in_closure(plain: FunctionType) -> dict[str, Any]:
     """Return the values that a function captures from the function in which it is defined."""
     found = {}
@@ -155,6 +201,24 @@ def captured_in_closure(plain: FunctionType) -> dict[str, Any]:
         with suppress(ValueError):  # not yet assigned
             found[name] = cell.cell_contents
     return found
+
+
+@lru_cache(maxsize=1024)
+def _code(code: CodeType) -> str:
+    """Return the content of a code object: instructions, constants and names."""
+    constants = [ContentReader().value(each, code.co_name) for each in code.co_consts]
+    names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    return f"{code.co_code.hex()} {constants} {names}"
+
+
+@lru_cache(maxsize=1024)
+def _names(code: CodeType) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the global names that a function uses, and those of attributes."""
+    words = list(words_of(code))
+    return (
+        frozenset(name for kind, name in words if kind in ("LOAD_GLOBAL", "LOAD_NAME")),
+        frozenset(name for kind, name in words if kind in ("LOAD_ATTR", "LOAD_METHOD")),
+    )
 
 
 def words_of(code: CodeType) -> Iterator[tuple[str, Any]]:

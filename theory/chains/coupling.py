@@ -393,7 +393,7 @@ def _of_matrix(given: Any, shape: tuple[int, ...]) -> Network:
     try:
         if np.ma.is_masked(given) or np.iscomplexobj(given):
             raise _refused(
-                "a matrix with masked or complex numbers", "one of real numbers", "fill it with them"
+                "a matrix with masked or complex numbers", "one of real numbers", "replace them"
             )
         matrix = sparse.csr_array(given, dtype=float)
     except ParameterError:

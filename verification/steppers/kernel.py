@@ -14,6 +14,7 @@ import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from theory.arrays import FloatArray
+from theory.cells.function_content import independent_copy
 from theory.chains.chain import Kernel, SmoothChain
 from verification.execution.compiled import UNCOUNTED, inner
 from verification.steppers.active import FOLLOWING, FREE, RING
@@ -42,9 +43,11 @@ def slope_of(chain: SmoothChain) -> Slope:
     >>> out.tolist()
     [0.0, 0.0, -1.0, -1.0]
     """
+    kernel = chain.kernel()
+    mark = source_mark(kernel)
     if chain.network is not None:
-        return network_slope(chain.kernel(), *chain.kernel_layout)
-    return compiled_slope(chain.kernel(), *chain.kernel_layout, -chain.front_phase_step % 4)
+        return network_slope(kernel, mark, *chain.kernel_layout)
+    return compiled_slope(kernel, mark, *chain.kernel_layout, -chain.front_phase_step % 4)
 
 
 def slope_mark(chain: SmoothChain) -> str:
@@ -54,19 +57,21 @@ def slope_mark(chain: SmoothChain) -> str:
 
 
 @lru_cache(maxsize=64)
-def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
+def compiled_slope(kernel: Kernel, mark: str, count: int, ahead: int) -> Slope:
     """Return the right-hand side of a chain whose kernel takes ``count`` parameters.
 
     Parameters
     ----------
     kernel : callable
         Right-hand side of one site.
+    mark : str
+        Its mark, since what it captures may change.
     count : int
         Number of its parameters.
     ahead : int
         Number of quarter turns by which a wave beyond the left end is ahead of its neighbour.
     """
-    plain: Any = getattr(kernel, "py_func", kernel)
+    plain: Any = independent_copy(getattr(kernel, "py_func", kernel))
     site: Any = inner(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
     tuple_of: Any = to_fixed_tuple
 
@@ -107,7 +112,7 @@ def compiled_slope(kernel: Kernel, count: int, ahead: int) -> Slope:
 
 
 @lru_cache(maxsize=64)
-def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) -> Slope:
+def network_slope(kernel: Kernel, mark: str, header: int, arrays: int, on_velocities: int) -> Slope:
     """Return the right-hand side of a chain whose coupling is given by compressed rows.
 
     Its argument ``left`` is the first active site, ``right`` the number of all sites (``active``).
@@ -116,6 +121,8 @@ def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) 
     ----------
     kernel : callable
         Right-hand side of one site: (site, pull, p, n, N).
+    mark : str
+        Its mark, since what it captures may change.
     header : int
         Number of scalars at the beginning of the parameters; the fourth is the number of weights.
     arrays : int
@@ -123,7 +130,7 @@ def network_slope(kernel: Kernel, header: int, arrays: int, on_velocities: int) 
     on_velocities : int
         Whether the kernel uses the pull on velocities: 1, or 0 to pass zero instead.
     """
-    plain: Any = getattr(kernel, "py_func", kernel)
+    plain: Any = independent_copy(getattr(kernel, "py_func", kernel))
     site: Any = inner(forceinline=True, error_model="numpy", fastmath={"contract"})(plain)
 
     # Sums first, then sites: the processor handles several sites of the second loop at once.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from functools import lru_cache
 from types import FunctionType
 from typing import Any
 
@@ -14,7 +13,6 @@ from theory.cells.function_content import function_content
 from verification.execution.compiled import DISTINCT_NAMES, OuterCompiler
 
 
-@lru_cache(maxsize=256)
 def source_mark(function: Callable[..., Any]) -> str:
     """Return a name for a function that is different for functions that do different things.
 

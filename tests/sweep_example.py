@@ -8,6 +8,7 @@ import signal
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -142,3 +143,8 @@ POINTS = Grid({"x": range(1, 11), "y": [1.5, 2.5]})
 
 def main(out: str, log: str, workers: str) -> None:
     sweep(Slow(log, 0.1), POINTS, out=Path(out), workers=int(workers), resume=True)
+
+
+def capped(point: Point, cap: Any) -> dict[str, float]:
+    """Return the sign of a parameter of the function."""
+    return {"sign": float(np.copysign(1.0, np.real(cap)))}

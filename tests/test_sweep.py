@@ -19,6 +19,7 @@ import time
 import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -35,8 +36,10 @@ from verification.execution.columns import column_of, on_disk, python_rows
 from verification.execution.files import FileError
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
+from verification.execution.store import Store
 from verification.execution.sweep import SweepError, part_path, sweep
 from verification.execution.table import Table, load_table, record_path, zarr_writer
+from verification.execution.task import parameters_of
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
@@ -696,6 +699,45 @@ def test_coordinates_of_points_are_columns_however_the_points_are_given() -> Non
     assert columns == {"c": [1.0, 2.5], "label": ["a", "b"]}
     for none in ([], {}, {"c": []}):
         assert coordinates(points_of(none)) == {}
+
+
+def _with(cap: Any) -> Any:
+    return partial(sweep_example.capped, cap=cap)
+
+
+def test_sweeps_of_parameters_that_only_compare_as_equal_are_told_apart(tmp_path: Path) -> None:
+    out = tmp_path / "t.csv"
+    signs = [
+        sweep(_with(cap), {"c": [1.0]}, workers=1, out=out, resume=True)["sign"].tolist()
+        for cap in (0.0, -0.0, 0, -0.0)
+    ]
+    assert signs == [[1.0], [-1.0], [1.0], [-1.0]]
+    named = [parameters_of(_with(cap))["cap"] for cap in (1 + 2j, [1.0, 2.0], math.inf, "inf")]
+    assert len({json.dumps(each, allow_nan=False) for each in named}) == 4
+    with Store(tmp_path / "s.part", {"cap": 0.0}, resume=False) as store:
+        store.add("0", [])
+    with pytest.raises(ParameterError, match=r"cap: 0\.0 there, -0\.0 here"):
+        Store(tmp_path / "s.part", {"cap": -0.0}, resume=True)
+
+
+@pytest.mark.parametrize("cap", [math.inf, -math.inf, math.nan])
+def test_the_sweep_of_a_function_that_holds_no_finite_number_is_stored(
+    cap: float, tmp_path: Path
+) -> None:
+    out = tmp_path / "t.csv"
+    tables = [sweep(_with(cap), {"c": [1.0]}, workers=1, out=out, resume=True) for _ in range(2)]
+    assert tables[0].seconds == tables[1].seconds
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz", "zarr"])
+@pytest.mark.parametrize("points", [[], {"c": []}])
+def test_a_sweep_over_no_points_is_an_empty_table_in_every_format(
+    points: Any, ending: str, tmp_path: Path
+) -> None:
+    for package in ("pandas", "xarray", "zarr"):
+        pytest.importorskip(package)
+    table = sweep(_with(1.0), points, workers=1, out=tmp_path / f"t.{ending}")
+    assert (len(table), len(table.to_pandas()), dict(table.to_xarray().sizes)) == (0, 0, {})
 
 
 @pytest.mark.parametrize("body", [

@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from verification.execution.digest import digest_of_code
+from verification.execution.digest import digest_of, digest_of_code
 from verification.execution.imports import SOURCES
 
 TOOLKIT = "excitation-fronts"
@@ -198,7 +198,7 @@ def differences(found: Mapping[str, Any], here: Mapping[str, Any]) -> str:
     parts = []
     for name in sorted({*found, *here}):
         there, ours = found.get(name), here.get(name)
-        if there == ours:
+        if digest_of(there) == digest_of(ours):  # 1 is not 1.0, and 0.0 not -0.0
             continue
         if isinstance(there, Mapping) and isinstance(ours, Mapping):
             inner = differences(there, ours)

@@ -228,7 +228,7 @@ class Store:
                 f"store {self._path}", "left by an interrupted run", "absent when a run begins",
                 "resume it (--resume), or remove it",
             )  # fmt: skip
-        if found != self._identity:
+        if digest_of(found) != digest_of(self._identity):
             said = differences(found, self._identity)
             raise self._refusal(
                 "of another run", f"of the same function, parameters, code and versions ({said})"

@@ -27,6 +27,7 @@ import numpy as np
 from theory.parameters import ParameterError, need_instance, truth
 from theory.result import is_cell
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
+from verification.execution.digest import digest_of
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import COMMAND_LINE, Metadata
 from verification.execution.points import (
@@ -181,7 +182,7 @@ def sweep(
             metadata=metadata,
             seconds=time.perf_counter() - begin,
             resumed=resumed,
-            axes=asked.distinct_axes if isinstance(asked, Grid) else (),
+            axes=asked.distinct_axes if isinstance(asked, Grid) and len(asked) else (),
             dims=found.dims,
         )
         if out is not None and store is not None:
@@ -206,7 +207,9 @@ def _finished(
 ) -> Table | None:
     """Return the table of an earlier session, if there is one of the same sweep."""
     table = load_table(out)
-    if table is None or table.metadata is None or _identity(table.metadata) != _identity(metadata):
+    if table is None or table.metadata is None:
+        return None
+    if digest_of(_identity(table.metadata)) != digest_of(_identity(metadata)):
         return None
     shapes = {name: column.shape[1:] for name, column in table.arrays.items()}
     return replace(table, dims=named_dims(shapes, dims))

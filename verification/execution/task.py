@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from argparse import Namespace
 from collections.abc import Mapping
 from enum import Enum
@@ -68,15 +69,18 @@ def parameters_of(task: object) -> Any:
         inner = parameters_of(_held(task))
         return {"is": task_name(task), **inner} if inner or _is_dataclass(task) else task_name(task)
     if isinstance(task, complex):
-        return [task.real, task.imag]
+        return {"complex": [parameters_of(task.real), parameters_of(task.imag)]}
     try:
-        return task if task is None else plain(task)
+        value = task if task is None else plain(task)
     except TypeError:
         raise ParameterError(
             "function", f"one that holds a {type(task).__name__}",
             "one that holds numbers, words and their collections where its results are stored",
             "give its parameters as fields of a frozen dataclass",
         ) from None  # fmt: skip
+    if isinstance(value, float) and not math.isfinite(value):  # which JSON does not have
+        return {"number": str(value)}
+    return value
 
 
 def _is_dataclass(task: object) -> bool:

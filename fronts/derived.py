@@ -96,7 +96,9 @@ def _computed(
             if along is not None:  # what follows a branch reads one chain; both ends are checked
                 values = values_of(fields[along])
                 ends = _along(bound, fields, along, [values[0], values[-1]])
-                found = located(traced)(ends, along, values, **arguments) if traced else None
+                found = None
+                if traced:
+                    found = located(traced)(ends, along, values, progress=progress, **arguments)
                 if found is None:
                     from fronts.curves import curve
 

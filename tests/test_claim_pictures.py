@@ -185,7 +185,8 @@ def diagram() -> Any:
     v_d = np.linspace(0.9, 2.0, 12)
     both = np.stack([-v_d, v_d], axis=1)
     return SimpleNamespace(v_d=v_d, stable=3.0 * both, unstable=2.0 * both, sliding=0.5 * v_d,
-                           end=1.95, hopf_velocity=0.95, sliding_stable=v_d > 0.95)  # fmt: skip
+                           cycle_end_velocity=1.95, hopf_velocity=0.95,
+                           sliding_stable=v_d > 0.95)  # fmt: skip
 
 
 def test_turning_points_of_both_cycles_are_drawn_on_both_sides() -> None:

@@ -9,6 +9,7 @@ import re
 import shlex
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import process_time
 from types import SimpleNamespace
@@ -27,7 +28,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from theory.result import Result
-from verification.cells import friction_cycles
+from verification.cells import friction, friction_cycles
 from verification.cells.cell import cell
 from verification.cells.diagram import bifurcation, cell_diagram
 from verification.cells.friction import (
@@ -592,25 +593,103 @@ def test_extreme_cells_have_answers_that_agree_with_themselves(cell: FrictionCel
 
 
 def test_the_diagram_is_the_cells_one_by_one() -> None:
+    """With the error of each, which bounds the difference from a computation of another kind."""
     diagram = cell_diagram(CELL, [1.0, 1.3, 1.7, 2.0])
     for i in (1, 2):
         orbits = friction_cell(replace(CELL, v_d=float(diagram.v_d[i])))
         assert orbits.hopf_velocity == CELL.hopf_velocity
-        assert orbits.stable_cycle is not None
-        assert orbits.unstable_cycle is not None
-        errors = orbits.stable_cycle.error, orbits.unstable_cycle.error, orbits.cycle_end_error
+        stable, unstable = orbits.stable_cycle, orbits.unstable_cycle
+        assert stable is not None
+        assert unstable is not None
+        errors = stable.error, unstable.error, orbits.cycle_end_error
         assert orbits.error == max(errors)
-        assert diagram.stable[i, 1] == pytest.approx(orbits.stable_cycle.max, abs=1e-8)
-        assert diagram.multiplier[i] == pytest.approx(orbits.unstable_cycle.multiplier, rel=1e-4)
-        assert diagram.unstable[i, 0] == pytest.approx(orbits.unstable_cycle.min, abs=1e-8)
+        assert diagram.stable[i].tolist() == [stable.min, stable.max]
+        assert diagram.stick_time[i] == stable.stick_time
+        assert diagram.unstable[i].tolist() == [unstable.min, unstable.max]
+        assert diagram.multiplier[i] == unstable.multiplier
+        assert (diagram.stable_error[i], diagram.unstable_error[i]) == errors[:2]
+        assert diagram.multiplier_error[i] == unstable.multiplier_error
+        ends = orbits.cycle_end_velocity, orbits.cycle_end_error
+        assert (diagram.cycle_end_velocity, diagram.cycle_end_error) == ends
     assert np.isnan(diagram.unstable[[0, 3]]).all()
+    assert np.isnan(diagram.unstable_error).tolist() == [True, False, False, True]
+    assert np.isnan(diagram.stable_error).tolist() == [False, False, False, True]
     assert np.isnan(diagram.stable[3]).all()
     dry = cell_diagram(FrictionCell(law="coulomb", xi=0.01), [0.5])
     assert (np.isnan(dry.stable).any(), np.isnan(dry.unstable).all()) == (False, True)
     again = bifurcation([CELL], "v_d", [1.0, 1.3])
     assert again is not None
-    assert again.stable == pytest.approx(diagram.stable[:2])
+    assert again.stable.tolist() == diagram.stable[:2].tolist()
     assert bifurcation([CELL], "xi", [0.1, 0.2]) is None
+
+
+def test_the_errors_of_a_diagram_are_in_every_form_of_it(tmp_path: Path) -> None:
+    """Of a coarse one they bound the differences from a fine one."""
+    line = "cell friction --v-d 1.2:2:5 --tolerance"
+    rough, fine = (tmp_path / f"{each}.json" for each in ("rough", "fine"))
+    assert main(shlex.split(f"{line} 1e-7 --out {rough} --out {tmp_path / 'rough.csv'}")) == 0
+    assert main(shlex.split(f"{line} 1e-13 --out {fine}")) == 0
+    found, exact = (json.loads(each.read_text()) for each in (rough, fine))
+    gap = abs(found["cycle_end_velocity"] - exact["cycle_end_velocity"])
+    assert 0.0 < gap <= found["cycle_end_error"]
+    for error, names in (
+        ("stable_error", ("stable_min", "stable_max", "stick_time")),
+        ("unstable_error", ("unstable_min", "unstable_max")),
+    ):
+        for i, bound in enumerate(found[error]):
+            gaps = [abs(found[name][i] - exact[name][i]) for name in names if found[name][i]]
+            assert (bound is None) == (not gaps)
+            assert not gaps or max(gaps) <= bound
+    head = (tmp_path / "rough.csv").read_text().splitlines()[0].split(",")
+    assert {"stable_error", "unstable_error"} <= {*head}
+
+
+def test_a_search_that_takes_minutes_reports_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At strong damping each slip phase takes a second; the phases are counted."""
+    slips: list[float] = []
+
+    def counted(cell: FrictionCell, tolerance: float) -> float:
+        slips.append(cell.v_d)
+        return friction_cycles.largest_after_release(cell, tolerance)
+
+    monkeypatch.setattr(friction, "largest_after_release", counted)
+    for compute in (
+        partial(cell, replace(CELL, v_d=1.3)),
+        partial(cell_diagram, CELL, [1.2, 1.3, 1.4]),
+        partial(bifurcation, [CELL], "v_d", [1.2, 1.3, 1.4]),
+    ):
+        slips.clear()
+        reports: list[float] = []
+        compute(tolerance=1e-8, progress=reports.append)
+        assert len(reports) > 0.8 * len(slips)  # the error of the end takes five phases more
+        assert reports == sorted(reports)
+        assert 0.0 < reports[0] < 0.1
+        assert reports[-1] <= 1.0
+
+
+def test_the_end_of_relaxation_cycles_is_known_to_its_error_and_not_better() -> None:
+    """What follows a slow creep changes abruptly with v_d; the sign of the excess does there."""
+    for relaxing in (FrictionCell(xi=100.0, v0=1e-3), FrictionCell(xi=30.0, v0=1e-4)):
+        limits = friction.cycle_limits(relaxing)
+        assert 0.0 < limits.error < 1e-10 * limits.end
+        inside, outside = (
+            friction_cycles.largest_after_release(replace(relaxing, v_d=limits.end + each), 1e-13)
+            for each in (-limits.error, limits.error)
+        )
+        assert inside > 0.0 > outside
+        assert limits.end > relaxing.hopf_velocity
+
+
+def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
+    """It had counted as slip that ends in steady sliding, so that the cycles ended too early."""
+    cell = FrictionCell(xi=5.0, v0=0.01, v_d=0.001)
+    assert friction_cycles.largest_after_release(cell, 1e-8) > 0.0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(friction_cycles, "_LONGEST", 2.0)  # it creeps for a time of about 2ξ
+        with pytest.raises(ParameterError, match="slip after a release ends within 2 time units"):
+            friction_cycles.largest_after_release(cell, 1e-8)
+    sliding = FrictionCell(xi=1.2, v0=10.0, v_d=1.0)  # neither turns nor creeps: it has settled
+    assert friction_cycles.largest_after_release(sliding, 1e-8) <= 0.0
 
 
 def test_a_curve_of_cells_has_the_tolerance_that_is_documented() -> None:

@@ -34,7 +34,8 @@ def draw_bifurcation(axes: Axes, diagram: Bifurcation) -> None:
         if chosen.any():
             sliding = np.where(chosen, diagram.sliding, np.nan)  # a gap in between
             axes.plot(diagram.v_d, sliding, line, color=black, label=label)
-    for name, velocity, line in (("Hopf", hopf, "-"), ("grazing", diagram.end, "-.")):
+    grazing = diagram.cycle_end_velocity
+    for name, velocity, line in (("Hopf", hopf, "-"), ("grazing", grazing, "-.")):
         if diagram.v_d[0] < velocity < diagram.v_d[-1]:
             axes.axvline(
                 velocity, color="0.5", lw=0.6, ls=line, label=f"{name}, $v_d$ = {velocity:.5g}"

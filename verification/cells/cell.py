@@ -13,10 +13,16 @@ from verification.cells.friction import friction_cell
 from verification.cells.oscillator import oscillator_cell
 from verification.cells.result import TOLERANCE, Cell
 from verification.cells.vdp import averaged_cell, vdp_cell
+from verification.execution.progress import ProgressCallback
 
 
 @with_ranges(friction=friction.TOLERANCES, shooting=shooting.TOLERANCES)
-def cell(of: FrictionCell | Chain, *, tolerance: float = TOLERANCE) -> Cell:
+def cell(
+    of: FrictionCell | Chain,
+    *,
+    tolerance: float = TOLERANCE,
+    progress: ProgressCallback | None = None,
+) -> Cell:
     """Return rest, cycles and basin of one cell, given directly or taken from a chain.
 
     Parameters
@@ -28,6 +34,9 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = TOLERANCE) -> Cell:
         Local error of the integration relative to the size of the cycle, {friction} (friction)
         or {shooting} (otherwise); the cell of (43) does not depend on it. The stated errors are at
         least the differences from results at a hundred times this tolerance.
+    progress : callable, optional
+        Called at intervals with the fraction done of a friction cell, which takes minutes at strong
+        damping.
 
     Returns
     -------
@@ -59,7 +68,7 @@ def cell(of: FrictionCell | Chain, *, tolerance: float = TOLERANCE) -> Cell:
     if isinstance(of, FrictionChain):
         of = of.cell
     if isinstance(of, FrictionCell):
-        return friction_cell(of, tolerance)
+        return friction_cell(of, tolerance, progress=progress)
     if isinstance(of, VdpChain):
         return vdp_cell(of.a, of.b, of.eps, tolerance)
     if isinstance(of, AveragedChain):

@@ -14,9 +14,9 @@ from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from theory.parameters import count_within
 from theory.result import Result, plain
-from verification.cells.friction import cycle_velocities
-from verification.cells.friction_cycles import check_slip_cycles, stick_slip_once, unstable_once
-from verification.cells.result import TOLERANCE
+from verification.cells.friction import cycle_limits, friction_cell
+from verification.cells.result import TOLERANCE, CellCycle
+from verification.execution.progress import ProgressCallback, of_part
 
 MAX_VELOCITIES = 2000
 """Largest number of velocities in one diagram on the command line."""
@@ -37,12 +37,14 @@ class Bifurcation(Result):
     stable, unstable : ndarray, shape (M, 2)
         Smallest and largest y of the cycles; nan where there is none, as for an unstable one under
         Coulomb's law.
+    stable_error, unstable_error : ndarray, shape (M,)
+        Errors of the cycles, as in `CellCycle`: of both turning points and of ``stick_time``.
     stick_time : ndarray, shape (M,)
         Duration of stick on the stable cycle.
-    multiplier : ndarray, shape (M,)
-        Multiplier of the unstable cycle.
-    end : float
-        Velocity at which both cycles end; infinite if they never do, 0 if there are none.
+    multiplier, multiplier_error : ndarray, shape (M,)
+        Multiplier of the unstable cycle and its error; nan where it is not resolved.
+    cycle_end_velocity, cycle_end_error : float
+        Velocity at which both cycles end, and its error, as in `BeltCell`.
     seconds : float
         Run time.
     """
@@ -53,10 +55,14 @@ class Bifurcation(Result):
     v_d: FloatArray
     sliding: FloatArray
     stable: FloatArray
+    stable_error: FloatArray
     unstable: FloatArray
+    unstable_error: FloatArray
     stick_time: FloatArray
     multiplier: FloatArray
-    end: float
+    multiplier_error: FloatArray
+    cycle_end_velocity: float
+    cycle_end_error: float
     seconds: float
 
     @property
@@ -78,24 +84,35 @@ class Bifurcation(Result):
             "stable_min": self.stable[:, 0],
             "stable_max": self.stable[:, 1],
             "stick_time": self.stick_time,
+            "stable_error": self.stable_error,
             "unstable_min": self.unstable[:, 0],
             "unstable_max": self.unstable[:, 1],
+            "unstable_error": self.unstable_error,
         }
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the two limits of the belt velocity, the columns, and ``seconds``."""
+        """Return the limits of the belt velocity with their error, the columns, and ``seconds``."""
         return {
             "hopf_velocity": plain(self.hopf_velocity),
-            "cycle_end_velocity": plain(self.end),
+            "cycle_end_velocity": plain(self.cycle_end_velocity),
+            "cycle_end_error": plain(self.cycle_end_error),
             **plain(self.columns()),
             "seconds": self.seconds,
         }
 
 
 def cell_diagram(
-    cell: FrictionCell, velocities: Sequence[float], tolerance: float = TOLERANCE
+    cell: FrictionCell,
+    velocities: Sequence[float],
+    tolerance: float = TOLERANCE,
+    progress: ProgressCallback | None = None,
 ) -> Bifurcation:
     """Return both cycles at every belt velocity, with the other parameters as in ``cell``.
+
+    Raises
+    ------
+    ParameterError
+        If `verification.cells.friction.friction_cell` refuses one of the cells.
 
     Examples
     --------
@@ -104,35 +121,34 @@ def cell_diagram(
     ([False, False, True], [True, False, True])
     """
     begin = perf_counter()
-    count = len(velocities)
-    stable, unstable = np.full((count, 2), np.nan), np.full((count, 2), np.nan)
-    stick, growth, sliding = np.full(count, np.nan), np.full(count, np.nan), np.zeros(count)
-    first, end = cycle_velocities(cell, tolerance)
-    smooth = cell.law is not FrictionLaw.COULOMB
-    for i, v_d in enumerate(velocities):
-        here = replace(cell, v_d=v_d)
-        sliding[i] = here.steady_sliding
-        if here.law is FrictionLaw.STRIBECK:
-            check_slip_cycles(here, tolerance)
-        cycle = stick_slip_once(here, tolerance) if first <= v_d < end else None
-        if cycle is None:
-            continue
-        stable[i], stick[i] = (cycle.min, cycle.max), cycle.stick_time
-        other = unstable_once(here, tolerance) if smooth else None
-        if other is not None:
-            unstable[i] = other.min, other.max
-            growth[i] = np.nan if other.multiplier is None else other.multiplier
+    limits = cycle_limits(cell, tolerance, of_part(progress, 0, 2))
+    cells = []
+    for at, v_d in enumerate(velocities):
+        cells.append(friction_cell(replace(cell, v_d=v_d), tolerance, limits=limits))
+        of_part(progress, 1, 2)((at + 1) / len(velocities))
+    stable = [each.stable_cycle for each in cells]
+    unstable = [each.unstable_cycle for each in cells]
     return Bifurcation(
         cell=cell,
         v_d=np.asarray(velocities, dtype=float),
-        sliding=sliding,
-        stable=stable,
-        unstable=unstable,
-        stick_time=stick,
-        multiplier=growth,
-        end=end,
+        sliding=np.array([each.steady_sliding for each in cells]),
+        stable=np.stack([_column(stable, "min"), _column(stable, "max")], axis=1),
+        stable_error=_column(stable, "error"),
+        unstable=np.stack([_column(unstable, "min"), _column(unstable, "max")], axis=1),
+        unstable_error=_column(unstable, "error"),
+        stick_time=_column(stable, "stick_time"),
+        multiplier=_column(unstable, "multiplier"),
+        multiplier_error=_column(unstable, "multiplier_error"),
+        cycle_end_velocity=limits.end,
+        cycle_end_error=limits.error,
         seconds=perf_counter() - begin,
     )
+
+
+def _column(cycles: Sequence[CellCycle | None], name: str) -> FloatArray:
+    """Return an attribute of each cycle; nan where there is no cycle, or it has none."""
+    found = (None if each is None else getattr(each, name) for each in cycles)
+    return np.array([np.nan if each is None else each for each in found])
 
 
 def bifurcation(
@@ -149,7 +165,7 @@ def bifurcation(
     values : sequence of float
         Values of this parameter.
     **options
-        Options of `verification.cells.cell.cell`; the diagram uses its tolerance.
+        Options of `verification.cells.cell.cell`: the tolerance and the progress callback.
 
     Raises
     ------
@@ -159,4 +175,6 @@ def bifurcation(
     if along != "v_d":
         return None
     count_within("number of velocities", len(values), 2, MAX_VELOCITIES)
-    return cell_diagram(cells[0], values, options.get("tolerance", TOLERANCE))
+    return cell_diagram(
+        cells[0], values, options.get("tolerance", TOLERANCE), options.get("progress")
+    )

@@ -8,7 +8,9 @@ release just touches ẏ = v_d when it returns to that same point.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from itertools import count
 from time import perf_counter
 
 import numpy as np
@@ -27,6 +29,7 @@ from verification.cells.friction_cycles import (
     unstable_once,
 )
 from verification.cells.result import TOLERANCE, BeltCell, CellCycle, CellStatus
+from verification.execution.progress import ProgressCallback, of_part
 from verification.runs.comparison import COARSER
 
 TOLERANCES = Range(1e-14, 1e-4)
@@ -41,10 +44,36 @@ _FAR = 3.0
 _SLOW, _CERTAIN = 1e-5, 1e-3
 """Values of v_d/v_s: below the first, round-off decides the energy gained in slip; from the second
 on it does not."""
+_SLIPS = 90
+"""Expected number of slip phases in a search for the limits of v_d, for the fraction reported."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CycleLimits:
+    """Belt velocities between which there is a stick-slip cycle; see :func:`cycle_velocities`.
+
+    Attributes
+    ----------
+    first, end : float
+        The limits.
+    error : float
+        The larger of their differences from a computation at a hundred times the tolerance, but at
+        least the effect of round-off on ``end``; infinite if no bound is known.
+    """
+
+    first: float
+    end: float
+    error: float
 
 
 @with_ranges(tolerance=TOLERANCES)
-def friction_cell(cell: FrictionCell, tolerance: float = TOLERANCE) -> BeltCell:
+def friction_cell(
+    cell: FrictionCell,
+    tolerance: float = TOLERANCE,
+    *,
+    limits: CycleLimits | None = None,
+    progress: ProgressCallback | None = None,
+) -> BeltCell:
     """Return the cycles of a cell, and the velocities at which they end.
 
     Parameters
@@ -53,6 +82,10 @@ def friction_cell(cell: FrictionCell, tolerance: float = TOLERANCE) -> BeltCell:
         Parameters.
     tolerance : float
         Local error, {tolerance}.
+    limits : CycleLimits, optional
+        Those of :func:`cycle_limits`, which do not depend on v_d, if they are known.
+    progress : callable, optional
+        Called at intervals with the fraction done: at strong damping the limits take minutes.
 
     Examples
     --------
@@ -75,10 +108,10 @@ def friction_cell(cell: FrictionCell, tolerance: float = TOLERANCE) -> BeltCell:
         )  # fmt: skip
     within("tolerance", tolerance, *TOLERANCES)
     within("belt velocity v_d", cell.v_d, _SLOWEST_BELT, LARGEST)
-    limits = cycle_velocities(cell, tolerance)
-    coarse_limits = cycle_velocities(cell, COARSER * tolerance)
-    first, end = limits
-    stable = stick_slip_cycle(cell, tolerance) if first <= cell.v_d < end else None
+    if limits is None:
+        limits = cycle_limits(cell, tolerance, progress)
+    in_range = limits.first <= cell.v_d < limits.end
+    stable = stick_slip_cycle(cell, tolerance) if in_range else None
     sliding_stable = cell.effective_damping > 0.0
     if cell.law is FrictionLaw.STRIBECK:
         check_slip_cycles(cell, tolerance)
@@ -90,11 +123,6 @@ def friction_cell(cell: FrictionCell, tolerance: float = TOLERANCE) -> BeltCell:
         status = CellStatus.SLIDING
     else:
         status = CellStatus.BISTABLE if sliding_stable else CellStatus.CYCLE
-    pairs = zip(limits, coarse_limits, strict=True)
-    gaps = (0.0 if one == other else abs(one - other) for one, other in pairs)
-    end_error = max(*gaps, _rounding_of_end(cell, end, tolerance))
-    if not _ends_below(cell, end + _FAR * end_error, tolerance):
-        end_error = math.inf
     return BeltCell(
         model="friction",
         cell=cell,
@@ -105,12 +133,28 @@ def friction_cell(cell: FrictionCell, tolerance: float = TOLERANCE) -> BeltCell:
         stable_cycle=stable,
         unstable_cycle=unstable,
         hopf_velocity=0.0 if coulomb else cell.hopf_velocity,
-        cycle_begin_velocity=first,
-        cycle_end_velocity=end,
-        cycle_end_error=end_error,
+        cycle_begin_velocity=limits.first,
+        cycle_end_velocity=limits.end,
+        cycle_end_error=limits.error,
         grazing=grazing_slip(cell) if coulomb and separated else None,
         seconds=perf_counter() - begin,
     )
+
+
+def cycle_limits(
+    cell: FrictionCell, tolerance: float = TOLERANCE, progress: ProgressCallback | None = None
+) -> CycleLimits:
+    """Return the limits of :func:`cycle_velocities` with their error; they do not depend on v_d."""
+    limits, coarse = (
+        cycle_velocities(cell, each, of_part(progress, part, 2))
+        for part, each in enumerate((tolerance, COARSER * tolerance))
+    )
+    gaps = (0.0 if a == b else abs(a - b) for a, b in zip(limits, coarse, strict=True))
+    first, end = limits
+    error = max(*gaps, _rounding_of_end(cell, end, tolerance))
+    if not _ends_below(cell, end + _FAR * error, tolerance):
+        error = math.inf
+    return CycleLimits(first=first, end=end, error=error)
 
 
 def stick_slip_cycle(cell: FrictionCell, tolerance: float = TOLERANCE) -> CellCycle | None:
@@ -134,7 +178,9 @@ def cycle_end_velocity(cell: FrictionCell, tolerance: float = TOLERANCE) -> floa
     return cycle_velocities(cell, tolerance)[1]
 
 
-def cycle_velocities(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[float, float]:
+def cycle_velocities(
+    cell: FrictionCell, tolerance: float = TOLERANCE, progress: ProgressCallback | None = None
+) -> tuple[float, float]:
     """Return the limits of v_d between which there is a stick-slip cycle; both 0 if there is none.
 
     At the limits the slip phase from release just touches ẏ = v_d. The upper limit is infinite for
@@ -150,16 +196,21 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[
     >>> first, stick_slip_cycle(FrictionCell(v_d=0.9999 * end)).stick_time < 0.03
     (0.0, True)
     """
+    slips = count(1)
 
     def excess(v_d: float) -> float:
-        return largest_after_release(replace(cell, v_d=v_d), tolerance)
+        found = largest_after_release(replace(cell, v_d=v_d), tolerance)
+        done = next(slips)
+        if progress is not None:
+            progress(done / max(_SLIPS, done + 1))
+        return found
 
     first, low = 0.0, 1e-3 * min(1.0, cell.curve.scale)
     if cell.law is FrictionLaw.STRIBECK:
-        hopf = cell.curve.unstable_sliding(2.0 * cell.xi)
-        begin = min(low, 0.5 * hopf.low or low)
-        if hopf.low < _SLOW * cell.v_s < hopf.high:
-            first, begin = hopf.low, _CERTAIN * cell.v_s
+        sliding = cell.curve.unstable_sliding(2.0 * cell.xi)
+        begin = min(low, 0.5 * sliding.low or low)
+        if sliding.low < _SLOW * cell.v_s < sliding.high:
+            first, begin = sliding.low, _CERTAIN * cell.v_s
         tried = np.geomspace(begin, _FASTEST_STRIBECK * cell.v_s, _TRIED)
         above = [float(v_d) for v_d in tried if excess(float(v_d)) > 0.0]
         if not above:
@@ -167,8 +218,12 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[
         low = above[0]
         if low > tried[0]:
             below = float(tried[np.searchsorted(tried, low) - 1])
-            first = float(brentq(excess, below, low, xtol=1e-15, rtol=9e-16))
+            first = _zero(excess, below, low)
     else:
+        # While sliding is unstable, slip grows until it sticks, so the cycle ends above.
+        hopf = 0.0 if cell.law is FrictionLaw.COULOMB else cell.hopf_velocity
+        if _SLOWEST_BELT <= hopf <= LARGEST and excess(hopf) > 0.0:
+            low = hopf
         while excess(low) <= 0.0:
             if low < _SLOWEST_BELT:
                 return 0.0, 0.0
@@ -180,11 +235,20 @@ def cycle_velocities(cell: FrictionCell, tolerance: float = TOLERANCE) -> tuple[
         if high == LARGEST:
             return first, math.inf
         low, high = high, min(1.25 * high, LARGEST)
-    return first, float(brentq(excess, low, high, xtol=1e-15, rtol=9e-16))
+    return first, _zero(excess, low, high)
+
+
+def _zero(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Return a velocity at which the excess changes sign, to a relative accuracy of 2e-15."""
+    return float(brentq(excess, low, high, xtol=1e-15 * low, rtol=9e-16))
 
 
 def _rounding_of_end(cell: FrictionCell, end: float, tolerance: float) -> float:
     """Return how far round-off of the slip phase moves the velocity at which the cycles end.
+
+    It is at least the accuracy of the search, and what round-off of y amounts to in μ(v_d).
+    Relaxation oscillations (large ξ, small v₀) end abruptly, where μ' is about -(2ξ + κ), so that
+    the slip phases on either side do not show it.
 
     It is infinite if round-off hides how the grazing depends on the velocity (ξ of some 1e-13).
     Under Coulomb's law slip is linear, and runs at both tolerances take the same steps; where
@@ -200,7 +264,9 @@ def _rounding_of_end(cell: FrictionCell, end: float, tolerance: float) -> float:
     rounding = ROUND_OFF * (end + abs(replace(cell, v_d=end).release))
     if below - above < 2.0 * rounding:
         return math.inf
-    return 2.0 * _BESIDE * end * rounding / (below - above)
+    drag = max(1.0, 2.0 * cell.xi + cell.viscous)
+    slope = (below - above) / (2.0 * _BESIDE * end)
+    return max(ROUND_OFF * end, rounding / drag, rounding / slope)
 
 
 def _ends_below(cell: FrictionCell, v_d: float, tolerance: float) -> bool:

@@ -24,6 +24,9 @@ from verification.steppers import friction_cell_phase as phases
 from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room, taylor_order
 
 _LONGEST = 1e4
+"""Time after which a slip phase is abandoned."""
+_SETTLED = 1e-9
+"""Part of the distance between release and steady sliding below which slip has settled there."""
 _NO_CREEP = phases.Creep(sliding=0.0, lowest=0.0, rising=0.0, falling=0.0)
 _MAX_TURNS = 100
 ROUND_OFF = 1e-14
@@ -122,8 +125,22 @@ def _local(cell: FrictionCell, tolerance: float) -> float:
 
 
 def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
-    """Return the first maximum of ẏ - v_d after release; negative if there is none."""
-    t, _, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance=tolerance)
+    """Return the first maximum of ẏ - v_d after release; negative if there is none.
+
+    Raises
+    ------
+    ParameterError
+        If slip still creeps on after the longest time, so that it is not known what follows.
+    """
+    t, y, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance=tolerance)
+    far = abs(y - cell.steady_sliding) > _SETTLED * abs(cell.release - cell.steady_sliding)
+    if t == phases.ABANDONED and w <= 0.0 and far:
+        drag = 2.0 * cell.xi + cell.viscous
+        raise ParameterError(
+            "damping 2 xi + viscous", f"{drag:g} at v0 or v_s = {cell.curve.scale:g}",
+            f"so weak that slip after a release ends within {_LONGEST:g} time units",
+            "take less damping, or a larger reference velocity",
+        )  # fmt: skip
     return w if t >= 0.0 or w > 0.0 else -cell.v_d
 
 

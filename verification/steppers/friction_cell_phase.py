@@ -36,8 +36,8 @@ HIGHEST, LOWEST, TOUCH, FASTEST, SLOWEST = 0, 1, 2, 3, 4
 """Ends of a phase: ẏ falls through 0; ẏ rises through 0; ẏ rises to v_d; ẏ stops rising; ẏ stops
 falling. With the signs of y, w and v_d reversed it is a phase of forward slip."""
 
-FAILED = -1.0
-"""Time returned if the end is not reached."""
+FAILED, ABANDONED = -1.0, -2.0
+"""Times returned if the end does not follow, and if it was not reached within the longest time."""
 
 
 class Creep(NamedTuple):
@@ -98,6 +98,8 @@ class Phase(NamedTuple):
 def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
     """Return τ, y and w = ẏ - v_d where a backward slip phase first meets its end condition.
 
+    If it does not, they are FAILED or ABANDONED and the last state.
+
     Parameters
     ----------
     phase : Phase
@@ -148,7 +150,7 @@ def _follow(phase: Phase, found: FloatArray) -> None:
             return
         armed = armed or after > 0.0
         t += h
-    found[0] = FAILED
+    found[0] = FAILED if t < longest else ABANDONED
 
 
 @inner

@@ -67,12 +67,7 @@ def in_words(result: Result, payload: Mapping[str, Any] | None = None) -> str:
             rows = [_judged(row) for row in rows]
         listed = {"points", *(name for name in columns if isinstance(entries.get(name), list))}
         entries = {"points": rows} | {n: v for n, v in entries.items() if n not in listed}
-    for name in [name for name, value in entries.items() if value is None]:
-        # JSON has no infinity, but an error that is not known must not pass for none.
-        if name.endswith("error") and getattr(result, name, None) == math.inf:
-            of = [each for each in entries if error_name(each, entries) == name]
-            if not of or any(entries[each] is not None for each in of):
-                entries[name] = math.inf
+    entries = _with_unknown_errors(result, entries)
     shown = [name for name, value in entries.items() if not _empty(value)]
     shown.sort(key=lambda name: name in _LAST)
     return "\n".join([*head, *_lines({name: entries[name] for name in shown}, result.units)])
@@ -82,6 +77,34 @@ def rows_of(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of columns that are arrays."""
     lists = [column.tolist() for column in columns.values()]
     return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
+
+
+def _with_unknown_errors(result: Any, entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Return entries with the errors that are infinite, also of results within this one.
+
+    JSON has no infinity, but an error that is not known must not pass for none.
+    """
+    found = dict(entries)
+    for name, value in entries.items():
+        held = getattr(result, name, None)
+        if value is None and name.endswith("error") and held == math.inf:
+            of = [each for each in entries if error_name(each, entries) == name]
+            if not of or any(entries[each] is not None for each in of):
+                found[name] = math.inf
+        elif isinstance(value, dict) and isinstance(held, Result):
+            found[name] = _with_unknown_errors(held, value)
+        elif isinstance(value, dict) and isinstance(held, Mapping) and len(held) == len(value):
+            pairs = zip(value.items(), held.values(), strict=True)
+            found[name] = {
+                key: _with_unknown_errors(part, each) if isinstance(part, Result) else each
+                for (key, each), part in pairs
+            }
+        elif isinstance(value, list) and isinstance(held, tuple) and len(held) == len(value):
+            found[name] = [
+                _with_unknown_errors(part, each) if isinstance(part, Result) else each
+                for each, part in zip(value, held, strict=True)
+            ]
+    return found
 
 
 def _judged(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -129,7 +152,8 @@ def table_lines(
     r"""Yield the lines of a table of rows, or of several tables where one would be too wide.
 
     Missing values are shown as a dash. There is no column for lists and mappings, nor for the error
-    of a number in another column, since the digits of that number show it.
+    of a number in another column, since the digits of that number show it, unless the error of one
+    is not known.
 
     Examples
     --------
@@ -140,7 +164,11 @@ def table_lines(
       0.2      -
     """
     columns: list[list[str]] = []
-    beside = {f"{name}_error" for name in rows[0]}
+    beside = {
+        error
+        for name in rows[0]
+        if all(row.get(error := f"{name}_error") != math.inf for row in rows)
+    }
     for name in rows[0]:
         if name in beside or all(
             _empty(row[name]) or isinstance(row[name], (list, dict)) for row in rows

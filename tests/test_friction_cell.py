@@ -8,7 +8,7 @@ import math
 import re
 import shlex
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from time import process_time
@@ -22,7 +22,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fronts.cli import main
-from fronts.wording import in_words
+from fronts.curves import Curve
+from fronts.wording import in_words, table_lines
 from theory.cells.friction import FrictionCell, friction_coefficient, friction_force, friction_slope
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
@@ -40,7 +41,7 @@ from verification.cells.friction import (
     unstable_cycle,
 )
 from verification.cells.friction_cycles import grazing_slip, unstable_once
-from verification.cells.result import CellStatus
+from verification.cells.result import Cell, CellStatus, OwnCell
 from verification.cells.vdp import vdp_cell
 from verification.references.friction_events import run_events
 from verification.steppers import friction_cell_phase as phases
@@ -802,6 +803,34 @@ def test_an_end_whose_error_is_not_known_is_printed_so(capsys: pytest.CaptureFix
     assert main(shlex.split("cell friction --xi 1e-13")) == 0
     shown = capsys.readouterr().out
     assert re.search(r"^cycle_end_error +inf$", shown, re.MULTILINE)
+
+
+def test_errors_within_a_result_that_are_not_known_are_printed_too() -> None:
+    """Of cycles of a cell, of the points of a curve and of its rows: JSON has null for infinity."""
+    found = friction_cell(replace(CELL, v_d=1.3), 1e-8)
+    assert found.stable_cycle is not None
+    stable = replace(found.stable_cycle, error=math.inf)
+    unknown = replace(found, stable_cycle=stable)
+    assert unknown.to_dict()["stable_cycle"]["error"] is None
+    (line,) = (each for each in in_words(unknown).splitlines() if each.startswith("stable_cycle"))
+    assert "error inf" in line
+    assert "error inf" not in in_words(found)
+    several = OwnCell(
+        **{f.name: getattr(found, f.name) for f in fields(Cell)},
+        cycles=(found.stable_cycle, stable),
+    )
+    table = in_words(several).split("cycles:")[1].splitlines()
+    assert ["inf" in each for each in table[2:4]] == [False, True]
+    curve = Curve(along="xi", values=np.array([0.1, 0.2]), points=(found, unknown), seconds=0.0)
+    column = curve.columns()["stable_cycle_error"]
+    assert column.tolist() == [found.stable_cycle.error, math.inf]
+    rows = [each for each in in_words(curve).splitlines() if each.startswith("  0.2")]
+    assert sum("inf" in each for each in rows) == 2  # of the cycle and of the whole
+    assert list(table_lines([{"x": 0.25, "x_error": math.inf}, {"x": 0.5, "x_error": 1e-3}])) == [
+        "      x  x_error",
+        "    0.2      inf",
+        "  0.500  1.0e-03",
+    ]
 
 
 def test_a_number_whose_error_is_not_known_is_printed_so() -> None:

@@ -1256,7 +1256,7 @@ def test_a_checkpoint_holds_numbers_only(tmp_path: Path) -> None:
 
 
 def test_of_a_task_all_its_numbers_are_stored_and_no_axes_are_no_points() -> None:
-    assert parameters_of(1.0 + 2.0j) == [1.0, 2.0]
+    assert parameters_of(1.0 + 2.0j) == {"complex": [1.0, 2.0]}
     assert len(points_of({})) == 0
     assert len(points_of({"c": [0.1, 0.2], "v": [1.0, 2.0, 3.0]})) == 6
 

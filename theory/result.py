@@ -135,14 +135,16 @@ class Result:
         -------
         dict
             For a result that is part of this one, the entries ``in_rows`` are included, with its
-            name as a prefix. Lists and mappings remain unchanged.
+            name as a prefix. Lists and mappings remain unchanged. Infinite numbers, which JSON does
+            not have, are infinite, as errors without a bound are.
         """
         parts = self.parts()
         cells: dict[str, Any] = {}
-        for name, value in self.to_dict().items():
+        for name, value in _with_infinities(self, self.to_dict()).items():
             if name in parts:
-                shown = parts[name].in_rows or tuple(value)
-                cells |= {f"{name}_{key}": value[key] for key in shown}
+                part = _with_infinities(parts[name], value)
+                shown = parts[name].in_rows or tuple(part)
+                cells |= {f"{name}_{key}": part[key] for key in shown}
             else:
                 cells[name] = value
         return cells
@@ -266,6 +268,13 @@ class Result:
         """Return the table that a notebook shows."""
         table: str = import_module(NOTEBOOK).as_html(self)
         return table
+
+
+def _with_infinities(result: Result, entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entries of a result with its infinite numbers, for which JSON has None."""
+    held = {name: getattr(result, name, None) for name, value in entries.items() if value is None}
+    infinite = {name for name, value in held.items() if value in (math.inf, -math.inf)}
+    return {name: held[name] if name in infinite else value for name, value in entries.items()}
 
 
 def is_cell(value: object) -> bool:

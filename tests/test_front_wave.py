@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -566,3 +566,24 @@ def test_rounding_is_a_part_of_the_velocity(v: float, monkeypatch: pytest.Monkey
     )
     error = window.described(point, 0.0).error
     assert np.finfo(float).eps * v < error < 1e-13 * v
+
+
+@pytest.mark.parametrize("eta", [0.125, 0.13, 2.0])
+def test_where_there_is_no_front_none_is_advised_to_be_measured(
+    eta: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Above 0.11, up to 1/8, a running chain has one; from 1/8 on the cell has no two cycles."""
+    calls = (partial(front_wave, 0.3), static_fold, strong_coupling_front)
+    for solve in calls:
+        with pytest.raises(ParameterError) as refused:
+            solve(eta)
+        assert f"eta = b/a^2 = {eta} is not allowed" in str(refused.value)
+        assert "to 0.11; take a smaller eta: from 1/8 on" in str(refused.value)
+        with pytest.raises(ParameterError, match=r"to 0\.11; measure the front on a running chain"):
+            solve(0.12499)
+        with pytest.raises(ParameterError, match="is not allowed"):
+            solve(math.nan)
+    assert main(["front", "averaged", "--method", "wave", "--c", "0.3", "--eta", str(eta)]) == 2
+    shown = capsys.readouterr().err
+    assert shown.count("\n") == 1
+    assert "there is no front" in shown

@@ -31,10 +31,11 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from theory.arrays import FloatArray
-from theory.parameters import RunError, within
+from theory.cells.vdp import eta_of_fronts
+from theory.parameters import Range, RunError, with_ranges
 
-_SMALLEST_ETA = 1e-4
-_LARGEST_ETA = 0.11
+ETAS = Range(1e-4, 0.11)
+"""Range of η in which κ is computed."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ class StrongCouplingFront:
         return (c + width / 3.0) / (c + width)
 
 
+@with_ranges(eta=ETAS)
 @lru_cache(maxsize=256)
 def strong_coupling_front(eta: float) -> StrongCouplingFront:
     """Return κ(η), by Newton's method on finite differences of high order.
@@ -76,7 +78,7 @@ def strong_coupling_front(eta: float) -> StrongCouplingFront:
     Parameters
     ----------
     eta : float
-        η = b/a², from 1e-4 to 0.11.
+        η = b/a², {eta}.
 
     Raises
     ------
@@ -96,7 +98,7 @@ def strong_coupling_front(eta: float) -> StrongCouplingFront:
     >>> round(front.kappa, 10), front.error < 1e-10
     (0.4931123548, True)
     """
-    within("eta = b/a^2", eta, _SMALLEST_ETA, _LARGEST_ETA, "measure the front instead")
+    eta_of_fronts(eta, ETAS)
     coarse, fine = (_followed(eta, spacing) for spacing in _SPACINGS)
     rounding = 1e-12 * max(1.0, abs(fine))
     return StrongCouplingFront(eta, fine, 2.0 * abs(fine - coarse) + rounding)

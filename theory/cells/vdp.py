@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from theory.parameters import ParameterError, at_least, number, within
+from theory.parameters import ParameterError, Range, at_least, number, within
 
 ETA_END = 0.125
 """η at which the two cycles meet; beyond it the cell has no limit cycle."""
@@ -77,6 +77,20 @@ def bistable_eta(eta: float) -> float:
     if not 0 < found <= ETA_END:
         raise ParameterError("eta = b/a^2", eta, allowed, remedy)
     return found
+
+
+def eta_of_fronts(eta: float, allowed: Range) -> float:
+    """Return η after checking that it is in the range in which fronts of (43) are solved for.
+
+    Raises
+    ------
+    ParameterError
+        If it is not; the remedy depends on whether there are fronts at this η at all.
+    """
+    remedy = "measure the front on a running chain"
+    if number("eta = b/a^2", eta, str(allowed), remedy) >= ETA_END:
+        remedy = "take a smaller eta: from 1/8 on a cell has no two cycles, and there is no front"
+    return within("eta = b/a^2", eta, *allowed, remedy)
 
 
 def threshold_ratio(eta: float) -> float:

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
+from theory.cells.vdp import eta_of_fronts
+from theory.parameters import with_ranges
 from verification.continuation.branch import Fold, StepControl, solutions_at, trace
 from verification.continuation.newton import PARAMETER_WEIGHT, NotConvergedError, solve_at
-from verification.fronts.resting import need_eta
-from verification.fronts.wave import FrontWave, Window, not_found
+from verification.fronts.resting import ETAS
+from verification.fronts.wave import SLOWEST, FrontWave, Window, not_found
 from verification.steppers.amplitudes import Parameter
 
 
@@ -30,6 +32,7 @@ class FrontBranch:
     folds: tuple[tuple[Fold, int], ...]
 
 
+@with_ranges(eta=ETAS, slowest=SLOWEST)
 def follow_front_wave(values: Sequence[float], other: float, along: Parameter = "c") -> FrontBranch:
     """Return the fronts at several values of c or of η, by pseudo-arclength continuation.
 
@@ -38,7 +41,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
     Parameters
     ----------
     values : sequence of float
-        Couplings above c_pin, or η from 1e-3 to 0.11 and below η_pin; at least one.
+        Couplings above c_pin, or η {eta} and below η_pin; at least one.
     other : float
         η where couplings are followed, c where η is.
     along : {"c", "eta"}, optional
@@ -49,12 +52,12 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
     ParameterError
         If a parameter is out of range.
     NoFrontError
-        If the front at the largest value is pinned, or a front is slower than 1e-3.
+        If the front at the largest value is pinned, or a front is slower than {slowest}.
     """
     begin = perf_counter()
     required = sorted(map(float, values))
     if along == "eta":
-        need_eta(required[0])
+        eta_of_fronts(required[0], ETAS)
     window = Window.started(
         *((required[-1], other) if along == "c" else (other, required[-1])), along
     )

@@ -24,13 +24,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
-from theory.cells.vdp import ETA_END
-from theory.parameters import RunError, within
+from theory.cells.vdp import ETA_END, eta_of_fronts
+from theory.parameters import Range, RunError, with_ranges
 from verification.continuation.branch import Fold, StepControl, trace
 from verification.continuation.newton import System, solve_at
 from verification.steppers.amplitudes import Amplitudes, rate, rate_by
 
-_SMALLEST_ETA, _LARGEST_ETA = 1e-3, 0.11
+ETAS = Range(1e-3, 0.11)
 """Range of η. Below it, the cycle attracts at a rate of 1/2η and too many steps are needed; above
 it, so weakly that the windows become long, and the two cycles nearly coincide."""
 
@@ -70,22 +70,12 @@ class StaticFold:
         return self.c
 
 
-def need_eta(eta: float) -> None:
-    """Refuse an η that is out of range.
-
-    Raises
-    ------
-    ParameterError
-        If it is not from 1e-3 to 0.11.
-    """
-    within("eta = b/a^2", eta, _SMALLEST_ETA, _LARGEST_ETA, "measure the front on a running chain")
-
-
 def amplitudes_of(c: float, eta: float) -> Amplitudes:
     """Return the chain of amplitudes at these parameters, 0 < η < 1/8."""
     return Amplitudes(c, eta, (1.0 + math.sqrt(1.0 - eta / ETA_END)) / eta)
 
 
+@with_ranges(eta=ETAS)
 @lru_cache(maxsize=64)
 def static_fold(eta: float) -> StaticFold:
     """Return c_pin(η) of (43): up to it, fronts with a quarter-turn phase step remain at rest.
@@ -93,7 +83,7 @@ def static_fold(eta: float) -> StaticFold:
     Parameters
     ----------
     eta : float
-        η = b/a², from 1e-3 to 0.11.
+        η = b/a², {eta}.
 
     Raises
     ------
@@ -113,7 +103,7 @@ def static_fold(eta: float) -> StaticFold:
     >>> round(fold.c, 9), fold.error < 1e-12
     (0.101944386, True)
     """
-    need_eta(eta)
+    eta_of_fronts(eta, ETAS)
     chain = amplitudes_of(0.0, eta)
     shorter, longer = (_fold(chain, *window) for window in _WINDOWS)
     square_root, slope = _beside(chain, longer)
@@ -143,9 +133,10 @@ class PinningEta:
     square_root: float
 
 
+@with_ranges(eta=ETAS)
 @lru_cache(maxsize=64)
 def pinning_eta(c: float) -> PinningEta | None:
-    """Return η_pin(c), at which c_pin(η) = c; None if it lies outside 1e-3 to 0.11.
+    """Return η_pin(c), at which c_pin(η) = c; None if it is not {eta}.
 
     Parameters
     ----------
@@ -158,9 +149,9 @@ def pinning_eta(c: float) -> PinningEta | None:
     >>> round(pin.eta, 7), pin.error < 1e-11
     (0.03125, True)
     """
-    if not static_fold(_SMALLEST_ETA).c < c < static_fold(_LARGEST_ETA).c:
+    if not static_fold(ETAS.low).c < c < static_fold(ETAS.high).c:
         return None
-    eta = float(brentq(lambda eta: static_fold(eta).c - c, _SMALLEST_ETA, _LARGEST_ETA, xtol=1e-14))
+    eta = float(brentq(lambda eta: static_fold(eta).c - c, *ETAS, xtol=1e-14))
     there = static_fold(eta)
     return PinningEta(
         eta=eta,

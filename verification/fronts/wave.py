@@ -31,11 +31,11 @@ from typing import ClassVar
 import numpy as np
 
 from theory.arrays import ComplexArray, FloatArray
-from theory.cells.vdp import ETA_END, threshold_ratio, threshold_ratio_slope
-from theory.parameters import RunError, within
+from theory.cells.vdp import ETA_END, eta_of_fronts, threshold_ratio, threshold_ratio_slope
+from theory.parameters import Range, RunError, with_ranges, within
 from theory.result import Result
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
-from verification.fronts.resting import amplitudes_of, need_eta, static_fold
+from verification.fronts.resting import ETAS, amplitudes_of, static_fold
 from verification.steppers.amplitudes import (
     Amplitudes,
     Parameter,
@@ -45,7 +45,7 @@ from verification.steppers.amplitudes import (
     with_disturbances,
 )
 
-LARGEST_COUPLING = 1e3
+COUPLINGS = Range(1e-6, 1e3)
 SLOWEST = 1e-3
 """Slowest front that is computed; slower ones lie within 1e-5 of c_pin and would take minutes."""
 
@@ -122,22 +122,23 @@ class FrontWave(Result):
     seconds: float
 
 
+@with_ranges(c=COUPLINGS, eta=ETAS, slowest=SLOWEST)
 def front_wave(c: float, eta: float) -> FrontWave:
     """Return the travelling front of (43) at coupling c.
 
     Parameters
     ----------
     c : float
-        Coupling, dimensionless, up to 1e3.
+        Coupling, dimensionless, {c}.
     eta : float
-        η = b/a², from 1e-3 to 0.11.
+        η = b/a², {eta}.
 
     Raises
     ------
     ParameterError
         If a parameter is out of range.
     NoFrontError
-        If the front is pinned (c below c_pin), or slower than 1e-3.
+        If the front is pinned (c below c_pin), or slower than {slowest}.
 
     References
     ----------
@@ -227,8 +228,8 @@ class Window:
         NoFrontError
             If no further site was reached for a long time.
         """
-        need_eta(eta)
-        chain = amplitudes_of(within("coupling c", c, 1e-6, LARGEST_COUPLING), eta)
+        eta_of_fronts(eta, ETAS)
+        chain = amplitudes_of(within("coupling c", c, *COUPLINGS), eta)
         wide = cls(chain, 0, 0, np.empty(0), along)
         width = max(1.0, math.cbrt(c))
         left = 14 + math.ceil(10.0 * width * max(1.0, 2.0 / wide.attraction))

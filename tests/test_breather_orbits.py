@@ -323,8 +323,7 @@ def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
         orbits = Orbits(chain, Nucleus(1), steps=steps)
         branch = trace(orbits.system(), orbits.start(0.2, 0.15), 2.0)
         assert branch.fold is not None
-        tangent = branch.points[branch.fold.place].tangent
-        found.append(_described(orbits, branch.fold, tangent, 1))
+        found.append(_described(orbits, branch.fold, 1))
     *rough, fine = found
     for each in rough:
         assert abs(each.c - fine.c) <= each.c_error + fine.c_error
@@ -346,6 +345,23 @@ def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be()
     fold = Fold(0.2, 1e-12, np.array([0.5, 0.5]), away=np.zeros(2), aside=aside)
     found = _described(family, fold, np.zeros(3), 1)
     assert abs(amplitude(fold.u + aside) - found.height) <= found.height_error < 0.05
+
+
+@pytest.mark.parametrize("averaged", [False, True])
+def test_of_a_fold_the_amplitude_is_computed_and_no_multipliers(
+    averaged: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.0, sites=3)
+    family = RotatingWaves(chain.averaged(), Nucleus(1)) if averaged else Orbits(chain, Nucleus(1))
+    point = family.start(0.2, 0.15)
+    whole = family.measured(point, 0.0)
+    assert family.amplitudes(point.u, point.parameter).tolist() == whole.amplitudes.tolist()
+    fold = trace(family.system(), point, 2.0).fold
+    assert fold is not None
+    expected = family.measured(replace(point, u=fold.u, parameter=fold.parameter), 0.0)
+    monkeypatch.setattr(type(family), "measured", None)
+    monkeypatch.setattr(type(family), "stability", None)
+    assert _described(family, fold, 1).height == expected.outward[0]
 
 
 def test_multipliers_do_not_depend_on_the_length_of_the_chain() -> None:

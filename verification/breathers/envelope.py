@@ -162,6 +162,11 @@ class RotatingWaves(BreatherFamily):
         here = replace(self.chain, c=c)
         return exponents(*self.unpack(u), here, mirrored, error=math.inf)
 
+    def amplitudes(self, u: FloatArray, c: float) -> FloatArray:
+        """Return |φ| of every site."""
+        found: FloatArray = np.abs(self.unpack(u)[0])
+        return found
+
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution; its error is the next Newton step plus rounding."""
         here = replace(self.chain, c=point.parameter)

@@ -5,8 +5,8 @@ How to add a kind of chain
 1. Derive a frozen dataclass from `BreatherFamily`, and name it in ``families``.
 2. ``system`` returns F and its derivatives, ``start`` a solution at small c, and ``directly`` the
    solution at the coupling of the chain if it can be found without following the branch.
-3. ``stability`` determines whether small perturbations of a solution grow, and ``measured`` turns
-   the solution into a `Breather`.
+3. ``stability`` determines whether small perturbations of a solution grow, ``measured`` turns the
+   solution into a `Breather`, and ``amplitudes`` computes its amplitudes alone.
 """
 
 from __future__ import annotations
@@ -99,6 +99,10 @@ class BreatherFamily(ABC):
     @abstractmethod
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution as a breather, with its error as a solution of these equations."""
+
+    @abstractmethod
+    def amplitudes(self, u: FloatArray, c: float) -> FloatArray:
+        """Return the largest displacement of every site of a solution, as `measured` does."""
 
     def finer(self) -> BreatherFamily:
         """Return the same breathers with twice the integration steps, if there are any."""

@@ -17,7 +17,6 @@ from verification.breathers.family import BreatherFamily
 from verification.breathers.orbits import FIRST_STEPS
 from verification.breathers.result import Breather
 from verification.continuation.branch import Fold, solutions_at, trace
-from verification.continuation.newton import BranchPoint
 
 _FURTHEST = 2.0
 """Coupling up to which a fold is searched for."""
@@ -104,7 +103,7 @@ def follow(
     turned = []
     for number, fold in enumerate(branch.folds):
         place = sum(each <= number for each in folds_passed)
-        turned.append(_described(family, fold, branch.points[fold.place].tangent, place))
+        turned.append(_described(family, fold, place))
     reached = {point.chain.c for point in points}
     end = (branch.fold.parameter, branch.fold.error) if branch.fold is not None else (None, None)
     points += [
@@ -123,24 +122,22 @@ def follow(
     return FollowedBreather(points=tuple(points), folds=tuple(turned))
 
 
-def _described(family: BreatherFamily, fold: Fold, tangent: FloatArray, place: int) -> BreatherFold:
+def _described(family: BreatherFamily, fold: Fold, place: int) -> BreatherFold:
     """Return a fold with the errors of its coupling and of its amplitude.
 
     Its coupling is known to the square of its distance along the branch, its amplitude only to this
     distance. Breathers stated at the fold have errors that do not hold, since ∂F/∂u is singular.
     """
-    begin = time.perf_counter()
-    there, beside = (
-        family.measured(BranchPoint(u, fold.parameter, tangent, 0.0, 0.0, 0), begin)
-        for u in (fold.u, fold.u + fold.away)
+    site, moved = family.nucleus.outward(family.chain.sites), family.step_error(fold)
+    height, beside = (
+        float(family.amplitudes(u, fold.parameter)[site]) for u in (fold.u, fold.u + fold.away)
     )
-    height, moved = float(there.outward[0]), family.step_error(fold)
     # Across the branch, amplitudes change no faster than the state, of which they have two parts.
     return BreatherFold(
         c=float(fold.parameter),
         c_error=fold.error + moved,
         height=height,
-        height_error=abs(height - float(beside.outward[0]))
+        height_error=abs(height - beside)
         + 2.0 * family.unit * (fold.aside + moved)
         + 1e-14 * height,
         place=place,

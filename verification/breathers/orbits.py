@@ -159,6 +159,11 @@ class Orbits(BreatherFamily):
         parity = self._parity(u[:-1]) if split else 0
         return floquet_multipliers(matrix, period, self.chain.eps, parity=parity)
 
+    def amplitudes(self, u: FloatArray, c: float) -> FloatArray:
+        """Return the largest displacement of every site over a period."""
+        fine = self.flow(c, u[:-1], float(u[-1]), max(SAMPLES, 2 * self.count))
+        return largest_displacements(fine.samples)
+
     def measured(
         self, point: BranchPoint, started: float, fold: Fold | None = None, *, split: bool = True
     ) -> Breather:

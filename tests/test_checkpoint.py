@@ -6,6 +6,7 @@ import importlib
 import io
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -18,13 +19,21 @@ import numpy as np
 import pytest
 from numpy.lib import format as npy
 
+from theory.chains.oscillator import OscillatorChain
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, RunError
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import FileError
 from verification.execution.metadata import Code
+
+
+from verification.execution.metadata import installed_versions
 from verification.runs import checkpoint
 from verification.runs.checkpoint import load_checkpoint, run_to_end, save_checkpoint
-from verification.runs.simulate import MAX_NUMBERS, _check_samples
+from verification.runs.excite import excite
+from verification.runs.simulate import MAX_NUMBERS, _check_samples, simulate
+from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers.specialise import source_mark
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
@@ -372,3 +381,27 @@ def test_arrays_are_read_with_a_short_header_and_with_a_long_one(
         assert np.array_equal(checkpoint._read(box, "state.npy", array), array)
         with pytest.raises(ValueError, match="shape"):
             checkpoint._read(box, "state.npy", array.T)
+
+
+def test_a_shipped_chain_is_known_by_its_source_and_another_python_is_named_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The bytecode differs between versions of Python; it had been listed as another equation."""
+    shipped = VdpChain(a=4.0, b=0.5, c=0.6, sites=4)
+    own = OscillatorChain(damping="1 - 4*y**2 + y**4/2", c=0.6, sites=4)
+    for chain, known in ((shipped, True), (shipped.averaged(), True), (own, False)):
+        run = SmoothIntegration(chain, excite(chain, [1]), [1.0])
+        assert (run.metadata["right_hand_side"] is None) is known
+    file = tmp_path / "run.npz"
+    simulate(shipped, excite(shipped, [1]), 5.0, checkpoint=file)
+    monkeypatch.setattr(
+        "verification.runs.checkpoint.installed_versions",
+        lambda names: {**installed_versions(names), "python": "4.0.0"},
+    )
+    monkeypatch.setattr("theory.cells.function_content._code", lambda _: "other bytecode")
+    source_mark.cache_clear()
+    with pytest.raises(ParameterError) as refused:
+        simulate(shipped, excite(shipped, [1]), 5.0, checkpoint=file)
+    source_mark.cache_clear()
+    here = platform.python_version()
+    assert f"(versions.python: {here} there, 4.0.0 here)" in str(refused.value)

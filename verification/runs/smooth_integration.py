@@ -25,7 +25,7 @@ from verification.runs.integration import (
 )
 from verification.steppers import smooth
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, RING
-from verification.steppers.kernel import slope_mark
+from verification.steppers.kernel import own_slope_mark
 from verification.steppers.stop_code import StopCode
 
 STIFF_STEP = 5e-4
@@ -178,7 +178,7 @@ class SmoothIntegration(Integration):
         """Everything that determines the run, to be compared with a checkpoint."""
         return {
             **self.chain.parameters(),
-            "right_hand_side": slope_mark(self.chain),
+            "right_hand_side": own_slope_mark(self.chain),
             "tolerance": self._task.tolerance,
             "level": self.level,
             "left_boundary_wave": self._left_boundary_wave,

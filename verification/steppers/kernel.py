@@ -6,6 +6,7 @@ chain provides the equation of a site (``theory.chains.chain.SmoothChain.kernel`
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
@@ -17,6 +18,7 @@ from theory.arrays import FloatArray
 from theory.cells.function_content import independent_copy
 from theory.chains.chain import Kernel, SmoothChain
 from verification.execution.compiled import UNCOUNTED, inner
+from verification.execution.imports import is_ours
 from verification.steppers.active import FOLLOWING, FREE, RING
 from verification.steppers.specialise import source_mark
 
@@ -54,6 +56,19 @@ def slope_mark(chain: SmoothChain) -> str:
     """Return a name for the right-hand side of a chain that changes with its source."""
     layout = "-".join(map(str, chain.kernel_layout))
     return f"{source_mark(chain.kernel())}-{layout}-{chain.front_phase_step}"
+
+
+def own_slope_mark(chain: SmoothChain) -> str | None:
+    """Return `slope_mark`; None for a right-hand side that stands in a module of this project.
+
+    The digest of the code on which a run depends covers the latter. Its mark would change with the
+    bytecode too, hence with the version of Python.
+    """
+    kernel: Any = chain.kernel()
+    plain: Any = getattr(kernel, "py_func", kernel)
+    stands = getattr(sys.modules.get(plain.__module__), plain.__qualname__, None)
+    shipped = is_ours(plain.__module__) and getattr(stands, "py_func", stands) is plain
+    return None if shipped else slope_mark(chain)
 
 
 @lru_cache(maxsize=64)

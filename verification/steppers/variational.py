@@ -269,8 +269,8 @@ def _advance(equation: _Equation, run: _Run, forced: _Sinusoids, h: float, order
                 _add_tangents(equation, series, spring, row, k)
         for each in (Y, V):
             _sum_up(each, h)
-        for each in (DY, DV):
-            _sum_up(each.reshape(order + 1, -1), h)
+        for tangents in (DY, DV):
+            _sum_up(tangents.reshape(order + 1, -1), h)
         put(Y[0, :sites], run.y)
         put(V[0, :sites], run.v)
         for n in range(sites):

@@ -30,7 +30,6 @@ from verification.runs.checkpoint import load_checkpoint, run_to_end, save_check
 from verification.runs.excite import excite
 from verification.runs.simulate import MAX_NUMBERS, _check_samples, simulate
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers.specialise import source_mark
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
@@ -396,9 +395,7 @@ def test_a_shipped_chain_is_known_by_its_source_and_another_python_is_named_alon
         lambda names: {**installed_versions(names), "python": "4.0.0"},
     )
     monkeypatch.setattr("theory.cells.function_content._code", lambda _: "other bytecode")
-    source_mark.cache_clear()
     with pytest.raises(ParameterError) as refused:
         simulate(shipped, excite(shipped, [1]), 5.0, checkpoint=file)
-    source_mark.cache_clear()
     here = platform.python_version()
     assert f"(versions.python: {here} there, 4.0.0 here)" in str(refused.value)

@@ -49,6 +49,8 @@ from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
 FULL, ENVELOPE = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
+FULL_OF_LARGER_EPS = StateTask(chain=replace(FIGURE_15, eps=0.05))
+"""A front of it settles five times sooner, in the time of the equation (8)."""
 
 
 def _chain_by_scipy(
@@ -84,7 +86,7 @@ def _chain_by_scipy(
         (ENVELOPE, 0.11, 0.40, State.FIXED_POINT),
         (ENVELOPE, 0.12, 0.25, State.FIXED_POINT),
         (ENVELOPE, 0.14, 0.05, State.FIXED_POINT),
-        (FULL, 0.03, 0.9, State.FRONT),
+        (FULL_OF_LARGER_EPS, 0.03, 0.9, State.FRONT),
         (FULL, 0.11, 0.6, State.FIXED_POINT),
         (FULL, 0.14, 0.3, State.FIXED_POINT),
     ],

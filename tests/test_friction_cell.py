@@ -693,6 +693,33 @@ def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
     assert friction_cycles.largest_after_release(sliding, 1e-8) <= 0.0
 
 
+@pytest.mark.parametrize(
+    "overdamped",
+    [
+        FrictionCell(law="stribeck", xi=4.0, v_d=0.09, mu_d=0.0, v_s=0.033),
+        FrictionCell(law="stribeck", xi=1.4, v_d=3.5, mu_d=0.0, v_s=1.2),
+    ],
+)
+def test_a_maximum_after_which_the_cell_creeps_into_sliding_does_not_grow(
+    overdamped: FrictionCell,
+) -> None:
+    """It had counted as growing, as one does from which the motion runs beyond all bounds."""
+    sliding = overdamped.steady_sliding
+    top = sliding + 0.1 * abs(overdamped.release - sliding)
+
+    def rate(_: float, z: Any) -> list[float]:
+        return [z[1], friction_force(overdamped, z[1] - overdamped.v_d) - z[0] - 2.0 *
+                overdamped.xi * z[1]]  # fmt: skip
+
+    run = solve_ivp(rate, (0.0, 200.0), [top, 0.0], "Radau", rtol=1e-8, atol=1e-12)
+    assert (run.y[1, 1:] < 1e-9).all()  # it never turns
+    assert run.y[0, -1] - sliding < 1e-4 * (top - sliding)
+    assert friction_cycles._growth(overdamped, top, 1e-8) == -1.0
+    excited = replace(CELL, v_d=0.5)
+    far = excited.steady_sliding + 30.0
+    assert friction_cycles._growth(excited, far, 1e-8) == 1.0
+
+
 def test_a_curve_of_cells_has_the_tolerance_that_is_documented() -> None:
     documented = inspect.signature(cell).parameters["tolerance"].default
     found = bifurcation([CELL], "v_d", [1.3, 1.4])

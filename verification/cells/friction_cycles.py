@@ -208,11 +208,15 @@ def _slip_from(
 
 
 def _growth(cell: FrictionCell, y: float, tolerance: float) -> float:
-    """Return the growth of a maximum y over one turn, relative to its distance from sliding."""
-    t, top, _ = _slip_from(cell, y, phases.HIGHEST, tolerance)
-    # Continued beyond the touch, the motion may leave double precision; it is outside then.
-    inside = t >= 0.0 and math.isfinite(top)
-    return float((top - y) / (y - cell.steady_sliding)) if inside else 1.0
+    """Return the growth of a maximum y over one turn, relative to its distance from sliding.
+
+    It is -1 if no maximum follows because the motion approaches sliding without turning, and 1 if
+    none does because the motion, continued beyond the touch, leaves double precision.
+    """
+    t, top, w = _slip_from(cell, y, phases.HIGHEST, tolerance)
+    if t >= 0.0 and math.isfinite(top):
+        return float((top - y) / (y - cell.steady_sliding))
+    return -1.0 if w <= 0.0 else 1.0
 
 
 def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:

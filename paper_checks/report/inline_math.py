@@ -7,6 +7,7 @@ of Greek letters. Names of files and options, and words, are left unchanged.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from html import escape
 
 from derivations.algebra.rendering import tex_words
@@ -23,10 +24,10 @@ _BELOW = rf"_(?:{_GROUP}|[A-Za-z]+|\d+)"
 _ABOVE = rf"\^(?:{_GROUP}|\([^()]*\)|[-−]?\d+(?:\.\d+)?|[A-Za-z*])"
 _LETTER = rf"(?:{_NAMES}|[A-Za-zΑ-Ωα-ωϕ])"
 _PLAIN = re.compile(
-    rf"(?<![\w\\'-])(?<!\w\.){_LETTER}{_BELOW}(?:{_ABOVE})?(?![A-Za-z0-9_^])"  # v_d, x_1^2
+    rf"((?<![\w\\'-])(?<!\w\.){_LETTER}{_BELOW}(?:{_ABOVE})?(?![A-Za-z0-9_^])"  # v_d, x_1^2
     rf"|(?<![\w\\'.])(?:{_LETTER}|[A-Za-z]+|\d+|(?<=[)|])){_ABOVE}"  # x^2, rate^(2/3), )^2
     r"|(?<![\w\\'])[Α-Ωα-ωϕ]\*(?![\w*])"  # φ*
-    rf"|(?<![\w\\'.-])(?:{_NAMES})(?![\w'.-]|\()"  # eta
+    rf"|(?<![\w\\'.-])(?:{_NAMES})(?![\w'.-]|\())"  # eta
 )
 _WORD = re.compile(r"(?<![A-Za-z\\])[A-Za-z]+")
 _INDEX = re.compile(r"_([A-Za-z]{2,})")
@@ -44,10 +45,7 @@ def typeset(text: str) -> str:
     >>> typeset("tests/test_sums.py, --eta 0.1 and eta-pin")
     'tests/test_sums.py, --eta 0.1 and eta-pin'
     """
-    parts = text.split("$")
-    if len(parts) % 2 == 0:
-        parts = [text]
-    return "".join(formula(part) if place % 2 else _plain(part) for place, part in enumerate(parts))
+    return _written(text, formula, _formula, escape)
 
 
 def in_latex(text: str) -> str:
@@ -58,35 +56,33 @@ def in_latex(text: str) -> str:
     >>> print(in_latex("about 40% at $c = 2$, η > 0 and v_d"))
     about 40\% at $c = 2$, \ensuremath{\eta} \ensuremath{>} 0 and $v_d$
     """
+    return _written(text, _tex, lambda plain: _tex(_latex(plain)), tex_words)
+
+
+def _written(
+    text: str,
+    formula: Callable[[str], str],
+    plain: Callable[[str], str],
+    words: Callable[[str], str],
+) -> str:
+    """Write formulas between dollar signs, plainly written mathematics, and the words between."""
     parts = text.split("$")
     if len(parts) % 2 == 0:
         parts = [text]
-    return "".join(
-        f"${_in_macros(part)}$" if place % 2 else _plain_latex(part)
-        for place, part in enumerate(parts)
-    )
+    found = []
+    for place, part in enumerate(parts):
+        if place % 2:
+            found.append(formula(part))
+        else:
+            pieces = enumerate(_PLAIN.split(part))
+            found += [plain(piece) if odd % 2 else words(piece) for odd, piece in pieces]
+    return "".join(found)
 
 
-def _plain_latex(text: str) -> str:
-    written, end = [], 0
-    for found in _PLAIN.finditer(text):
-        formula_of = f"${_in_macros(_latex(found.group()))}$"
-        written += [tex_words(text[end : found.start()]), formula_of]
-        end = found.end()
-    return "".join([*written, tex_words(text[end:])])
-
-
-def _in_macros(latex: str) -> str:
-    """Return a formula with the letters that are not ASCII as macros."""
-    return re.sub(r"[^\x00-\x7f]", lambda found: tex_words(found[0]), latex)
-
-
-def _plain(text: str) -> str:
-    written, end = [], 0
-    for found in _PLAIN.finditer(text):
-        written += [escape(text[end : found.start()]), _formula(found.group())]
-        end = found.end()
-    return "".join([*written, escape(text[end:])])
+def _tex(latex: str) -> str:
+    """Return a formula for LaTeX, with the letters that are not ASCII as macros."""
+    macros = re.sub(r"[^\x00-\x7f]", lambda found: tex_words(found[0]), latex)
+    return f"${macros}$"
 
 
 def _formula(plain: str) -> str:

@@ -98,17 +98,30 @@ class ChainModel:
         """``g(y)``."""
         return _polynomial(self.stiffness, displacement)
 
-    def equation(self) -> sp.Eq:
-        """Eq. (8) of this model, for site n at time t."""
-        own = y(n, t)
-        springs = sum(
-            (weight * (2 * own - y(n - j, t) - y(n + j, t))
+    def springs(self, field: sp.Function) -> sp.Expr:
+        """``Σ_j w_j (2 f_n - f_{n-j} - f_{n+j})`` of a field f at time t."""
+        own = field(n, t)
+        return sum(
+            (weight * (2 * own - field(n - j, t) - field(n + j, t))
              for j, weight in enumerate(self.weights, start=1)),
             sp.S.Zero,
         )  # fmt: skip
+
+    def equation(self) -> sp.Eq:
+        """Eq. (8) of this model, for site n at time t."""
+        own = y(n, t)
         force = own.diff(t) * self.damping_of(own) + self.stiffness_of(own)
-        left = own.diff(t, 2) + own + epsilon * self.coupling * springs + epsilon * force
+        left = own.diff(t, 2) + own + epsilon * self.coupling * self.springs(y) + epsilon * force
         return equation(left)
+
+    def with_values(self, put: Mapping[sp.Symbol, sp.Expr]) -> ChainModel:
+        """Return the same chain with numbers for some symbols."""
+        return ChainModel(
+            damping={power: value.subs(put) for power, value in self.damping.items()},
+            stiffness={power: value.subs(put) for power, value in self.stiffness.items()},
+            coupling=self.coupling.subs(put),
+            weights=tuple(weight.subs(put) for weight in self.weights),
+        )
 
     def cell(self) -> ChainModel:
         """Return the isolated cell."""

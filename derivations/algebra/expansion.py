@@ -10,6 +10,7 @@ from typing import ClassVar
 import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of
+from derivations.algebra.notation import raised
 from derivations.algebra.operations import Operation, OperationError, listed, spoken
 
 
@@ -258,4 +259,4 @@ class Linearise(Operation):
 
 
 def _raised(power: int) -> str:
-    return "" if power == 1 else "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(digit)] for digit in str(power))
+    return "" if power == 1 else raised(power)

@@ -101,14 +101,22 @@ class HarmonicRing:
             out[tuple(moved)] = number
         return self.ring.from_dict(out)
 
-    def along(self, value: Coefficient, flow: Mapping[int, Coefficient]) -> Coefficient:
-        """Return the derivative of a coefficient along ``d A_j = flow[j]`` for each offset j."""
+    def along(
+        self, value: Coefficient, flow: Mapping[int, Coefficient],
+        conjugates: Mapping[int, Coefficient] | None = None,
+    ) -> Coefficient:  # fmt: skip
+        """Return the derivative of a coefficient along ``d A_j = flow[j]`` for each offset j.
+
+        ``conjugates`` are the changes of the conjugates of A_j, if they are others than those of
+        ``flow``.
+        """
         count = len(self.amplitudes)
         total = self.ring.zero
         for offset, rate in flow.items():
             position = self._position(offset)
             total += value.diff(self.ring.gens[position]) * rate
-            total += value.diff(self.ring.gens[count + position]) * self.conjugate(rate)
+            other = self.conjugate(rate) if conjugates is None else conjugates[offset]
+            total += value.diff(self.ring.gens[count + position]) * other
         return total
 
     def flow(self, rate: Coefficient, reach: int) -> dict[int, Coefficient]:

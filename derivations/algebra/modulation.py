@@ -238,7 +238,7 @@ def by_averaging(force: Force, order: int) -> Modulation:
         moved = {site: u.shifted(site) for site in range(-reach, reach + 1)}
         back = {site: moved[site].coefficient(-m) for site in moved}
         forth = {site: ring.conjugate(moved[site].coefficient(m)) for site in moved}
-        second += _mixed_derivative(ring, value, back, forth)
+        second += ring.along(value, back, forth)
     return Modulation(ring, reach, first, second, u)
 
 
@@ -281,19 +281,6 @@ def in_scales_amplitude(
     moved = averaged.second
     moved += ring.along(shift, ring.flow(first, reach)) - ring.along(first, ring.flow(shift, reach))
     return _phi_to_amplitude(ring, first), _phi_to_amplitude(ring, moved)
-
-
-def _mixed_derivative(
-    ring: HarmonicRing, value: Any, back: dict[int, Any], forth: dict[int, Any]
-) -> Any:
-    """Return the sum over sites of d value/d phi_j * back_j + d value/d conj(phi_j) * forth_j."""
-    count = len(ring.amplitudes)
-    total = ring.ring.zero
-    for site, factor in back.items():
-        place = site + ring.reach
-        total += value.diff(ring.ring.gens[place]) * factor
-        total += value.diff(ring.ring.gens[count + place]) * forth[site]
-    return total
 
 
 def _phi_to_amplitude(ring: HarmonicRing, value: Any) -> Any:

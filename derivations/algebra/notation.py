@@ -14,6 +14,19 @@ from unicodedata import normalize
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def raised(number: object) -> str:
+    """Return a whole number as an exponent.
+
+    Examples
+    --------
+    >>> raised(-12)
+    '⁻¹²'
+    """
+    return str(number).translate(_RAISED)
+
 
 class Script(Enum):
     """The LaTeX and the Unicode form of a name."""

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from derivations.algebra.notation import Script, displayed
+from derivations.algebra.notation import Script, displayed, raised
 
 
 class OperationError(ArithmeticError):
@@ -93,7 +93,7 @@ def spoken(expression: sp.Basic) -> str:
     if "\n" not in text:
         return text.replace("│", "|")  # a box-drawing character, which LaTeX does not know
     letters = {q: sp.Symbol(str(sp.pretty(q, use_unicode=True))) for q in shown.atoms(sp.Symbol)}
-    text = _POWER.sub(_raised, str(sp.sstr(shown.xreplace(letters))))
+    text = _POWER.sub(lambda power: raised(power[1]), str(sp.sstr(shown.xreplace(letters))))
     text = _ROOT.sub(r"√\1", _PI.sub("π", text))
     return _UNIT.sub("i", text.replace("*", " "))
 
@@ -102,10 +102,6 @@ _POWER = re.compile(r"\*\*(\d+)")
 _UNIT = re.compile(r"\bI\b")
 _PI = re.compile(r"\bpi\b")
 _ROOT = re.compile(r"\bsqrt\((\w+)\)")
-
-
-def _raised(power: re.Match[str]) -> str:
-    return "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(digit)] for digit in power[1])
 
 
 def listed(labels: Sequence[str]) -> str:

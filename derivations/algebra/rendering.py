@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from functools import partial
+from html import escape
 from keyword import iskeyword
 from typing import Any
 from unicodedata import name as unicode_name
@@ -16,6 +18,8 @@ from derivations.algebra.mathml import as_text, mathml_element
 from derivations.algebra.notation import Script, displayed
 from derivations.algebra.steps import Derivation, Evidence, Kind, Step
 from derivations.algebra.sums import SumOver
+
+_escape = partial(escape, quote=False)
 
 TERMS_A_LINE = 3
 """Number of terms above which a sum is broken to fit the width of a page."""
@@ -301,10 +305,6 @@ def _width(block: str) -> int:
 
 def _verdict(evidence: Evidence) -> str:
     return "checked" if evidence.holds else "CHECK FAILED"
-
-
-def _escape(words: str) -> str:
-    return words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 _TEX = {

@@ -149,13 +149,7 @@ class Envelope:
         DerivationInputError
             If a value belongs to no letter, or is not a finite number.
         """
-        put = values_of(given, self.symbols)
-        damping, stiffness = (
-            {power: sp.sympify(value).subs(put) for power, value in part.items()}
-            for part in (self.model.damping, self.model.stiffness)
-        )
-        coupling = self.model.coupling.subs(put)
-        return Envelope(ChainModel(damping=damping, stiffness=stiffness, coupling=coupling))
+        return Envelope(self.model.with_values(values_of(given, self.symbols)))
 
 
 def derive_envelope(

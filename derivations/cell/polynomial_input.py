@@ -175,10 +175,4 @@ def chain_of(
                                    "first and the last other than zero",
                                    "give for example '1, w'")  # fmt: skip
     model = ChainModel(damping=h, stiffness=g, coupling=spring, weights=row)
-    put = values_of(values or {}, model.parameters)
-    return ChainModel(
-        damping={power: sp.sympify(value).subs(put) for power, value in model.damping.items()},
-        stiffness={power: sp.sympify(value).subs(put) for power, value in model.stiffness.items()},
-        coupling=sp.sympify(model.coupling).subs(put),
-        weights=tuple(sp.sympify(weight).subs(put) for weight in model.weights),
-    )
+    return model.with_values(values_of(values or {}, model.parameters))

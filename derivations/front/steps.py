@@ -102,15 +102,12 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
 def two_lines(chain: ChainModel) -> sp.Eq:
     """Return Eq. (44): two lines with the slope of (43) at rest, selected by the modulus."""
     own = phi(n, t)
-    springs = sum(
-        (weight * (2 * own - phi(n - j, t) - phi(n + j, t))
-         for j, weight in enumerate(chain.weights, start=1)), sp.S.Zero)
     size, threshold = sp.Abs(own), sp.Abs(phi_us)
     branches = sp.Piecewise(
         (own, sp.Lt(size, threshold)), (own - phi_s, sp.Gt(size, threshold)), evaluate=False
     )
     rest = chain.damping[0]
-    return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * springs,
+    return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * chain.springs(phi),
                     -HALF * epsilon * rest * branches)
 
 

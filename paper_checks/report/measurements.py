@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from derivations.algebra.notation import raised
 from paper_checks.report.section import Diagram, Failure, Json, Origin, Section, origin_of, warned
 from verification.quantities.registry import all_quantities
 
@@ -310,5 +311,4 @@ def _decades(errors: Iterable[float]) -> str:
 
 def _power(value: float) -> str:
     """Write a power of ten."""
-    exponent = str(round(math.log10(value)))
-    return "10" + exponent.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"10{raised(round(math.log10(value)))}"

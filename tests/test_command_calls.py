@@ -25,7 +25,7 @@ from theory import chains
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus, Place, nucleus_sites
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
@@ -214,7 +214,7 @@ def test_a_run_starts_from_the_middle_as_a_nucleus_of_one_does(count):
     ):
         start = prepared(chain)
         place = Place.EDGE if isinstance(chain, FrictionChain) else Place.BULK
-        (site,) = nucleus_sites(count, place, 1)
+        (site,) = Nucleus(1, place=place).excited(count)
         assert start.parameters["sites"] == [site]
         away = np.abs(start.state - np.median(start.state, axis=1, keepdims=True)).max(axis=0)
         assert np.argmax(away) == site - 1

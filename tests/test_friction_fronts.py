@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import Nucleus, Place, nucleus_sites
+from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.fronts.arrival_fit import (
@@ -325,7 +325,7 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         lambda: measure_front(FrictionChain(c=1e6, sites=101)),
         lambda: measure_front(FrictionChain(c=0.02, sites=101), accuracy=1.0),
         lambda: measure_front(FrictionChain(c=0.02, sites=101, ends=Ends.LITERAL)),
-        lambda: nucleus_sites(31, Place.EDGE, 32),
+        lambda: Nucleus(32, place=Place.EDGE).excited(31),
     ],
 )
 def test_bad_parameters_are_refused(make: object) -> None:

@@ -167,13 +167,13 @@ class LongRuns:
 
 def _reached(c: float, size: int, place: str, sites: int, stall: float) -> int:
     """Return how many sites have stuck when all have, or none has for the stall time."""
-    from theory.chains.nucleus import Place, nucleus_sites
+    from theory.chains.nucleus import Nucleus, Place
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(c, sites)
     run = FrictionIntegration(
-        chain, excite(chain, nucleus_sites(sites, Place(place), size)), tolerance=1e-9
+        chain, excite(chain, Nucleus(size, place=Place(place)).excited(sites)), tolerance=1e-9
     )
     latest = 0.0
     while np.isnan(run.arrivals).any() and run.time < latest + stall:

@@ -120,14 +120,12 @@ class Lasting:
 
 def _lasting(v_d: float, size: int) -> tuple[int, int]:
     """Return how many sites ever stuck, and how many stick in the last window."""
-    from theory.chains.nucleus import Place, nucleus_sites
+    from theory.chains.nucleus import Nucleus
     from verification.runs.excite import excite
     from verification.runs.friction_integration import FrictionIntegration
 
     chain = chain_of(STRONG, SITES, v_d)
-    run = FrictionIntegration(
-        chain, excite(chain, nucleus_sites(SITES, Place.BULK, size)), tolerance=1e-8
-    )
+    run = FrictionIntegration(chain, excite(chain, Nucleus(size).excited(SITES)), tolerance=1e-8)
     ever = np.zeros(SITES, dtype=bool)
     while run.time < LATE:
         run.arrivals[:] = np.nan

@@ -209,7 +209,7 @@ def nucleation() -> Nucleation:
 
     Model II is run at one coupling at which its single site gives way to a front.
     """
-    from theory.chains.nucleus import Place, nucleus_sites
+    from theory.chains.nucleus import Nucleus
     from theory.chains.vdp import VdpChain
     from verification.breathers.outcome import evolution
     from verification.runs.excite import excite
@@ -218,7 +218,7 @@ def nucleation() -> Nucleation:
 
     rows: dict[float, tuple[Evolution, ...]] = {}
     outward = []
-    excited = nucleus_sites(SITES, Place.BULK, 1)
+    excited = Nucleus(1).excited(SITES)
     for push in (0.0, PUSH):
         found = []
         for c in FRICTION:

@@ -222,20 +222,3 @@ def outward_pattern(size: int) -> str:
 def sites_for(size: int, margin: int = MARGIN) -> int:
     """Return the length of a chain with ``margin`` sites on each side of a nucleus."""
     return size + 2 * margin
-
-
-def nucleus_sites(sites: int, place: Place, size: int) -> tuple[int, ...]:
-    """Return the excited sites of a nucleus without a pattern, counted from 1.
-
-    Raises
-    ------
-    ParameterError
-        If the nucleus does not fit.
-
-    Examples
-    --------
-    >>> nucleus_sites(31, Place.BULK, 3), nucleus_sites(31, Place.EDGE, 2)
-    ((15, 16, 17), (1, 2))
-    """
-    whole_number("nucleus size", size, 1, sites, "give a nucleus that fits the chain")
-    return Nucleus(size, place=Place(place)).excited(sites)

@@ -78,6 +78,7 @@ from verification.quantities.quantity import (
 from verification.quantities.registry import computation_named
 from verification.references.pace import NoReferenceError
 from verification.runs import checkpoint
+from verification.runs.comparison import difference
 from verification.runs.excite import StartPoint, excite
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds import escape
@@ -85,7 +86,6 @@ from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
 from verification.thresholds.spreading import Spreading, spreading_threshold, spreads
 from verification.thresholds.threshold import closed_form_threshold
-from verification.work_reduction import runs as reduced_runs
 from verification.work_reduction import table as reductions
 
 NAN = math.nan
@@ -1375,11 +1375,9 @@ def test_the_left_end_of_a_smooth_chain_is_run_where_it_can_matter(
 
 
 def test_arrivals_that_come_earlier_are_as_far_off_as_those_that_come_later() -> None:
-    one: Any = SimpleNamespace(arrivals=np.array([1.0, 2.0, np.nan]))
-    other: Any = SimpleNamespace(arrivals=np.array([1.0, 2.25, np.nan]))
-    assert reduced_runs._later(one, other) == reduced_runs._later(other, one) == 0.25
-    more: Any = SimpleNamespace(arrivals=np.array([1.0, 2.0, 3.0]))
-    assert reduced_runs._later(one, more) == math.inf
+    one, other = np.array([1.0, 2.0, np.nan]), np.array([1.0, 2.25, np.nan])
+    assert difference(one, other) == difference(other, one) == 0.25
+    assert difference(one, np.array([1.0, 2.0, 3.0])) == math.inf
 
 
 def test_headlines_are_what_disagrees_by_the_weight_of_its_claim() -> None:

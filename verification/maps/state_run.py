@@ -300,7 +300,7 @@ def run_to_state(  # noqa: PLR0913  (six of them are the criteria)
     return FoundState(
         state=state,
         reason=Reason.END_TIME if state is State.UNDECIDED else Reason.DECIDED,
-        time=run.time * chain.kernel_rate / (chain.time_unit * chain.kernel_rate),
+        time=run.time / chain.time_unit,
         above=int(memory[_ABOVE]),
         steps=run.counts["steps"],
         amplitude=run.amplitude,

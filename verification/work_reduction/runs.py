@@ -18,9 +18,9 @@ from verification.piecewise.window import (
     window_length,
 )
 from verification.references.equations import piecewise_rate
+from verification.runs.comparison import difference
 from verification.runs.excite import excite, excite_edge
 from verification.runs.simulate import simulate
-from verification.runs.trajectory import Trajectory
 from verification.work_reduction.comparison import Comparison, timed
 
 
@@ -44,10 +44,10 @@ def sites_of_the_window(c: float = 0.5, eta: float = 0.03125) -> Comparison:
     return Comparison(short.window, passed, abs(short.v - long.v), short.error + long.error)
 
 
-class EverySite(PiecewiseMotion):
-    """A chain that searches for a crossing at every site and in every interval, or only counts."""
+class CountedSearch(PiecewiseMotion):
+    """A chain whose searches for a crossing are counted; with ``every``, none is left out."""
 
-    every = True
+    every = False
     sought = 0
 
     def _suspects(
@@ -68,18 +68,13 @@ class EverySite(PiecewiseMotion):
         return super()._first_crossing(modes, now, slot, step, fresh)
 
 
-class SomeSites(EverySite):
-    """The unmodified chain, with its searches counted."""
-
-    every = False
-
-
 def crossings_sought(c: float = 0.5, eta: float = 0.03125, count: int = 6) -> Comparison:
     """Search for a crossing where a bound on the second derivative permits one, or everywhere."""
     r = threshold_ratio(eta)
     found, sought = [], []
-    for kind in (SomeSites, EverySite):
-        chain = kind(c, r, _moving(c, r))
+    for every in (False, True):
+        chain = CountedSearch(c, r, _moving(c, r))
+        chain.every = every
         found.append(_switchings(chain, count))
         sought.append(float(chain.sought))
     return Comparison(sought[0], sought[1], _apart(found[0], found[1]), 0.0)
@@ -182,13 +177,8 @@ def sites_behind(c: float = 0.6, end: float = 3e4, tolerance: float = 1e-9) -> C
         for behind in (24, 0)
     )  # fmt: skip
     return Comparison(
-        few.mean_active, whole.mean_active, _later(few, whole), few.arrival_error or 0.0
+        few.mean_active,
+        whole.mean_active,
+        difference(few.arrivals, whole.arrivals),
+        few.arrival_error or 0.0,
     )
-
-
-def _later(one: Trajectory, other: Trajectory) -> float:
-    """Return the largest difference in arrivals; inf if the sites reached differ."""
-    missed = np.isnan(one.arrivals)
-    if np.any(missed != np.isnan(other.arrivals)):
-        return float("inf")
-    return float(np.max(np.abs(one.arrivals - other.arrivals)[~missed], initial=0.0))

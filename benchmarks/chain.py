@@ -155,8 +155,7 @@ def ours(task: TrajectoryTask, tolerance: float) -> FloatArray:
     run = SmoothIntegration(
         task.chain, excite(task.chain, [1]), times, tolerance=tolerance, level=1.0
     )
-    while not run.finished:
-        run.advance(10**9)
+    run.finish()
     final: FloatArray = run.samples[-1].ravel()
     return final
 

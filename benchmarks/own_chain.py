@@ -64,8 +64,7 @@ def ours(chain: OscillatorChain, end: float, tolerance: float) -> FloatArray:
     run = SmoothIntegration(
         chain, start_of(chain), [0.0, end], tolerance=tolerance, level=1e9, active_window=False
     )
-    while not run.finished:
-        run.advance(10**9)
+    run.finish()
     final: FloatArray = run.samples[-1].ravel()
     return final
 

@@ -544,7 +544,7 @@ def test_at_the_end_a_chain_that_has_stayed_half_filled_for_half_the_time_is_a_f
     def integration(_: object, start: Any, *__: object, memory: Any, **___: object) -> Any:
         memory[state_run._LASTING] = lasting
         return SimpleNamespace(
-            state=start, finished=True, outcome=0, time=1.0, counts={"steps": 1},
+            state=start, finish=lambda: None, outcome=0, time=1.0, counts={"steps": 1},
             amplitude=np.ones(8),
         )  # fmt: skip
 

@@ -133,8 +133,7 @@ def _through_window(
     length = WINDOW * chain.time_unit
     times = np.linspace(length / SAMPLES, length, SAMPLES)
     run = integration(chain, state, times, tolerance=tolerance)
-    while not run.finished:
-        run.advance(run.default_budget)
+    run.finish()
     amplitude = run.sampled_amplitude
     window = _Window(amplitude.max(axis=0), amplitude.min(axis=0))
     return run.samples[-1].copy(), window, run.counts["steps"]

@@ -40,7 +40,6 @@ _FILLED, _LASTING, _FIRST, _BEGIN, _NEXT, _COUNT, _ABOVE, _SITES = 7, 8, 9, 10, 
 """Indices into the memory of the stop condition; from ``_SITES`` on it contains the lowest, then
 the highest amplitude of each site in the present window."""
 
-_BUDGET = 10**9
 _ROUNDING = 1e-14
 """Relative change of a square that exceeds any effect of rounding."""
 
@@ -292,8 +291,7 @@ def run_to_state(  # noqa: PLR0913  (six of them are the criteria)
     if at_rest_for_ever(np.ravel(run.state), stiffness, rest_bound):
         state = State.FIXED_POINT
     else:
-        while not run.finished:
-            run.advance(_BUDGET)
+        run.finish()
         state = _STATES[run.outcome]
         if state is State.UNDECIDED and 0.0 <= 2.0 * memory[_LASTING] <= end:
             state = State.FRONT

@@ -21,8 +21,6 @@ from verification.steppers.runge_kutta import Step
 STEP = 0.1
 """Step in T of the method of order 8; the rates are of order 1."""
 
-_BUDGET = 10**9
-
 
 @dataclass(frozen=True, kw_only=True)
 class EnvelopeRun:
@@ -120,8 +118,7 @@ def run_envelope(
         watch=escape,
         memory=np.concatenate([[limit**2], mask]),
     )
-    while not run.finished:
-        run.advance(_BUDGET)
+    run.finish()
     escaped = bool(run.outcome)
     time = chain.eps * run.time if escaped else duration
     return EnvelopeRun(

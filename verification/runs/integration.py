@@ -85,6 +85,11 @@ class Integration(ABC):
             If the run cannot continue.
         """
 
+    def finish(self) -> None:
+        """Step until the end; raises what `advance` raises."""
+        while not self.finished:
+            self.advance(self.default_budget)
+
     @property
     @abstractmethod
     def time(self) -> float:

@@ -22,7 +22,7 @@ from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate
 from verification.runs.excite import excite
-from verification.runs.integration import integration
+from verification.runs.integrations import integration
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
 

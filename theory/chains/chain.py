@@ -98,7 +98,7 @@ class Chain(ABC):
     5. Define :attr:`time_unit`, the time t in which amplitudes change by a factor of order one; it
        is the unit of waiting times for fronts and thresholds.
     6. If the motion is smooth, follow the remaining steps in :class:`SmoothChain`. If it is not,
-       register an integration of your own with ``verification.runs.integration.integration``.
+       name an integration of your own in ``verification.runs.integrations.INTEGRATIONS``.
 
     Attributes
     ----------

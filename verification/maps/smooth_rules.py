@@ -32,9 +32,9 @@ from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
 from theory.parameters import Range, within
 from verification.maps.state import FoundState, Reason, State
-from verification.runs import smooth_integration  # noqa: F401  (register)
 from verification.runs.excite import excite
-from verification.runs.integration import checked_state, integration
+from verification.runs.integration import checked_state
+from verification.runs.integrations import integration
 
 WINDOW = 5.0
 SAMPLES = 16

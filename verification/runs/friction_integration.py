@@ -18,9 +18,7 @@ from verification.runs.integration import (
     Integration,
     NotFiniteError,
     StandstillError,
-    check_options,
     checked_state,
-    integration,
 )
 from verification.steppers import friction
 from verification.steppers.friction_series import (
@@ -307,11 +305,3 @@ class FrictionIntegration(Integration):
         # The energy decreases while every |ẏ| < u, if the damping is positive at v_d - u.
         u = min(1e-3 * cell.v_d, 0.5 * cell.stability_margin)
         return energy < 0.5 * u * u and math.isfinite(energy)
-
-
-@integration.register
-def _(
-    chain: FrictionChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
-) -> FrictionIntegration:
-    check_options(FrictionIntegration, options)
-    return FrictionIntegration(chain, start, times, **options)

@@ -2,13 +2,9 @@
 
 How to write a new integration
 ------------------------------
-1. Derive from :class:`Integration` and register a function that makes one for your chain::
-
-       @integration.register
-       def _(chain: MyChain, start, times, **options):
-           return MyIntegration(chain, start, times, **options)
-
-   Options that it does not know are refused with ``ParameterError``.
+1. Derive from :class:`Integration`, and name it for your chain, as
+   ``verification.runs.integrations.INTEGRATIONS[MyChain] = MyIntegration``. It is made from chain,
+   start, times and options; options that it does not have are refused.
 2. Keep the whole state of the run in numpy arrays that are created once, changed in place and
    listed in ``state_arrays``. When they are filled from a file, the run continues bit for bit.
 3. ``advance(budget)`` steps until ``end``, or until about ``budget`` sites times steps are spent
@@ -28,8 +24,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from functools import singledispatch
-from inspect import signature
 from typing import Any, ClassVar
 
 import numpy as np
@@ -179,35 +173,6 @@ class Integration(ABC):
         return start * (1.0 + ulps * np.finfo(float).eps)
 
 
-@singledispatch
-def integration(
-    chain: Chain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
-) -> Integration:
-    """Return the integration of a chain from a start; see :class:`Integration`.
-
-    Parameters
-    ----------
-    chain : Chain
-        Parameters.
-    start : array_like
-        State at t = 0, in a form that :func:`checked_state` accepts.
-    times : array_like, shape (M,)
-        Times t of the samples, ascending from 0 or later.
-    **options
-        ``tolerance``, ``end`` (by default the last of ``times``), and the parameters of the
-        integration's class.
-
-    Raises
-    ------
-    ParameterError
-        If there is no integration for the model, or an option or the start does not fit.
-    """
-    raise ParameterError(
-        "model", getattr(chain, "model", type(chain).__name__), "one with an integration in time",
-        "take another chain, or register an integration for it",
-    )  # fmt: skip
-
-
 def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
     """Return a start as a newly allocated state (y, w), shape (2, N).
 
@@ -249,22 +214,6 @@ def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:
     if kind == "c" and given.shape != (sites,):
         raise ParameterError("start", "a complex array", "real", "give y and w at every site")
     return np.array(state, dtype=float, order="C")
-
-
-def check_options(kind: type[Integration], options: Mapping[str, Any]) -> None:
-    """Refuse an option that an integration does not have.
-
-    Raises
-    ------
-    ParameterError
-        If there is one.
-    """
-    known = [name for name in signature(kind).parameters if name not in {"chain", "start", "times"}]
-    for name in options:
-        if name not in known:
-            raise ParameterError(
-                "option", name, f"one of {', '.join(known)}", f"the stepper is: {kind.method}"
-            )
 
 
 def as_psi(state: FloatArray) -> ComplexArray:

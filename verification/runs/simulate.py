@@ -27,7 +27,6 @@ from theory.parameters import (
     within,
 )
 from verification.execution.progress import ProgressCallback
-from verification.runs import friction_integration, smooth_integration
 from verification.runs.checkpoint import run_to_end
 from verification.runs.comparison import (
     PERTURBATION,
@@ -35,10 +34,9 @@ from verification.runs.comparison import (
     error_by_sample,
     other_tolerance,
 )
-from verification.runs.integration import Integration, checked_state, integration
+from verification.runs.integration import Integration, checked_state
+from verification.runs.integrations import integration
 from verification.runs.trajectory import RunStatus, Trajectory
-
-__all__ = ["friction_integration", "simulate", "smooth_integration"]
 
 TOLERANCES = Range(1e-14, 1e-2)
 SAMPLES = Range(2, 1_000_000)

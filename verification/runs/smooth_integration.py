@@ -19,9 +19,7 @@ from verification.runs.integration import (
     NotFiniteError,
     StandstillError,
     as_psi,
-    check_options,
     checked_state,
-    integration,
 )
 from verification.steppers import smooth
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, RING
@@ -385,11 +383,3 @@ def _margin(chain: SmoothChain) -> int:
     """Return the number of sites at rest that are stepped beyond the last moving one."""
     margin = 2 * MARGIN if getattr(chain, "c", math.inf) > WEAK_COUPLING else MARGIN
     return margin if chain.network is None else margin * max(1, chain.network.reach)
-
-
-@integration.register
-def _(
-    chain: SmoothChain, start: npt.ArrayLike, times: npt.ArrayLike, **options: Any
-) -> SmoothIntegration:
-    check_options(SmoothIntegration, options)
-    return SmoothIntegration(chain, start, times, **options)

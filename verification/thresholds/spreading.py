@@ -28,10 +28,9 @@ from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError, Range, count_within, positive, within
-from verification.runs import friction_integration, smooth_integration  # noqa: F401  (register)
 from verification.runs.comparison import COARSER
 from verification.runs.excite import StartPoint, excite
-from verification.runs.integration import integration
+from verification.runs.integrations import integration
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
 GROWTH = 1.25

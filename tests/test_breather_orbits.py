@@ -290,6 +290,10 @@ def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, si
     assert abs(fold.c - float(exact.value[-1])) <= fold.c_error < 1e-10
     centre = sites // 2
     true = math.hypot(float(exact.value[centre]), float(exact.value[sites + centre]))
+    beyond = solve_envelope_breather(chain.replace(c=1.1 * fold.c), Nucleus(1))
+    assert beyond.fold is not None
+    assert beyond.fold_error is not None
+    assert abs(beyond.fold - float(exact.value[-1])) <= beyond.fold_error < 1e-10
     # Differences leave an error of some 1e-10 in the state of the reference.
     assert abs(fold.height - true) <= fold.height_error + 1e-10
     assert fold.height_error < 1e-4
@@ -329,6 +333,19 @@ def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
         assert abs(each.c - fine.c) <= each.c_error + fine.c_error
         assert abs(each.height - fine.height) <= each.height_error + fine.height_error
     assert abs(rough[0].c - fine.c) > 1e-11
+
+
+def test_a_frequency_is_uncertain_by_what_the_last_step_has_left_of_it() -> None:
+    chain = AveragedChain(a=2.5, b=0.5, c=0.1, sites=5)
+    waves = RotatingWaves(chain, Nucleus(1))
+    point = waves.start(0.1)
+    errors = [
+        waves.measured(replace(point, correction=left), 0.0).frequency_error for left in (0.0, 1e-3)
+    ]
+    assert errors[0] is not None
+    assert errors[1] is not None
+    assert errors[0] < 1e-14
+    assert errors[1] >= chain.eps * 1e-3
 
 
 def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be() -> None:

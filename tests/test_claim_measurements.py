@@ -8,10 +8,12 @@ edge. The numbers that the texts of claims give in words are those of the code.
 from __future__ import annotations
 
 import inspect
+import json
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import pairwise
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeVar
 
@@ -21,6 +23,7 @@ from scipy.integrate import RK45
 
 from paper_checks.claims import (
     _friction,
+    _fronts,
     _maps,
     fig02,
     fig03,
@@ -323,7 +326,9 @@ def test_the_two_sides_of_the_edge_of_the_basin_are_both_run(monkeypatch: Patch)
     monkeypatch.setattr(fig02, "_scipy", run)
     for edge, inside, outside in ((EDGE, True, True), (1.6, False, True), (1.4, True, False)):
         monkeypatch.setattr(fig02, "_orbits", lambda edge=edge: made_up_orbits(edge))
+        runs.clear()
         found = fig02.two_states()
+        assert {edge - 5e-3, edge + 5e-3} <= {one.start for one in runs}
         assert (found.inside_slides, found.outside_sticks) == (inside, outside)
         assert found.settles
         assert (found.gap, found.error) == (0.0, 1e-9)
@@ -397,6 +402,29 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
         assert found.largest == pytest.approx(0.75)
         assert found.releases == 2
         assert found.gap == pytest.approx(0.125)
+
+
+def test_the_cell_of_fig_2_is_run_from_rest(monkeypatch: Patch) -> None:
+    def run(chain: Any, start: Any, end: float, *, times: Any, **__: Any) -> Any:
+        return chain.sites, start.tolist(), end, times.tolist()
+
+    monkeypatch.setattr("verification.references.friction_events.run_events", run)
+    assert fig02._scipy(FrictionCell(), 1.75, 8.0, 3) == (1, [[1.75], [0.0]], 8.0, [0.0, 4.0, 8.0])
+
+
+def test_thresholds_of_fig_4_are_searched_for_from_below_all_of_them(monkeypatch: Patch) -> None:
+    folder = Path(fig04.__file__).parents[1] / "findings"
+    known = json.loads((folder / "fig04.long_runs.json").read_text())
+    found = known["evidence"]["object"]["thresholds"]["tuple"]
+    monkeypatch.setattr(
+        "verification.thresholds.spreading.spreading_threshold",
+        lambda *_, lowest, **__: SimpleNamespace(c_crit=lowest),
+    )
+    assert 0.0 < fig04._threshold(1, "edge") < 0.9 * min(found)
+
+
+def test_the_chain_of_figs_12_and_13_is_that_of_their_captions() -> None:
+    assert (_fronts.A, _fronts.B, _fronts.EPS) == (4.0, 0.5, 0.01)
 
 
 @pytest.mark.parametrize(("period", "stick"), [(7.25, 2.0), (7.0, 1.75)])
@@ -1078,6 +1106,8 @@ def test_the_rate_that_a_printed_value_implies_is_found_again() -> None:
     assert found.late == pytest.approx(own)
     assert found.implied == pytest.approx(rate)
     assert found.ratio == pytest.approx(4.0)
+    beyond = replace(found.folds, orbit=folds | {1: 1.0})  # a printed value that is not late
+    assert replace(found, folds=beyond).ratio == math.inf
 
 
 def ended(c: float, *stable: tuple[float, float]) -> fig11.Ended:

@@ -9,19 +9,23 @@ import math
 import shlex
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
 import pytest
 
+import fronts as fr
 from derivations.catalogue import LISTING
+from fronts import files
 from fronts.__main__ import main as start
-from fronts.arguments import with_values_joined
+from fronts.arguments import site_list, with_values_joined
 from fronts.bound import Bound, models_of
-from fronts.catalogue import COMMANDS
+from fronts.catalogue import _VDP_MAP, COMMANDS
 from fronts.cli import main
 from fronts.options import options_of
 from fronts.signatures import described, documented
+from paper_checks.claims import fig15
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import threshold_ratio
 from theory.chains import chain
@@ -523,3 +527,39 @@ def test_words_without_a_name_and_those_after_it_are_read_from_the_signature():
     group = options_of(many)
     group.call(lambda *words, **rest: seen.append((words, rest)), argparse.Namespace(key=["a"]))
     assert seen == [(("a",), {})]
+
+
+def test_a_range_of_one_site_is_that_site():
+    assert site_list("15:15") == (15,)
+
+
+def test_a_map_without_ranges_is_that_of_fig_15():
+    """Which has η from 0.01 to 0.14 and c from 0.05 to 1."""
+    axes = {name: np.linspace(*given) for name, given in _VDP_MAP.axes.items()}
+    assert axes["eta"] == pytest.approx(fig15.ETAS)
+    assert axes["c"] == pytest.approx(fig15.COUPLINGS)
+
+
+def test_velocity_and_coupling_of_a_sum_keep_all_their_digits():
+    kinds = {each.name: each.kind for each in described(fr.sigma)}
+    assert (kinds["v"], kinds["c"]) == ("decimal", "decimal")
+
+
+def test_a_picture_is_of_the_result(tmp_path):
+    drawn = []
+    result = SimpleNamespace(plot=drawn.append)
+    files._picture(result, {}, {})(tmp_path / "result.svg")
+    assert len(drawn) == 1
+    assert (tmp_path / "result.svg").stat().st_size > 1000
+
+
+def test_a_sum_of_fifteen_digits_is_rounded_where_double_precision_falls_short(monkeypatch):
+    """To a double, whose rounding is in the error, as all sums of up to fifteen digits are."""
+    monkeypatch.setattr(
+        "theory.piecewise.sums.integral.sum_by_integral", lambda *_: SimpleNamespace(error=1e-14)
+    )
+    found = fr.sigma(0.3, 0.5, method="integral", digits=15)
+    assert type(found.value) is complex
+    assert found.digits == 15
+    true = fr.sigma("0.3", "0.5", method="integral", digits=30)
+    assert 0.0 < abs(complex(true.value) - found.value) + 1e-17 <= found.error < 1e-15

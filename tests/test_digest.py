@@ -275,6 +275,18 @@ def test_a_function_of_a_session_is_told_from_another_by_what_it_uses_there(monk
     assert identity(other="unused = 2") == known[0]
 
 
+def test_a_method_of_a_session_is_told_from_another_by_what_its_class_uses_there(monkeypatch):
+    session = ModuleType("typed_here")
+    monkeypatch.setitem(sys.modules, "typed_here", session)
+    text = "class Scaled:\n    def value(self, c): return scale * c"
+
+    def used(scale):
+        exec(f"scale = {scale}\n{text}", vars(session))
+        return parameters_of(session.Scaled().value)["session"]
+
+    assert (used(2.0), used(3.0)) == ({"scale": 2.0}, {"scale": 3.0})
+
+
 def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
     class Task:
         def __init__(self, size):

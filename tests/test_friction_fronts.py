@@ -114,6 +114,7 @@ def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
     chain = FrictionChain(c=0.0, sites=5)
     found = spreading_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
     assert found.error < 1e-5
+    assert found.perturbation == 0.0  # there is no noise
     for c, arrives in ((0.98 * found.low, False), (1.02 * found.high, True)):
         start = excite(replace(chain, c=c), [1])
         by_scipy = _arrivals_by_scipy(c, start[0], 400.0)

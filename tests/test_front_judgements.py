@@ -414,6 +414,7 @@ def _lengths(kind: str) -> Any:
         ("smooth", "accuracy", 1e-13, 0.1),
         ("smooth", "tolerance", 1e-14, 1e-4),
         ("smooth", "excited", 4, 1000),
+        ("smooth", "stall_time", 1e-6, 1e9),
         ("friction", "accuracy", 1e-6, 0.1),
         ("friction", "tolerance", 1e-12, 1e-4),
         ("friction", "excited", 1, 100),
@@ -442,7 +443,7 @@ def test_options_of_a_front_have_the_ranges_that_are_documented(
             measure.measure_front(chain, **{option: inside})
     step = 1 if isinstance(low, int) else 0.0
     for outside in (0.99 * low - step, 1.01 * high + step):
-        with pytest.raises(ParameterError, match=option):
+        with pytest.raises(ParameterError, match=option.replace("_", ".")):
             measure.measure_front(
                 chain,
                 **{option: round(outside) if step else outside},  # type: ignore[arg-type]

@@ -25,7 +25,7 @@ from verification.fronts.resting import pinning_eta, static_fold
 from verification.fronts.wave import NoFrontError, front_wave
 from verification.references import phase_locked
 from verification.references.front_wave import front_velocity
-from verification.steppers.amplitudes import Amplitudes, with_disturbances
+from verification.steppers.amplitudes import Amplitudes, rate, rate_by, with_disturbances
 
 ETA = 0.03125
 
@@ -587,3 +587,21 @@ def test_where_there_is_no_front_none_is_advised_to_be_measured(
     shown = capsys.readouterr().err
     assert shown.count("\n") == 1
     assert "there is no front" in shown
+
+
+@pytest.mark.parametrize("along", ["c", "eta"])
+def test_the_rate_of_the_amplitudes_depends_on_a_parameter_as_its_differences_do(
+    along: str,
+) -> None:
+    """To the last site, which also has rest to its right."""
+    rho, step = np.random.default_rng(2).uniform(0.1, 1.0, 9), 1e-6
+    at = {"c": 0.6, "eta": 0.05}
+
+    def chain(shift: float) -> Amplitudes:
+        given = at | {along: at[along] + shift}
+        eta = given["eta"]
+        return Amplitudes(**given, square=(1.0 + math.sqrt(1.0 - 8.0 * eta)) / eta)
+
+    apart = (rate(rho, chain(step)) - rate(rho, chain(-step))) / (2.0 * step)
+    found = rate_by(rho, chain(0.0), along)  # type: ignore[arg-type]
+    assert found == pytest.approx(apart, rel=1e-6, abs=1e-8)

@@ -404,6 +404,7 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
     found = vdp_cell(a, b, 0.01, 1e-6)
     assert found.to_dict()["eta"] == pytest.approx(eta)
     assert (found.steady_sliding, found.effective_damping) == (None, 0.01)
+    assert found.status is CellStatus.BISTABLE
     limits = sorted(np.sqrt(np.roots([b / 8.0, -a / 4.0, 1.0]).real))
     for cycle, limit in zip((found.unstable_cycle, found.stable_cycle), limits, strict=True):
         assert cycle is not None
@@ -411,6 +412,13 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
         assert (cycle.stick_time, cycle.slip_time) == (0.0, cycle.period)
         assert cycle.amplitude == pytest.approx(limit, rel=1e-3)
         assert cycle.period == pytest.approx(2.0 * np.pi, rel=1e-3)
+
+
+def test_a_cell_of_van_der_pol_without_cycles_is_at_rest_and_its_coefficients_have_ranges() -> None:
+    assert vdp_cell(1.0, 0.2, 0.01, 1e-6).status is CellStatus.REST
+    for a, b, named in ((0.0, 0.5, "a"), (-1.0, 0.5, "a"), (1.0, 0.0, "b"), (1.0, -0.1, "b")):
+        with pytest.raises(ParameterError, match=f"^damping coefficient {named} = "):
+            vdp_cell(a, b, 0.01, 1e-6)
 
 
 def test_both_cycles_of_van_der_pol_close_in_scipy_with_their_multipliers() -> None:

@@ -499,6 +499,8 @@ def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> No
     across, up = figure.x_range, figure.y_range
     assert (image.x, image.x + image.dw) == (across.start, across.end) == (0.0, SLOW_TIME)
     assert (image.y, image.y + image.dh) == (up.start, up.end) == (0.5, SITES + 0.5)
+    (now,) = figure.select({"name": "now"})
+    assert now.location == 0.0  # as the clock says at first
 
 
 @needs_explorer

@@ -6,6 +6,7 @@ import json
 import math
 import time
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -775,3 +776,10 @@ def test_a_site_is_looked_at_if_a_parabola_of_the_largest_bend_can_cross(
     x = np.linspace(0.0, step, 101)
     motion.advance(0.0)
     assert asked == [pytest.approx((0.5 * bend * x * (step - x)).max(), rel=1e-12)]
+
+
+def test_a_site_may_cross_in_an_interval_at_either_end_of_which_its_gap_is_small() -> None:
+    gap = np.array([[5.0, 5.0, 5.0], [0.1, 5.0, 5.0], [5.0, 5.0, 0.1], [5.0, 5.0, 5.0]])
+    few: Any = SimpleNamespace()  # so that the sharper bound is not asked
+    found = PiecewiseMotion._suspects(few, gap, 1.0, np.empty(3), np.empty(3), 0.1)
+    assert found.tolist() == [[True, False, False], [True, False, True], [False, False, True]]

@@ -27,7 +27,7 @@ from paper_checks.report.inline_svg import width_of
 from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.table import NARROWEST, entries_as_text
-from paper_checks.report.terminal import NAMED, report_as_text
+from paper_checks.report.terminal import NAMED, _headline, report_as_text
 from paper_checks.ruling import holds
 from verification.quantities.registry import all_quantities
 
@@ -58,6 +58,13 @@ def outcome(key: str, finding: Finding | None = FINDING, **changes: Any) -> Judg
 
 def report_of(*outcomes: JudgedClaim) -> Any:
     return make_report(outcomes, seconds=1.0, available=9, versions={}, source="0")
+
+
+def test_a_part_of_the_claims_is_said_to_be_one_and_a_headline_gives_its_reason() -> None:
+    assert report_as_text(report_of(outcome("one"))).startswith("1 of 9 claims in ")
+    plain = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="")
+    for finding, because in ((FINDING, "It is off."), (plain, "as the paper says.")):
+        assert _headline(outcome("one", finding)).endswith(f": {because} (one)")
 
 
 # ------------------------------------------------------------------------------------- judging

@@ -416,6 +416,10 @@ def test_without_options_a_thousand_points_are_tried_and_the_file_is_named(
         assert main(["stress", "--json", *options]) == 0
         assert json.loads(capsys.readouterr().out)["out"] == (options[1] if name else None)
     assert asked == [((), 1000, 0)] * 3
+    for name in ("found.gif", "found.mp4"):  # a table is no film
+        assert main(["stress", "--json", "--out", str(tmp_path / name)]) == 2
+        assert name in json.loads(capsys.readouterr().err)["error"]["value"]
+    assert len(asked) == 3
     assert [path.name for path in tmp_path.iterdir()] == ["found.json"]
 
 

@@ -157,6 +157,13 @@ def test_a_shape_is_as_uncertain_as_the_rest_of_its_series(
 # -------------------------------------------------------------------------- the kinetic relation
 
 
+def test_where_both_cycles_meet_the_sum_touches_the_threshold_and_there_is_no_front() -> None:
+    at = {"c": 0.5, "eta": 0.125}
+    stated = relation._velocities(at)
+    assert stated.extra.branches == ()
+    assert relation._check_velocities(at, stated).distance == 0.0
+
+
 def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -516,6 +516,10 @@ def test_a_refusal_names_the_value_that_was_given() -> None:
     with pytest.raises(ParameterError, match=r"^number of sites n = 1001\b"):
         StateTask(chain=FIGURE_15.replace(sites=1001))
 
+    for chain in (FIGURE_15, OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1)):
+        with pytest.raises(ParameterError, match=r"^number of sites n = 1001\b"):
+            StateTask(chain=chain.replace(sites=1001))
+
 
 @pytest.mark.parametrize(
     ("chain", "usual", "shortest"),
@@ -548,6 +552,8 @@ def test_a_comparison_says_which_map_named_what() -> None:
     found = compare(one.states, other.states, ("eta", "c"))
     (row,) = found.differing
     assert (row["first"], row["second"]) == ("front", "fixed point")
+    axes = one.plot()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("coupling c", "η = b/a²")
     assert (found.same, found.total) == (0, 1)
     assert (row["eta"], row["c"]) == (0.03, 0.6)
     assert compare(one.states, one.states, ("eta", "c")).differing == ()
@@ -759,3 +765,11 @@ def test_eta_is_b_over_the_square_of_a_whichever_is_held(held: str) -> None:
     chain = task.at({"eta": 0.04, "c": 0.2})
     assert chain.b / chain.a**2 == pytest.approx(0.04, rel=1e-14)
     assert (chain.c, getattr(chain, held)) == (0.2, getattr(task.chain, held))
+
+
+def test_a_chain_that_was_filled_once_and_keeps_half_its_sites_is_a_breather() -> None:
+    """Of two sites: one starts just above the unstable cycle, and the coupling pulls it below."""
+    chain = AveragedChain(a=2.5, b=0.5, c=0.05, sites=2)
+    start = np.array([[chain.stable_amplitude, 0.0], [0.0, -1.02 * chain.unstable_amplitude]])
+    found = find_vdp_state(chain, start, end=2000.0, tolerance=1e-8)
+    assert (found.state, found.above) == (State.BREATHER, 1)

@@ -72,8 +72,7 @@ def test_the_error_reported_is_a_few_times_the_true_one(problem: Problem) -> Non
     )  # fmt: skip
     for tolerance in (1e-5, 1e-6, 1e-7):
         run, few = (
-            simulate(chain, start, end, samples=count, tolerance=tolerance)
-            for count in (201, 2)
+            simulate(chain, start, end, samples=count, tolerance=tolerance) for count in (201, 2)
         )
         true = np.abs(run.psi - np.array([as_complex(state) for state in exact.y.T])).max()
         assert run.error is not None

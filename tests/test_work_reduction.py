@@ -94,6 +94,19 @@ def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) 
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
 
 
+def test_the_change_by_sites_at_rest_is_that_of_the_site_that_changes_most(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def run(*_: Any, active_window: bool, **__: Any) -> Any:
+        psi = np.zeros((5, 60), dtype=complex)
+        psi[3, 7] = 1e-3j * active_window
+        return SimpleNamespace(psi=psi, mean_active=9.0 if active_window else 60.0)
+
+    monkeypatch.setattr(runs, "simulate", run)
+    found = runs.sites_at_rest()
+    assert (found.spent, found.whole, found.changed) == (9.0, 60.0, 1e-3)
+
+
 def test_what_is_left_of_a_balance_is_in_the_error_of_its_period(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

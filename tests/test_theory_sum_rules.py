@@ -118,7 +118,7 @@ def points_at_random(seed: int, count: int) -> list[tuple[float, float]]:
 
 def test_the_stated_error_bounds_the_true_one_one_by_one_and_in_an_array() -> None:
     points = points_at_random(31, 4)
-    exact = [precise_sum_by_integral(v, c, 20) for v, c in points]
+    exact = [sum_by_roots(v, c, 20) for v, c in points]
     for tolerance in (1e-3, 1e-7, 1e-12, 1e-15):
         array = sums(*np.array(points).T, tolerance)
         for n, (v, c) in enumerate(points):
@@ -153,7 +153,7 @@ def test_the_stated_errors_of_the_derivatives_bound_the_true_ones(
         step = mp.mpf(10) ** -15  # the resonance is 1e-7 wide, relative to v = 5e6
 
         def exact(v: mp.mpf, c: mp.mpf) -> mp.mpc:
-            return precise_sum_by_integral(mp.nstr(v, 50), mp.nstr(c, 50), 30).value
+            return sum_by_roots(mp.nstr(v, 50), mp.nstr(c, 50), 30).value
 
         v_, c_ = mp.mpf(v), mp.mpf(c)
         by_v = (exact(v_ * (1 + step), c_) - exact(v_ * (1 - step), c_)) / (2 * step * v_)

@@ -255,11 +255,13 @@ def test_cells_differ_by_the_last_bit_of_what_their_functions_capture() -> None:
         [(each,) for each in values],
         [_Numbers(each) for each in values],
     ):
-        chains = [OscillatorChain(damping=1, stiffness=_pull(each), c=0.0, sites=2)
-                  for each in (one, one, other)]  # fmt: skip
-        assert chains[0] == chains[1] != chains[2]
-        names = [each.kernel().__name__ for each in chains]
-        assert names[0] == names[1] != names[2]
+        digests = [CompiledForce("g", (_pull(each),)).digest for each in (one, one, other)]
+        assert digests[0] == digests[1] != digests[2]
+    chains = [OscillatorChain(damping=1, stiffness=_pull(np.array([each])), c=0.0, sites=2)
+              for each in (0.1, *values)]  # fmt: skip
+    assert chains[0] == chains[1] != chains[2]
+    names = [each.kernel().__name__ for each in chains]
+    assert names[0] == names[1] != names[2]
 
 
 def test_each_of_two_chains_runs_with_the_numbers_that_its_own_function_captures() -> None:

@@ -191,7 +191,10 @@ def _cycles(
 
 
 def _branch(result: Any, axes: Axes, **style: Any) -> None:
-    """Draw a branch: solid where it is stable, dashed where it is unstable; mark its folds."""
+    """Draw a branch: solid where it is stable, dashed where it is unstable; mark its folds.
+
+    It is dotted between two folds without a point between them.
+    """
     table = result.columns()
     name = next(each for each in BRANCHES if each in table)
     words = [point.to_dict().get("stable") is not False for point in result.points]
@@ -200,24 +203,33 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
     turns = [(fold.place, (getattr(fold, along), fold.height, None)) for fold in result.folds]
     pin = getattr(result, f"{along}_pin")
     if pin is not None:
-        turns.append((sum(node[0] > pin for node in nodes), (pin, 0.0, None)))
+        end = (sum(node[0] > pin for node in nodes), (pin, 0.0, None))
+        # In descending order: fronts at rest come first along η, and last along c.
+        turns = [end, *turns] if along == "eta" else [*turns, end]
         turns.sort(key=lambda turn: turn[0])
     symbol = "η" if along == "eta" else along
     for place, node in reversed(turns):
         axes.axvline(node[0], color="0.5", lw=0.8, label=f"fold, {symbol} = {node[0]:.6g}")
         nodes.insert(place, node)
-    for kind, line in ((True, "-"), (False, "--")):
-        look = {"color": BLUE if kind else VERMILION, "ls": line, "lw": 1.2, **style}
-        label = "stable" if kind else "not stable"
-        for first, last in pairwise(nodes):
-            if kind in {first[2], last[2]} and {first[2], last[2]} <= {kind, None}:
-                axes.plot([first[0], last[0]], [first[1], last[1]], label=label, **look)
-                label = "_"
+    for kind, line, label in (
+        (True, "-", "stable"), (False, "--", "not stable"), (None, ":", "stability not decided"),
+    ):  # fmt: skip
+        colour = {True: BLUE, False: VERMILION, None: "0.6"}[kind]
+        look = {"color": colour, "ls": line, "lw": 1.2, **style}
+        pairs = [pair for pair in pairwise(nodes) if _kinds(*pair) == {kind}]
+        for at, (first, last) in enumerate(pairs):
+            ends = [first[0], last[0]], [first[1], last[1]]
+            axes.plot(*ends, label="_" if at else label, **look)
         shown = [node[:2] for node in nodes if node[2] is kind]
-        if shown:
+        if shown and kind is not None:
             axes.plot(*zip(*shown, strict=True), "o", ms=2.5, color=look["color"])
     _explain(axes)
     axes.set(xlabel=LABELS[along], ylabel=LABELS.get(name, name))
+
+
+def _kinds(first: tuple[Any, ...], last: tuple[Any, ...]) -> set[bool | None]:
+    """Return the stabilities of two nodes of a branch, of which a fold has that of the other."""
+    return {first[2], last[2]} - {None} or {None}
 
 
 def _breather(result: Any, axes: Axes, **style: Any) -> None:

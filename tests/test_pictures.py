@@ -105,6 +105,28 @@ def test_a_fold_beyond_the_end_of_a_branch_stands_beyond_it(along: str) -> None:
     assert np.allclose(np.ravel(order), np.repeat([0.6, 0.5, 0.45, 0.4, 0.3, 0.25, 0.2], 2)[1:-1])
 
 
+@pytest.mark.parametrize("along", ["c", "eta"])
+def test_a_branch_has_no_gap_where_a_fold_follows_the_other_without_a_point(along: str) -> None:
+    """In descending order: fronts at rest are at the end along c, and at the beginning along η."""
+    place = {"c": 3, "eta": 2}[along]
+    turn = BranchFold(c=0.45, eta=0.45, error=0.0, place=place, height=0.9)
+    pin = {"c": 0.35, "eta": 0.45}[along]
+    axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": pin}))
+    ends = [(0.45, 0.9), (pin, 0.0)]
+    dotted = [each for each in axes.lines if each.get_linestyle() == ":"]
+    (line,) = (each for each in dotted if each.get_label() == "stability not decided")
+    shown = list(zip(*line.get_data(), strict=True))
+    assert shown == (ends if along == "c" else ends[::-1])
+    solid = [
+        {(round(x, 9), round(y, 9)) for x, y in zip(*each.get_data(), strict=True)}
+        for each in axes.lines
+        if each.get_linestyle() == "-" and each.get_transform() is axes.transData
+    ]
+    beside = {"c": (0.4, 0.3), "eta": (0.5, 0.4)}[along]  # the last point before, the first after
+    for x, node in zip(beside, shown, strict=True):
+        assert {(x, 2.0 * x), node} in solid
+
+
 def test_a_curve_has_bars_of_its_errors() -> None:
     from fronts.curves import Curve
 

@@ -230,6 +230,7 @@ def test_a_curve_that_can_be_followed_gets_both_ends_the_parameter_and_its_value
         "front averaged --c 0.5:1:3 --eta 0.05 --method wave"
     )
     assert ([chain.c for chain in chains], along, values) == ([0.5, 1.0], "c", [0.5, 0.75, 1.0])
+    assert callable(options.pop("progress"))
     assert options == {"method": "wave"}
 
 

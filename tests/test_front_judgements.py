@@ -265,14 +265,15 @@ def test_a_piecewise_front_is_followed_over_so_many_sites_as_are_asked_for(
     given: dict[str, Any], asked: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[dict[str, Any]] = []
-    monkeypatch.setattr(simulation, "simulate_front", lambda *_, **how: made.append(how))
+    monkeypatch.setattr(switchings, "simulate_front", lambda *_, **how: made.append(how))
     monkeypatch.setattr(switchings, "front_of_switchings", lambda *_: "front")
     chain = PiecewiseChain(c=0.5, eta=0.03)
     assert measure._piecewise_front(chain, _request(**given)) == "front"
     measure._piecewise_front(chain, _request())
     usual = inspect.signature(simulate_front).parameters
     assert made[0] == made[1] | asked
-    assert made[1] == {n: usual[n].default for n in ("start_velocity", "accuracy", "max_sites")}
+    names = ("start_velocity", "accuracy", "max_sites")
+    assert made[1] == {name: usual[name].default for name in names}
     switchings.front_by_switchings(chain)  # what the command line calls
     assert made[1] == made[2]
 

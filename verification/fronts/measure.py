@@ -50,7 +50,7 @@ from verification.runs.excite import StartPoint
     friction_excited=friction.EXCITED.allowed,
     smooth_sites=smooth.MAX_SITES.allowed.low,
     more_sites=friction.MORE_SITES,
-    piecewise_sites=simulation.PERIODS.low,
+    piecewise_sites=simulation.MAX_SITES_RANGE,
     directions=network.DIRECTIONS.allowed,
 )
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
@@ -96,8 +96,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         Length of the longest chain tried before a front is called unsteady: for a smooth chain the
         number of sites beyond the excited ones, at least {smooth_sites}, by default 1000; for a
         friction chain the total, at least {more_sites} more than are excited, by default 800. For
-        (44) the largest number of sites that a front may pass, at least {piecewise_sites}, by
-        default 1000.
+        (44) the largest number of sites that a front may pass, {piecewise_sites}, by default 1000.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
         of having stopped; after twice this time it is called pinned or creeping. By default 60, and

@@ -7,18 +7,24 @@ from typing import Literal
 from theory.chains.piecewise import PiecewiseChain
 from theory.parameters import with_ranges
 from verification.fronts.result import Front
-from verification.piecewise import simulation
 from verification.piecewise.run import FrontRun
+from verification.piecewise.simulation import (
+    ACCURACIES,
+    ACCURACY,
+    MAX_SITES,
+    MAX_SITES_RANGE,
+    simulate_front,
+)
 
 
-@with_ranges(accuracy=simulation.ACCURACIES, max_sites=simulation.PERIODS.low)
+@with_ranges(accuracy=ACCURACIES, max_sites=MAX_SITES_RANGE)
 def front_by_switchings(
     chain: PiecewiseChain,
     *,
     start: Literal["moving", "resting", "step"] = "moving",
     start_v: float | None = None,
-    accuracy: float = simulation.ACCURACY,
-    max_sites: int = simulation.MAX_SITES,
+    accuracy: float = ACCURACY,
+    max_sites: int = MAX_SITES,
 ) -> Front:
     """Return the front of (44), integrated exactly from one switching to the next.
 
@@ -27,14 +33,15 @@ def front_by_switchings(
     chain : PiecewiseChain
         The chain.
     start : {"moving", "resting", "step"}, optional
-        Initial state. Moving: a travelling wave, close to the fastest possible one; resting: the
-        static front; step: phi = 1 up to site 0 and 0 beyond.
+        Initial state. Moving: a travelling wave, by default five per cent faster than the fastest
+        that is compatible with the threshold; resting: the static front; step: phi = 1 up to site 0
+        and 0 beyond, whose own relaxation can launch a front below c_pin.
     start_v : float, optional
         Velocity of a moving initial state; negative for a retreating front.
     accuracy : float, optional
         Relative spread of the period below which the motion counts as steady, {accuracy}.
     max_sites : int, optional
-        Largest number of sites that the front may pass, at least {max_sites}.
+        Number of sites after which a front that has not settled is given up, {max_sites}.
 
     Returns
     -------
@@ -45,7 +52,7 @@ def front_by_switchings(
     ParameterError
         If a value is out of range.
     """
-    run = simulation.simulate_front(
+    run = simulate_front(
         chain.c, chain.eta, start, start_velocity=start_v, accuracy=accuracy, max_sites=max_sites
     )
     return front_of_switchings(chain, run)

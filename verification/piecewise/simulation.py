@@ -16,7 +16,7 @@ from enum import StrEnum
 import numpy as np
 
 from theory.cells.vdp import threshold_ratio
-from theory.parameters import ParameterError, Range, count_within, positive, with_ranges, within
+from theory.parameters import ParameterError, Range, count_within, positive, within
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History
@@ -35,7 +35,7 @@ SMALLEST_ETA = 1e-8
 
 ACCURACIES, ACCURACY = Range(1e-13, 1e-2), 1e-12
 """Range and default of the relative spread of the period at which the motion counts as steady."""
-PERIODS, MAX_SITES = Range(4 * BLOCK, 1_000_000), 1000
+MAX_SITES_RANGE, MAX_SITES = Range(4 * BLOCK, 1_000_000), 1000
 """Range and default of the number of sites after which a front that has not settled is given up."""
 
 
@@ -64,7 +64,6 @@ class Hysteresis:
     resting: tuple[FrontRun, ...]
 
 
-@with_ranges(accuracy=ACCURACIES, max_sites=PERIODS)
 def simulate_front(
     coupling: float,
     eta: float,
@@ -83,16 +82,10 @@ def simulate_front(
     eta : float
         ``b/a^2`` between 0 and 1/8.
     start : Start, str or ChainState
-        ``resting`` is the static front. ``step`` is phi = 1 up to site 0 and 0 beyond; its own
-        relaxation can launch a front below ``c_pin``. ``moving`` is the wave of ``start_velocity``
-        (by default five per cent above the fastest that is compatible with the threshold). A state
-        continues from there.
-    start_velocity : float, optional
-        Velocity of a moving start; negative for a retreating one.
-    accuracy : float
-        Relative spread of the period at which the motion counts as steady, {accuracy}.
-    max_sites : int
-        Number of sites after which a front that has not settled is given up, {max_sites}.
+        As in `verification.fronts.switchings.front_by_switchings`, or a state from which the run
+        continues.
+    start_velocity, accuracy, max_sites
+        As ``start_v``, ``accuracy`` and ``max_sites`` there.
 
     Returns
     -------
@@ -113,7 +106,7 @@ def simulate_front(
     """
     c, r = positive("coupling c", coupling), _threshold(eta)
     within("accuracy", accuracy, *ACCURACIES)
-    max_sites = count_within("most sites passed, max_sites,", max_sites, *PERIODS)
+    max_sites = count_within("most sites passed, max_sites,", max_sites, *MAX_SITES_RANGE)
     began = time.perf_counter()
     state = _start_state(c, r, start, start_velocity)
     history = History(PiecewiseMotion(c, r, state), c)

@@ -23,6 +23,8 @@ ACCURACY = Option(quantity="accuracy", allowed=Range(1e-6, 0.1), default=1e-2)
 TOLERANCE = Option(quantity="tolerance", allowed=Range(1e-12, 1e-4), default=1e-8)
 EXCITED = Option(quantity="excited sites", allowed=Range(1, 100), default=1)
 STALL_TIME = stall_time(3000.0)
+LONGEST = 800
+"""Default length of the longest chain."""
 MORE_SITES = 3 * MARGIN
 """Fewest sites of a chain in addition to the excited ones."""
 
@@ -40,7 +42,7 @@ def friction_front(chain: FrictionChain, request: Request) -> Front:
     tolerance = TOLERANCE.number(request.tolerance)
     excited = EXCITED.count(request.excited)
     least = excited + MORE_SITES
-    max_sites = longest_chain(least, 800).count(request.max_sites)
+    max_sites = longest_chain(least, LONGEST).count(request.max_sites)
     remedy = "give such a length: it is doubled until the velocity settles"
     count_within("number of sites n", chain.sites, least, max_sites, remedy)
     remedy = (

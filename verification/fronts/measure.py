@@ -51,6 +51,21 @@ from verification.runs.excite import StartPoint
     smooth_sites=smooth.MAX_SITES.allowed.low,
     more_sites=friction.MORE_SITES,
     piecewise_sites=simulation.MAX_SITES_RANGE,
+    usual_smooth_accuracy=smooth.ACCURACY.default,
+    usual_network_accuracy=network.ACCURACY.default,
+    usual_friction_accuracy=friction.ACCURACY.default,
+    usual_piecewise_accuracy=simulation.ACCURACY,
+    usual_smooth_tolerance=smooth.TOLERANCE.default,
+    usual_friction_tolerance=friction.TOLERANCE.default,
+    usual_smooth_excited=smooth.EXCITED.default,
+    usual_friction_excited=friction.EXCITED.default,
+    usual_rows=network.ROWS,
+    usual_network_excited=network.EXCITED,
+    usual_smooth_sites=smooth.MAX_SITES.default,
+    usual_friction_sites=friction.LONGEST,
+    usual_piecewise_sites=simulation.MAX_SITES,
+    usual_smooth_stall=smooth.STALL_TIME.default,
+    usual_friction_stall=friction.STALL_TIME.default,
     directions=network.DIRECTIONS.allowed,
 )
 def measure_front(  # noqa: PLR0913  (options of every kind of chain)
@@ -80,27 +95,28 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         travelling wave itself, with its multipliers; no other option applies then.
     accuracy : float, optional
         Relative error of v below which the front counts as steady, {smooth_accuracy}; by default
-        1e-3, and 0.1 on a lattice or network. For the friction chain {friction_accuracy}, by
-        default 1e-2. For (44) it is the relative spread of the period, {piecewise_accuracy}, by
-        default 1e-12.
+        {usual_smooth_accuracy}, and {usual_network_accuracy} on a lattice or network. For the
+        friction chain {friction_accuracy}, by default {usual_friction_accuracy}. For (44) it is the
+        relative spread of the period, {piecewise_accuracy}, by default {usual_piecewise_accuracy}.
     tolerance : float, optional
-        Local error of the integrator, {smooth_tolerance}, and for the friction chain
-        {friction_tolerance}; by default 1e-8.
+        Local error of the integrator, {smooth_tolerance}, by default {usual_smooth_tolerance}, and
+        for the friction chain {friction_tolerance}, by default {usual_friction_tolerance}.
     excited : int, optional
-        Number of sites excited at the start. Smooth chain: {smooth_excited}, by default 24; as many
-        sites are kept behind a front that outruns its waves. Friction chain: {friction_excited}, by
-        default 1.
-        Lattice: the number of rows, by default 4. Lattice with ``directions``, or network: the
-        number of sites nearest to its centre, by default 37.
+        Number of sites excited at the start. Smooth chain: {smooth_excited}, by default
+        {usual_smooth_excited}; as many sites are kept behind a front that outruns its waves.
+        Friction chain: {friction_excited}, by default {usual_friction_excited}.
+        Lattice: the number of rows, by default {usual_rows}. Lattice with ``directions``, or
+        network: the number of sites nearest to its centre, by default {usual_network_excited}.
     max_sites : int, optional
         Length of the longest chain tried before a front is called unsteady: for a smooth chain the
-        number of sites beyond the excited ones, at least {smooth_sites}, by default 1000; for a
-        friction chain the total, at least {more_sites} more than are excited, by default 800. For
-        (44) the largest number of sites that a front may pass, {piecewise_sites}, by default 1000.
+        number of sites beyond the excited ones, at least {smooth_sites}, by default
+        {usual_smooth_sites}; for a friction chain the total, at least {more_sites} more than are
+        excited, by default {usual_friction_sites}. For (44) the largest number of sites that a
+        front may pass, {piecewise_sites}, by default {usual_piecewise_sites}.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
-        of having stopped; after twice this time it is called pinned or creeping. By default 60, and
-        3000 for the friction chain.
+        of having stopped; after twice this time it is called pinned or creeping. By default
+        {usual_smooth_stall}, and {usual_friction_stall} for the friction chain.
     left_boundary : LeftBoundary
         What is to the left of the first site of a smooth chain.
     point : StartPoint or float

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from theory.parameters import MissingPackageError, ParameterError, within
+from theory.parameters import MissingPackageError, ParameterError, Range, with_ranges, within
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 FORMATS = (".gif", ".mp4")
 
 
+FRAMES = Range(1.0, 60.0)
+"""Range of the number of frames per second."""
+
+
+@with_ranges(frames=FRAMES)
 def animate(
     run: Trajectory,
     path: Path | str,
@@ -36,7 +41,7 @@ def animate(
     path : Path or str
         Name of the file, ending in .gif or .mp4; for .mp4 the program ffmpeg is needed.
     frames_per_second : float, optional
-        Number of frames per second, from 1 to 60.
+        Number of frames per second, {frames}.
     note : str, optional
         Text that is stored in the file as its comment.
     progress : callable, optional
@@ -68,7 +73,7 @@ def animate(
     kind = path.suffix.lower()
     if kind not in FORMATS:
         raise ParameterError("file of a film", path, "one ending in .gif or .mp4", "rename it")
-    within("frames per second", frames_per_second, 1.0, 60.0)
+    within("frames per second", frames_per_second, *FRAMES)
     import matplotlib as mpl
     from matplotlib import animation
     from matplotlib.backends.backend_agg import FigureCanvasAgg

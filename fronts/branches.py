@@ -17,8 +17,17 @@ from fronts.curves import Curve
 from theory.arrays import FloatArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, ascending, count_within, need_instance, word
+from theory.parameters import (
+    ParameterError,
+    ascending,
+    count_within,
+    need_instance,
+    with_ranges,
+    word,
+)
 from theory.result import Result
+from verification.fronts.resting import ETAS
+from verification.fronts.wave import COUPLINGS, SLOWEST
 
 if TYPE_CHECKING:
     from verification.fronts.result import Front
@@ -50,6 +59,7 @@ class BranchFold(Result):
     height_error: float | None = None
 
 
+@with_ranges(eta=ETAS)
 @dataclass(frozen=True, kw_only=True)
 class FollowedBranch(Curve):
     """Solutions in order along a branch, at each required value of the parameter.
@@ -65,7 +75,7 @@ class FollowedBranch(Curve):
         and its error.
     eta_pin, eta_pin_error : float or None
         For fronts along η: η of the fold of fronts at rest, from which on fronts are pinned, and
-        its error; None if it does not lie between 1e-3 and 0.11.
+        its error; None if it is not {eta}.
     square_root : float or None
         For fronts: the limit of v/√(c - c_pin), or of v/√(η_pin - η).
     kappa : float or None
@@ -88,6 +98,7 @@ class FollowedBranch(Curve):
         return found | {name: value for name, value in ends.items() if value is not None}
 
 
+@with_ranges(c=COUPLINGS, eta=ETAS, slowest=SLOWEST)
 def follow_front(
     chain: AveragedChain,
     couplings: Sequence[float] | FloatArray | None = None,
@@ -101,9 +112,9 @@ def follow_front(
     chain : AveragedChain
         The chain. Of a, b and c, those that vary are not used, and neither is N.
     couplings : array_like of float, shape (n,), optional
-        Couplings at which the front is computed, dimensionless, from 1e-6 to 1e3.
+        Couplings at which the front is computed, dimensionless, {c}.
     etas : array_like of float, shape (n,), optional
-        Values of η = b/a², from 1e-3 to 0.11, in place of couplings; a is that of the chain.
+        Values of η = b/a², {eta}, in place of couplings; a is that of the chain.
 
     Returns
     -------
@@ -116,7 +127,7 @@ def follow_front(
     ParameterError
         If a coupling or an η is out of range, or if both are given.
     RunError
-        If a front is slower than 1e-3, which happens within about 1e-5 of pinning.
+        If a front is slower than {slowest}, which happens within about 1e-5 of pinning.
 
     References
     ----------

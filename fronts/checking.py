@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fronts.wording import rows_of
-from theory.parameters import ParameterError, count_within, need_instance, truth, whole_number
+from theory.parameters import (
+    ParameterError,
+    Range,
+    count_within,
+    need_instance,
+    truth,
+    whole_number,
+    with_ranges,
+)
 from theory.result import Result
 
 if TYPE_CHECKING:
@@ -200,13 +208,18 @@ class Verdicts(Result):
         return {"claims": rows_of(self.columns()), "seconds": self.seconds}
 
 
+EQUATIONS, WORKERS = Range(1, 54), Range(1, 256)
+"""Numbers of the equations of the paper, and range of the number of processes."""
+
+
+@with_ranges(equations=EQUATIONS)
 def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:
     """Return the derivation of an equation of the paper, or a derivation given by name.
 
     Parameters
     ----------
     of : int or str
-        Number of the equation, from 1 to 54; or a name listed by ``fronts derive``.
+        Number of the equation, {equations}; or a name listed by ``fronts derive``.
     order : int, optional
         Order in the small parameter, 1 or 2, where the derivation has both.
 
@@ -236,7 +249,7 @@ def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:
             )
         found = catalogue.load(of, order)
     else:
-        number = whole_number("equation", of, 1, 54)
+        number = whole_number("equation", of, *EQUATIONS)
         found = catalogue.load(catalogue.owner(number), order).only(number)
     return DerivedEquations(of=of, order=order, title=found.title, derivation=found)
 
@@ -293,6 +306,7 @@ def derive_cell(
     return DerivedCell(envelope=envelope.with_values(given), seconds=perf_counter() - begin)
 
 
+@with_ranges(workers=WORKERS)
 def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
     """Judge claims of the paper.
 
@@ -302,7 +316,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
         Claims, such as ``"fig17-linear"``, or modules of claims, such as ``"fig17"``; by default
         all claims.
     workers : int, optional
-        Number of processes, from 1 to 256.
+        Number of processes, {workers}.
     full : bool, optional
         Compute everything, without the stored findings of expensive claims.
 
@@ -340,7 +354,7 @@ def judge(*keys: str, workers: int = 1, full: bool = False) -> Verdicts:
         raise ParameterError("claim", " ".join(keys), "one that exists", why) from None
     outcomes = run(
         entries,
-        jobs=count_within("workers", workers, 1, 256),
+        jobs=count_within("workers", workers, *WORKERS),
         package=discover.PACKAGE,
         shipped=None if whole else Shipped(FOLDER, SOURCES),
     )

@@ -28,7 +28,7 @@ import numpy as np
 from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
-from theory.parameters import Range, within
+from theory.parameters import Range, with_ranges, within
 from verification.maps.state import FoundState, Reason, State
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
@@ -56,6 +56,7 @@ def perturbed(start: FloatArray, size: float, seed: int) -> FloatArray:
     return start + size * np.random.default_rng(seed).standard_normal(start.shape)
 
 
+@with_ranges(tolerance=TOLERANCES)
 def find_friction_state(
     chain: FrictionChain,
     start: FloatArray,
@@ -76,7 +77,7 @@ def find_friction_state(
     end : float, optional
         End time τ, at least eight windows; states found in its second half are not accepted.
     tolerance : float, optional
-        Local error, absolute, from 1e-12 to 1e-4.
+        Local error, absolute, {tolerance}.
 
     Raises
     ------

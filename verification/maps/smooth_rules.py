@@ -30,7 +30,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
-from theory.parameters import Range, within
+from theory.parameters import Range, with_ranges, within
 from verification.maps.state import FoundState, Reason, State
 from verification.runs.excite import excite
 from verification.runs.integration import checked_state
@@ -64,6 +64,11 @@ class _Window(NamedTuple):
     low: FloatArray
 
 
+TOLERANCES = Range(1e-13, 1e-3)
+"""Range of the local error."""
+
+
+@with_ranges(tolerance=TOLERANCES)
 def find_smooth_state(
     chain: SmoothChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
 ) -> FoundState:
@@ -79,7 +84,7 @@ def find_smooth_state(
         End time in units of the chain's `time_unit`; states found in its second half are not
         accepted.
     tolerance : float, optional
-        Local error relative to the largest value, from 1e-13 to 1e-3.
+        Local error relative to the largest value, {tolerance}.
 
     Raises
     ------

@@ -35,7 +35,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain, VdpChain
-from theory.parameters import ParameterError, Range, positive, within
+from theory.parameters import ParameterError, Range, positive, with_ranges, within
 from verification.maps.smooth_rules import TOLERANCES
 from verification.maps.state import FoundState
 from verification.maps.state_run import run_to_state
@@ -71,6 +71,7 @@ def check_chain(chain: VanDerPolChain) -> None:
         within("small parameter eps", chain.eps, *EPS_RANGE, "take the averaged chain")
 
 
+@with_ranges(tolerance=TOLERANCES)
 def find_vdp_state(
     chain: VanDerPolChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8
 ) -> FoundState:
@@ -86,7 +87,7 @@ def find_vdp_state(
     end : float, optional
         End time in slow time; states found in its second half are not accepted.
     tolerance : float, optional
-        Local error of a step relative to the largest value, from 1e-13 to 1e-3.
+        Local error of a step relative to the largest value, {tolerance}.
 
     Raises
     ------

@@ -13,7 +13,14 @@ from theory.arrays import FloatArray
 from theory.cells.polynomial import Polynomial, as_polynomial
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, need_instance, positive, whole_number
+from theory.parameters import (
+    ParameterError,
+    Range,
+    need_instance,
+    positive,
+    whole_number,
+    with_ranges,
+)
 from theory.result import Result
 from verification.runs.excite import excite
 from verification.runs.integration import checked_state
@@ -73,6 +80,11 @@ class AveragingError(Result):
         return np.diff(np.log(self.distances)) / np.diff(np.log(self.eps))
 
 
+HALVINGS = Range(2, 8)
+"""Range of the number of times that ε is halved."""
+
+
+@with_ranges(halvings=HALVINGS)
 def averaging_error(
     chain: VdpChain | OscillatorChain,
     start: npt.ArrayLike | None = None,
@@ -94,7 +106,7 @@ def averaging_error(
         εt at the end, dimensionless, from 0 to 100: if the motion is unstable, the two chains
         differ by more than O(ε) after long times.
     halvings : int, optional
-        Number of times that ε is halved, from 2 to 8.
+        Number of times that ε is halved, {halvings}.
 
     Returns
     -------
@@ -125,7 +137,7 @@ def averaging_error(
     slow_time = positive("slow time", slow_time)
     if slow_time > 100.0:
         raise ParameterError("slow time", slow_time, "at most 100", "take a shorter time")
-    halvings = whole_number("halvings of eps", halvings, 2, 8)
+    halvings = whole_number("halvings of eps", halvings, *HALVINGS)
     if start is None:
         start = excite(chain, [(chain.sites + 1) // 2])
     state = checked_state(chain, start)

@@ -18,14 +18,21 @@ from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
 from theory.chains.chain import Chain, SmoothChain
 from theory.chains.friction import FrictionChain
-from theory.parameters import ParameterError, need_instance, whole_number, within
+from theory.parameters import (
+    ParameterError,
+    Range,
+    need_instance,
+    whole_number,
+    with_ranges,
+    within,
+)
 from theory.status import Status
 from verification.runs.integration import as_psi
 
 __all__ = ["StartPoint", "add_noise", "as_psi", "cycle_point", "excite", "excite_edge"]
 
 
-MAX_DISPLACEMENT = 1e3
+DISPLACEMENTS = Range(-1e3, 1e3)
 
 
 class StartPoint(Status):
@@ -35,6 +42,7 @@ class StartPoint(Status):
     MINIMUM = "minimum", "Excited sites start at the smallest y of the cycle."
 
 
+@with_ranges(displacement=DISPLACEMENTS)
 def excite(
     chain: Chain,
     sites: Sequence[int],
@@ -53,7 +61,7 @@ def excite(
         Excited sites, from 1 to N.
     displacement : float, optional
         For a smooth chain √(y² + w²), for the friction chain y itself; by default that of the
-        excited state of one cell. Dimensionless, from -1000 to 1000.
+        excited state of one cell. Dimensionless, {displacement}.
     quarter_turns : sequence of int, optional
         Phase of each excited site of a smooth chain, in quarter turns; by default 0 for all, that
         is, w = 0.
@@ -93,7 +101,7 @@ def excite(
     for site in sites:
         whole_number("excited site", site, 1, count, "name a site of the chain")
     if displacement is not None:
-        displacement = within("displacement", displacement, -MAX_DISPLACEMENT, MAX_DISPLACEMENT)
+        displacement = within("displacement", displacement, *DISPLACEMENTS)
     turns = [0] * len(sites) if quarter_turns is None else quarter_turns
     if not np.ndim(turns) or len(turns) != len(sites):
         raise ParameterError("quarter turns", turns, "one for each excited site", "give as many")

@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass, field, replace
 
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError, count_within, positive
+from theory.parameters import ParameterError, Range, count_within, positive, with_ranges
 from verification.thresholds.preparation import NucleusPreparation, hold
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
 
@@ -25,8 +25,9 @@ number."""
 PAD = 0.5
 """Margin added on each side, relative to the width, where escape is not monotone: there may be
 isolated couplings of escape between those that were tried."""
-SEEDS = 3
-"""Number of seeds tried if there is noise, beginning with that of the preparation."""
+SEED_COUNTS, SEEDS = Range(1, 100), 3
+"""Range and default of the number of seeds tried if there is noise, beginning with that of the
+preparation."""
 
 
 @dataclass
@@ -93,6 +94,7 @@ class _EscapeRuns:
         return low, high
 
 
+@with_ranges(seeds=SEED_COUNTS)
 def escape_range(
     chain: VanDerPolChain,
     preparation: NucleusPreparation,
@@ -116,7 +118,7 @@ def escape_range(
     tolerance : float, optional
         Width of the final brackets.
     seeds : int, optional
-        Number of seeds, from 1 to 100; one is enough without noise.
+        Number of seeds, {seeds}; one is enough without noise.
 
     Raises
     ------
@@ -133,7 +135,7 @@ def escape_range(
     started = time.perf_counter()
     positive("duration", duration)
     positive("tolerance", tolerance)
-    count_within("number of seeds", seeds, 1, 100)
+    count_within("number of seeds", seeds, *SEED_COUNTS)
     if preparation.perturbation == 0.0:
         seeds = 1
     every = [

@@ -27,7 +27,7 @@ from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
-from theory.parameters import ParameterError, Range, count_within, positive, within
+from theory.parameters import ParameterError, Range, count_within, positive, with_ranges, within
 from verification.runs.comparison import COARSER
 from verification.runs.excite import StartPoint, excite
 from verification.runs.integrations import integration
@@ -45,6 +45,10 @@ _BUDGET = 20_000
 """Sites times steps between two checks of the sites reached."""
 
 
+FINAL_TIMES, TOLERANCES, ACCURACIES = Range(1.0, 1e6), Range(1e-12, 1e-4), Range(1e-12, 0.1)
+
+
+@with_ranges(final_time=FINAL_TIMES, tolerance=TOLERANCES)
 @dataclass(frozen=True)
 class Spreading:
     """Which sites are excited, and what counts as spreading.
@@ -59,12 +63,12 @@ class Spreading:
         What counts as spreading: ``first``, ``several`` or ``whole``.
     final_time : float
         Maximum duration in units of the chain's `time_unit` (τ for (5), slow time for (8) and
-        (43)), from 1 to 1e6.
+        (43)), {final_time}.
     point : StartPoint
         Point on the cycle of (5) from which the excited sites start.
     tolerance : float
-        Tolerance of the integrator, from 1e-12 to 1e-4; of a threshold, which is compared with
-        that of a hundred times the tolerance, up to 1e-6.
+        Tolerance of the integrator, {tolerance}; of a threshold, which is compared with that of a
+        hundred times the tolerance, up to 1e-6.
     pattern : str
         Phase steps between the excited sites of a smooth chain, as in `Nucleus`.
     displacement : float or None
@@ -87,7 +91,7 @@ class Spreading:
 
     def __post_init__(self) -> None:
         count_within("nucleus size", self.size, 1, 100_000)
-        within("final time", self.final_time, 1.0, 1e6)
+        within("final time", self.final_time, *FINAL_TIMES)
         within("tolerance", self.tolerance, *TOLERANCES)
         object.__setattr__(self, "place", Place(self.place))
         for name, kind in (("definition", Definition), ("point", StartPoint)):
@@ -243,6 +247,7 @@ class _Search:
         return low, high
 
 
+@with_ranges(accuracy=ACCURACIES)
 def spreading_threshold(
     chain: Chain,
     spreading: Spreading,
@@ -265,7 +270,7 @@ def spreading_threshold(
     lowest, highest : float
         Range of couplings of the first search.
     accuracy : float
-        Final width of the bracket, from 1e-12 to 0.1.
+        Final width of the bracket, {accuracy}.
     tests : int
         Number of couplings tested for monotonicity on each side of the threshold; with 0, neither
         monotonicity nor the effect of a later final time is tested.
@@ -286,7 +291,7 @@ def spreading_threshold(
     begin = perf_counter()
     positive("lowest coupling", lowest)
     within("highest coupling", highest, 1.01 * lowest, 1e6, "it must be above the lowest")
-    within("accuracy", accuracy, 1e-12, 0.1)
+    within("accuracy", accuracy, *ACCURACIES)
     within("tolerance", spreading.tolerance, TOLERANCES.low, TOLERANCES.high / COARSER)
     count_within("tests of monotonicity", tests, 0, 10_000)
     search = _Search(chain, spreading, accuracy, lowest, highest)

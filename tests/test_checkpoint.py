@@ -25,6 +25,9 @@ from theory.parameters import ParameterError, RunError
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import FileError
 from verification.execution.metadata import Code, installed_versions
+
+
+from verification.execution.interruption import Terminated, terminated_as_interrupted
 from verification.runs import checkpoint
 from verification.runs.checkpoint import load_checkpoint, run_to_end, save_checkpoint
 from verification.runs.excite import excite
@@ -225,6 +228,15 @@ def test_a_piece_of_work_may_end_at_the_time_at_which_it_began() -> None:
     run = Events()
     run_to_end([run], 3.0, 1)
     assert (run.time, run.events) == (3.0, 5)
+
+
+def test_a_second_request_to_end_does_not_cut_the_first_one_short() -> None:
+    usual = signal.getsignal(signal.SIGTERM)
+    with terminated_as_interrupted():
+        with pytest.raises(Terminated):
+            signal.raise_signal(signal.SIGTERM)
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+    assert signal.getsignal(signal.SIGTERM) is usual
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])

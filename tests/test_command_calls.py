@@ -542,3 +542,18 @@ def test_the_parameters_beside_a_result_are_those_of_its_chain_or_the_fields_of_
 def test_a_range_is_a_low_a_high_and_a_count_and_no_list_of_sites():
     assert is_range((0.0, 1.0, 5))
     assert not any(map(is_range, [(0.0, 1.0), (14, 15.0, 16), (14, 15, 16), 0.5, "0:1:5"]))
+
+
+def test_a_file_states_the_nucleus_and_what_the_chains_of_a_range_share(tmp_path, capsys):
+    out = tmp_path / "breathers.json"
+    assert main(shlex.split(f"breather averaged --c 0.05:0.1:2 --out {out}")) == 0
+    parameters = json.loads(out.read_text())["provenance"]["parameters"]
+    assert parameters["nucleus"] == {"size": 1, "pattern": "", "place": "bulk"}
+    assert parameters["c"] == [0.05, 0.1, 2]
+    shared = {name: parameters[name] for name in ("model", "a", "b", "ends")}
+    assert shared == {"model": "averaged", "a": 2.5, "b": 0.5, "ends": "free"}
+
+
+def test_an_eta_that_is_too_small_is_refused_with_the_advice_to_enlarge_it(capsys):
+    assert main(shlex.split("front averaged --eta 1e-200 --c 0.5 --json")) == 2
+    assert json.loads(capsys.readouterr().err)["error"]["remedy"].startswith("give a larger value")

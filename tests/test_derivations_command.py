@@ -17,6 +17,7 @@ import sympy as sp
 from derivations import catalogue, judgement
 from derivations.algebra import rendering
 from fronts.cli import main
+from fronts.commands import derive
 from fronts.commands.derive import _verdict_lines
 
 
@@ -325,3 +326,30 @@ def test_a_model_whose_cells_never_have_two_cycles_is_refused_for_the_front(caps
     assert (code, shown) == (2, "")
     assert said.startswith("fronts: damping = a*y**2 - b*y**4 + 1 is not allowed: it must be")
     assert said.count("\n") == 1
+
+
+def test_all_equations_are_listed_one_a_line(monkeypatch):
+    named = SimpleNamespace
+    printed = named(number=34, verdict=named(value="correct"), note="as printed")
+    judged = named(printed=printed, step=named(kind=named(value="exact")), record=dict)
+    found = named(judgements=[judged], failures=["(7): no."], seconds=1.0)
+    monkeypatch.setattr(judgement, "report", lambda: found)
+    answer = derive._all(None, "text", as_json=False)
+    lines = answer.text.splitlines()
+    assert lines[0].split() == ["(34)", "correct", "exact", "as", "printed"]
+    assert lines[1:] == ["", "FAILED: (7): no.", "1 equations, 1.0 s"]
+    assert answer.exit_code == 1
+
+
+@pytest.mark.parametrize(("given", "read"), [("k", "k"), (None, "c")])
+def test_the_coupling_of_a_cell_is_named_as_it_is_asked_for(given, read, monkeypatch):
+    def envelope(*texts):
+        raise LookupError(*texts)
+
+    monkeypatch.setattr("derivations.cell.envelope.derive_envelope", envelope)
+    cell = derive._Cell(
+        damping="1 - y**2", stiffness="k*y", coupling=given, weights=None, values=()
+    )
+    with pytest.raises(LookupError) as begun:
+        derive._cell(cell, 1, None, "text", front=False)
+    assert begun.value.args == ("1 - y**2", "k*y", read)

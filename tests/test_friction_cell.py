@@ -399,9 +399,31 @@ def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_erro
     lost = _with_error(CELL, cycle, None)
     assert lost is not None
     assert lost.multiplier_error == math.inf
+    neither = _with_error(CELL, unresolved, None)
+    assert neither is not None
+    assert (neither.error, neither.multiplier_error) == (math.inf, None)
     none = _with_error(CELL, unresolved, cycle)
     assert none is not None
     assert none.multiplier_error is None
+
+
+def test_the_error_of_a_cycle_covers_the_coarser_search_in_each_of_its_numbers() -> None:
+    fine, coarse = (unstable_once(CELL, each) for each in (1e-12, 1e-10))
+    stated = unstable_cycle(CELL, 1e-12)
+    assert fine is not None
+    assert coarse is not None
+    assert stated is not None
+    assert fine.speed is not None
+    assert stated.max == fine.max != coarse.max
+    faster = _with_error(CELL, fine, replace(fine, speed=fine.speed + 0.5))
+    unknown = _with_error(CELL, fine, replace(fine, speed=None))
+    assert faster is not None
+    assert unknown is not None
+    assert (faster.error, unknown.error < 1e-10) == (0.5, True)
+    # Without stick the velocity of the belt, by which positions become times, does not matter.
+    slow = _with_error(replace(CELL, v_d=1e-6), fine, fine)
+    assert slow is not None
+    assert slow.error < 1e-10
 
 
 @pytest.mark.parametrize("side", [0, 1])
@@ -909,6 +931,17 @@ def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
         )  # fmt: skip
         with nullcontext() if begin > 1.0 else pytest.raises(ParameterError, match="slips all"):
             friction_cycles.check_slip_cycles(cell, 1e-8)
+
+
+def test_a_cell_of_stribeck_is_searched_for_cycles_that_slip_and_others_need_not_be(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    searched: list[FrictionCell] = []
+    monkeypatch.setattr(friction, "check_slip_cycles", lambda cell, _: searched.append(cell))
+    cells = [FrictionCell(law=law, v_d=1.0) for law in ("stribeck", "exponential")]
+    for given in cells:
+        friction_cell(given, 1e-8)
+    assert searched == cells[:1]
 
 
 @pytest.mark.parametrize("v_d", [5.0, 7.0, 20.0])

@@ -15,6 +15,9 @@ import pytest
 
 from fronts.cli import main
 from tests.reference_runs import states_by_scipy
+
+
+from theory.cells.oscillator import OscillatorCell
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -22,7 +25,7 @@ from verification.cells import shooting
 from verification.cells.cell import cell
 from verification.cells.result import Cell, CellCycle, CellStatus, OwnCell
 from verification.cells.shooting import longest_step
-from verification.cells.vdp import vdp_cell
+from verification.cells.vdp import averaged_cell, vdp_cell
 from verification.references.equations import damping
 from verification.references.network import oscillator_rate
 
@@ -414,8 +417,28 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
         assert cycle.period == pytest.approx(2.0 * np.pi, rel=1e-3)
 
 
+def test_cycles_are_found_by_shooting_on_any_scale_of_time_and_of_amplitude() -> None:
+    """Of (y/s)² - 1 the amplitude is 2s, and stiff springs move fast; the damping is that of y."""
+    usual, slow, fast, wide = (
+        shooting.shot_cycles(
+            OscillatorCell(stiffness={1: k}, damping={(0, 0): -1.0, (2, 0): 1.0 / s**2}), eps, 1e-9
+        )[0]
+        for k, s, eps in ((1.0, 1.0, 0.2), (1e-4, 1.0, 0.002), (100.0, 1.0, 0.2), (1.0, 1e6, 0.2))
+    )
+    assert slow.period == pytest.approx(100.0 * usual.period, rel=1e-7)
+    assert fast.max == pytest.approx(2.0, rel=1e-3)
+    assert wide.max == pytest.approx(1e6 * usual.max, rel=1e-8)
+    assert wide.multiplier == pytest.approx(usual.multiplier, rel=1e-5)
+
+
 def test_a_cell_of_van_der_pol_without_cycles_is_at_rest_and_its_coefficients_have_ranges() -> None:
     assert vdp_cell(1.0, 0.2, 0.01, 1e-6).status is CellStatus.REST
+    stable = averaged_cell(1.0, 0.03, 0.01).stable_cycle
+    assert stable is not None
+    assert 0.0 < stable.error < 1e-11  # of rounding
+    for tolerance in (9e-14, 1.1e-6):
+        with pytest.raises(ParameterError, match="tolerance"):
+            vdp_cell(1.0, 0.03, 0.01, tolerance)
     for a, b, named in ((0.0, 0.5, "a"), (-1.0, 0.5, "a"), (1.0, 0.0, "b"), (1.0, -0.1, "b")):
         with pytest.raises(ParameterError, match=f"^damping coefficient {named} = "):
             vdp_cell(a, b, 0.01, 1e-6)

@@ -414,6 +414,8 @@ def test_sites_of_a_lattice_are_drawn_where_they_are() -> None:
     show = snapshot(_run(np.array([[1.0, 2, 3, 4], [5, 6, 7, 8]]), shape=(2, 2), links=links), axes)
     (dots,) = axes.collections
     assert np.array_equal(dots.get_offsets(), places)
+    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_aspect()) == ("column", "row", 1.0)
+    assert dots.colorbar.ax.get_ylabel() == "amplitude"
     show(1)
     assert list(dots.get_array()) == [5.0, 6.0, 7.0, 8.0]
 

@@ -20,6 +20,9 @@ from scipy.optimize import brentq
 
 from tests.tables import table_of
 from theory.averaged.breather import BreatherStatus
+
+
+from theory.averaged.breather import BreatherStatus, Reading
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
@@ -378,16 +381,72 @@ class _Drifting:
         return found
 
 
-def test_a_run_of_any_chain_is_held_against_the_right_side_that_it_gives() -> None:
+@pytest.mark.parametrize("rate", [1.0, 2.0])
+def test_a_run_of_any_chain_is_held_against_the_right_side_that_it_gives(
+    rate: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which is per unit of the time of its kernel."""
+    monkeypatch.setattr(_Drifting, "kernel_rate", rate)
     kind: type[SmoothChain] = _Drifting  # type: ignore[assignment]
     start = np.array([[1.0, 0.0, 0.5], [0.0, -0.25, 0.0]])
-    true = _Drifting().exactly(start, chains._END)
+    true = _Drifting().exactly(start, chains._END * rate)
     for off in (0.0, 1e-6, -1e-6):
         value = true + off * np.eye(3)[:2]
         stated = StatedValue(value=value, error=1e-8, extra=start)
         check = chains._check_run(kind, [], {"sites": 3.0}, stated)
         assert check.uncertainty < 1e-8
         assert check.distance == pytest.approx(abs(off), abs=1e-9)
+
+
+def test_both_readings_of_the_closed_form_are_in_its_range() -> None:
+    ends = {
+        breathers._reading({"reading": x}) for x in (breathers.READING.low, breathers.READING.high)
+    }
+    assert ends == {Reading.NEIGHBOUR, Reading.TAIL}
+
+
+def test_multipliers_are_stated_as_the_value_with_the_error_of_their_stability(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    orbit = SimpleNamespace(
+        stability=SimpleNamespace(error=1e-9), multipliers=np.array([1.0, 0.5 + 0.1j])
+    )
+    monkeypatch.setattr(breathers, "solve_orbit", lambda *_: orbit)
+    stated = breathers._multipliers({"eta": 0.03, "c": 0.1, "eps": 0.01})
+    assert stated.value is orbit.multipliers
+    assert (stated.error, stated.extra) == (1e-9, orbit)
+
+
+def test_newton_in_many_digits_begins_at_the_stated_breather(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+    find = mp.findroot
+
+    def noted(f: Any, start: Any, **given: Any) -> Any:
+        asked.append(start)
+        return find(f, start, **given)
+
+    at = {"a": 1.0, "eta": 0.05, "c": 0.05, "reading": 1.0}
+    monkeypatch.setattr(mp, "findroot", noted)
+    assert breathers._check_breather(at, breathers._breather(at)).distance < 1e-14
+    assert asked[-1] == (1, 1)  # the factors of both stated numbers
+
+
+def test_the_uncertainty_of_a_refined_orbit_counts_errors_of_either_sign(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Made up: 1e-3 is left of every entry, and two of them weigh alike with opposite signs."""
+    inverse = np.zeros((19, 19))
+    inverse[3, :2] = 1.0, -1.0
+    monkeypatch.setattr(breathers, "_flow", lambda *_: SimpleNamespace(value=np.zeros((18, 19))))
+    monkeypatch.setattr(
+        breathers, "integrate", lambda _, x, *__: SimpleNamespace(value=x + mp.mpf("1e-3"))
+    )
+    monkeypatch.setattr(np.linalg, "inv", lambda _: inverse)
+    given = np.append(np.zeros(18), 6.3)
+    found = breathers._precise_orbit({"eta": 0.03, "c": 0.1, "eps": 0.01}, given)
+    assert found.uncertainty == pytest.approx(2e-3, rel=1e-12)
 
 
 OWN = {

@@ -942,3 +942,15 @@ def test_mappings_become_points() -> None:
     (point,) = points_of([{"c": np.float64(0.5)}])
     assert isinstance(point, Point)
     assert repr(point) == "Point(c=0.5)"
+
+
+def test_words_of_a_store_are_words_and_axes_are_coordinates(tmp_path):
+    """Some versions of zarr give words back as objects."""
+    xarray = pytest.importorskip("xarray")
+    words = np.array(["front", "rest"], dtype=object)
+    data = xarray.Dataset({"state": ("row", words), "c": ("row", [0.1, 0.2])})
+    found = tables._columns_of_zarr(data, tmp_path, ["state", "c"], 2, ())
+    assert found["state"].dtype == np.dtype("<U5")
+    assert found["state"].tolist() == words.tolist()
+    cube = Table(arrays=found, axes=("c",)).to_xarray()
+    assert (set(cube.data_vars), set(cube.coords)) == ({"state"}, {"c"})

@@ -94,6 +94,19 @@ def test_values_left_out_of_a_search_lose_no_velocity(eta: float, above: float) 
     held(sums.few_values_in_a_search(eta, above), 5e-3)  # half the widest spacing of the scan
 
 
+def test_switchings_found_by_few_searches_are_compared_with_those_of_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def switchings(chain: Any, count: int) -> np.ndarray:
+        chain.sought = 90 if chain.every else 9
+        return np.array([[1.0 + 1e-3 * chain.every, 3.0, 1.0, 0.0]] * count)
+
+    monkeypatch.setattr(runs, "_switchings", switchings)
+    found = runs.crossings_sought()
+    assert (found.spent, found.whole) == (9.0, 90.0)
+    assert found.changed >= 1e-3 * (1.0 - 1e-9)
+
+
 def test_the_change_by_sites_at_rest_is_that_of_the_site_that_changes_most(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -276,7 +276,7 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
     assert abs(one[0] - one[1]) > 10 * 1e-4
-    assert at(point=StartPoint.MINIMUM) == pytest.approx(first, abs=3e-4)
+    assert at(point="minimum") == pytest.approx(first, abs=3e-4)
 
 
 def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> None:

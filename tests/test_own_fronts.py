@@ -322,6 +322,8 @@ def test_a_run_on_a_lattice_is_a_picture_and_a_film(tmp_path: Path) -> None:
             "excited sites",
         ),
         ({"coupling": "square", "sites": (9, 9)}, {"directions": 8}, "take a larger lattice"),
+        ({"coupling": "square", "sites": (1, 40)}, {}, "number of rows = 1 .* turn the lattice"),
+        ({"coupling": "square", "sites": (12, 9)}, {}, "number of rows = 12 .* at least 13"),
         ({"values": {"alpha": np.full(31, 0.2)}}, {}, "give disorder by its spread"),
         ({"coupling": "next-nearest:1,0.2"}, {"left_boundary": "wave"}, "leave it out"),
         ({"c": 0.0}, {}, "coupling c = 0"),

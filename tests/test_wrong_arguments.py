@@ -118,6 +118,12 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "date": (lambda: fr.kinetic_relation(np.datetime64("2020"), 0.03), "coupling c"),
     "text": (lambda: fr.kinetic_relation("0.3", 0.03), "coupling c"),
     "one-site": (lambda: fr.excite(CHAINS["vdp"], 3), "excited sites = 3"),
+    "point-of-no-cycle": (
+        lambda: fr.excite(CHAINS["vdp"], [1], point="minimum"), "start point = minimum",
+    ),
+    "point-and-displacement": (
+        lambda: fr.excite(CHAINS["friction"], [1], 2.0, point="minimum"), "start point = minimum",
+    ),
     "half-a-site": (lambda: fr.excite(CHAINS["vdp"], [1.5]), "excited site = 1.5"),
     "turns": (lambda: fr.excite(CHAINS["vdp"], [1, 2], quarter_turns=[1]), "quarter turns"),
     "place": (lambda: fr.Nucleus(1, place="end"), "place = end"),
@@ -172,6 +178,7 @@ CHOICES: dict[str, Callable[[Any], object]] = {
     "reading": lambda word: fr.breather(CHAINS["vdp"], reading=word),
     "left boundary": lambda word: fr.measure_front(CHAINS["vdp"], left_boundary=word),
     "point": lambda word: fr.excite(CHAINS["friction"], [1], point=word),
+    "point of a front": lambda word: fr.measure_front(CHAINS["friction"], point=str(word)),
     "law": lambda word: fr.FrictionChain(c=0.02, law=word),
     "ends": lambda word: fr.VdpChain(a=4, b=0.5, c=0.6, ends=word),
 }

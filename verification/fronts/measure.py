@@ -78,7 +78,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     max_sites: int | None = None,
     stall_time: float | None = None,
     left_boundary: LeftBoundary = LeftBoundary.FREE,
-    point: StartPoint | float = StartPoint.MAXIMUM,
+    point: StartPoint | str | float = StartPoint.MAXIMUM,
     directions: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Front:
@@ -119,7 +119,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         {usual_smooth_stall}, and {usual_friction_stall} for the friction chain.
     left_boundary : LeftBoundary
         What is to the left of the first site of a smooth chain.
-    point : StartPoint or float
+    point : StartPoint, str or float
         Where on the cycle, or at which y, the excited sites of a friction chain start.
     directions : int, optional
         For a lattice: excite its centre and measure v in this number of directions,
@@ -160,7 +160,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         max_sites=max_sites,
         stall_time=stall_time,
         left_boundary=LeftBoundary(left_boundary),
-        point=point,
+        point=StartPoint(point) if isinstance(point, str) else point,
         directions=directions,
         progress=progress,
     )

@@ -314,7 +314,13 @@ def planar(
     """
     assert chain.shape is not None
     rows, columns = chain.shape
-    excited = count_within("excited rows", excited, 1, max(1, rows - 2 * LEAST))
+    most = rows - 2 * LEAST
+    if most < 1:
+        raise ParameterError(
+            "number of rows", rows, f"at least {2 * LEAST + 1} for a front across them",
+            "take more rows, or turn the lattice",
+        )  # fmt: skip
+    excited = count_within("excited rows", excited, 1, most)
     row = np.arange(chain.sites) // columns
     sites = np.flatnonzero(row < excited)
     turns = [chain.front_phase_step * int(row[n]) for n in sites]

@@ -124,6 +124,11 @@ def _excited(
 def _(
     chain: SmoothChain, displacement: float | None, turn: int, point: StartPoint
 ) -> tuple[float, float]:
+    if point is not StartPoint.MAXIMUM:
+        raise ParameterError(
+            "start point", str(point), "absent for chains other than the friction chain",
+            "leave it out, or give quarter turns",
+        )  # fmt: skip
     size = chain.stable_amplitude if displacement is None else displacement
     return chain.excited_state(size, turn)
 
@@ -137,7 +142,13 @@ def _(
             "phase steps", turn, "0 for the friction chain, whose sites start in phase",
             "leave them out",
         )  # fmt: skip
-    return (cycle_point(chain.cell, point) if displacement is None else displacement), 0.0
+    if displacement is None:
+        return cycle_point(chain.cell, point), 0.0
+    if point is not StartPoint.MAXIMUM:
+        raise ParameterError(
+            "start point", str(point), "absent with a displacement", "give one of them"
+        )
+    return displacement, 0.0
 
 
 def cycle_point(cell: FrictionCell, point: StartPoint) -> float:

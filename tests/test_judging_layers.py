@@ -1171,7 +1171,8 @@ def test_only_a_settled_front_with_an_error_states_its_velocity(
     made = SimpleNamespace(v=v, error=error, status=status)
     chains: list[Any] = []
     monkeypatch.setattr(
-        "verification.fronts.measure.measure_front", lambda chain, **_: chains.append(chain) or made
+        "verification.quantities.fronts.measure_front",
+        lambda chain, **_: chains.append(chain) or made,
     )
     for full in (True, False):
         found = fronts_of._front({"c": 0.6, "eta": 0.03}, full)

@@ -526,7 +526,7 @@ def test_a_cycle_is_off_by_its_period_or_its_stick_time_whichever_is_more(
 def test_a_cell_without_a_cycle_has_neither_period_nor_stick_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("verification.cells.friction.stick_slip_cycle", lambda _: None)
+    monkeypatch.setattr("verification.quantities.friction.stick_slip_cycle", lambda _: None)
     stated = friction.stable_cycle(BELT)
     assert (stated.value.tolist(), stated.error, stated.note) == ([0.0, 0.0], 0.0, "no cycle")
 
@@ -600,7 +600,7 @@ def test_a_friction_run_states_its_own_error_and_none_where_rounding_decides(
     made = SimpleNamespace(
         status=RunStatus.RESOLVED, error=1e-5, y=np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
     )
-    monkeypatch.setattr("verification.runs.simulate.simulate", lambda *_, **__: made)
+    monkeypatch.setattr("verification.quantities.friction.simulate", lambda *_, **__: made)
     stated = friction.friction_state(BELT)
     assert (stated.value.tolist(), stated.error) == ([1.0, 2.0, 3.0], 1e-5)
     for status in set(RunStatus) - {RunStatus.RESOLVED}:

@@ -420,7 +420,7 @@ def test_a_front_of_the_chain_starts_with_lags_of_a_quarter_turn(
         started.extend((rate, start))
         raise NoReferenceError("begun")
 
-    monkeypatch.setattr("scipy.integrate.DOP853", run)
+    monkeypatch.setattr("verification.quantities.fronts.DOP853", run)
     stated = StatedValue(value=1.0, error=1e-9)
     with pytest.raises(NoReferenceError, match="begun"):
         fronts._by_scipy({"c": 2.0, "eta": 0.03125, "eps": 0.05}, stated, full=True)
@@ -484,7 +484,7 @@ def test_a_front_from_event_to_event_that_states_nothing_says_why(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     made = SimpleNamespace(status=status, v=0.5, error=error)
-    monkeypatch.setattr("verification.piecewise.simulation.simulate_front", lambda *_: made)
+    monkeypatch.setattr("verification.quantities.fronts.simulate_front", lambda *_: made)
     found = fronts._piecewise_front({"c": 0.5, "eta": 0.03125})
     assert (found.value, found.note) == (stated, note)
 
@@ -493,7 +493,7 @@ def test_a_front_from_event_to_event_is_held_against_the_nearest_velocity(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made = SimpleNamespace(branches=[SimpleNamespace(v=v) for v in (0.1, 0.4, 0.9)])
-    monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", lambda *_: made)
+    monkeypatch.setattr("verification.quantities.fronts.kinetic_relation", lambda *_: made)
     monkeypatch.setattr(fronts, "precise_velocity", lambda v, _: (mp.mpf(v), 1e-20))
     at = {"c": 0.5, "eta": 0.03125}
     for v, near in ((0.05, 0.1), (0.42, 0.4), (0.7, 0.9), (2.0, 0.9)):
@@ -517,7 +517,7 @@ def test_grids_become_finer_and_longer_until_two_neighbours_agree(
         asked.append((points, behind, ahead))
         return np.longdouble(0.5 + 2.0 * 8.0 ** -len(asked))
 
-    monkeypatch.setattr("verification.references.front_wave.front_velocity", velocity)
+    monkeypatch.setattr("verification.quantities.fronts.front_velocity", velocity)
     for error, rungs in ((0.5, 2), (0.06, 3), (0.008, 4), (1e-9, 5)):
         asked.clear()
         stated = StatedValue(value=0.25, error=error)
@@ -728,7 +728,7 @@ def test_a_label_is_stated_without_error_or_not_at_all(
         asked.append(chain.model)
         return made
 
-    monkeypatch.setattr("verification.maps.vdp_rules.find_vdp_state", find)
+    monkeypatch.setattr("verification.quantities.states.find_vdp_state", find)
     for full in (False, True):
         found = states._label({"eta": 0.05, "c": 0.1, "displacement": 3.0}, full=full)
         assert (found.value is None) is (state is State.UNDECIDED)
@@ -748,7 +748,7 @@ def _labelled(
         y = np.vstack([heights, 0.0 * heights]) if full else heights.astype(complex)
         return SimpleNamespace(success=True, y=y)
 
-    monkeypatch.setattr("scipy.integrate.solve_ivp", made_up)
+    monkeypatch.setattr("verification.quantities.states.solve_ivp", made_up)
     at = {"eta": 0.05, "c": 0.1, "displacement": 3.0, "eps": 0.01}
     stated = StatedValue(value=1.0, error=0.0, note=note, extra=(100.0, np.zeros(16, complex)))
     return states._label_holds(at, stated, full).distance == 0.0, asked[0]

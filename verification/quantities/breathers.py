@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import mpmath as mp
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
 from theory.cells.vdp import ETA_END
@@ -298,8 +299,6 @@ def _as_mpf(x: np.longdouble) -> Any:
 
 def _farthest(values: Any, others: Any) -> float:
     """Return the largest distance within pairs, matched so that the sum of squares is smallest."""
-    from scipy.optimize import linear_sum_assignment
-
     apart = np.abs(np.subtract.outer(values, others))
     return float(apart[linear_sum_assignment(apart**2)].max())
 

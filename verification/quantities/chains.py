@@ -29,6 +29,8 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.scipy_states import compared
 from verification.references.pace import last_state, paced
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
 OWN_ROWS = ("vdp", "averaged", "chain", "averaged-chain")
 """Smooth models whose runs are compared with a right-hand side written a second time."""
@@ -90,9 +92,6 @@ def _chain(kind: type[SmoothChain], names: list[str], at: Mapping[str, float]) -
 
 
 def _run(kind: type[SmoothChain], names: list[str], at: Mapping[str, float]) -> StatedValue:
-    from verification.runs.excite import excite
-    from verification.runs.simulate import simulate
-
     chain = _chain(kind, names, at)
     start = excite(chain, [1])
     run = simulate(chain, start, _END, samples=2, tolerance=at["tolerance"])

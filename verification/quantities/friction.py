@@ -11,13 +11,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from theory.arrays import FloatArray
 from theory.chains.friction import FrictionChain
 from theory.parameters import RunError
+from verification.cells.friction import stick_slip_cycle
 from verification.quantities.chains import friction_cell, friction_chain
 from verification.quantities.quantity import (
     Computation,
@@ -28,11 +28,12 @@ from verification.quantities.quantity import (
 )
 from verification.quantities.runs import REST
 from verification.quantities.scipy_states import at_all_sites, moving_sites
+from verification.references.friction_events import BEGINS, EventRun, run_events
 from verification.references.pace import NoReferenceError, Pace
-
-if TYPE_CHECKING:
-    from verification.references.friction_events import EventRun
-
+from verification.references.switch_model import run_switch
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
+from verification.runs.trajectory import RunStatus
 
 _TAU = 40.0
 
@@ -59,8 +60,6 @@ _BY = "scipy's DOP853 with events"
 
 def stable_cycle(at: Mapping[str, float]) -> StatedValue:
     """Period and stick time; both are zero if there is no cycle."""
-    from verification.cells.friction import stick_slip_cycle
-
     found = stick_slip_cycle(friction_cell(at))
     if found is None:
         return StatedValue(value=np.zeros(2), error=0.0, note="no cycle")
@@ -70,8 +69,6 @@ def stable_cycle(at: Mapping[str, float]) -> StatedValue:
 
 def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Let the belt carry the cell to its release, and locate every event on scipy's DOP853."""
-    from verification.references.friction_events import BEGINS
-
     cell = friction_cell(at)
     period = float(stated.value[0])
     # Start in the middle of the stick phase or, if there is none, shortly before its end.
@@ -100,8 +97,6 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
 def _events(
     chain: FrictionChain, start: FloatArray, end: float, accuracy: tuple[float, float] = _TIGHT
 ) -> EventRun:
-    from verification.references.friction_events import run_events
-
     with np.errstate(all="ignore"):  # scipy tries steps that overflow
         return run_events(
             chain, start, end, times=np.array([end]),
@@ -111,10 +106,6 @@ def _events(
 
 def friction_state(at: Mapping[str, float]) -> StatedValue:
     """State of the friction chain at τ = 40, with the first site displaced."""
-    from verification.runs.excite import excite
-    from verification.runs.simulate import simulate
-    from verification.runs.trajectory import RunStatus
-
     chain = friction_chain(at)
     start = excite(chain, [1], at["displacement"])
     run = simulate(chain, start, _TAU, samples=2, tolerance=1e-10)
@@ -153,9 +144,6 @@ _SHORT = 10.0
 
 def switch_energy(at: Mapping[str, float]) -> StatedValue:
     """Return √(2E) at the end of a run with fixed steps; ``band`` is a fraction of v_d."""
-    from verification.references.switch_model import run_switch
-    from verification.runs.excite import excite
-
     chain = friction_chain(at)
     start = excite(chain, [1], at["displacement"])
     run = run_switch(

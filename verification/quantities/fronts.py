@@ -18,8 +18,16 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
+from theory.piecewise.kinetic_relation import kinetic_relation
+from verification.fronts.measure import measure_front
+from verification.fronts.result import LeftBoundary
+from verification.fronts.status import FrontStatus
+from verification.fronts.wave import NoFrontError, front_wave
+from verification.piecewise.simulation import simulate_front
 from verification.quantities.chains import vdp_chain
 from verification.quantities.kinetic_relation import precise_velocity
 from verification.quantities.quantity import (
@@ -32,6 +40,7 @@ from verification.quantities.quantity import (
     axes,
 )
 from verification.references.equations import amplitude_of, as_state, full_rate, quarter_turn_rate
+from verification.references.front_wave import front_velocity
 from verification.references.pace import NoReferenceError, Pace
 
 _FILLED, _END = 24, 8
@@ -51,10 +60,6 @@ _GIVEN: Mapping[str, float] = {"a": 4.0, "eps": 0.01, "sites": 32}
 
 
 def _front(at: Mapping[str, float], full: bool) -> StatedValue:
-    from verification.fronts.measure import measure_front
-    from verification.fronts.result import LeftBoundary
-    from verification.fronts.status import FrontStatus
-
     chain = vdp_chain({**_GIVEN, **at})
     found = measure_front(
         chain if full else chain.averaged(), left_boundary=LeftBoundary.WAVE, stall_time=_STALL_TIME
@@ -69,8 +74,6 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
 
     Each site lags by a quarter turn behind its left neighbour; to the left the wave continues.
     """
-    from scipy.integrate import DOP853
-
     if stated.value is None:
         raise NoReferenceError(f"the front is {stated.note} and states no velocity.")
     scale = vdp_chain({**_GIVEN, **at}).eps if full else 1.0  # converts run times to slow times
@@ -103,8 +106,6 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
 
 def _wave(at: Mapping[str, float]) -> StatedValue:
     """Solve for the front of (43); if there is none that travels, state this."""
-    from verification.fronts.wave import NoFrontError, front_wave
-
     try:
         found = front_wave(at["c"], at["eta"])
     except NoFrontError as refusal:
@@ -121,8 +122,6 @@ def _by_differences(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
 
     The error of the finer one is much smaller than their difference.
     """
-    from verification.references.front_wave import front_velocity
-
     if stated.value is None:
         raise NoReferenceError(stated.note)
     ahead = 24.0 * max(1.0, math.cbrt(at["c"]))
@@ -180,8 +179,6 @@ def _mean_interval(times: FloatArray) -> float:
 def _crossing(
     solver: Any, amplitude: Callable[[FloatArray], FloatArray], site: int, level: float
 ) -> float:
-    from scipy.optimize import brentq
-
     path = solver.dense_output()
     return float(
         brentq(lambda t: amplitude(path(t))[site] - level, solver.t_old, solver.t, xtol=1e-9)
@@ -193,9 +190,6 @@ _LIMITS = "outside, scipy takes minutes for the reference, or there is no front"
 
 def _piecewise_front(at: Mapping[str, float]) -> StatedValue:
     """Measure a front of (44) where a run takes less than a minute; its tails grow with c."""
-    from verification.fronts.status import FrontStatus
-    from verification.piecewise.simulation import simulate_front
-
     found = simulate_front(at["c"], at["eta"])
     steady = found.status is FrontStatus.STEADY and found.error is not None
     v = found.v if steady else None
@@ -207,8 +201,6 @@ def _check_piecewise(at: Mapping[str, float], stated: StatedValue) -> ReferenceC
 
     A run that never settles states no velocity.
     """
-    from theory.piecewise.kinetic_relation import kinetic_relation
-
     theory = kinetic_relation(at["c"], at["eta"])
     if stated.value is None:
         raise NoReferenceError(f"the run is {stated.note} and states no velocity.")

@@ -26,6 +26,8 @@ from verification.quantities.scipy_states import precisely
 from verification.references.equations import Rate, pull_matrix
 from verification.references.extrapolation import precise_state
 from verification.references.network import oscillator_rate
+from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
 _END = 30.0
 _FREQUENCY = 1.1
@@ -82,9 +84,6 @@ def rate_of(at: Mapping[str, float]) -> Rate:
 
 def own_run(at: Mapping[str, float]) -> StatedValue:
     """State of a user-defined chain at t = 30 from one displaced site."""
-    from verification.runs.excite import excite
-    from verification.runs.simulate import simulate
-
     chain = chain_of(at)
     start = excite(chain, [1], at["displacement"])
     level = 0.5 * at["displacement"]

@@ -40,6 +40,8 @@ from verification.references.equations import (
 )
 from verification.references.extrapolation import PreciseState, extended, integrate
 from verification.references.pace import NoReferenceError, last_state, paced
+from verification.runs.excite import as_psi, excite
+from verification.runs.simulate import simulate
 
 _END = 30.0
 _FIRST_PART, _MAX_PART = 30, 400
@@ -54,9 +56,6 @@ _STIFF = 30.0
 
 def _run(at: Mapping[str, float], full: bool) -> StatedValue:
     """Return the state of (8) at t = 30, or of (43) at T = 30, from one displaced site."""
-    from verification.runs.excite import as_psi, excite
-    from verification.runs.simulate import simulate
-
     chain = vdp_chain(at)
     start = excite(chain, [1], at["displacement"])
     end = _END if full else _END / chain.eps

@@ -11,7 +11,10 @@ from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
+from verification.maps.state import State
+from verification.maps.vdp_rules import find_vdp_state
 from verification.quantities.chains import vdp_chain
 from verification.quantities.quantity import (
     Axis,
@@ -29,6 +32,7 @@ from verification.references.equations import (
     full_rate,
 )
 from verification.references.pace import NoReferenceError, paced
+from verification.runs.excite import as_psi, excite
 
 _SITES = 16
 _AFTER, _CHECKS = 40.0, 200
@@ -41,10 +45,6 @@ _GIVEN: Mapping[str, float] = {"a": 4.0, "eps": 0.01, "sites": _SITES}
 
 
 def _label(at: Mapping[str, float], full: bool) -> StatedValue:
-    from verification.maps.state import State
-    from verification.maps.vdp_rules import find_vdp_state
-    from verification.runs.excite import as_psi, excite
-
     chain = vdp_chain({**_GIVEN, **at})
     start = excite(chain, [_SITES], at["displacement"])
     found = find_vdp_state(chain if full else chain.averaged(), start)
@@ -55,8 +55,6 @@ def _label(at: Mapping[str, float], full: bool) -> StatedValue:
 
 def _label_holds(at: Mapping[str, float], stated: StatedValue, full: bool) -> ReferenceCheck:
     """Return 0 if scipy's run of (8) or of (43) confirms the label, otherwise 1."""
-    from scipy.integrate import solve_ivp
-
     if stated.value is None:
         raise NoReferenceError("an undecided run makes no statement.")
     chain = vdp_chain({**_GIVEN, **at})

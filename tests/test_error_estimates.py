@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.settling import settle
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
@@ -22,8 +23,8 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
 from verification.cells.friction import ROUND_OFF, _with_error
 from verification.cells.result import CellCycle
-from verification.fronts.arrival_fit import Trial, settle
 from verification.fronts.network import _slope
+from verification.fronts.preparation import Trial
 from verification.fronts.resting import pinning_eta, static_fold
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.verdict import History

@@ -9,21 +9,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from tests.settling import settle
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.fronts.arrival_fit import (
-    FrontStatus,
-    Trial,
-    leading,
-    line,
-    settle,
-    velocity_of_arrivals,
-)
+from verification.fronts.arrival_fit import leading, line, velocity_of_arrivals
 from verification.fronts.measure import measure_front
+from verification.fronts.preparation import Trial
+from verification.fronts.status import FrontStatus
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.thresholds.spreading import (
@@ -248,7 +244,7 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
     )
     assert (doubted.status, doubted.error) == (FrontStatus.UNSTEADY, pytest.approx(0.1))
     stopped = settle(
-        lambda _: replace(exact, stopped=FrontStatus.PINNED),
+        lambda _: exact._replace(stopped=FrontStatus.PINNED),
         sites=64,
         max_sites=64,
         accuracy=0.01,

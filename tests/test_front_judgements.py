@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from fronts.catalogue import COMMANDS, Measurement
+from tests.settling import prepared, settle
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -31,12 +32,11 @@ from verification.fronts import (
     switchings,
     wave,
 )
-from verification.fronts.arrival_fit import Settled, Trial, settle
 from verification.fronts.measure import front_of_wave
-from verification.fronts.preparation import FrontPreparation
+from verification.fronts.preparation import FrontPreparation, Settled, Trial
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import Watch
+from verification.fronts.watch import follow as followed
 from verification.piecewise import simulation
 from verification.piecewise.simulation import simulate_front
 from verification.runs.excite import StartPoint, excite
@@ -327,7 +327,7 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
             assert front.error == pytest.approx(1.0 / time)
             assert asked[-1].get("directions") == directions
             assert asked[-1]["stall"] == pytest.approx(time * lattice.time_unit)
-    monkeypatch.setattr(preparation, "Watch", lambda **_: SimpleNamespace(trial=lambda *_: pinned))
+    monkeypatch.setattr(FrontPreparation, "trial", lambda *_: pinned)
     pinned = Trial(FrontStatus.PINNED, np.full(40, NAN), np.empty(0), 1)
     prepared = smooth._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
     found = prepared.settled(None)
@@ -587,7 +587,7 @@ def test_a_run_that_is_asked_too_often_is_asked_less() -> None:
             return len(budgets) == 6
 
     made: Any = Slow()
-    found = Watch(stall_time=1e3, settling_tolerance=1e-3, first=5).follow(made)
+    found = followed(made, stall_time=1e3, settling_tolerance=1e-3)
     assert found is FrontStatus.COLLAPSED
     assert [later // budgets[0] for later in budgets] == [1, 2, 4, 8, 16, 32]
 
@@ -1052,9 +1052,8 @@ def test_what_becomes_of_a_motion_is_said_by_its_run_at_the_tolerance_asked(
     assert asked == pytest.approx([1e-8, 1e-6][: len(ends)])
     asked.clear()
     left = iter(ends)
-    monkeypatch.setattr(Watch, "follow", lambda *_: next(left))
-    watch = Watch(stall_time=1.0, settling_tolerance=1e-3, first=5)
-    trial = watch.trial(lambda each: begun(tolerance=each), 1e-8)
+    monkeypatch.setattr(preparation, "follow", lambda *_, **__: next(left))
+    trial = prepared(lambda each: begun(tolerance=each)).trial(40, None)
     assert (trial.stopped, trial.steps, trial.coarser.size) == (stopped, steps, 27 * compared)
     assert trial.arrivals.tolist() == [*range(5, 32)]
 

@@ -30,6 +30,7 @@ from fronts.piecewise.profile import _chosen
 from paper_checks.outcome import slug
 from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
+from tests.settling import prepared
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.cells.friction import FrictionCell
 from theory.cells.oscillator import OscillatorCell
@@ -56,10 +57,11 @@ from verification.execution.sweep import sweep
 from verification.execution.task import parameters_of
 from verification.execution.time_limit import TimeIsUpError
 from verification.fronts import measure, smooth
-from verification.fronts.arrival_fit import Settled
+from verification.fronts.preparation import Settled
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import MARGIN, Stall, Watch, cycle_period
+from verification.fronts.watch import MARGIN, Stall, cycle_period
+from verification.fronts.watch import follow as followed
 from verification.maps import friction_rules, smooth_rules, state_run
 from verification.maps.state import Reason, State
 from verification.piecewise import verdict as front_verdict
@@ -193,8 +195,7 @@ class _Run:
 def test_the_run_beside_a_front_has_a_hundred_times_its_tolerance(
     tolerance: float, other: float
 ) -> None:
-    watch = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5)
-    found = watch.trial(_Run, tolerance)  # type: ignore[arg-type]
+    found = prepared(_Run, tolerance=tolerance).trial(40, None)
     sites = np.arange(5.0, 40.0 - MARGIN)
     assert found.arrivals.tolist() == (sites + tolerance).tolist()
     assert found.coarser.tolist() == pytest.approx((sites + other).tolist(), abs=1e-12)
@@ -206,8 +207,8 @@ def test_a_front_stops_at_the_last_site_that_is_needed_and_not_before(
     moves: float, status: FrontStatus | str
 ) -> None:
     """One site short of the margin it is no arrival at the end, and settled or creeping."""
-    watch = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5)
-    assert watch.follow(_Run(1e-8, 40 - MARGIN)) is None  # type: ignore[arg-type]
+    rule: Any = {"stall_time": 10.0, "settling_tolerance": 1e-3}
+    assert followed(_Run(1e-8, 40 - MARGIN), **rule) is None  # type: ignore[arg-type]
     short = _Run(1e-8, 40 - MARGIN - 1)
 
     def advance(budget: int) -> None:
@@ -215,7 +216,7 @@ def test_a_front_stops_at_the_last_site_that_is_needed_and_not_before(
         short.amplitude = np.full(40, moves * 1e-3 * (short.time > 15.0))
 
     short.advance = advance  # type: ignore[method-assign]
-    found = watch.follow(short)  # type: ignore[arg-type]
+    found = followed(short, **rule)  # type: ignore[arg-type]
     assert found is FrontStatus(status)
     assert short.time == 22.0  # the first after twice the stall time since the arrival at 1
 
@@ -1013,7 +1014,7 @@ def test_a_front_that_stops_in_the_first_run_is_not_run_again() -> None:
         runs.append(_Run(tolerance, reached=0))
         return runs[-1]
 
-    found = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5).trial(begin, 1e-8)  # type: ignore[arg-type]
+    found = prepared(begin).trial(40, None)
     assert found.stopped is FrontStatus.PINNED
     assert [run.time for run in runs] == [21.0]
     assert np.isnan(found.arrivals).all()
@@ -1024,8 +1025,8 @@ def test_a_front_that_stops_in_the_first_run_is_not_run_again() -> None:
 def test_progress_is_the_chain_that_is_reached_or_the_time_that_is_waited(reached: int) -> None:
     """Whichever is more, at most one; the last of the sites is reached at time 1."""
     seen: list[float] = []
-    watch = Watch(stall_time=10.0, settling_tolerance=1e-3, first=5, progress=seen.append)
-    watch.follow(_Run(1e-8, reached))  # type: ignore[arg-type]
+    run: Any = _Run(1e-8, reached)
+    followed(run, stall_time=10.0, settling_tolerance=1e-3, progress=seen.append)
     waited = [n / 20.0 for n in range(22)]
     assert seen == [min(1.0, max(part, (reached - 1) / 40)) for part in waited]
 

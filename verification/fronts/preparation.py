@@ -2,16 +2,63 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from verification.execution.progress import ProgressCallback
-from verification.fronts.arrival_fit import Settled, Trial, settle
+from verification.fronts.arrival_fit import leading, velocity_of_arrivals
 from verification.fronts.result import Front, LeftBoundary
-from verification.fronts.watch import Watch
+from verification.fronts.status import FrontStatus
+from verification.fronts.watch import MARGIN, follow
+from verification.runs.comparison import COARSER
 from verification.runs.integration import Integration
+
+
+class Trial(NamedTuple):
+    """A pair of runs on a chain of one length.
+
+    ``stopped`` is why the front did not reach the end in the first run, None if it did. The arrival
+    times by site are nan where a site was not reached; those of the run at the coarser tolerance
+    are empty if the front did not reach the end in both runs. ``steps`` are those of both runs.
+    """
+
+    stopped: FrontStatus | None
+    arrivals: FloatArray
+    coarser: FloatArray
+    steps: int
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Result of the trials on successively longer chains.
+
+    Attributes
+    ----------
+    status : FrontStatus
+        What became of the front.
+    v, error : float or None
+        Velocity and its uncertainty: 0 and the smallest velocity that would have been noticed for a
+        pinned front, None if there is no front, or all sites were reached at once.
+    arrivals : ndarray, shape (m,)
+        Arrival times of the last trial, without the sites that were not reached.
+    sites : int
+        Chain length in the last trial.
+    steps : int
+        Total number of steps of all trials.
+    """
+
+    status: FrontStatus
+    v: float | None
+    error: float | None
+    arrivals: FloatArray
+    sites: int
+    steps: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,26 +106,49 @@ class FrontPreparation:
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
-        watch = Watch(
-            stall_time=self.stall_time,
-            settling_tolerance=self.settling_tolerance,
-            first=self.excited,
-            progress=progress,
-        )
+        steps, sites = 0, self.sites
+        while True:
+            runs = self.trial(sites, progress)
+            steps += runs.steps
+            arrivals = runs.arrivals[~np.isnan(runs.arrivals)]
+            if runs.stopped is not None:
+                pinned = runs.stopped is FrontStatus.PINNED
+                v, error = (0.0, 1.0 / self.stall_time) if pinned else (None, None)
+                return Settled(runs.stopped, v, error, arrivals, sites, steps)
+            reached, beside = leading(runs.arrivals), leading(runs.coarser)
+            both = min(reached.size, beside.size) or reached.size
+            v, error = velocity_of_arrivals(reached[:both])
+            other = velocity_of_arrivals(beside[:both])[0] if beside.size else 0.0
+            error = max(error, abs(v - other))
+            long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites
+            if longest and not long and self.other_velocity is not None:
+                error = max(error, abs(v - self.other_velocity))
+            if error < self.accuracy * v and (long or longest):
+                return Settled(FrontStatus.STEADY, v, error, arrivals, sites, steps)
+            if longest and math.isinf(v):
+                return Settled(FrontStatus.UNSTEADY, None, None, arrivals, sites, steps)
+            if longest:
+                return Settled(FrontStatus.UNSTEADY, v, error, arrivals, sites, steps)
+            sites *= 2
 
-        def trial(sites: int) -> Trial:
-            longer = self.sized(sites)
-            return watch.trial(lambda each: self.begin(longer, each), self.tolerance)
-
-        return settle(
-            trial,
-            sites=self.sites,
-            max_sites=self.max_sites,
-            accuracy=self.accuracy,
-            pinned_error=1.0 / self.stall_time,
-            long_enough=self.long_enough,
-            other_velocity=self.other_velocity,
-        )
+    def trial(self, sites: int, progress: ProgressCallback | None) -> Trial:
+        """Follow a front and, if it reaches the far end, again at a hundred times the tolerance."""
+        chain = self.sized(sites)
+        how: dict[str, Any] = {
+            "stall_time": self.stall_time,
+            "settling_tolerance": self.settling_tolerance,
+            "progress": progress,
+        }
+        run = self.begin(chain, self.tolerance)
+        stopped = follow(run, **how)
+        used, steps = slice(self.excited, run.state.shape[1] - MARGIN), run.counts["steps"]
+        coarser = np.empty(0)
+        if stopped is None:
+            other = self.begin(chain, COARSER * self.tolerance)
+            if follow(other, **how) is None:
+                coarser = other.arrivals[used]
+            steps += other.counts["steps"]
+        return Trial(stopped, run.arrivals[used], coarser, steps)
 
     def front(
         self,

@@ -19,9 +19,8 @@ from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, Range, count_within
-from verification.fronts.arrival_fit import Settled
 from verification.fronts.network import spreading_front
-from verification.fronts.preparation import FrontPreparation
+from verification.fronts.preparation import FrontPreparation, Settled
 from verification.fronts.request import (
     RUN,
     TOLERANCE,

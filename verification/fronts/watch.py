@@ -6,8 +6,6 @@ Velocities are fitted to the arrivals in ``verification.fronts.arrival_fit``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,9 +14,7 @@ from theory.chains.chain import Chain
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain, effective_epsilon
 from verification.execution.progress import ProgressCallback
-from verification.fronts.arrival_fit import Trial
 from verification.fronts.status import FrontStatus
-from verification.runs.comparison import COARSER
 from verification.runs.integration import Integration
 
 MARGIN = 8
@@ -134,56 +130,40 @@ def cycle_period(chain: Chain) -> float:
     return 2.0 * max((each.period for each in chain.cell.cycles), default=0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Watch:
-    """The criterion by which a front counts as stopped.
+def follow(
+    run: Integration,
+    *,
+    stall_time: float,
+    settling_tolerance: float,
+    progress: ProgressCallback | None = None,
+) -> FrontStatus | None:
+    """Step until the far end is reached (None), or until the front has stopped.
 
-    Attributes
+    Parameters
     ----------
+    run : Integration
+        The run of the front.
     stall_time, settling_tolerance : float
         As in :class:`Stall`.
-    first : int
-        First site, counted from 0, whose arrival is used for v; the sites before it are excited.
     progress : callable, optional
         Called at intervals with the fraction of the chain that has been reached or, if larger, the
         elapsed fraction of the time after which a front counts as stopped.
     """
-
-    stall_time: float
-    settling_tolerance: float
-    first: int
-    progress: ProgressCallback | None = None
-
-    def follow(self, run: Integration) -> FrontStatus | None:
-        """Step until the far end is reached (None), or until the front has stopped."""
-        sites = run.state.shape[1]
-        stall = Stall(run, self.stall_time, self.settling_tolerance)
-        budget, before, part = BUDGET, 0.0, 0.0
-        while True:
-            run.advance(budget)
-            if run.time - before < self.stall_time / CHECKS:
-                budget *= 2
-            before = run.time
-            reached = int(np.flatnonzero(~np.isnan(run.arrivals)).max(initial=0))
-            if reached >= sites - MARGIN - 1:
-                return None
-            stall.note(reached)
-            if self.progress is not None:
-                part = max(part, reached / sites, stall.waited / (2.0 * self.stall_time))
-                self.progress(min(1.0, part))
-            status = stall.status()
-            if status is not None:
-                return status
-
-    def trial(self, begin: Callable[[float], Integration], tolerance: float) -> Trial:
-        """Follow a front and, if it reaches the far end, again at a hundred times the tolerance."""
-        run = begin(tolerance)
-        stopped = self.follow(run)
-        used, steps = slice(self.first, run.state.shape[1] - MARGIN), run.counts["steps"]
-        coarser = np.empty(0)
-        if stopped is None:
-            other = begin(COARSER * tolerance)
-            if self.follow(other) is None:
-                coarser = other.arrivals[used]
-            steps += other.counts["steps"]
-        return Trial(stopped, run.arrivals[used], coarser, steps)
+    sites = run.state.shape[1]
+    stall = Stall(run, stall_time, settling_tolerance)
+    budget, before, part = BUDGET, 0.0, 0.0
+    while True:
+        run.advance(budget)
+        if run.time - before < stall_time / CHECKS:
+            budget *= 2
+        before = run.time
+        reached = int(np.flatnonzero(~np.isnan(run.arrivals)).max(initial=0))
+        if reached >= sites - MARGIN - 1:
+            return None
+        stall.note(reached)
+        if progress is not None:
+            part = max(part, reached / sites, stall.waited / (2.0 * stall_time))
+            progress(min(1.0, part))
+        status = stall.status()
+        if status is not None:
+            return status

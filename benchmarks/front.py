@@ -18,9 +18,9 @@ arrivals do not limit, and ``agreement`` is its change on another grid.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -40,13 +40,9 @@ from verification.fronts.measure import measure_front
 from verification.quantities.problems import Problem, timed
 from verification.references.equations import amplitude_of, full_rate, quarter_turn_rate
 from verification.references.front_wave import front_velocity
+from verification.references.passages import arrivals_by_scipy, mean_interval
 from verification.runs.excite import excite_edge
 from verification.runs.simulate import simulate
-
-if TYPE_CHECKING:
-    from scipy.integrate import DOP853
-
-Rate = Callable[[float, FloatArray], FloatArray]
 
 OURS, WAVE, REDUCED, WHOLE, SHORTCUT = (
     "measured front", "solved wave", "scipy, real averaged chain", "scipy, chain (8)",
@@ -145,65 +141,20 @@ def by_us(problem: Problem, sites: int, tolerance: float) -> FloatArray:
 def by_scipy(problem: Problem, sites: int, tolerance: float) -> FloatArray:
     """Return the same as `by_us`, by scipy's DOP853."""
     chain = problem.vdp_chain(sites)
-    level, filled = chain.unstable_amplitude, chain.stable_amplitude
+    how: dict[str, Any] = {
+        "level": chain.unstable_amplitude, "watched": slice(FILLED, sites - MARGIN),
+        "rtol": tolerance, "atol": tolerance,
+    }  # fmt: skip
     if isinstance(chain_of(problem), AveragedChain):
-        start = np.where(np.arange(sites) < FILLED, filled, 0.0)
-        return _arrivals(
-            quarter_turn_rate(chain), start, sites, level=level, tolerance=tolerance, amplitude=abs
-        )
+        start = np.where(np.arange(sites) < FILLED, chain.stable_amplitude, 0.0)
+        return arrivals_by_scipy(quarter_turn_rate(chain), start, amplitude=np.abs, **how)
     start = excite_edge(chain, FILLED).ravel()
-    return chain.eps * _arrivals(
-        full_rate(chain), start, sites, level=level, tolerance=tolerance, amplitude=amplitude_of
-    )
-
-
-def _arrivals(
-    rate: Rate,
-    start: FloatArray,
-    sites: int,
-    *,
-    level: float,
-    tolerance: float,
-    amplitude: Callable[[FloatArray], FloatArray],
-) -> FloatArray:
-    """Step until all but the last eight sites have been reached; locate arrivals within steps."""
-    from scipy.integrate import DOP853
-
-    solver = DOP853(rate, 0.0, start, np.inf, rtol=tolerance, atol=tolerance)
-    times = np.full(sites, np.nan)
-    while np.isnan(times[FILLED : sites - MARGIN]).any():
-        solver.step()
-        new = np.flatnonzero((amplitude(solver.y) > level) & np.isnan(times))
-        if new.size:
-            times[new] = [_crossing(solver, amplitude, site, level) for site in new.tolist()]
-    return times[FILLED : sites - MARGIN]
-
-
-def _crossing(
-    solver: DOP853[np.float64],
-    amplitude: Callable[[FloatArray], FloatArray],
-    site: int,
-    level: float,
-) -> float:
-    """Return the time within the last step at which a site passed the level."""
-    from scipy.optimize import brentq
-
-    inside = solver.dense_output()
-
-    def above(t: float) -> float:
-        return float(amplitude(inside(t))[site] - level)
-
-    if above(solver.t_old) >= 0.0:
-        return float(solver.t_old)
-    return float(brentq(above, solver.t_old, solver.t, xtol=1e-13))
+    return chain.eps * arrivals_by_scipy(full_rate(chain), start, amplitude=amplitude_of, **how)
 
 
 def smooth_velocity(arrivals: FloatArray) -> float:
     """Return v̂ from a smooth average of the intervals beyond the first third."""
-    intervals = np.diff(arrivals)[arrivals.size // 3 :]
-    place = (np.arange(intervals.size) + 0.5) / intervals.size
-    weights = np.exp(-1.0 / (place * (1.0 - place)))
-    return float(weights.sum() / (weights @ intervals))
+    return 1.0 / mean_interval(arrivals[arrivals.size // 3 :])
 
 
 def _first(method: str) -> MethodAnswer:

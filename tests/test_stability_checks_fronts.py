@@ -31,6 +31,7 @@ from verification.quantities.quantity import ReferenceCheck, StatedValue
 from verification.quantities.registry import computation_named
 from verification.quantities.scipy_states import compared as states_compared
 from verification.quantities.scipy_states import moving_sites
+from verification.references import passages
 from verification.references.equations import as_complex
 from verification.references.extrapolation import PreciseState
 from verification.references.pace import NoReferenceError
@@ -420,7 +421,7 @@ def test_a_front_of_the_chain_starts_with_lags_of_a_quarter_turn(
         started.extend((rate, start))
         raise NoReferenceError("begun")
 
-    monkeypatch.setattr("verification.quantities.fronts.DOP853", run)
+    monkeypatch.setattr("verification.references.passages.DOP853", run)
     stated = StatedValue(value=1.0, error=1e-9)
     with pytest.raises(NoReferenceError, match="begun"):
         fronts._by_scipy({"c": 2.0, "eta": 0.03125, "eps": 0.05}, stated, full=True)
@@ -464,7 +465,7 @@ def test_a_timed_front_has_the_pace_of_its_second_half() -> None:
             fronts._timed(_arrivals(v, first=0.02 / v), v, "a clock")
     n = np.arange(60.0)  # intervals that are quasi-periodic
     for times in (2.0 * n + 0.1 * np.cos(n), 2.0 * n - 0.1 * np.sin(n)):
-        assert fronts._mean_interval(times) == pytest.approx(2.0, abs=1e-5)
+        assert passages.mean_interval(times) == pytest.approx(2.0, abs=1e-5)
     missing = _arrivals(1.0)
     missing[7] = math.nan
     with pytest.raises(NoReferenceError, match="run through"):

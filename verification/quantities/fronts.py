@@ -12,14 +12,11 @@ wave, decays no faster.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
-from typing import Any
 
 import mpmath as mp
 import numpy as np
-from scipy.integrate import DOP853
-from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
 from theory.piecewise.kinetic_relation import kinetic_relation
@@ -42,6 +39,7 @@ from verification.quantities.quantity import (
 from verification.references.equations import amplitude_of, as_state, full_rate, quarter_turn_rate
 from verification.references.front_wave import front_velocity
 from verification.references.pace import NoReferenceError, Pace
+from verification.references.passages import arrivals_by_scipy, mean_interval
 
 _FILLED, _END = 24, 8
 _MIN_SITES, _MAX_SITES = 64, 352
@@ -86,18 +84,15 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     rate = full_rate(chain, wave=True) if full else quarter_turn_rate(chain, wave=True)
     turns = np.array([1j * (-1j) ** n for n in range(sites)])
     start = as_state(turns * filled) if full else filled
-    solver = DOP853(rate, 0.0, start, end / scale, rtol=1e-8, atol=1e-9)
-    times = np.full(sites, np.nan)
-    times[:_FILLED] = 0.0
     pace = Pace()
-    while solver.status == "running" and np.isnan(times[sites - _END - 1]):
-        with np.errstate(all="ignore"):  # scipy tries steps that overflow
-            solver.step()
-        pace.check(max(1.5 * solver.t * scale / end, np.count_nonzero(times >= 0.0) / sites))
-        now = amplitude(solver.y) > level
-        for site in np.flatnonzero(now & np.isnan(times)).tolist():
-            times[site] = scale * _crossing(solver, amplitude, site, level)
-    reached = times[_FILLED : sites - _END]
+
+    def check(t: float, times: FloatArray) -> None:
+        pace.check(max(1.5 * t * scale / end, np.count_nonzero(times >= 0.0) / sites))
+
+    reached = scale * arrivals_by_scipy(
+        rate, start, amplitude=amplitude, level=level, watched=slice(_FILLED, sites - _END),
+        rtol=1e-8, atol=1e-9, end=end / scale, each_step=check,
+    )  # fmt: skip
     if stated.value == 0.0:
         late = int(np.count_nonzero(reached > 0.5 * end))
         return ReferenceCheck(distance=late / (0.5 * end), method="sites reached in scipy's run")
@@ -155,34 +150,11 @@ def _averaged_front_known(at: Mapping[str, float], stated: StatedValue) -> Refer
 def _timed(reached: FloatArray, v: float, by: str) -> ReferenceCheck:
     if np.isnan(reached).any():
         raise NoReferenceError("scipy's front does not run through the chain")
-    before, last = map(_mean_interval, np.array_split(reached, 2))
+    before, last = map(mean_interval, np.array_split(reached, 2))
     uncertain = 6.0 * abs(last - before) / last**2 + 1e-7 / last
     if uncertain > 0.1 * abs(v):
         raise NoReferenceError("scipy's front does not settle within the chain")
     return ReferenceCheck(distance=abs(v - 1.0 / last), uncertainty=uncertain, method=by)
-
-
-def _mean_interval(times: FloatArray) -> float:
-    """Return the mean of the intervals with the weights e^{-1/s(1-s)}, 0 < s < 1.
-
-    Examples
-    --------
-    >>> n = np.arange(60)
-    >>> abs(_mean_interval(2.0 * n + 0.1 * np.cos(n)) - 2.0) < 1e-5
-    True
-    """
-    intervals = np.diff(times)
-    s = np.arange(1, intervals.size + 1) / (intervals.size + 1)
-    return float(np.average(intervals, weights=np.exp(-1.0 / (s * (1.0 - s)))))
-
-
-def _crossing(
-    solver: Any, amplitude: Callable[[FloatArray], FloatArray], site: int, level: float
-) -> float:
-    path = solver.dense_output()
-    return float(
-        brentq(lambda t: amplitude(path(t))[site] - level, solver.t_old, solver.t, xtol=1e-9)
-    )
 
 
 _LIMITS = "outside, scipy takes minutes for the reference, or there is no front"

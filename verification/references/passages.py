@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
 from theory.chains.vdp import AveragedChain, VdpChain
-from verification.references.equations import full_rate, quarter_turn_rate
+from verification.references.equations import Rate, full_rate, quarter_turn_rate
 
 
 def arrivals_of_chain(chain: VdpChain, end: float, level: float, start: float) -> FloatArray:
@@ -44,6 +44,70 @@ def arrivals_of_chain(chain: VdpChain, end: float, level: float, start: float) -
                 )
         begin, x = run.t[-1], run.y[:, -1]
     return arrivals
+
+
+def arrivals_by_scipy(
+    rate: Rate,
+    start: FloatArray,
+    *,
+    amplitude: Callable[[FloatArray], FloatArray],
+    level: float,
+    watched: slice,
+    rtol: float,
+    atol: float,
+    end: float = np.inf,
+    each_step: Callable[[float, FloatArray], None] = lambda t, times: None,
+) -> FloatArray:
+    """Return when the amplitude of each watched site first exceeds a level, by scipy's DOP853.
+
+    Parameters
+    ----------
+    rate : callable
+        Right-hand side for scipy.
+    start : ndarray
+        State at time zero.
+    amplitude : callable
+        Maps a state to the amplitudes of the sites.
+    level : float
+        The level; sites above it at the start are reached at time zero.
+    watched : slice
+        Sites that are to be reached; nan for those that are not reached by the end.
+    rtol, atol : float
+        Tolerances.
+    end : float, optional
+        Latest time.
+    each_step : callable, optional
+        Called after each step with the time and the arrivals at all sites; may raise.
+    """
+    solver = DOP853(rate, 0.0, start, end, rtol=rtol, atol=atol)
+    times = np.full(amplitude(start).size, np.nan)
+    while solver.status == "running" and np.isnan(times[watched]).any():
+        with np.errstate(all="ignore"):  # scipy tries steps that overflow
+            solver.step()
+        for site in np.flatnonzero((amplitude(solver.y) > level) & np.isnan(times)).tolist():
+            path = solver.dense_output()
+
+            def above(t: float, path: Any = path, site: int = site) -> float:
+                return float(amplitude(path(t))[site] - level)
+
+            first = solver.t_old
+            times[site] = first if above(first) >= 0.0 else brentq(above, first, solver.t)
+        each_step(solver.t, times)
+    return times[watched]
+
+
+def mean_interval(times: FloatArray) -> float:
+    """Return the mean of the intervals with the weights e^{-1/s(1-s)}, 0 < s < 1.
+
+    Examples
+    --------
+    >>> n = np.arange(60)
+    >>> abs(mean_interval(2.0 * n + 0.1 * np.cos(n)) - 2.0) < 1e-5
+    True
+    """
+    intervals = np.diff(times)
+    s = np.arange(1, intervals.size + 1) / (intervals.size + 1)
+    return float(np.average(intervals, weights=np.exp(-1.0 / (s * (1.0 - s)))))
 
 
 def velocity_on_few_sites(chain: VdpChain, filled: int = 40) -> float:

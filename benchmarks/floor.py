@@ -184,7 +184,7 @@ def of_site_series(chain: FrictionChain, order: int) -> Operations:
     numbers = friction_series.new_numbers(chain.cell, chain.c, 1e-9)
     law = friction_series.law_of(chain.cell)
     series = np.full((3 + len(law), order + 1, 3), Counting(0.1, done))
-    site = np.full((friction_series.LOWEST + 1, 3), 2.0, dtype=object)
+    site = np.full((friction_series.ROWS, 3), 2.0, dtype=object)
     mode = np.zeros((friction_series.BEYOND + 1, 3), dtype=np.int64)
     mode[friction_series.MODE] = 1
     plain: Any = friction_series.expand

@@ -25,12 +25,12 @@ from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
 from verification.steppers.friction_series import (
-    HIGHEST,
-    LOWEST,
+    LAST_MAXIMUM,
+    LAST_MINIMUM,
     _polish,
     first_root,
+    friction_outer,
     new_room,
-    outer,
 )
 
 CELL = FrictionCell()
@@ -426,8 +426,8 @@ def test_sites_that_start_with_the_belt_stick_if_the_force_can_be_held(ends: End
 def test_an_amplitude_is_half_of_the_distance_of_its_turning_points() -> None:
     chain = FrictionChain(c=0.02, sites=3)
     run = FrictionIntegration(chain, excite(chain, [1]))
-    run._row(HIGHEST)[:] = 1.0, 3.0, np.nan
-    run._row(LOWEST)[:] = 3.0, 1.0, 0.0
+    run._row(LAST_MAXIMUM)[:] = 1.0, 3.0, np.nan
+    run._row(LAST_MINIMUM)[:] = 3.0, 1.0, 0.0
     assert run.amplitude.tolist() == [1.0, 1.0, 0.0]
 
 
@@ -555,7 +555,7 @@ def test_the_time_of_an_event_takes_a_dozen_evaluations_at_most() -> None:
         assert f.reads <= 12 * 4
 
 
-@outer
+@friction_outer
 def first_roots(room: np.ndarray, polynomials: np.ndarray, found: np.ndarray) -> None:
     """Put the first root of each polynomial in [0, 1] into ``found``."""
     for i in range(found.size):

@@ -13,7 +13,7 @@ from verification.execution.compiled import outer
 from verification.steppers.active import FREE, RING
 from verification.steppers.kernel import fast, slope_mark, slope_of
 from verification.steppers.rows import put
-from verification.steppers.runge_kutta import STAGES, STEP, Step
+from verification.steppers.runge_kutta import STAGES, STEP_SIGNATURE, Step
 from verification.steppers.smooth import compiled_step
 from verification.steppers.specialise import pointer
 
@@ -43,7 +43,7 @@ def fixed_steps(chain: SmoothChain, state: FloatArray, h: float, steps: int, ord
 
 def _classical_step(chain: SmoothChain) -> Any:
     """Return the classical step of order 4 for a chain, from disk if it is already compiled."""
-    return pointer(_classical, STEP, slope_mark(chain), _slope=slope_of(chain))
+    return pointer(_classical, STEP_SIGNATURE, slope_mark(chain), _slope=slope_of(chain))
 
 
 def _slope(x: FloatArray, p: FloatArray, left: int, right: int, out: FloatArray) -> None:

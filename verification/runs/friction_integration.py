@@ -24,8 +24,8 @@ from verification.steppers import friction
 from verification.steppers.friction_series import (
     ARRIVAL,
     CLOCK,
-    HIGHEST,
-    LOWEST,
+    LAST_MAXIMUM,
+    LAST_MINIMUM,
     MODE,
     REST,
     W,
@@ -190,7 +190,7 @@ class FrictionIntegration(Integration):
     @property
     def last_extremes(self) -> FloatArray:
         """Last maximum and minimum of y in backward slip, shape (2, N); nan until they occur."""
-        return np.array([self._row(HIGHEST), self._row(LOWEST)])
+        return np.array([self._row(LAST_MAXIMUM), self._row(LAST_MINIMUM)])
 
     @property
     def amplitude(self) -> FloatArray:

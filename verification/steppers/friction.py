@@ -55,16 +55,17 @@ from verification.steppers.friction_series import (
     END,
     EVENT,
     FIRST,
-    HIGHEST,
     KEPT,
+    LAST_MAXIMUM,
+    LAST_MINIMUM,
     LAST_TERM,
-    LOWEST,
     MODE,
     MU_ST,
     OWN,
     POLYNOMIAL,
     RELEASED,
     REST,
+    ROWS,
     SLIDING,
     START,
     STEEPEST,
@@ -82,10 +83,10 @@ from verification.steppers.friction_series import (
     absolute_sums,
     expand,
     first_root,
-    inner,
+    friction_inner,
+    friction_outer,
     new_room,
     one_way,
-    outer,
     resolved,
     shift,
     site_value,
@@ -183,11 +184,11 @@ def new_run(
     """  # fmt: skip
     sites = own.size
     site, mode = (
-        np.zeros((LOWEST + 1, sites + 2)),
+        np.zeros((ROWS, sites + 2)),
         np.zeros((BEYOND + 1, sites + 2), dtype=np.int64),
     )
     site[Y, 1:-1], site[W, 1:-1], site[OWN, 1:-1] = start[0], start[1] - numbers[V_D], own
-    site[ARRIVAL], site[HIGHEST], site[LOWEST], site[END] = np.nan, np.nan, np.nan, np.inf
+    site[[ARRIVAL, LAST_MAXIMUM, LAST_MINIMUM]], site[END] = np.nan, np.inf
     y, w = site[Y], site[W, 1:-1]
     bend = own * y[1:-1] - (y[:-2] + y[2:])
     force = 2.0 * numbers[XI] * numbers[V_D] + y[1:-1] + numbers[C] * bend
@@ -230,7 +231,7 @@ def advance(run: Run, stop: float, max_steps: int) -> int:
     return int(_advance(run, float(stop), max_steps))
 
 
-@outer
+@friction_outer
 def _advance(run: Run, stop: float, max_steps: int) -> int:
     """Take frames until ``stop`` or until there is a reason to return; return a ``StopCode``."""
     counters, numbers = run.counters, run.numbers
@@ -252,7 +253,7 @@ def _advance(run: Run, stop: float, max_steps: int) -> int:
             _widen(run.site, numbers, counters)
 
 
-@inner
+@friction_inner
 def _frame(run: Run, longest: float) -> float:
     """Give all sites new series and process the events; return the time at which the frame ends.
 
@@ -290,7 +291,7 @@ def _frame(run: Run, longest: float) -> float:
         ranges = _ranges(run, due, radius)
 
 
-@inner
+@friction_inner
 def _frame_length(
     site: FloatArray, lo: int, hi: int, order: int, p: FloatArray, most: float
 ) -> float:
@@ -312,7 +313,7 @@ def _frame_length(
     return float(min(length, most))
 
 
-@inner
+@friction_inner
 def _expanded(run: Run, lo: int, hi: int) -> bool:
     """Make series of sites lo … hi - 1 from their states; return whether all are finite.
 
@@ -331,7 +332,7 @@ def _expanded(run: Run, lo: int, hi: int) -> bool:
     return math.isfinite(total)
 
 
-@inner
+@friction_inner
 def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     """Set the validity of new series and find their events; return whether time advances.
 
@@ -373,7 +374,7 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
     return goes_on
 
 
-@inner
+@friction_inner
 def _first_event(
     series: FloatArray,
     site: FloatArray,
@@ -403,7 +404,7 @@ def _first_event(
     return first
 
 
-@inner
+@friction_inner
 def _next_due(queue: FloatArray, n: int, until: float) -> int:
     """Return the first site from n on that is due by a given time; -1 if there is none."""
     leaves = queue.size // 2
@@ -419,7 +420,7 @@ def _next_due(queue: FloatArray, n: int, until: float) -> int:
     return node - leaves
 
 
-@inner
+@friction_inner
 def _rate(w: FloatArray, n: int, h: float) -> float:
     """Return a bound on |ẇ| of site n up to a time h after the beginning of its series."""
     rate = 0.0
@@ -428,7 +429,7 @@ def _rate(w: FloatArray, n: int, h: float) -> float:
     return rate
 
 
-@inner
+@friction_inner
 def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
     """Return the d of the module docstring for J = ``change`` and τ = h; -1 if there is none."""
     growth = p[DRAG] + p[STEEPEST]
@@ -444,7 +445,7 @@ def _reach(p: FloatArray, order: int, change: float, h: float) -> int:
     return -1
 
 
-@inner
+@friction_inner
 def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
     """Give new modes to the sites that have an event now; return how many sites are due, and J.
 
@@ -471,7 +472,7 @@ def _switched(run: Run, now: float, length: float) -> tuple[int, float]:
     return count, change
 
 
-@inner
+@friction_inner
 def _switch(run: Run, n: int, time: float) -> None:
     """Give site n its new mode at an event, and count the event; grazing is not an event."""
     site, mode, p, counters = run.site, run.mode, run.numbers, run.counters
@@ -500,7 +501,7 @@ def _switch(run: Run, n: int, time: float) -> None:
         site[ARRIVAL, n] = time
 
 
-@inner
+@friction_inner
 def _ranges(run: Run, due: int, radius: int) -> int:
     """Put the ranges within a radius of the due sites into FIRST and BEYOND; return their number.
 
@@ -521,7 +522,7 @@ def _ranges(run: Run, due: int, radius: int) -> int:
     return count
 
 
-@inner
+@friction_inner
 def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     """Give sites lo … hi - 1 new series now, using the series of the sites beside them.
 
@@ -559,7 +560,7 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     return length if goes_on else 0.0
 
 
-@inner
+@friction_inner
 def _bring(run: Run, n: int, now: float) -> None:
     """Advance the state of site n and what is sampled of it to a given time; its series is kept."""
     site, series = run.site, run.series
@@ -571,7 +572,7 @@ def _bring(run: Run, n: int, now: float) -> None:
     site[START, n] = now
 
 
-@inner
+@friction_inner
 def _watch(run: Run, n: int, h: float) -> None:
     """Record the turning points and samples of site n up to a time h after its series begins."""
     site, start, v_d = run.site, run.site[START, n], run.numbers[V_D]
@@ -584,7 +585,7 @@ def _watch(run: Run, n: int, h: float) -> None:
         if turn <= h:
             if sampled:
                 _sample(run, n, start + passed, start + turn)
-            site[HIGHEST + kind, n] = site_value(run.series[Y], n, turn)
+            site[LAST_MAXIMUM + kind, n] = site_value(run.series[Y], n, turn)
             passed = turn
             shift(run.series[W], n, 0.0, run.room[POLYNOMIAL])
             if one_way(run.room[POLYNOMIAL], run.series.shape[1] - 1, h, run.room[KEPT]):
@@ -593,7 +594,7 @@ def _watch(run: Run, n: int, h: float) -> None:
         _sample(run, n, start + passed, start + h)
 
 
-@inner
+@friction_inner
 def _turning_point(
     w: FloatArray, room: FloatArray, v_d: float, n: int, after: float, h: float
 ) -> tuple[float, int]:
@@ -614,7 +615,7 @@ def _turning_point(
     return after + first_root(room, w.shape[0] - 1, h - after), 0 if rising else 1
 
 
-@inner
+@friction_inner
 def _sample(run: Run, n: int, begin: float, end: float) -> None:
     """Sample site n at the required times from begin to end."""
     site, series, times = run.site, run.series, run.times
@@ -627,11 +628,11 @@ def _sample(run: Run, n: int, begin: float, end: float) -> None:
             row = run.samples[i]
             row[0, n - 1] = site_value(series[Y], n, at - site[START, n])
             row[1, n - 1] = site_value(series[W], n, at - site[START, n])
-            row[2, n - 1] = 0.5 * abs(site[HIGHEST, n] - site[LOWEST, n])
+            row[2, n - 1] = 0.5 * abs(site[LAST_MAXIMUM, n] - site[LAST_MINIMUM, n])
         i += 1
 
 
-@inner
+@friction_inner
 def _finish(run: Run, end: float) -> None:
     """Advance all sites to the end of the frame; those that are sampled or may turn are watched."""
     site, mode, times, lo, hi = run.site, run.mode, run.times, run.counters[LO], run.counters[HI]
@@ -662,7 +663,7 @@ def _finish(run: Run, end: float) -> None:
         run.counters[SAMPLED] += 1
 
 
-@inner
+@friction_inner
 def _widen(site: FloatArray, numbers: FloatArray, counters: IntArray) -> None:
     """Widen the window so that MARGIN sites at rest lie inside it on either side."""
     lo, hi = counters[LO], counters[HI]

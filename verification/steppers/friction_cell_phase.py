@@ -24,7 +24,7 @@ from verification.steppers.friction_series import (
     Y,
     expand,
     first_root,
-    inner,
+    friction_inner,
     resolved,
     site_value,
     term_length,
@@ -153,7 +153,7 @@ def _follow(phase: Phase, found: FloatArray) -> None:
     found[0] = FAILED if t < longest else ABANDONED
 
 
-@inner
+@friction_inner
 def _creeps(creep: Creep, y: float, w: float, v_d: float) -> bool:
     """Return whether a motion approaches steady sliding from here without turning."""
     u, velocity = creep.sliding - y, w + v_d
@@ -162,7 +162,7 @@ def _creeps(creep: Creep, y: float, w: float, v_d: float) -> bool:
     return -creep.falling < u <= velocity <= 0.0
 
 
-@inner
+@friction_inner
 def _watched(w: FloatArray, v_d: float, end: int, f: FloatArray) -> int:
     """Put the function that changes sign from + to - at the end into f; return its degree."""
     degree = int(w.shape[0]) - 1

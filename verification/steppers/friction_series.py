@@ -61,17 +61,23 @@ DROP, DRAG, STEEPEST, JUMP = 10, 11, 12, 13
 Y, W, E, Q = 0, 1, 2, 3
 """Quantities in ``series``; the first two are also rows of ``site``."""
 
-OWN, SIGN, BEND, START, END, EVENT, ARRIVAL, HIGHEST, LOWEST = 2, 3, 4, 5, 6, 7, 8, 9, 10
+OWN, SIGN, BEND, START, END, EVENT, ARRIVAL = 2, 3, 4, 5, 6, 7, 8
 """Rows of ``site``: number of coupled neighbours; direction of slip and coupling term (work space);
 within the frame, the times from which and until which its series holds, and of its next event; time
-of the first stick; last maximum and minimum of y."""
+of the first stick."""
 
-STEP, SUM = SIGN, BEND
-"""The same two rows, used for a time after the beginning of the series, and for a bound on the
-change of w while the series is valid, or the values at that time."""
+LAST_MAXIMUM, LAST_MINIMUM = 9, 10
+"""Rows of ``site``: last maximum and minimum of y."""
 
-TERM, LAST_TERM = SIGN, BEND
-"""The same two rows, used for the last two coefficients, |y_k| + |w_k|."""
+STEP, SUM = 11, 12
+"""Rows of ``site``, work space: a time after the beginning of the series; a bound on the change of
+w while the series is valid, or the values at that time."""
+
+TERM, LAST_TERM = 13, 14
+"""Rows of ``site``, work space: the last two coefficients, |y_k| + |w_k|."""
+
+ROWS = 15
+"""Number of rows of ``site``."""
 
 MODE, RELEASED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4
 """Rows of ``mode``: 0 in stick, otherwise the sign of w; whether stick has ended at this very time;
@@ -89,14 +95,16 @@ _DEPTH = 48
 _SAMPLES = 16
 
 
-inner = compiled.inner(error_model="numpy", **compiled.UNCOUNTED)
+friction_inner = compiled.inner(error_model="numpy", **compiled.UNCOUNTED)
 """Decorator for functions that are called by compiled functions only."""
 
 vectorised = compiled.inner(error_model="numpy", fastmath={"contract"}, **compiled.UNCOUNTED)
-"""Decorator like ``inner``, with products and sums contracted."""
+"""Decorator like ``friction_inner``, with products and sums contracted."""
 
 
-outer = compiled.outer(unrolled=False, cache=True, error_model="numpy", **compiled.UNCOUNTED)
+friction_outer = compiled.outer(
+    unrolled=False, cache=True, error_model="numpy", **compiled.UNCOUNTED
+)
 """Decorator for functions that are called from Python."""
 
 
@@ -241,7 +249,7 @@ def _expand_gaussian(series: FloatArray, lo: int, hi: int, k: int, v_s: float) -
         next_e[n] *= -1.0 / ((k + 1) * v_s * v_s)
 
 
-@inner
+@friction_inner
 def shift(P: FloatArray, column: int, x: float, out: FloatArray) -> None:
     """Put the coefficients of a series about a time later by x into out: a Taylor shift."""
     order = P.shape[0] - 1
@@ -254,7 +262,7 @@ def shift(P: FloatArray, column: int, x: float, out: FloatArray) -> None:
                 rest[i] += x * rest[i + 1]
 
 
-@inner
+@friction_inner
 def site_value(P: FloatArray, n: int, h: float) -> float:
     """Return the value of site n at a time h after the beginning of its series."""
     value = P[P.shape[0] - 1, n]
@@ -263,7 +271,7 @@ def site_value(P: FloatArray, n: int, h: float) -> float:
     return float(value)
 
 
-@inner
+@friction_inner
 def site_values(P: FloatArray, site: FloatArray, lo: int, hi: int) -> None:
     """Put the values of the sites lo … hi - 1 at their own times STEP into SUM, vectorised."""
     h, value = site[STEP, lo:hi], site[SUM, lo:hi]
@@ -275,7 +283,7 @@ def site_values(P: FloatArray, site: FloatArray, lo: int, hi: int) -> None:
             value[n] = value[n] * h[n] + p[n]
 
 
-@inner
+@friction_inner
 def value_at(f: FloatArray, degree: int, h: float) -> float:
     """Return Σ f_k h^k."""
     value = f[degree]
@@ -284,13 +292,13 @@ def value_at(f: FloatArray, degree: int, h: float) -> float:
     return float(value)
 
 
-@inner
+@friction_inner
 def term_size(series: FloatArray, k: int, n: int) -> float:
     """Return |y_k| + |w_k| of site n."""
     return float(abs(series[W, k, n]) + abs(series[Y, k, n]))
 
 
-@inner
+@friction_inner
 def term_length(before: float, last: float, order: int, tolerance: float) -> float:
     """Return h at which terms with the last two coefficients equal the tolerance.
 
@@ -304,7 +312,7 @@ def term_length(before: float, last: float, order: int, tolerance: float) -> flo
     return h
 
 
-@inner
+@friction_inner
 def resolved(
     series: FloatArray, numbers: FloatArray, law: Law, n: int, s: float, h: float
 ) -> float:
@@ -347,7 +355,7 @@ def resolved(
     return h
 
 
-@inner
+@friction_inner
 def absolute_sum(P: FloatArray, n: int, h: float) -> float:
     """Return Σ_{k≥1} |P_k| h^k, a bound on the change of the polynomial up to h."""
     size = 0.0
@@ -356,7 +364,7 @@ def absolute_sum(P: FloatArray, n: int, h: float) -> float:
     return size
 
 
-@inner
+@friction_inner
 def _largest_bend(P: FloatArray, n: int, h: float) -> float:
     """Return Σ k (k - 1) |P_k| h^(k-2), a bound on the second derivative up to h."""
     size = 0.0
@@ -365,7 +373,7 @@ def _largest_bend(P: FloatArray, n: int, h: float) -> float:
     return size
 
 
-@inner
+@friction_inner
 def absolute_sums(P: FloatArray, site: FloatArray, lo: int, hi: int, h: float) -> None:
     """Put ``absolute_sum`` of the sites lo … hi - 1 at one time h into SUM, vectorised.
 
@@ -382,7 +390,7 @@ def absolute_sums(P: FloatArray, site: FloatArray, lo: int, hi: int, h: float) -
             size[n] += abs(p[n]) * power
 
 
-@inner
+@friction_inner
 def _seen(
     numbers: FloatArray, law: Law, order: int, nearest: float, start: float, allowed: float
 ) -> bool:
@@ -399,7 +407,7 @@ def _seen(
     return bool(order * math.log((start - nearest) / v0) - nearest / v0 <= allowed)
 
 
-@inner
+@friction_inner
 def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
     """Return the root between low, where f > 0, and high, where f <= 0, by safeguarded Newton."""
     x = 0.5 * (low + high)
@@ -424,7 +432,7 @@ def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
     return float(x)
 
 
-@inner
+@friction_inner
 def first_root(room: FloatArray, degree: int, h: float) -> float:
     """Return the first time in [0, h] at which f turns from positive to negative; inf if none.
 
@@ -493,7 +501,7 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
     return math.inf
 
 
-@inner
+@friction_inner
 def one_way(f: FloatArray, degree: int, h: float, slope: FloatArray) -> bool:
     """Whether f is proved to be monotonic on [0, h]; ``slope`` is work space."""
     sign = math.copysign(1.0, f[1])
@@ -502,7 +510,7 @@ def one_way(f: FloatArray, degree: int, h: float, slope: FloatArray) -> bool:
     return _stays_positive(slope, degree - 1, h)
 
 
-@inner
+@friction_inner
 def _stays_positive(f: FloatArray, degree: int, h: float) -> bool:
     """Whether f is proved to be positive on [0, h]: its first three terms outweigh all others."""
     size, power = 0.0, h * h
@@ -517,7 +525,7 @@ def _stays_positive(f: FloatArray, degree: int, h: float) -> bool:
     return bool(least > size + 1e-14 * (f[0] + abs(slope) + abs(bend)))
 
 
-@inner
+@friction_inner
 def _width_of(left: float) -> float:
     """Return the width of the dyadic interval beginning at ``left``, after its left neighbour."""
     width = 1.0

@@ -31,7 +31,7 @@ Step = Callable[[FloatArray, FloatArray, int, int, float, FloatArray, FloatArray
 The slopes remain in K, of shape (STAGES, 2m). ``out`` is also the work space of the stages and
 must not be the state.
 """
-STEP: Any = types.void(
+STEP_SIGNATURE: Any = types.void(
     types.float64[::1], types.float64[::1], types.intp, types.intp, types.float64,
     types.float64[:, ::1], types.float64[::1],
 )  # fmt: skip

@@ -22,7 +22,7 @@ from verification.execution.compiled import COUNTED, UNCOUNTED, inner, outer
 from verification.steppers.active import end_codes
 from verification.steppers.kernel import slope_mark, slope_of
 from verification.steppers.rows import finite, largest, put
-from verification.steppers.runge_kutta import STAGES, STEP, Step, dop853_step, step_error
+from verification.steppers.runge_kutta import STAGES, STEP_SIGNATURE, Step, dop853_step, step_error
 from verification.steppers.specialise import pointer, source_mark
 from verification.steppers.stop_code import StopCode
 
@@ -463,7 +463,7 @@ Loop = Callable[[LoopTask, LoopState, int], int]
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 _TIME = types.float64
 _STOP = types.int64(
-    types.FunctionType(STEP), _TIME, _TIME, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW
+    types.FunctionType(STEP_SIGNATURE), _TIME, _TIME, _ROW, _ROW, _ROW, _TABLE, _ROW, _ROW
 )  # fmt: skip
 
 
@@ -492,4 +492,4 @@ def compiled_step(chain: SmoothChain) -> Any:
     """Return the compiled step of a chain, reusing compiled code on disk."""
     place, forces = clock_place(chain), len(chain.forces)
     step = dop853_step(slope_of(chain), (place, forces))
-    return pointer(step, STEP, f"{slope_mark(chain)}-{place}-{forces}")
+    return pointer(step, STEP_SIGNATURE, f"{slope_mark(chain)}-{place}-{forces}")

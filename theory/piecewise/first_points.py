@@ -166,7 +166,7 @@ def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
 
 def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> FloatArray:
     """Return v below which Σ is too near Σ(0⁺) for a solution (exponentially flat in 1/v)."""
-    static = np.array([static_sum(value) for value in c.tolist()])
+    static = static_sum(c)
     gap = np.maximum(np.abs(np.abs(static + shift) - target), NEAREST_TO_PINNING)
     # theory.piecewise.limits.static_sum_distance, 2e/(1 - e), uses |1/2A| ≤ 1. The mean of |1/2A|
     # is at most the square root of that of |1/2A|² = Re 1/2A, which is Re(1 + Σ(0⁺)). At the v

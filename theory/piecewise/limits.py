@@ -5,11 +5,12 @@ from __future__ import annotations
 import cmath
 import math
 from functools import lru_cache
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from theory.arrays import ComplexArray
+from theory.arrays import ComplexArray, FloatArray
 from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import positive, within
 
@@ -17,8 +18,12 @@ ETA_PIN_END = 2.0 / 25.0
 """η at which r = ½; from here on static fronts exist at every coupling, and there is no c_pin."""
 
 
-def static_sum(c: float) -> complex:
-    """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v.
+@overload
+def static_sum(c: float) -> complex: ...
+@overload
+def static_sum(c: FloatArray) -> ComplexArray: ...
+def static_sum(c: Any) -> Any:
+    """Return Σ(0⁺, c) = -1 + 1/√(1 - 4ic), approached faster than any power of v; array or number.
 
     As v → 0, sinh a/(cosh a - cos k) → 1 in the periodised integral, which leaves the mean of
     1/(1 - 4ic sin²(k/2)). With q = √(1 - 4ic) the result is computed as 4ic/(q (1 + q)), without
@@ -29,7 +34,8 @@ def static_sum(c: float) -> complex:
     >>> abs(static_sum(1e-8)) < 1e-7
     True
     """
-    q = cmath.sqrt(1.0 - 4j * c)
+    square = 1.0 - 4j * c
+    q = np.sqrt(square) if isinstance(c, np.ndarray) else cmath.sqrt(square)
     return 4j * c / (q * (1.0 + q))
 
 

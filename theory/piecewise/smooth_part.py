@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from theory.arrays import ComplexArray, FloatArray
+from theory.piecewise.limits import static_sum
 from theory.piecewise.sums.segments import SEGMENT_TURN
 
 _NODES = 72
@@ -54,9 +55,7 @@ def smooth_part_of_sum(v: FloatArray, c: FloatArray) -> tuple[ComplexArray, Floa
         values[some] = _first_segment(v[some], c[some])
     height = _HIGHEST * np.maximum(np.sqrt(v), v) * np.exp(-0.5 / v) / c**1.5
     height += _INACCURACY * np.abs(values) + _ROUNDING
-    q = np.sqrt(1.0 - 4j * c)
-    values += 4j * c / (q * (1.0 + q))  # `limits.static_sum`
-    return values, height
+    return values + static_sum(c), height
 
 
 def _first_segment(v: FloatArray, c: FloatArray) -> ComplexArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from functools import lru_cache
 from time import perf_counter
@@ -282,26 +282,18 @@ class KineticRelation(Result):
         See `Result.columns`.
         """
         rows: tuple[KineticBranch | None, ...] = self.branches or (None,)
-
-        def listed(name: str, kind: type) -> np.ndarray:
-            return np.array([None if row is None else getattr(row, name) for row in rows], kind)
-
+        kinds = dict.fromkeys(("slope", "admissible", "stable"), object)
+        listed = {
+            each.name: np.array([getattr(row, each.name, None) for row in rows],
+                                kinds.get(each.name, float))
+            for each in fields(KineticBranch)
+        }  # fmt: skip
         limit = {"c_stable": np.full(len(rows), self.c_stable, float)} if self.limit_shown else {}
         return {
             "c": np.full(len(rows), self.c),
             "eta": np.full(len(rows), self.eta),
             "status": np.array([self.status.value] * len(rows)),
-            "v": listed("v", float),
-            "error": listed("error", float),
-            "slope": listed("slope", object),
-            "by_c": listed("by_c", float),
-            "by_eta": listed("by_eta", float),
-            "by_c_error": listed("by_c_error", float),
-            "by_eta_error": listed("by_eta_error", float),
-            "admissible": listed("admissible", object),
-            "fails_at": listed("fails_at", float),
-            "stable": listed("stable", object),
-            "multiplier": listed("multiplier", float),
+            **listed,
             **limit,
         }
 

@@ -21,7 +21,6 @@ from theory.parameters import (
     count_within,
     need_instance,
     truth,
-    whole_number,
     with_ranges,
 )
 from theory.result import Result
@@ -249,7 +248,7 @@ def derivation(of: int | str, *, order: int = 1) -> DerivedEquations:
             )
         found = catalogue.load(of, order)
     else:
-        number = whole_number("equation", of, *EQUATIONS)
+        number = count_within("equation", of, *EQUATIONS)
         found = catalogue.load(catalogue.owner(number), order).only(number)
     return DerivedEquations(of=of, order=order, title=found.title, derivation=found)
 

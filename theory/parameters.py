@@ -327,7 +327,7 @@ leave it out: nothing depends on it.
 
 
 def count_within(
-    quantity: str, value: SupportsFloat, low: float, high: float, remedy: str | None = None
+    quantity: str, value: object, low: float, high: float, remedy: str | None = None
 ) -> int:
     """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
 
@@ -335,6 +335,11 @@ def count_within(
     ------
     ParameterError
         If it is not a whole number in the range.
+
+    Examples
+    --------
+    >>> count_within("number of sites n", 31.0, 2, 100)
+    31
     """
     return int(
         _checked(
@@ -373,27 +378,6 @@ def real_number(quantity: str, value: object, low: float, high: float, remedy: s
     return _checked(quantity, value, allowed, remedy, lambda x: low <= x <= high)
 
 
-def whole_number(quantity: str, value: object, low: float, high: float, remedy: str = "") -> int:
-    """Return a parameter as an int if it is a whole number with ``low <= value <= high``.
-
-    Raises
-    ------
-    ParameterError
-        If it is not a number, not whole, or not in the range.
-
-    Examples
-    --------
-    >>> whole_number("number of sites n", 31.0, 2, 100)
-    31
-    """
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        allowed = f"a whole number {Range(low, high)}"
-        raise ParameterError(
-            quantity, _shown(value), allowed, remedy or "give a whole number in this range"
-        )
-    return count_within(quantity, value, low, high, remedy or None)
-
-
 def random_seed(value: object) -> int:
     """Return the seed of a random number generator as an int: a whole number below 2³².
 
@@ -407,7 +391,7 @@ def random_seed(value: object) -> int:
     >>> random_seed(7.0)
     7
     """
-    return whole_number("seed", value, 0, 2**32 - 1)
+    return count_within("seed", value, 0, 2**32 - 1)
 
 
 def truth(quantity: str, value: object) -> bool:
@@ -515,7 +499,7 @@ def end_time(quantity: str, value: float) -> float:
 
 def _checked(
     quantity: str,
-    value: SupportsFloat | str,
+    value: object,
     allowed: str,
     remedy: str,
     accept: Callable[[float], bool],

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from theory.arrays import FloatArray
 from theory.chains.ends import Ends
-from theory.parameters import ParameterError, Range, real_number, whole_number
+from theory.parameters import ParameterError, Range, count_within, real_number
 
 if TYPE_CHECKING:
     from theory.chains.coupling import Network
@@ -187,7 +187,7 @@ class Chain(ABC):
 
     def _check_count(self, name: str, quantity: str, low: float, high: float) -> None:
         """Check an integer parameter and store it as an int."""
-        object.__setattr__(self, name, whole_number(quantity, getattr(self, name), low, high))
+        object.__setattr__(self, name, count_within(quantity, getattr(self, name), low, high))
 
     def _check_ends(self) -> None:
         """Check the ends, given as a member of `Ends` or its value, and store the member."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from theory.arrays import FloatArray
 from theory.chains.site_text import MAX_LISTED, read_sites
-from theory.parameters import ParameterError, real_number, whole_number
+from theory.parameters import ParameterError, count_within, real_number
 
 MAX_FORCE, MAX_FREQUENCY = 1e6, 1e6
 
@@ -129,7 +129,7 @@ def _places(given: Any, sites: int) -> tuple[int, ...]:
             raise _refused_sites(given) from None
     if not isinstance(given, (Sequence, np.ndarray)) or len(given) == 0:
         raise _refused_sites(given)
-    return tuple(sorted({whole_number("site of the drive", n, 1, sites) for n in given}))
+    return tuple(sorted({count_within("site of the drive", n, 1, sites) for n in given}))
 
 
 def _refused_sites(given: object) -> ParameterError:

@@ -19,7 +19,7 @@ import numpy as np
 from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.chains.chain import MAX_SITES
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError, whole_number
+from theory.parameters import ParameterError, count_within
 from theory.status import Status
 
 STEPS = {"+": 0.5 * np.pi, "-": -0.5 * np.pi, "0": 0.0, "x": np.pi}
@@ -71,7 +71,7 @@ class Nucleus:
     )
 
     def __post_init__(self) -> None:
-        size = whole_number("nucleus", self.size, 1, MAX_SITES, "excite a site")
+        size = count_within("nucleus", self.size, 1, MAX_SITES, "excite a site")
         object.__setattr__(self, "size", size)
         if self.pattern == "":
             object.__setattr__(self, "pattern", "0" * (size - 1))

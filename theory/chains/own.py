@@ -37,7 +37,7 @@ from theory.chains.site_values import (
     pairs,
     relative_spread,
 )
-from theory.parameters import ParameterError, random_seed, truth, whole_number
+from theory.parameters import ParameterError, count_within, random_seed, truth
 
 _EPS = 0.01
 """Default of the small parameter."""
@@ -123,7 +123,7 @@ class OwnChain(SmoothChain):
         if shape is not None:
             if not isinstance(shape, (tuple, list)):
                 raise ParameterError("shape", shape, "rows and columns", "as in (60, 60)")
-            sides = tuple(whole_number("rows and columns", each, 1, MAX_SITES) for each in shape)
+            sides = tuple(count_within("rows and columns", each, 1, MAX_SITES) for each in shape)
             if len(sides) != 2:
                 raise ParameterError("sites", shape, "a number or rows x columns", "as in 60x60")
             count = sides[0] * sides[1]

@@ -16,9 +16,9 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import (
     ParameterError,
     Range,
+    count_within,
     need_instance,
     positive,
-    whole_number,
     with_ranges,
 )
 from theory.result import Result
@@ -137,7 +137,7 @@ def averaging_error(
     slow_time = positive("slow time", slow_time)
     if slow_time > 100.0:
         raise ParameterError("slow time", slow_time, "at most 100", "take a shorter time")
-    halvings = whole_number("halvings of eps", halvings, *HALVINGS)
+    halvings = count_within("halvings of eps", halvings, *HALVINGS)
     if start is None:
         start = excite(chain, [(chain.sites + 1) // 2])
     state = checked_state(chain, start)

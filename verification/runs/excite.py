@@ -21,8 +21,8 @@ from theory.chains.friction import FrictionChain
 from theory.parameters import (
     ParameterError,
     Range,
+    count_within,
     need_instance,
-    whole_number,
     with_ranges,
     within,
 )
@@ -99,13 +99,13 @@ def excite(
     if not len(sites):
         raise ParameterError("excited sites", "none", "at least one", "name a site from 1 to n")
     for site in sites:
-        whole_number("excited site", site, 1, count, "name a site of the chain")
+        count_within("excited site", site, 1, count, "name a site of the chain")
     if displacement is not None:
         displacement = within("displacement", displacement, *DISPLACEMENTS)
     turns = [0] * len(sites) if quarter_turns is None else quarter_turns
     if not np.ndim(turns) or len(turns) != len(sites):
         raise ParameterError("quarter turns", turns, "one for each excited site", "give as many")
-    turns = [whole_number("quarter turns", each, -(10**9), 10**9) for each in turns]
+    turns = [count_within("quarter turns", each, -(10**9), 10**9) for each in turns]
     start = np.empty((2, count))
     start[:] = np.array(chain.rest_state)[:, None]
     for site, turn in zip(sites, turns, strict=True):

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fronts.arguments import real, real_or_range
-from fronts.catalogue import EVERY, Command, CommandCall, Map, Measurement, RunCall
+from fronts.catalogue import EVERY, Command, CommandCall, MapCall, MeasurementCall, RunCall
 from fronts.options import Group, option
 from fronts.output import add_output_options
 from fronts.signatures import Described, described
@@ -29,7 +29,7 @@ _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
 
 @dataclass(frozen=True)
-class Bound:
+class BoundCall:
     """The call of a command for a given model, and the sources of its options."""
 
     call: CommandCall
@@ -48,19 +48,19 @@ class Bound:
     @property
     def chain(self) -> type[Chain] | None:
         """Class of the chain, or of the object that the function takes instead; None if neither."""
-        if isinstance(self.call, Measurement) and self.call.cell:
+        if isinstance(self.call, MeasurementCall) and self.call.cell:
             return located(self.call.cell)  # type: ignore[return-value]
         return models()[self.model] if self.model else None
 
     @property
     def fixed(self) -> Mapping[str, Any]:
         """Fields of the chain that are not options."""
-        return self.call.fixed if isinstance(self.call, Measurement) else {}
+        return self.call.fixed if isinstance(self.call, MeasurementCall) else {}
 
     @property
     def axes(self) -> Mapping[str, tuple[float, float, int]]:
         """Default axes of a map."""
-        return self.call.axes if isinstance(self.call, Map) else {}
+        return self.call.axes if isinstance(self.call, MapCall) else {}
 
     @property
     def fields(self) -> Group:
@@ -85,9 +85,9 @@ class Bound:
     @property
     def _of_ranges(self) -> str:
         """What a field of the chain gives if it is a range; empty if it may not be one."""
-        if isinstance(self.call, Map):
+        if isinstance(self.call, MapCall):
             return "an axis of the map"
-        return "a curve" if isinstance(self.call, Measurement) else ""
+        return "a curve" if isinstance(self.call, MeasurementCall) else ""
 
     @property
     def start(self) -> Group:
@@ -131,7 +131,7 @@ class Bound:
     def takes_eta(self) -> bool:
         """Whether η may be given in place of a and b of the chain; in a map, as one of its axes."""
         names = {each.name for each in self.fields.parameters}
-        of_a_map = isinstance(self.call, Map) and "eta" not in self.axes
+        of_a_map = isinstance(self.call, MapCall) and "eta" not in self.axes
         return {"a", "b"} <= names and "eta" not in names and not of_a_map
 
 
@@ -180,14 +180,14 @@ def _named(where: str) -> Any:
     return getattr(import_module(module), name)
 
 
-def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
+def configure(parser: argparse.ArgumentParser, bound: BoundCall) -> None:
     """Declare the options of a call, and those for output files.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
         Parser that receives the options.
-    bound : Bound
+    bound : BoundCall
         The command for a given model.
     """
     if bound.fields.parameters:
@@ -196,7 +196,7 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         group = parser.add_argument_group("the chain" if of_chain else "the cell")
         eta = bound.takes_eta
         said = {name: ":".join(f"{part:g}" for part in each) for name, each in bound.axes.items()}
-        if isinstance(bound.call, Measurement) and bound.call.sites:
+        if isinstance(bound.call, MeasurementCall) and bound.call.sites:
             said["sites"] = "7 on each side of the nucleus"
         from_file = bound.takes_file
         optional = (*(("a", "b") if eta else ()), *bound.axes, *(names if from_file else ()))
@@ -208,9 +208,9 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
         if eta:
             words = "b/a^2, instead of a and b: the same chain, up to a scale, as a = 1 and b = eta"
             kind: Callable[[str], Any] = real
-            if isinstance(bound.call, Map):
+            if isinstance(bound.call, MapCall):
                 kind, words = real_or_range, "b/a^2, or low:high:count (default 0.01:0.14:14)"
-            elif isinstance(bound.call, Measurement):
+            elif isinstance(bound.call, MeasurementCall):
                 kind, words = real_or_range, f"{words}; or low:high:count"
             group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
     if bound.start.parameters:
@@ -218,7 +218,7 @@ def configure(parser: argparse.ArgumentParser, bound: Bound) -> None:
     if bound.nucleus.parameters:
         bound.nucleus.declare(parser.add_argument_group("the nucleus"))
     bound.own.declare(parser.add_argument_group("the method"))
-    if isinstance(bound.call, Measurement):
+    if isinstance(bound.call, MeasurementCall):
         parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
                             default=argparse.SUPPRESS, metavar="N",
                             help="number of processes for a curve (default 1)")  # fmt: skip

@@ -51,7 +51,7 @@ class RunCall(CommandCall):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Map(CommandCall):
+class MapCall(CommandCall):
     """A map of the states of a chain over axes, which are the parameters given as ranges.
 
     Attributes
@@ -66,7 +66,7 @@ class Map(CommandCall):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measurement(CommandCall):
+class MeasurementCall(CommandCall):
     """A measurement on a chain; if one of the chain's fields is a range, the result is a curve.
 
     Attributes
@@ -137,7 +137,7 @@ _FRONT = "verification.fronts.measure:measure_front"
 _OF_RUNNING_FRONTS = (
     "accuracy", "tolerance", "excited", "max_sites", "stall_time", "left_boundary",
 )  # fmt: skip
-_OWN_FRONT = Measurement(function=_FRONT, hidden=("point", "method"))
+_OWN_FRONT = MeasurementCall(function=_FRONT, hidden=("point", "method"))
 
 _VDP_RUN = RunCall(
     presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start.start_point",)
@@ -145,8 +145,8 @@ _VDP_RUN = RunCall(
 
 _CELL = "verification.cells.cell:cell"
 _ALONE = {"c": 0.0, "sites": 2, "ends": "free"}
-_VDP_CELL = Measurement(function=_CELL, fixed=_ALONE, presets=_FIG_7)
-_OWN_CELL = Measurement(
+_VDP_CELL = MeasurementCall(function=_CELL, fixed=_ALONE, presets=_FIG_7)
+_OWN_CELL = MeasurementCall(
     function=_CELL,
     fixed={
         **_ALONE, "coupling": "chain", "velocity_coupling": 0.0, "disorder": {}, "seed": 0,
@@ -154,7 +154,7 @@ _OWN_CELL = Measurement(
     },
 )  # fmt: skip
 
-_VDP_MAP = Map(
+_VDP_MAP = MapCall(
     presets={"chain.sites": 16},
     axes={"eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)},
     hidden=("start_point", "nucleus.pattern", "chain.ends"),
@@ -162,7 +162,7 @@ _VDP_MAP = Map(
 
 _BREATHER = "verification.breathers.breather:breather"
 _OF_BREATHERS = {"reading": ("closed-form",), "seed": ("simulation",)}
-_VDP_BREATHER = Measurement(
+_VDP_BREATHER = MeasurementCall(
     function=_BREATHER,
     presets={**_FIG_7, "chain.c": 0.1},
     curve="fronts.branches:breather_branch",
@@ -172,7 +172,7 @@ _VDP_BREATHER = Measurement(
 
 _THRESHOLD = "verification.thresholds.threshold:threshold"
 _OF_BISECTION = ("final_time", "accuracy", "lowest", "highest", "tests", "displacement")
-_VDP_THRESHOLD = Measurement(
+_VDP_THRESHOLD = MeasurementCall(
     function=_THRESHOLD,
     fixed={"c": 0.0, "sites": 31},
     presets=_FIG_7,
@@ -236,27 +236,29 @@ COMMANDS: dict[str, Command] = {
       --directions 8
   fronts front averaged-chain --damping "1 - 4*y**2 + y**4/2" --c 0.6""",
         calls={
-            "piecewise": Measurement(function="verification.fronts.switchings:front_by_switchings"),
-            "vdp": Measurement(
+            "piecewise": MeasurementCall(
+                function="verification.fronts.switchings:front_by_switchings"
+            ),
+            "vdp": MeasurementCall(
                 function=_FRONT,
                 presets={"chain.sites": 32},
                 hidden=("point", "chain.ends", "method", "directions"),
             ),
-            "averaged": Measurement(
+            "averaged": MeasurementCall(
                 function=_FRONT,
                 presets={"chain.sites": 32},
                 curve="fronts.branches:front_branch",
                 hidden=("point", "chain.ends", "directions"),
                 only=dict.fromkeys(_OF_RUNNING_FRONTS, ("run",)),
             ),
-            "friction": Measurement(
+            "friction": MeasurementCall(
                 function=_FRONT,
                 presets={"chain.sites": 101},
                 hidden=("left_boundary", "chain.ends", "method", "directions"),
             ),
             "chain": _OWN_FRONT,
             "averaged-chain": _OWN_FRONT,
-            EVERY: Measurement(
+            EVERY: MeasurementCall(
                 function=_FRONT,
                 hidden=("point", "chain.ends", "method", "directions"),
             ),
@@ -295,7 +297,7 @@ COMMANDS: dict[str, Command] = {
 "basin" is the range of y from which the cell comes to rest if it is released with zero velocity;
 it is null if there is no such y, and [null, null] if it comes to rest from every y.""",
         calls={
-            "friction": Measurement(
+            "friction": MeasurementCall(
                 function=_CELL,
                 cell="theory.cells.friction:FrictionCell",
                 curve="verification.cells.diagram:bifurcation",
@@ -325,11 +327,11 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
         calls={
             "vdp": replace(_VDP_MAP, ranges={"eps": "verification.maps.vdp_rules:EPS_RANGE"}),
             "averaged": _VDP_MAP,
-            "friction": Map(
+            "friction": MapCall(
                 axes={"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
                 hidden=("displacement", "nucleus.pattern"),
             ),
-            EVERY: Map(hidden=("start_point", "nucleus.pattern")),
+            EVERY: MapCall(hidden=("start_point", "nucleus.pattern")),
         },
     ),
     "breather": Command(
@@ -346,7 +348,7 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
         default="vdp",
         calls={
             "vdp": _VDP_BREATHER,
-            "chain": Measurement(function=_BREATHER, hidden=("method", "reading", "seed")),
+            "chain": MeasurementCall(function=_BREATHER, hidden=("method", "reading", "seed")),
             "averaged": _VDP_BREATHER,
         },
     ),
@@ -368,17 +370,17 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
         calls={
             "vdp": _VDP_THRESHOLD,
             "averaged": _VDP_THRESHOLD,
-            "friction": Measurement(
+            "friction": MeasurementCall(
                 function=_THRESHOLD,
                 fixed={"c": 0.0},
                 hidden=("nucleus.pattern", "method", "perturbation", "seed"),
             ),
-            "chain": Measurement(
+            "chain": MeasurementCall(
                 function=_THRESHOLD,
                 fixed={"c": 0.0},
                 hidden=("perturbation", "seed", "start_point"),
             ),
-            EVERY: Measurement(
+            EVERY: MeasurementCall(
                 function=_THRESHOLD,
                 fixed={"c": 0.0},
                 hidden=("method", "perturbation", "seed", "start_point"),

@@ -132,11 +132,11 @@ def _chosen(
     if command.module:
         return _of_its_own(name, command, rest)
     from fronts import derived
-    from fronts.bound import Bound, configure, models_of
+    from fronts.bound import BoundCall, configure, models_of
 
     calls = command.calls if "" in command.calls else models_of(command)
     model, rest = _model(name, command, calls, rest)
-    bound = Bound(calls[model], model)
+    bound = BoundCall(calls[model], model)
     examples = _examples(command, model, f"{name} {model} {bound.required()}".rstrip())
     parser = new_parser(f"fronts {name} {model}".rstrip(), command.line, examples)
     configure(parser, bound)
@@ -278,7 +278,7 @@ def _completion(words: Sequence[str]) -> str:
 
 def whole_parser() -> argparse.ArgumentParser:
     """Return one parser with all commands, models and options, for shell completion."""
-    from fronts.bound import Bound, configure, models_of
+    from fronts.bound import BoundCall, configure, models_of
     from fronts.options import options_of
 
     whole = argparse.ArgumentParser(prog="fronts", description="Excitation fronts.")
@@ -289,11 +289,11 @@ def whole_parser() -> argparse.ArgumentParser:
             options_of(_own(command)[1]).declare(parser)
             continue
         if "" in command.calls:
-            configure(parser, Bound(command.calls[""], ""))
+            configure(parser, BoundCall(command.calls[""], ""))
             continue
         models = parser.add_subparsers()
         for model, call in models_of(command).items():
-            configure(models.add_parser(model), Bound(call, model))
+            configure(models.add_parser(model), BoundCall(call, model))
     return whole
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import Answer, UsageError
 from fronts.arguments import is_range, values_of
-from fronts.bound import Bound, located
-from fronts.catalogue import Map, Measurement, RunCall
+from fronts.bound import BoundCall, located
+from fronts.catalogue import MapCall, MeasurementCall, RunCall
 from fronts.options import option
 from fronts.output import beside_files, check_output, command_line, write_output
 from fronts.signatures import described
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from theory.result import Result
 
 
-def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answer:
+def run(options: argparse.Namespace, bound: BoundCall, words: Sequence[str]) -> Answer:
     """Call the function behind a command, and write the requested files.
 
     Parameters
     ----------
     options : argparse.Namespace
         The options that were given; others are absent.
-    bound : Bound
+    bound : BoundCall
         The command for the given model.
     words : sequence of str
         The command line, which is recorded in the files.
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace, bound: Bound, words: Sequence[str]) -> Answ
 
 
 def _computed(
-    options: argparse.Namespace, bound: Bound, progress: Callable[[float], None]
+    options: argparse.Namespace, bound: BoundCall, progress: Callable[[float], None]
 ) -> tuple[Result, dict[str, Any]]:
     """Return the result and the parameters of the computation, including defaults."""
     function, arguments = bound.function, bound.own.given(options)
@@ -83,11 +83,11 @@ def _computed(
             chain = new_chain(**_with_eta(bound, _fields(bound, options), options))
             started = located(start)(chain, **bound.start.given(options))
             further["start"], parameters["start"] = started.state, started.parameters
-        case Map():
+        case MapCall():
             chain, chosen = _grid(options, bound, new_chain, _fields(bound, options))
             arguments |= chosen
             parameters |= arguments
-        case Measurement(only=only, sites=sites, curve=traced):
+        case MeasurementCall(only=only, sites=sites, curve=traced):
             _refuse_other_methods(only, parameters, options)
             fields = _with_eta(bound, _fields(bound, options), options)
             if sites and "sites" not in fields:
@@ -129,7 +129,7 @@ def _check_picture(options: argparse.Namespace, function: Callable[..., Any]) ->
         check_pictured(options.out, function)
 
 
-def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:
+def _fields(bound: BoundCall, options: argparse.Namespace) -> dict[str, Any]:
     """Return the fields, including those of a model file; refuse if a required one is missing."""
     fields = {**bound.fixed, **bound.fields.given(options)}
     if not bound.takes_file:
@@ -147,7 +147,7 @@ def _fields(bound: Bound, options: argparse.Namespace) -> dict[str, Any]:
 
 def _grid(
     options: argparse.Namespace,
-    bound: Bound,
+    bound: BoundCall,
     new_chain: type[Chain],
     fields: dict[str, Any],
 ) -> tuple[Chain, dict[str, Any]]:
@@ -175,7 +175,7 @@ def _grid(
     return chain, {**chosen, "axes": axes, "out": resumable[0] if resumable else None}
 
 
-def _axes(bound: Bound, given: Mapping[str, Any]) -> dict[str, list[float]]:
+def _axes(bound: BoundCall, given: Mapping[str, Any]) -> dict[str, list[float]]:
     """Return the axes of a map with their values: the default axes in their order, then others.
 
     A map is a plane unless more ranges are given. A default axis takes the range or number that is
@@ -200,7 +200,7 @@ def _axes(bound: Bound, given: Mapping[str, Any]) -> dict[str, list[float]]:
 
 
 def _along(
-    bound: Bound, fields: Mapping[str, Any], along: str, values: Sequence[float]
+    bound: BoundCall, fields: Mapping[str, Any], along: str, values: Sequence[float]
 ) -> list[Chain]:
     """Return the chains along one parameter."""
     name = _varied(bound, along)
@@ -208,7 +208,7 @@ def _along(
     return [bound.chain(**fixed, **{name: value}) for value in values]  # type: ignore[misc]
 
 
-def _varied(bound: Bound, along: str) -> str:
+def _varied(bound: BoundCall, along: str) -> str:
     """Return the field in which the chains along a parameter differ, which is b for η."""
     return "b" if along == "eta" and bound.takes_eta else along
 
@@ -238,7 +238,9 @@ def _parameters_of(chain: Any) -> dict[str, Any]:
     return dict(own()) if own is not None else dataclasses.asdict(chain)
 
 
-def _with_eta(bound: Bound, fields: dict[str, Any], options: argparse.Namespace) -> dict[str, Any]:
+def _with_eta(
+    bound: BoundCall, fields: dict[str, Any], options: argparse.Namespace
+) -> dict[str, Any]:
     """Return the fields, with a and b computed from η if η was given in their place.
 
     A range of η remains a field of this name, with a = 1.

@@ -24,10 +24,8 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, RunError
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import FileError
-from verification.execution.metadata import Code, installed_versions
-
-
 from verification.execution.interruption import Terminated, terminated_as_interrupted
+from verification.execution.metadata import Code, installed_versions
 from verification.runs import checkpoint
 from verification.runs.checkpoint import load_checkpoint, run_to_end, save_checkpoint
 from verification.runs.excite import excite

@@ -15,7 +15,7 @@ import pytest
 from fronts import bound, cli, curves, derived
 from fronts.answer import UsageError
 from fronts.arguments import is_range
-from fronts.bound import Bound, located
+from fronts.bound import BoundCall, located
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.initial_state import prepared
@@ -75,7 +75,7 @@ def called(monkeypatch):
 
 def bound_to(line):
     name, model = line.split()
-    return Bound(COMMANDS[name].calls[model], model)
+    return BoundCall(COMMANDS[name].calls[model], model)
 
 
 @pytest.mark.parametrize(

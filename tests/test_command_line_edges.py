@@ -22,6 +22,11 @@ from fronts.__main__ import main as start
 from fronts.arguments import site_list, with_values_joined
 from fronts.bound import Bound, models_of
 from fronts.catalogue import _VDP_MAP, COMMANDS
+
+
+from fronts.arguments import with_values_joined
+from fronts.bound import BoundCall, models_of
+from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.options import options_of
 from fronts.signatures import described, documented
@@ -133,7 +138,7 @@ def test_rows_and_columns_of_a_lattice_are_one_option():
 def test_what_is_hidden_of_a_function_is_not_hidden_of_the_chain():
     """The seed of noise has no meaning for a threshold by bisection; that of the disorder has."""
     for command, own in (("threshold", "start_point"), ("breather", "reading")):
-        bound = Bound(COMMANDS[command].calls["chain"], "chain")
+        bound = BoundCall(COMMANDS[command].calls["chain"], "chain")
         assert {"disorder", "seed"} <= {each.name for each in bound.fields.parameters}
         assert {"seed", own}.isdisjoint(each.name for each in bound.own.parameters)
 
@@ -142,7 +147,7 @@ def test_every_hidden_option_is_one_of_its_command():
     for command in COMMANDS.values():
         calls = models_of(command) if command.calls and "" not in command.calls else command.calls
         for model, call in calls.items():
-            bound = Bound(replace(call, hidden=()), model)
+            bound = BoundCall(replace(call, hidden=()), model)
             groups = (bound.fields, bound.start, bound.nucleus, bound.own)
             known = {group.prefix + each.name for group in groups for each in group.every}
             assert {name for name in call.hidden if name not in known} <= {"chain.ends"}, model

@@ -29,7 +29,7 @@ import pytest
 import fronts as fr
 from fronts import cli
 from fronts.answer import Answer, UsageError
-from fronts.bound import Bound
+from fronts.bound import BoundCall
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.curves import Curve, Refusal
@@ -237,7 +237,7 @@ def test_help_may_have_a_sign_of_percent() -> None:
 
 def test_what_must_be_given_and_what_is_absent_are_no_defaults() -> None:
     found = [
-        Bound(call, model).own.defaults()
+        BoundCall(call, model).own.defaults()
         for command in COMMANDS.values()
         for model, call in command.calls.items()
         if model in ("", "vdp", "averaged", "friction", "piecewise")
@@ -672,12 +672,12 @@ def test_a_map_of_as_many_points_as_are_allowed_is_made(monkeypatch: pytest.Monk
 def test_a_picture_that_there_is_not_is_refused_before_any_work(
     line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    from fronts.bound import Bound
+    from fronts.bound import BoundCall
     from fronts.catalogue import COMMANDS
 
     name, *rest = line.split()
     calls = COMMANDS[name].calls
-    function = Bound(calls[rest[0] if rest[0] in calls else ""], "").function
+    function = BoundCall(calls[rest[0] if rest[0] in calls else ""], "").function
 
     @functools.wraps(function)
     def worked(*_: Any, **__: Any) -> Any:

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import fronts as fr
-from fronts.bound import Bound, located, models_of
+from fronts.bound import BoundCall, located, models_of
 from fronts.catalogue import COMMANDS
 from fronts.cli import main, whole_parser
 from fronts.signatures import described, documented
@@ -408,7 +408,7 @@ def _parsers():
             continue
         calls = command.calls if "" in command.calls else models_of(command)
         for model, call in calls.items():
-            yield pytest.param(Bound(call, model), id=f"{name} {model}".strip())
+            yield pytest.param(BoundCall(call, model), id=f"{name} {model}".strip())
 
 
 @pytest.mark.parametrize("bound", list(_parsers()))

@@ -14,6 +14,9 @@ import pytest
 
 from fronts.catalogue import COMMANDS, Measurement
 from tests.settling import prepared, settle
+
+
+from fronts.catalogue import COMMANDS, MeasurementCall
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -493,7 +496,7 @@ def test_an_option_is_read_or_refused(
 @pytest.mark.parametrize("option", GIVEN)
 def test_a_wave_depends_on_no_option_of_runs_in_the_library_as_in_the_shell(option: str) -> None:
     shell = COMMANDS["front"].calls["averaged"]
-    assert isinstance(shell, Measurement)
+    assert isinstance(shell, MeasurementCall)
     assert (option in shell.only) is (option not in shell.hidden)
     with pytest.raises(ParameterError, match=f"{option} = .* absent with the method wave"):
         measure.measure_front(AVERAGED, method="wave", **{option: GIVEN[option]})

@@ -15,8 +15,6 @@ import pytest
 
 from fronts.cli import main
 from tests.reference_runs import states_by_scipy
-
-
 from theory.cells.oscillator import OscillatorCell
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain

@@ -19,9 +19,6 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from tests.tables import table_of
-from theory.averaged.breather import BreatherStatus
-
-
 from theory.averaged.breather import BreatherStatus, Reading
 from theory.chains.chain import SmoothChain
 from theory.chains.nucleus import Nucleus

@@ -114,7 +114,8 @@ class CellChecks:
                 if len(listed) + double != len(exact):
                     return Evidence(False, f"{len(listed)} cycles, but sampling finds {len(exact)}")
                 if not double:
-                    worst = max(worst, *(abs(p - q) for p, q in zip(listed, exact, strict=True)))
+                    pairs = zip(listed, exact, strict=True)
+                    worst = max(worst, *(abs(one - other) for one, other in pairs))
             return Evidence(worst < 1e-6, f"the zeros of the sampled rate: off by {worst:.1e}")
 
         return check

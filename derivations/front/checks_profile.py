@@ -61,8 +61,6 @@ class ProfileChecks(SampledChecks):
             point = as_point(sample.chain, field, rate)
             yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j)}, [rate - linear]
 
-    driven = two_lines
-
     @at_points("the two branches, taken one at a time, close to the threshold", tolerance=1e-7)
     def force(self) -> Points:
         """Compare with the force on a site: the response without springs."""

@@ -142,7 +142,7 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
     draft.definition("slow velocity", equation(speed, epsilon * v), "the velocity a unit of εt",
                      check=checks.slow_velocity)
     draft.derived("driven chain", InsertRightSide(), "two lines", "force",
-                  check=checks.driven)
+                  check=checks.two_lines)
     draft.derived("chain with the step at the front", Substitute(), "driven chain", "one passage",
                   check=checks.located)
     draft.derived("profile", EnterMovingFrame(n, t), "chain with the step at the front",

@@ -20,13 +20,8 @@ from derivations.catalogue import LISTING
 from fronts import files
 from fronts.__main__ import main as start
 from fronts.arguments import site_list, with_values_joined
-from fronts.bound import Bound, models_of
-from fronts.catalogue import _VDP_MAP, COMMANDS
-
-
-from fronts.arguments import with_values_joined
 from fronts.bound import BoundCall, models_of
-from fronts.catalogue import COMMANDS
+from fronts.catalogue import _VDP_MAP, COMMANDS
 from fronts.cli import main
 from fronts.options import options_of
 from fronts.signatures import described, documented

@@ -12,11 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fronts.catalogue import COMMANDS, Measurement
-from tests.settling import prepared, settle
-
-
 from fronts.catalogue import COMMANDS, MeasurementCall
+from tests.settling import prepared, settle
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain

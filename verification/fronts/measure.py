@@ -55,7 +55,7 @@ from verification.runs.excite import StartPoint
     usual_network_accuracy=network.ACCURACY.default,
     usual_friction_accuracy=friction.ACCURACY.default,
     usual_piecewise_accuracy=simulation.ACCURACY,
-    usual_smooth_tolerance=smooth.TOLERANCE.default,
+    usual_smooth_tolerance=TOLERANCE.default,
     usual_friction_tolerance=friction.TOLERANCE.default,
     usual_smooth_excited=smooth.EXCITED.default,
     usual_friction_excited=friction.EXCITED.default,

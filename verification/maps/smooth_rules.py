@@ -64,10 +64,6 @@ class _Window(NamedTuple):
     low: FloatArray
 
 
-TOLERANCES = Range(1e-13, 1e-3)
-"""Range of the local error."""
-
-
 @with_ranges(tolerance=TOLERANCES)
 def find_smooth_state(
     chain: SmoothChain, start: npt.ArrayLike, *, end: float = 2000.0, tolerance: float = 1e-8

@@ -39,12 +39,8 @@ REACH = 0.2
 """Fraction of the threshold, on either side of it, over which monotonicity is tested."""
 SEVERAL = 3
 """Number of new sites on each side of the nucleus for ``Definition.SEVERAL``."""
-TOLERANCES = Range(1e-12, 1e-4)
-"""Tolerances of the runs."""
 _BUDGET = 20_000
 """Sites times steps between two checks of the sites reached."""
-
-
 FINAL_TIMES, TOLERANCES, ACCURACIES = Range(1.0, 1e6), Range(1e-12, 1e-4), Range(1e-12, 0.1)
 
 

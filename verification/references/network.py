@@ -40,9 +40,10 @@ def oscillator_rate(
     >>> rate(0.0, np.array([2.0, 1.0])).tolist()
     [1.0, -2.4]
     """
+    sites = matrix.shape[0]
 
     def rate(t: float, state: FloatArray) -> FloatArray:
-        y, v = np.split(state, 2)
+        y, v = state[:sites], state[sites:]
         restoring = g(y) + eps * (h(y, v) * v + c * (matrix @ (y + d * v)))
         return np.concatenate([v, force(t) - restoring])
 

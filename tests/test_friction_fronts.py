@@ -20,6 +20,21 @@ from verification.fronts.arrival_fit import leading, line, velocity_of_arrivals
 from verification.fronts.measure import measure_front
 from verification.fronts.preparation import Trial
 from verification.fronts.status import FrontStatus
+
+
+from theory.parameters import ParameterError, RunError
+from verification.fronts import measure
+from verification.fronts.arrival_fit import (
+    FrontStatus,
+    Trial,
+    leading,
+    line,
+    settle,
+    velocity_of_arrivals,
+)
+from verification.fronts.measure import measure_front
+from verification.fronts.request import Request
+from verification.fronts.result import Front
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.thresholds.spreading import (
@@ -272,7 +287,7 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
     assert abs(one[0] - one[1]) > 10 * 1e-4
-    assert at(point="minimum") == pytest.approx(first, abs=3e-4)
+    assert at(point=StartPoint.MINIMUM) == pytest.approx(first, abs=3e-4)
 
 
 def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> None:
@@ -337,3 +352,18 @@ def test_phase_steps_of_a_friction_chain_are_refused_and_not_passed_over() -> No
         threshold(VdpChain(a=4, b=0.5, c=0.0), method="bisection", start_point=StartPoint.MINIMUM)
     with pytest.raises(ParameterError, match="start point"):
         threshold(FrictionChain(c=0.0), start_point=StartPoint.MINIMUM, displacement=1.0)
+
+
+def test_the_start_point_of_a_front_may_be_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+
+    def stop(_: object, request: Request) -> Front:
+        asked.append(request.point)
+        raise RunError("enough")
+
+    monkeypatch.setattr(measure, "_measured", stop)
+    for point in ("minimum", StartPoint.MINIMUM, 2.0):
+        with pytest.raises(RunError, match="enough"):
+            measure.measure_front(FrictionChain(c=0.02), point=point)
+    assert asked == [StartPoint.MINIMUM, StartPoint.MINIMUM, 2.0]
+    assert asked[0] is StartPoint.MINIMUM

@@ -321,6 +321,28 @@ def test_bad_input_is_named(changes: dict[str, object], named: str) -> None:
         _bad(**changes)
 
 
+@pytest.mark.parametrize("displacement", [1e22, 1e60, 1e300])
+def test_a_start_too_far_for_the_implicit_method_is_refused(displacement: float) -> None:
+    """scipy's Radau never ends from 1e22, and ends in a raw error from 1e60."""
+    start = np.zeros((2, 5))
+    start[0, 2] = displacement
+    with pytest.raises(RunError, match=r"a displacement of 1e\+\d+ at t = 0 .* a smaller"):
+        simulate(VdpChain(a=4, b=0.5, c=0.6, sites=5), start, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"samples": 2.5}, "number of samples = 2.5 .* whole"),
+        ({"end": 2.0}, "option = end .* beside t_end"),
+    ],
+)
+def test_options_of_a_run_are_not_rounded_or_replaced(options: Any, words: str) -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=5)
+    with pytest.raises(ParameterError, match=words):
+        simulate(chain, np.zeros((2, 5)), 3.0, **options)
+
+
 @pytest.mark.parametrize("c", [1e-3, 5.0])
 def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> None:
     """The same as with all sites stepped, and the cost does not follow the length."""

@@ -137,6 +137,8 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         options["level"] = positive("level", level)
     if tolerance is not None:
         options["tolerance"] = within("tolerance", tolerance, *TOLERANCES)
+    if "end" in options:
+        raise ParameterError("option", "end", "absent beside t_end", "give t_end only")
     options["end"] = t_end
     compared = truth("estimate_error", estimate_error)
     sampled, places = _with_comparisons(asked, chain) if compared else (asked, None)
@@ -162,7 +164,7 @@ def _sample_times(
     sites = getattr(chain, "sites", 1)
     if times is None:
         _check_samples(samples, sites)
-        return np.linspace(0.0, t_end, int(samples))
+        return np.linspace(0.0, t_end, samples)
     found = np.atleast_1d(real_array("times of the samples", times))
     _check_samples(len(found), sites)
     if not (
@@ -188,8 +190,8 @@ def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntA
     return every[order], np.flatnonzero(order < len(asked))
 
 
-def _check_samples(samples: float, sites: int) -> None:
-    within("number of samples", samples, *SAMPLES)
+def _check_samples(samples: int, sites: int) -> None:
+    count_within("number of samples", samples, *SAMPLES)
     most = MAX_NUMBERS // sites
     if samples > most:
         raise ParameterError(

@@ -32,6 +32,9 @@ _MAX_DENSE = 100
 _PAD = 4
 """Number of margins of sites at rest that are solved for initially, on either side."""
 
+MAX_RATE = 1e60
+"""Largest damping rate at which the stage begins. scipy's Radau never ends at some 1e80."""
+
 TIGHTEST = 1e-12
 """Smallest tolerance passed to the implicit method."""
 
@@ -72,6 +75,12 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
     return jacobian if n > _MAX_DENSE else jacobian.toarray()
 
 
+def largest_damping(chain: VdpChain, y: FloatArray) -> float:
+    """Return max |1 - a y² + b y⁴| over the sites."""
+    square = y**2
+    return float(np.max(np.abs(1.0 - chain.a * square + chain.b * square**2)))
+
+
 @dataclass
 class _Gentle:
     """scipy event that ends the stage: the largest damping rate falls through GENTLE."""
@@ -89,9 +98,7 @@ class _Gentle:
                 f"the run at t = {time:.6g}, |y| = {size:.3g} is so stiff that it needs more than "
                 f"{MAX_STEPS} implicit steps: take a larger tolerance, or a smaller displacement."
             )
-        square = state[: self.chain.sites] ** 2
-        largest = np.max(np.abs(1.0 - self.chain.a * square + self.chain.b * square**2))
-        return float(self.chain.eps * largest - GENTLE)
+        return self.chain.eps * largest_damping(self.chain, state[: self.chain.sites]) - GENTLE
 
 
 @dataclass(frozen=True)
@@ -175,7 +182,7 @@ def solve_stiff_piece(
     Raises
     ------
     RunError
-        If the run needs more than ``MAX_STEPS`` steps.
+        If the run needs more than ``MAX_STEPS`` steps, or its damping rate is too large.
     ArithmeticError
         If scipy's Radau fails.
     """
@@ -205,6 +212,13 @@ def _radau(
     from scipy.integrate import solve_ivp
 
     tolerance = max(TIGHTEST, tolerance)
+    with np.errstate(over="ignore", invalid="ignore"):
+        fastest = chain.eps * largest_damping(chain, state[0])
+    if not fastest <= MAX_RATE:
+        raise RunError(
+            f"a displacement of {np.abs(state[0]).max():.3g} at t = {begin:.6g} makes the damping "
+            f"rate larger than {MAX_RATE:g}: start from a smaller displacement."
+        )
     solved = solve_ivp(
         lambda _, x: full_right_side(chain, x),
         (begin, end),

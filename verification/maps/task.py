@@ -190,7 +190,11 @@ def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
     >>> state_points(task, {"eta": [0.1], "c": [0.2, 0.3]})[1]
     Point(eta=0.1, c=0.3)
     """
-    points = Grid({name: real_array(name, each).ravel().tolist() for name, each in axes.items()})
+    values = {name: real_array(name, each).ravel().tolist() for name, each in axes.items()}
+    for name, each in values.items():
+        if not each:
+            raise ParameterError(name, "[]", "one number or more", "give at least one")
+    points = Grid(values)
     for point in points:
         task.at(point)
     return points

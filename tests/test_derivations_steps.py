@@ -10,7 +10,8 @@ import sympy as sp
 from derivations.algebra.errors import DerivationInputError
 from derivations.algebra.evidence import equals, value
 from derivations.averaging.readings import averaged_breather
-from derivations.cell.polynomial_text import DEEPEST, read_polynomial
+from derivations.cell import polynomial_text
+from derivations.cell.polynomial_text import LONGEST, read_polynomial
 from derivations.front.numbers import Lattice, kinetic_sum, profile, roots
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
@@ -21,17 +22,24 @@ x = sp.Symbol("x")
 
 
 @pytest.mark.parametrize("mark", ["(", "-"])
-def test_nesting_is_counted_by_depth_and_not_by_number(mark: str) -> None:
-    def nested(deep: int) -> str:
-        return mark * deep + "y" + ")" * (deep if mark == "(" else 0)
+def test_a_text_may_be_nested_as_deep_as_its_length_allows(mark: str) -> None:
+    deep = LONGEST - 2 if mark == "-" else LONGEST // 2 - 1
+    text = mark * deep + "y" + ")" * (deep if mark == "(" else 0)
+    assert read_polynomial(text, "damping") == {(("y", 1),): 1}
+    with pytest.raises(DerivationInputError, match="characters"):
+        read_polynomial(f"({2 * mark}{text})", "damping")
 
-    assert read_polynomial(nested(DEEPEST), "damping")
-    with pytest.raises(DerivationInputError, match=f"more than {DEEPEST} deep"):
-        read_polynomial(nested(DEEPEST + 1), "damping")
-    # one after the other they are not nested
-    one = "(y)" if mark == "(" else "-y"
-    many = "*".join([one] * (DEEPEST + 5))
-    assert len(read_polynomial(many, "damping")) == 1
+
+@pytest.mark.parametrize("kind", [RecursionError, MemoryError])
+def test_a_text_for_which_the_stack_is_too_small_is_refused(
+    kind: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def parse(*_: object, **__: object) -> None:
+        raise kind
+
+    monkeypatch.setattr(polynomial_text.ast, "parse", parse)
+    with pytest.raises(DerivationInputError, match="nested too deep"):
+        read_polynomial("y", "damping")
 
 
 @pytest.mark.parametrize(("tolerance", "holds"), [(0.34, True), (0.33, False)])

@@ -53,6 +53,7 @@ def papers(**changes: Any) -> OscillatorChain:
         "-3",
         "1 - 1e-5*y**2 + 2.5E+2*y**4/1e3",
         "2*(y + w)**3 - w*(1 - y/7)",
+        "-y**(2) + 3*--y",
     ],
 )
 def test_both_readers_of_polynomials_find_the_same_terms(text: str) -> None:

@@ -50,7 +50,7 @@ evaluated as code.
 
 - Multiple scales and averaging use different amplitudes at second order. Compare them only after
   the step "averaging in the amplitude of multiple scales".
-- The expansion to second order is in eps, but its error is governed by eps max|1 - a y^2 + b y^4|
+- The expansion to second order is in ε, but its error is governed by ε max|1 - a y^2 + b y^4|
   on the cycle.
 - The kinetic relation of a cell with nonlinear stiffness neglects the change of frequency with
   amplitude, which its output states. Linear stiffness, which amounts to another unit of time, is

@@ -17,6 +17,8 @@ square = sp.Symbol("s", positive=True)
 """Square of the amplitude of φ at a site."""
 radius = sp.Function("r", positive=True)(t)
 """Amplitude of an isolated cell."""
+angle = sp.Function("psi", real=True)(t)
+"""Its phase in the rotating frame."""
 ratio = sp.Symbol("ratio", positive=True)
 """|φ_us| / |φ_s|."""
 squares = sp.symbols("s_0:8", positive=True)

@@ -11,8 +11,7 @@ from derivations.algebra.equations import parts_of
 from derivations.algebra.evidence import Point, equals, solved_for, value
 from derivations.algebra.steps import Check, Evidence
 from derivations.averaging.cycles import LimitCycle
-from derivations.averaging.symbols import phi, radius, ratio
-from derivations.cell.symbols import angle
+from derivations.averaging.symbols import angle, phi, radius, ratio
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
 from derivations.front.numbers import Lattice, evaluated, kinetic_sum

@@ -23,9 +23,8 @@ from derivations.averaging.cycles import (
     shown,
 )
 from derivations.averaging.second_order import steps as second_order
-from derivations.averaging.symbols import phi, radius, ratio, square
+from derivations.averaging.symbols import angle, phi, radius, ratio, square
 from derivations.cell.checks import CellChecks
-from derivations.cell.symbols import angle
 from derivations.chain import ChainModel
 from derivations.front.steps import derive as derive_front
 from derivations.front.symbols import ratio as front_ratio

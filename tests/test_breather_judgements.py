@@ -22,7 +22,7 @@ from verification.breathers.envelope import RotatingWaves, solve_envelope_breath
 from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
-from verification.continuation.branch import Fold
+from verification.continuation.branch import Fold, StepControl
 from verification.continuation.newton import BranchPoint, NotConvergedError
 from verification.steppers.variational import Flow
 
@@ -513,7 +513,8 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
         asked["trace"] = given
         return SimpleNamespace(folds=(), fold=None, points=())
 
-    family = SimpleNamespace(system=lambda: "system", start=start)
+    along = StepControl(length=0.7)
+    family = SimpleNamespace(system=lambda: "system", start=start, steps_along=along)
     monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
     monkeypatch.setattr(follow, "solutions_at", lambda *_: [])
@@ -522,7 +523,8 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     assert end == max(couplings)
     assert min(couplings) * (1.0 - 1e-11) < lowest < min(couplings)
     system, begun, until, monitor, steps = asked["trace"]
-    assert (system, begun, monitor, steps.folds) == ("system", "start", None, turns)
+    assert (system, begun, monitor) == ("system", "start", None)
+    assert steps == replace(along, folds=turns)
     assert furthest <= until < furthest * (1.0 + 1e-11)
     assert until > max(couplings)
     assert [point.chain.c for point in found.points] == couplings

@@ -29,7 +29,6 @@ from verification.breathers.floquet import approximate_multipliers, floquet_mult
 from verification.breathers.follow import _described, follow
 from verification.breathers.orbits import Orbits, solve_orbit
 from verification.continuation.branch import Fold, trace
-from verification.continuation.newton import BranchPoint
 from verification.references.equations import (
     averaged_damping,
     damping,
@@ -355,12 +354,12 @@ def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be()
     def amplitude(u: np.ndarray) -> float:
         return float(unit * math.hypot(u[0], u[1]))
 
-    def measured(point: BranchPoint, _: float) -> Any:
-        return SimpleNamespace(outward=np.array([amplitude(point.u)]))
-
-    family: Any = SimpleNamespace(measured=measured, step_error=lambda _: 0.0, unit=unit)
+    family: Any = SimpleNamespace(
+        nucleus=Nucleus(1), chain=VdpChain(a=2.5, b=0.5, c=0.1, sites=2), unit=unit,
+        amplitudes=lambda u, _: np.full(2, amplitude(u)), step_error=lambda _: 0.0,
+    )  # fmt: skip
     fold = Fold(0.2, 1e-12, np.array([0.5, 0.5]), away=np.zeros(2), aside=aside)
-    found = _described(family, fold, np.zeros(3), 1)
+    found = _described(family, fold, 1)
     assert abs(amplitude(fold.u + aside) - found.height) <= found.height_error < 0.05
 
 

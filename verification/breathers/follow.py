@@ -14,7 +14,6 @@ from theory.parameters import ascending
 from verification.breathers.breather import with_pattern
 from verification.breathers.families import own_family, own_method
 from verification.breathers.family import BreatherFamily
-from verification.breathers.orbits import FIRST_STEPS
 from verification.breathers.result import Breather
 from verification.continuation.branch import Fold, solutions_at, trace
 
@@ -94,7 +93,7 @@ def follow(
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
-    branch = trace(system, start, furthest, None, replace(FIRST_STEPS, folds=folds))
+    branch = trace(system, start, furthest, None, replace(family.steps_along, folds=folds))
     points, folds_passed = [], []
     for point, passed in solutions_at(system, branch, required):
         points.append(family.measured(point, started))

@@ -76,22 +76,15 @@ def longest_step(tolerance: float) -> float:
     return float((tolerance / 1e-12) ** (1.0 / 8.0))
 
 
-class _Maximum:
-    """An event for scipy: ẏ decreases through 0, except at the start."""
+@dataclass(frozen=True)
+class _Extremum:
+    """An event for scipy: ẏ decreases (-1) or increases (1) through 0, except at the start."""
 
-    direction, terminal = -1.0, True
-
-    def __call__(self, t: float, z: FloatArray) -> float:
-        return float(z[1]) if t > 0.0 else -1.0
-
-
-class _Minimum:
-    """An event for scipy: ẏ increases through 0."""
-
-    direction, terminal = 1.0, False
+    direction: float
+    terminal: bool
 
     def __call__(self, t: float, z: FloatArray) -> float:
-        return float(z[1]) if t > 0.0 else 1.0
+        return float(z[1]) if t > 0.0 else self.direction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +109,8 @@ def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: floa
 
     with np.errstate(over="ignore", invalid="ignore"):
         run = solve_ivp(
-            rate, (0.0, 100.0 * period), [y, 0.0], "DOP853", events=(_Maximum(), _Minimum()),
+            rate, (0.0, 100.0 * period), [y, 0.0], "DOP853",
+            events=(_Extremum(-1.0, True), _Extremum(1.0, False)),
             rtol=tolerance, atol=1e-2 * tolerance * y,
             max_step=period / 30.0 * longest_step(tolerance),
         )  # fmt: skip

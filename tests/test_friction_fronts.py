@@ -15,13 +15,6 @@ from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError
-from verification.fronts.arrival_fit import leading, line, velocity_of_arrivals
-from verification.fronts.measure import measure_front
-from verification.fronts.preparation import Trial
-from verification.fronts.status import FrontStatus
-
-
 from theory.parameters import ParameterError, RunError
 from verification.fronts import measure
 from verification.fronts.arrival_fit import (
@@ -33,8 +26,10 @@ from verification.fronts.arrival_fit import (
     velocity_of_arrivals,
 )
 from verification.fronts.measure import measure_front
+from verification.fronts.preparation import Trial
 from verification.fronts.request import Request
 from verification.fronts.result import Front
+from verification.fronts.status import FrontStatus
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.thresholds.spreading import (

@@ -17,14 +17,7 @@ from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, RunError
 from verification.fronts import measure
-from verification.fronts.arrival_fit import (
-    FrontStatus,
-    Trial,
-    leading,
-    line,
-    settle,
-    velocity_of_arrivals,
-)
+from verification.fronts.arrival_fit import leading, line, velocity_of_arrivals
 from verification.fronts.measure import measure_front
 from verification.fronts.preparation import Trial
 from verification.fronts.request import Request

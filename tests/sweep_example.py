@@ -148,3 +148,16 @@ def main(out: str, log: str, workers: str) -> None:
 def capped(point: Point, cap: Any) -> dict[str, float]:
     """Return the sign of a parameter of the function."""
     return {"sign": float(np.copysign(1.0, np.real(cap)))}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unbounded(Result):
+    """A number of which no error is known."""
+
+    value: float
+    error: float
+
+
+def unbounded(point: Point) -> Unbounded:
+    """Return a result with an infinite error."""
+    return Unbounded(value=point.number("c"), error=math.inf)

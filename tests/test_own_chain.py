@@ -425,7 +425,7 @@ def test_sites_that_are_given_replace_the_lattice_of_a_model_file(tmp_path: Path
     assert (chain.sites, chain.shape) == (31, None)
 
 
-@pytest.mark.parametrize("sites", ["²x5", "6x", "3x3x3", "1_0x5"])
+@pytest.mark.parametrize("sites", ["²x5", "٣x5", "6x", "3x3x3", "1_0x5"])
 def test_rows_and_columns_of_a_model_file_are_whole_numbers(tmp_path: Path, sites: str) -> None:
     model = tmp_path / "mine.toml"
     model.write_text(f'damping = "y**2 - 1"\nc = 1\nsites = "{sites}"\n', encoding="utf-8")

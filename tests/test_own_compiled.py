@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import numba
+import numba.extending
 import numpy as np
 import pytest
 
@@ -272,7 +273,9 @@ def test_each_of_two_chains_runs_with_the_numbers_that_its_own_function_captures
         assert run.y[-1, 0] == pytest.approx(math.cos(2.0 * math.sqrt(k)), abs=1e-5)
 
 
-@pytest.mark.parametrize("through", ["closure", "helper", "tuple"])
+@pytest.mark.parametrize(
+    "through", ["closure", "helper", "tuple", "vectorised", "jitable", "module"]
+)
 def test_a_chain_keeps_the_numbers_that_its_function_captured_when_it_was_made(
     through: str,
 ) -> None:
@@ -284,8 +287,25 @@ def test_a_chain_keeps_the_numbers_that_its_function_captured_when_it_was_made(
     def first():  # type: ignore[no-untyped-def]
         return numbers[0]
 
+    @numba.vectorize
+    def vectorised(y):  # type: ignore[no-untyped-def]
+        return y * numbers[0]
+
+    @numba.extending.register_jitable
+    def jitable(y):  # type: ignore[no-untyped-def]
+        return y * numbers[0]
+
+    module = ModuleType("forces_of_a_user")
+    module.force = numba.njit(lambda y: y * numbers[0])  # type: ignore[attr-defined]
+
     @numba.njit
     def pull(y):  # type: ignore[no-untyped-def]
+        if through == "vectorised":
+            return vectorised(y)
+        if through == "jitable":
+            return jitable(y)
+        if through == "module":
+            return module.force(y)
         if through == "helper":
             return y * first()
         return y * (both[0][0] if through == "tuple" else numbers[0])

@@ -729,6 +729,11 @@ def test_the_sweep_of_a_function_that_holds_no_finite_number_is_stored(
     assert tables[0].seconds == tables[1].seconds
 
 
+def test_an_error_without_a_bound_is_infinite_in_a_sweep_too() -> None:
+    table = sweep(sweep_example.unbounded, {"c": [1.0]}, workers=1)
+    assert table["error"].tolist() == [math.inf]
+
+
 @pytest.mark.parametrize("ending", ["csv", "npz", "zarr"])
 @pytest.mark.parametrize("points", [[], {"c": []}])
 def test_a_sweep_over_no_points_is_an_empty_table_in_every_format(

@@ -285,6 +285,20 @@ def test_no_values_are_an_empty_answer() -> None:
     assert sums(np.empty((0, 3)), 0.5, 1e-12, slopes=True).value.shape == (0, 3)
 
 
+@pytest.mark.parametrize("others", [([2.0], [3.0]), ([3.0], [0.01])])
+@pytest.mark.parametrize(("v", "c"), [(0.0109459291, 1.48574e-20), (0.1, 0.01), (0.15, 1e-6)])
+def test_more_points_than_a_value_needs_leave_the_bounds_of_its_slopes(
+    v: float, c: float, others: tuple[list[float], list[float]]
+) -> None:
+    """A few values together are computed with the points of the one that needs most."""
+    found = sums([v] * 4 + others[0], [c] * 4 + others[1], 1e-13, slopes=True)
+    assert found.points.min() > sums([v], [c], 1e-13).points[0]
+    assert found.error_by_v is not None
+    assert found.error_by_c is not None
+    assert np.all((found.error_by_v > 0) & (found.error_by_v < 1e-6))
+    assert np.all((found.error_by_c > 0) & np.isfinite(found.error_by_c))
+
+
 def test_the_strip_without_roots_is_free_of_them() -> None:
     """`plain_points` stays below s, c sinh s + vs = ½: its N is more than the rate at s asks."""
     for v, c in points_at_random(35, 100):

@@ -140,9 +140,9 @@ class Result:
         """
         parts = self.parts()
         cells: dict[str, Any] = {}
-        for name, value in _with_infinities(self, self.to_dict()).items():
+        for name, value in with_infinities(self, self.to_dict()).items():
             if name in parts:
-                part = _with_infinities(parts[name], value)
+                part = with_infinities(parts[name], value)
                 shown = parts[name].in_rows or tuple(part)
                 cells |= {f"{name}_{key}": part[key] for key in shown}
             else:
@@ -270,7 +270,7 @@ class Result:
         return table
 
 
-def _with_infinities(result: Result, entries: Mapping[str, Any]) -> dict[str, Any]:
+def with_infinities(result: Result, entries: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries of a result with its infinite numbers, for which JSON has None."""
     held = {name: getattr(result, name, None) for name, value in entries.items() if value is None}
     infinite = {name for name, value in held.items() if value in (math.inf, -math.inf)}

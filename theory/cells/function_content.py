@@ -69,7 +69,12 @@ class ContentReader:
             fields = getattr(kind, "_fields", "")
             return f"{fields}({', '.join(self.value(each, name) for each in value)})"
         if kind in (set, frozenset):  # in another order in every process
-            return f"set({sorted(self.value(each, name) for each in value)})"
+            seen, texts = self._seen, []
+            for each in value:
+                self._seen = dict(seen)
+                texts.append(self.value(each, name))
+            self._seen = seen
+            return f"set({sorted(texts)})"
         if isinstance(value, np.ndarray | np.generic) and not value.dtype.hasobject:
             return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
         if (known := self._seen.get(id(value))) is not None:
@@ -109,7 +114,7 @@ class ContentReader:
 
         Here, those of Python, numpy, numba and scipy.
         """
-        return (module or "").partition(".")[0] in _LIBRARIES
+        return _of_library(module)
 
     def function(self, function: Any) -> str:
         """Return the content of a function: code, options, defaults, and captured values."""
@@ -147,11 +152,15 @@ class ContentReader:
         return found
 
 
+def _of_library(module: str | None) -> bool:
+    return (module or "").partition(".")[0] in _LIBRARIES
+
+
 def independent_copy(function: Any, made: dict[int, Any] | None = None) -> Any:
     """Return a copy of a function that later changes of what it captures do not reach.
 
-    Captured arrays, and compiled functions that it calls by a global name or from a closure, are
-    copied as well; those that it calls as attributes of a module are not.
+    Captured arrays, and functions that it calls by a global name, from a closure or as attributes
+    of a module, are copied as well.
 
     Parameters
     ----------
@@ -176,22 +185,40 @@ def independent_copy(function: Any, made: dict[int, Any] | None = None) -> Any:
             pipeline_class=function._compiler.pipeline_class,
         )  # fmt: skip
     made[id(function)] = copy
-    for name in _names(plain.__code__)[0] & names.keys():
-        names[name] = _independent(names[name], made)
+    used, attributes = _names(plain.__code__)
+    for name in used & names.keys():
+        names[name] = _independent(names[name], made, attributes)
     for own, cell in zip(cells, plain.__closure__ or (), strict=True):
-        own.cell_contents = _independent(cell.cell_contents, made)
+        own.cell_contents = _independent(cell.cell_contents, made, attributes)
     return copy
 
 
-def _independent(value: Any, made: dict[int, Any]) -> Any:
+def _independent(value: Any, made: dict[int, Any], attributes: frozenset[str]) -> Any:
+    """Return a captured value, or a copy of it if it could change or calls what could.
+
+    Of a module that is not of a library, the copy holds the attributes that are used.
+    """
+    kind = type(value)
+    if id(value) in made:
+        return made[id(value)]
     if hasattr(value, "py_func") and hasattr(value, "targetoptions"):
         return independent_copy(value, made)
-    if isinstance(value, np.ndarray):
+    if hasattr(value, "_dispatcher"):  # of a function that numba vectorises
+        made[id(value)] = kind(independent_copy(value._dispatcher.py_func, made))
+    elif kind is FunctionType and not _of_library(value.__module__):
+        import numba.extending
+
+        made[id(value)] = numba.extending.register_jitable(independent_copy(value, made))
+    elif kind is ModuleType and not _of_library(value.__name__):
+        made[id(value)] = copy = ModuleType(value.__name__)
+        for name in attributes & vars(value).keys():
+            setattr(copy, name, _independent(vars(value)[name], made, attributes))
+    elif isinstance(value, np.ndarray):
         return value.copy(order="K")
-    if isinstance(value, tuple):
-        parts = (_independent(each, made) for each in value)
-        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
-    return value
+    elif isinstance(value, tuple):
+        parts = (_independent(each, made, attributes) for each in value)
+        return kind(*parts) if hasattr(value, "_fields") else tuple(parts)
+    return made.get(id(value), value)
 
 
 def captured_in_closure(plain: FunctionType) -> dict[str, Any]:

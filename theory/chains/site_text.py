@@ -47,6 +47,6 @@ def read_shape(text: str) -> tuple[int, int]:
 
 
 def _whole(text: str) -> int:
-    if "_" in text:  # which Python would read as a separator of digits
+    if "_" in text or not text.isascii():  # Python reads separators, and digits of any script
         raise ValueError(text)
     return int(text)

@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from theory.parameters import ParameterError, need_instance, truth
-from theory.result import is_cell
+from theory.result import is_cell, with_infinities
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
 from verification.execution.digest import digest_of
 from verification.execution.interruption import terminated_as_interrupted
@@ -319,9 +319,8 @@ class _Cells:
     def __call__(self, point: Point) -> dict[str, Cell]:
         result = self.function(point)
         if hasattr(result, "to_dict"):
-            return {
-                name: value if is_cell(value) else None for name, value in result.to_dict().items()
-            }
+            entries = with_infinities(result, result.to_dict())
+            return {name: value if is_cell(value) else None for name, value in entries.items()}
         if not isinstance(result, Mapping):
             result = {"value": result}
         return {str(name): cell_of(value) for name, value in result.items()}

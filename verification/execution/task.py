@@ -6,9 +6,10 @@ import dataclasses
 import functools
 import math
 from argparse import Namespace
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from enum import Enum
-from types import FunctionType, MethodType, ModuleType, SimpleNamespace
+from pickle import PicklingError
+from types import BuiltinMethodType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -178,7 +179,9 @@ class _TaskReader(ContentReader):
         if isinstance(value, list):
             return f"[{self.value(tuple(value), name)}]"
         if isinstance(value, Enum):
-            return f"{type(value).__qualname__}.{value.name}"
+            return f"{self.value(type(value), name)}.{value.name}"
+        if isinstance(value, BuiltinMethodType) and not isinstance(value.__self__, ModuleType):
+            return f"{value.__name__} {self.value(value.__self__, name)}"
         if isinstance(value, ModuleType):
             return value.__name__ if self.determines(value.__name__) else "a module"
         function = value if isinstance(value, type) else _function(value) or value
@@ -188,7 +191,10 @@ class _TaskReader(ContentReader):
 
     def _definition(self, owner: Any) -> str:
         """Return the content of a function or class."""
-        module = getattr(owner, "__module__", None)  # None: of Python itself
+        module = getattr(owner, "__module__", None)
+        if module is None and isinstance(owner, FunctionType):  # made by exec, as by SymPy
+            self.in_session = True
+            return self.function(owner)
         if not self.determines(module):
             return self._class(owner) if isinstance(owner, type) else self.function(owner)
         place = f"{module}.{owner.__qualname__}"
@@ -206,16 +212,17 @@ class _TaskReader(ContentReader):
         return f"{kind.__qualname__} {parts}"
 
     def _object(self, value: object, name: str) -> str:
-        """Return the content of an instance of a class: the class, and its fields or attributes."""
+        """Return the content of an instance of a class: the class, and its fields or state."""
         kind = self.value(type(value), name)
         if _is_dataclass(value):
             return f"{kind} {self.value(_held(value), name)}"
-        if is_library(type(value).__module__) and " at 0x" not in (text := repr(value)):
-            return f"{kind} {text}"
         try:
-            state = object.__getstate__(value)
-        except TypeError:  # an object of machine code
-            return kind
+            state = value.__reduce_ex__(4)
+        except (TypeError, AttributeError, PicklingError):  # no data that can be read
+            text = repr(value)
+            return kind if " at 0x" in text else f"{kind} {text}"
+        if isinstance(state, tuple):  # with the items of a list or mapping as iterators
+            state = tuple(tuple(each) if isinstance(each, Iterator) else each for each in state)
         return f"{kind} {self.value(state, name)}"
 
     def function(self, function: Any) -> str:

@@ -29,6 +29,8 @@ Up to here, evaluating points costs less than finding the roots that would make 
 unnecessary.
 """
 _BLOCK = 256
+_LARGEST_EXPONENT = 700.0
+"""Largest exponent of a double."""
 SLOPE_SHARE = 10.0
 """Upper bound of the truncation error of ∂Σ/∂ln v and ∂Σ/∂ln c, divided by that of Σ, where roots
 are subtracted."""
@@ -76,10 +78,10 @@ def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, Floa
 
 
 def _strip(v: Any, c: Any) -> Any:
-    """Return s with c sinh s + vs = ½, at most 1e-4 too large; no root has |Im k| < s."""
+    """Return s with c sinh s + vs = ½, at most 1e-8 too large; no root has |Im k| < s."""
     by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
     s = least(0.5 / (c + v), by.log1p(1.0 / c))
-    for _ in range(2):  # Halley's method
+    for _ in range(3):  # Halley's method
         second, first = c * by.sinh(s), c * by.cosh(s) + v
         value = second + v * s - 0.5
         s = s - value * first / (first * first - 0.5 * value * second)
@@ -106,13 +108,13 @@ def slope_truncation(v: Any, c: Any, count: Any) -> Any:
         (np, np.maximum, np.minimum) if isinstance(v, np.ndarray) else (math, max, min)
     )
     s = _strip(v, c)
-    depth = s * (1.0 - 1.5 / (count * s + 1.5))
+    depth = s * (1.0 - most(1e-3, 1.5 / (count * s + 1.5)))
     q, p, r = _line(v, c, depth)
     below, above = (p - q) * (p + q), (r - q) * (r + q)
     M = (1.0 - q * q) ** -0.5 + (below**-0.5 - above**-0.5) / depth
     M_v = 2.0 * v * (p * below**-1.5 + r * above**-1.5)
     share = least(1.0 + 1.0 / (1.0 - q), 2.0 * c * (1.0 + by.cosh(depth)) / (1.0 - q))
-    return 2.0 * most(M_v, share * (M + M_v)) / by.expm1(count * depth)
+    return 2.0 * most(M_v, share * (M + M_v)) / by.expm1(least(count * depth, _LARGEST_EXPONENT))
 
 
 def is_plain(v: Any, c: Any, count: Any) -> Any:

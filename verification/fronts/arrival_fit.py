@@ -64,7 +64,7 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     late = arrivals[arrivals.size // 2 :]
     site = np.arange(late.size)
     slope, noise = line(site, late)
-    if slope * late.size <= _AT_ONCE * late[-1]:
+    if at_once(slope, late):
         return math.inf, math.inf
     half = late.size // 2
     first, first_noise = line(site[:half], late[:half])
@@ -72,6 +72,17 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     apart = abs(first - second)
     drift = _DRIFT * (apart - 2.0 * math.hypot(first_noise, second_noise))
     return 1.0 / slope, max(_NOISE * noise, apart, drift) / slope**2
+
+
+def at_once(slope: float, times: FloatArray) -> bool:
+    """Return whether arrival times do not increase with the distance by more than rounding.
+
+    Examples
+    --------
+    >>> at_once(1e-17, np.full(16, 0.1)), at_once(0.5, np.arange(16) / 2.0)
+    (True, False)
+    """
+    return slope * times.size <= _AT_ONCE * float(times.max())
 
 
 def line(x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[float, float]:

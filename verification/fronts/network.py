@@ -22,7 +22,7 @@ from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, Range, count_within
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
-from verification.fronts.arrival_fit import line
+from verification.fronts.arrival_fit import at_once, line
 from verification.fronts.request import TOLERANCE, Option, Request, stall_time
 from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
@@ -62,7 +62,8 @@ class Spread(Result):
         numbers of links.
     velocities, errors : ndarray, shape (K,)
         Velocity in each direction, in neighbour distances (or links) per ``time_unit``, and its
-        uncertainty; nan where too few sites were reached.
+        uncertainty; nan where too few sites were reached, infinite where the farther ones were not
+        reached later.
     distances : ndarray, shape (N,)
         Distance of every site from the centre.
     arrivals : ndarray, shape (N,)
@@ -188,7 +189,8 @@ def _measured(
         other = SmoothIntegration(chain, start, [_NEVER], tolerance=COARSER * tolerance)
         arrived = _follow(other, stall, within_reach, progress) is None
         coarser = fit(other.arrivals)[1] if arrived else np.zeros(v.size)
-        error = np.maximum(error, np.abs(v - coarser))
+        with np.errstate(invalid="ignore"):  # both may be infinite
+            error = np.fmax(error, np.abs(v - coarser))
         steps += other.counts["steps"]
     found = Spread(
         angles=angles,
@@ -283,8 +285,8 @@ def _slope(distance: FloatArray, times: FloatArray) -> tuple[float, float]:
     slope, noise = line(distance[outer], times[outer])
     half = outer.size // 2
     halves = [line(distance[part], times[part])[0] for part in (outer[:half], outer[half:])]
-    if slope <= 0.0:
-        return math.nan, math.nan
+    if at_once(slope, times[outer]):
+        return math.inf, math.inf
     return 1.0 / slope, max(3.0 * noise, abs(halves[0] - halves[1])) / slope**2
 
 
@@ -339,7 +341,7 @@ def planar(
 def velocity_of(found: SpreadRun, chain: OwnChain) -> tuple[float, float]:
     """Return v in the first direction and its error, for a motion that spread."""
     v, error = float(found.spread.velocities[0]), float(found.spread.errors[0])
-    if not math.isfinite(v):
+    if math.isnan(v):
         raise ParameterError(
             "number of sites n", chain.sites, f"so many that {2 * LEAST} distances lie between the "
             "excited sites and the sides", "take a larger lattice, or excite fewer sites",
@@ -372,6 +374,8 @@ def spreading_front(chain: OwnChain, request: Request) -> Front:
     if found.stopped is None:
         v, error = velocity_of(found, chain)
         status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
+        if math.isinf(v):
+            v = error = None
     else:
         status = found.stopped
         if status is FrontStatus.PINNED:

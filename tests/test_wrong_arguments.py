@@ -115,7 +115,7 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
         "left boundary",
     ),
     "masked-axis": (lambda: fr.state_map(CHAINS["vdp"], c=HIDDEN), "c = "),
-    "empty-axis": (lambda: fr.state_map(CHAINS["vdp"], eta=[], c=[0.1]), r"eta = \[\] is not"),
+    "empty-axis": (lambda: fr.state_map(CHAINS["vdp"], eta=[], c=[0.1]), r"eta = \[\]"),
     "date": (lambda: fr.kinetic_relation(np.datetime64("2020"), 0.03), "coupling c"),
     "text": (lambda: fr.kinetic_relation("0.3", 0.03), "coupling c"),
     "one-site": (lambda: fr.excite(CHAINS["vdp"], 3), "excited sites = 3"),

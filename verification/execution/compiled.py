@@ -52,7 +52,7 @@ _SKIPPED = {
     "LiteralPropagation",
     "nopython_rewrites",  # looking for sums of whole arrays takes 3.6 % of the time
 }
-_DECORATOR = re.compile(rb"\b(njit|inner|outer|fast|vectorised)\b")
+_DECORATOR = re.compile(rb"\b(njit|(friction_)?(inner|outer)|fast|vectorised)\b")
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}
 """Options of functions that create no arrays: references to their arguments are not counted.

@@ -59,9 +59,7 @@ def plain_points(v: Any, c: Any, tolerance: float) -> tuple[Any, Any]:
     by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
     # M grows like (s - σ)^{-1/2}, so that N is smallest near this σ.
     depth = (1.0 - 0.5 / (math.log(2.0 / tolerance) + 3.0)) * _strip(v, c)
-    q, p, r = _line(v, c, depth)
-    M = 1.0 / by.sqrt(1.0 - q * q)
-    M = M + (1.0 / by.sqrt((p - q) * (p + q)) - 1.0 / by.sqrt((r - q) * (r + q))) / depth
+    M = _line(v, c, depth)[0]
     required = by.log1p(2.0 * M / tolerance) / depth
     unit = 4.0 * by.exp2(most(by.ceil(by.log2(required / 64.0)), 0.0))
     count = most(unit * by.ceil(required / unit), 8.0)
@@ -91,14 +89,17 @@ def _strip(v: Any, c: Any) -> Any:
     return s
 
 
-def _line(v: Any, c: Any, depth: Any) -> tuple[Any, Any, Any]:
-    """Return q = 2c sinh σ, 1 - 2vσ and 1 + 2vσ for the line Im k = σ, see `plain_points`.
+def _line(v: Any, c: Any, depth: Any) -> tuple[Any, Any, Any, Any]:
+    """Return M, q = 2c sinh σ, 1 - 2vσ and 1 + 2vσ for the line Im k = σ, see `plain_points`.
 
     The means of 1/(p + q sin x) and 1/(p + q sin x)² over x are (p² - q²)^{-1/2} and
     p (p² - q²)^{-3/2}.
     """
     by, shift = np if isinstance(v, np.ndarray) else math, 2.0 * v * depth
-    return 2.0 * c * by.sinh(depth), 1.0 - shift, 1.0 + shift
+    q, p, r = 2.0 * c * by.sinh(depth), 1.0 - shift, 1.0 + shift
+    M = 1.0 / by.sqrt(1.0 - q * q)
+    M = M + (1.0 / by.sqrt((p - q) * (p + q)) - 1.0 / by.sqrt((r - q) * (r + q))) / depth
+    return M, q, p, r
 
 
 def slope_truncation(v: Any, c: Any, count: Any) -> Any:
@@ -112,10 +113,8 @@ def slope_truncation(v: Any, c: Any, count: Any) -> Any:
     )
     s = _strip(v, c)
     depth = s * (1.0 - most(2e-3, 1.5 / (count * s + 1.5)))
-    q, p, r = _line(v, c, depth)
-    below, above = (p - q) * (p + q), (r - q) * (r + q)
-    M = (1.0 - q * q) ** -0.5 + (below**-0.5 - above**-0.5) / depth
-    M_v = 2.0 * v * (p * below**-1.5 + r * above**-1.5)
+    M, q, p, r = _line(v, c, depth)
+    M_v = 2.0 * v * (p * ((p - q) * (p + q)) ** -1.5 + r * ((r - q) * (r + q)) ** -1.5)
     share = least(1.0 + 1.0 / (1.0 - q), 2.0 * c * (1.0 + by.cosh(depth)) / (1.0 - q))
     return 2.0 * most(M_v, share * (M + M_v)) / by.expm1(least(count * depth, _LARGEST_EXPONENT))
 

@@ -47,10 +47,11 @@ def size_of(z: complex) -> float:
     return abs(z.real) + abs(z.imag)
 
 
-def root_below_one(y: float) -> complex:
-    """Return √(1 - iy) for y ≥ 0."""
-    re = math.sqrt(0.5 + 0.5 * math.sqrt(1.0 + y * y))
-    return complex(re, -0.5 * y / re)
+def over_root(x: complex, y: complex, Y: float) -> complex:
+    """Return x/(y √(1 - iY)) for Y ≥ 0, with one division."""
+    size = 1.0 + math.sqrt(1.0 + Y * Y)  # √(1 - iY) = (size - iY)/√(2 size)
+    found: complex = quotient(math.sqrt(2.0 * size) * x, y * complex(size, -Y))
+    return found
 
 
 def square_root(z: complex) -> complex:

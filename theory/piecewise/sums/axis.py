@@ -28,7 +28,8 @@ MAX_PLAIN = 400
 Up to here, evaluating points costs less than finding the roots that would make some of them
 unnecessary.
 """
-_BLOCK = 256
+BLOCK = 256
+"""Number of values in one compiled loop, whose rows then stay in the processor's first cache."""
 _PIECE = 4096
 """Number of values planned at once: NumPy's results of each operation fit the processor's cache."""
 _LARGEST_EXPONENT = 700.0
@@ -176,51 +177,53 @@ def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any,
 
 def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
     """Add Re and Im of S/a, and |S/a|², at X and at 1 - X; ``at`` has the rows of `_prepared`."""
-    q, turn, decay, P_re, P_im = at[0], at[1], at[2], at[3], at[4]
+    q, turn, decay, P_re, P_im, x, y = at[0], at[1], at[2], at[3], at[4], at[5], at[6]
     re, im, squares = sums[0], sums[1], sums[2]
     for i in range(turn.size):
-        theta = turn[i] * X
-        x, y = cosine_and_sine(theta)
-        E = complex(decay[i] * x, decay[i] * y)
-        g = integrand(E, complex(q[i], -theta), 4.0 * X)
-        E = complex(P_re[i] * x + P_im[i] * y, P_im[i] * x - P_re[i] * y)
-        h = integrand(E, complex(q[i], theta - turn[i]), 4.0 - 4.0 * X)
+        x[i], y[i] = cosine_and_sine(turn[i] * X)
+    for i in range(turn.size):
+        E = complex(decay[i] * x[i], decay[i] * y[i])
+        g = integrand(E, complex(q[i], -turn[i] * X), 4.0 * X)
+        E = complex(P_re[i] * x[i] + P_im[i] * y[i], P_im[i] * x[i] - P_re[i] * y[i])
+        h = integrand(E, complex(q[i], turn[i] * X - turn[i]), 4.0 - 4.0 * X)
         re[i] += g.real + h.real
         im[i] += g.imag + h.imag
         squares[i] += g.real * g.real + g.imag * g.imag + h.real * h.real + h.imag * h.imag
 
 
-def _slopes_at(X: float, q: float, turn: float, decay: float) -> tuple[complex, complex]:
-    """Return the last two results of `integrand_and_slopes` at X."""
-    theta = turn * X
-    x, y = cosine_and_sine(theta)
-    E = complex(decay * x, decay * y)
-    _, S_a, h = integrand_and_slopes(E, complex(q, -theta), 4.0 * X)
-    return S_a, h
-
-
 def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
-    """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X."""
-    q, turn, decay = at[0], at[1], at[2]
-    for i in range(turn.size):  # two loops, since a single loop is not vectorised
-        S_a, _ = _slopes_at(X, q[i], turn[i], decay[i])
-        sums[0, i] += S_a.real
-        sums[1, i] += S_a.imag
-        sums[2, i] += S_a.real * S_a.real + S_a.imag * S_a.imag
+    """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X and at 1 - X."""
+    q, turn, decay, P_re, P_im, x, y = at[0], at[1], at[2], at[3], at[4], at[5], at[6]
     for i in range(turn.size):
-        _, h = _slopes_at(X, q[i], turn[i], decay[i])
-        sums[3, i] += h.real
-        sums[4, i] += h.imag
+        x[i], y[i] = cosine_and_sine(turn[i] * X)
+    for i in range(turn.size):  # two loops, since the processor has too few registers for one
+        E = complex(decay[i] * x[i], decay[i] * y[i])
+        _add_slopes_of(i, E, complex(q[i], -turn[i] * X), 4.0 * X, sums)
+    for i in range(turn.size):
+        E = complex(P_re[i] * x[i] + P_im[i] * y[i], P_im[i] * x[i] - P_re[i] * y[i])
+        _add_slopes_of(i, E, complex(q[i], turn[i] * X - turn[i]), 4.0 - 4.0 * X, sums)
+
+
+def _add_slopes_of(i: int, E: complex, a: complex, X4: float, sums: FloatArray) -> None:
+    """Add the terms of one value at one point; see `integrand_and_slopes`."""
+    _, S_a, h = integrand_and_slopes(E, a, X4)
+    sums[0, i] += S_a.real
+    sums[1, i] += S_a.imag
+    sums[2, i] += S_a.real * S_a.real + S_a.imag * S_a.imag
+    sums[3, i] += h.real
+    sums[4, i] += h.imag
 
 
 def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:
-    """Return the rows 1/2v, 2c/v, d = e^{-1/2v}, and Re and Im of d e^{2ic/v}."""
-    at = np.empty((5, v.size))
+    """Return the rows 1/2v, 2c/v, d = e^{-1/2v}, Re and Im of d e^{2ic/v}, and two to be filled."""
+    at = np.empty((7, v.size))
     for i in range(v.size):
-        q = 0.5 / v[i]
-        turn, decay = 4.0 * q * c[i], math.exp(-q)
-        at[0, i], at[1, i], at[2, i] = q, turn, decay
-        at[3, i], at[4, i] = decay * math.cos(turn), decay * math.sin(turn)
+        at[0, i] = 0.5 / v[i]
+        at[1, i] = 4.0 * at[0, i] * c[i]
+        at[2, i] = math.exp(-at[0, i])
+    for i in range(v.size):
+        x, y = cosine_and_sine(at[1, i])
+        at[3, i], at[4, i] = at[2, i] * x, at[2, i] * y
     return at
 
 
@@ -231,8 +234,8 @@ def block_values(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
     of 4.
     """
     means = np.empty((3, v.size))
-    for first in range(0, v.size, _BLOCK):
-        at = _prepared(v[first : first + _BLOCK], c[first : first + _BLOCK])
+    for first in range(0, v.size, BLOCK):
+        at = _prepared(v[first : first + BLOCK], c[first : first + BLOCK])
         sums = np.zeros((3, at.shape[1]))
         for j in range(count // 4):
             half = math.sin((j + 0.5) * (math.pi / count))
@@ -249,10 +252,10 @@ def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
     See `block_values`.
     """
     means = np.empty((5, v.size))
-    for first in range(0, v.size, _BLOCK):
-        at = _prepared(v[first : first + _BLOCK], c[first : first + _BLOCK])
+    for first in range(0, v.size, BLOCK):
+        at = _prepared(v[first : first + BLOCK], c[first : first + BLOCK])
         sums = np.zeros((5, at.shape[1]))
-        for j in range(count // 2):
+        for j in range(count // 4):
             half = math.sin((j + 0.5) * (math.pi / count))
             _add_slopes(half * half, at, sums)
         for i in range(at.shape[1]):

@@ -63,14 +63,13 @@ def _arches(
     """Return the results of `segments.arch`."""
     rows, bounds = np.zeros((6, v.size)), np.full((2, v.size), 8.0 * EPS)
     number, unconverged = np.zeros(v.size), np.zeros(v.size)
-    plan, parts, at = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((5, v.size))
+    plan, parts, sums = np.empty((4, v.size)), np.empty((4, v.size)), np.empty((8, v.size))
     for second in (False, True):
         fast.plan_segments(v, c, tolerance, slopes, second, plan)
         if not second:
             fast.static_parts(v, c, plan[0], parts)
         offset, taken = _roots_beside(v, c, plan, second, slopes, unconverged, fast)
-        sums = np.zeros((8, v.size))
-        fast.add_all_nodes(v, c, plan, offset, second, slopes, at, sums)
+        fast.add_all_nodes(v, c, plan, offset, second, slopes, sums)
         fast.add_segment(v, c, plan, sums, taken, second, rows, bounds)
         if slopes:
             fast.add_segment_slopes(v, c, plan, sums, taken, second, rows)
@@ -78,9 +77,10 @@ def _arches(
     rows[0] -= 1.0
     rows[0:2] += parts[0:2]
     rows[4:6] += parts[2:4]
-    values = rows[0::2] + 1j * rows[1::2]
+    end = 6 if slopes else 2
+    values = rows[0:end:2] + 1j * rows[1:end:2]
     errors = _bounds(v, c, bounds[0], bounds[1], slopes)
-    return values[: errors.shape[0]], errors, number, unconverged > 0.0
+    return values, errors, number, unconverged > 0.0
 
 
 def _roots_beside(

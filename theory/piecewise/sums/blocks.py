@@ -9,7 +9,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from theory.piecewise.sums.arithmetic import cosine_and_sine, modulus, sine_and_cosine_near, size_of
+from theory.piecewise.sums.axis import BLOCK
 from theory.piecewise.sums.corrected_axis import (
     PAIR_FROM,
     points_beside_roots,
@@ -192,9 +195,10 @@ def add_pole_correction_slopes(
 
 
 def start_nodes(
-    v: FloatArray, psi: FloatArray, step: FloatArray, offset: FloatArray, at: FloatArray
-) -> None:
-    """Write Re and Im of e^{-a} at u = 0, e^{-u²} at the first node, and its two factors, as rows.
+    v: FloatArray, c: FloatArray, psi: FloatArray, step: FloatArray, offset: FloatArray,
+    at: FloatArray,
+) -> None:  # fmt: skip
+    """Write Re, Im of e^{-a} at u = 0, e^{-u²} at the first node, its factors, and v/2c, as rows.
 
     The first node lies half a step from u = 0, or at u = 0. From each node to the next, e^{-u²} is
     multiplied by the fourth row, and the fourth row by the fifth. The rounding errors of these
@@ -208,6 +212,7 @@ def start_nodes(
         at[2, i] = gauss if offset[i] > 0.0 else 1.0
         at[3, i] = fourth * fourth if offset[i] > 0.0 else fourth
         at[4, i] = fourth * fourth
+        at[5, i] = 0.5 * v[i] / c[i]
 
 
 def next_nodes(at: FloatArray) -> None:
@@ -219,12 +224,13 @@ def next_nodes(at: FloatArray) -> None:
 
 
 def _node(
-    j: int, v: float, c: float, step: float, offset: float, count: float, second: bool
+    j: int, v: float, turned: float, m: float, step: float, offset: float, count: float
 ) -> tuple[float, complex, float]:
     """Return Y, A and the weight of the term at a node."""
     u = (j + offset) * step
-    A = complex(0.5 + v * u * u, 2.0 * c if second else 0.0)
-    return 0.5 * v / c * u * u, A, (0.5 if u == 0.0 else 1.0) * (1.0 if j < count else 0.0)
+    square = u * u
+    share = (0.5 if u == 0.0 else 1.0) * (1.0 if j < count else 0.0)
+    return m * square, complex(0.5 + v * square, turned), share
 
 
 def add_nodes(
@@ -232,10 +238,11 @@ def add_nodes(
     at: FloatArray, second: bool, sums: FloatArray,
 ) -> None:  # fmt: skip
     """Add Re and Im of g, and |g|, at node j."""
-    phase_re, phase_im, gauss = at[0], at[1], at[2]
+    phase_re, phase_im, gauss, m = at[0], at[1], at[2], at[5]
     re, im, size = sums[0], sums[1], sums[2]
     for i in range(v.size):
-        Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
+        turned = 2.0 * c[i] if second else 0.0
+        Y, A, share = _node(j, v[i], turned, m[i], step[i], offset[i], count[i])
         g = segment_term(complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i]), Y, A)
         re[i] += share * g.real
         im[i] += share * g.imag
@@ -247,9 +254,10 @@ def add_node_slopes(
     at: FloatArray, second: bool, sums: FloatArray,
 ) -> None:  # fmt: skip
     """Add Re and Im of the derivatives of g, and the modulus of that by v, at node j."""
-    phase_re, phase_im, gauss = at[0], at[1], at[2]
+    phase_re, phase_im, gauss, m = at[0], at[1], at[2], at[5]
     for i in range(v.size):
-        Y, A, share = _node(j, v[i], c[i], step[i], offset[i], count[i], second)
+        turned = 2.0 * c[i] if second else 0.0
+        Y, A, share = _node(j, v[i], turned, m[i], step[i], offset[i], count[i])
         E = complex(phase_re[i] * gauss[i], phase_im[i] * gauss[i])
         _, g_v, g_c = segment_slopes(E, Y, A, v[i], second)
         sums[3, i] += share * g_v.real
@@ -261,16 +269,25 @@ def add_node_slopes(
 
 def add_all_nodes(
     v: FloatArray, c: FloatArray, plan: FloatArray, offset: FloatArray, second: bool, slopes: bool,
-    at: FloatArray, sums: FloatArray,
+    sums: FloatArray,
 ) -> None:  # fmt: skip
-    """Sum g, and with ``slopes`` its derivatives, over the nodes of a segment; `plan_segments`."""
-    step, count = plan[0], plan[1]
-    start_nodes(v, plan[3], step, offset, at)
-    for j in range(int(count.max())):
-        add_nodes(j, v, c, step, offset, count, at, second, sums)
-        if slopes:
-            add_node_slopes(j, v, c, step, offset, count, at, second, sums)
-        next_nodes(at)
+    """Write the sums of g, and with ``slopes`` of its derivatives, over the nodes of a segment.
+
+    ``plan`` is that of `plan_segments`.
+    """
+    for first in range(0, v.size, BLOCK):
+        part = slice(first, first + BLOCK)
+        some_v, some_c, step, count = v[part], c[part], plan[0][part], plan[1][part]
+        at, found = np.empty((6, some_v.size)), np.zeros((8, some_v.size))
+        start_nodes(some_v, some_c, plan[3][part], step, offset[part], at)
+        for j in range(int(count.max())):
+            add_nodes(j, some_v, some_c, step, offset[part], count, at, second, found)
+            if slopes:
+                add_node_slopes(j, some_v, some_c, step, offset[part], count, at, second, found)
+            next_nodes(at)
+        for row in range(8):
+            for i in range(some_v.size):
+                sums[row, first + i] = found[row, i]
 
 
 def add_segment(

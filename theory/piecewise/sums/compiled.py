@@ -29,9 +29,9 @@ _WITHOUT_BRANCHES = {
 }
 _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
-    "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_slopes_at", "step_to_root",
+    "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_add_slopes_of", "step_to_root",
     "has_converged", "pair_of_the_parabola", "pole_correction", "clearance_of", "segment_unit",
-    "segment_term", "segment_slopes", "segment_width", "size_of", "root_below_one",
+    "segment_term", "segment_slopes", "segment_width", "size_of", "over_root",
     "segment_errors", "phase_rate", "_node", "side_of", "twice_arcsine",
 )  # fmt: skip
 """Functions that are inlined, because a call would prevent a loop from being vectorised."""

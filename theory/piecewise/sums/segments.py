@@ -8,8 +8,8 @@ from typing import Any
 
 from theory.piecewise.sums.arithmetic import (
     modulus,
+    over_root,
     quotient,
-    root_below_one,
     size_of,
     square_root,
 )
@@ -67,8 +67,7 @@ def segment_term(E: complex, Y: float, A: complex) -> complex:
     """Return g = (S - 1)/(2A) dk/du up to a constant factor; k counts from its beginning."""
     F = 1.0 - E
     D = F * F + 4j * Y * E
-    g: complex = quotient(E * (F - 2j * Y), D * A * root_below_one(Y))
-    return g
+    return over_root(E * (F - 2j * Y), D * A, Y)
 
 
 def segment_slopes(
@@ -78,7 +77,7 @@ def segment_slopes(
     g = segment_term(E, Y, A)
     F = 1.0 - E
     D = F * F + 4j * Y * E
-    S_a = quotient(E * (2j * Y * (1.0 + E * E) - F * F), D * D * root_below_one(Y))
+    S_a = over_root(E * (2j * Y * (1.0 + E * E) - F * F), D * D, Y)
     A_c = complex(2.0 * Y, 2.0 if second else 0.0)
     return g, S_a, quotient(S_a * (1.0 / v) - g, A) * A_c
 

@@ -28,6 +28,7 @@ them by the argument principle, ``derivations.front`` in symbols.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -75,17 +76,20 @@ def dispersion_slope(k: ComplexArray, v: float | FloatArray, c: float | FloatArr
     return -1j * slope
 
 
-def root_free_strip(v: float, c: float) -> float:
+def root_free_strip(v: Any, c: Any, steps: int = 4) -> Any:
     """Return s > 0 with c sinh s + v s = ½; no root of (50) has |Im k| < s.
 
     Parameters
     ----------
-    v, c : float
-        Front velocity v̂ and coupling, positive, dimensionless.
+    v, c : float, or ndarray of float, shape (n,)
+        Front velocity v̂ and coupling, positive, dimensionless, both numbers or both arrays.
+    steps : int
+        Steps of Halley's method: after two, s is at most a thousandth too large; after four it is
+        known to rounding.
 
     Returns
     -------
-    float
+    float or ndarray
         Half-width of the strip, per site; rounding never makes it larger than the true one.
 
     Examples
@@ -94,12 +98,10 @@ def root_free_strip(v: float, c: float) -> float:
     >>> bool(abs(0.5 * np.sinh(s) + 0.3 * s - 0.5) < 1e-13)
     True
     """
-    s = min(0.5 / (c + v), math.asinh(0.5 / c))
-    for _ in range(
-        60
-    ):  # c sinh s + v s is convex: Newton from the left overshoots once, then falls
-        step = (c * math.sinh(s) + v * s - 0.5) / (c * math.cosh(s) + v)
-        s -= step
-        if abs(step) <= 1e-15 * s:
-            break
+    by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
+    s = least(0.5 / (c + v), by.log1p(1.0 / c))
+    for _ in range(steps):
+        second, first = c * by.sinh(s), c * by.cosh(s) + v
+        value = second + v * s - 0.5
+        s = s - value * first / (first * first - 0.5 * value * second)
     return s * (1.0 - 1e-14)

@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from theory.arrays import ComplexArray, FloatArray, IntArray
 from theory.parameters import ParameterError, count_within, within
+from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
 from theory.result import Result
@@ -312,35 +313,30 @@ def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:
         Whether the bound is for the tail ahead, at ζ > 0, or for that behind.
     """
     by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
-    rate = 0.85 * _strip(v, c, ahead)
+    rate = 0.85 * (_strip_ahead(v, c) if ahead else root_free_strip(v, c))
     d = 0.5 + (v if ahead else -v) * rate - c * by.sinh(rate)
     X = most(1.0, 2.0 * c * (1.0 + by.cosh(rate)) / v)
     K = (2.0 * by.asinh(X / rate) / d + 4.0 / (v * X)) / (4.0 * math.pi)
     return rate, K
 
 
-def _strip(v: Any, c: Any, ahead: bool) -> Any:
-    """Return s such that no root on that side has |Im k| < s.
+def _strip_ahead(v: Any, c: Any) -> Any:
+    """Return s with c sinh s - v s = ½; no root has 0 < Im k < s.
 
-    s solves c sinh s - v s = ½ (ahead) or c sinh s + v s = ½ (behind). As both functions are
-    convex, Newton's method converges to s from above. Ahead, it starts from the smaller of two
-    upper bounds, one from sinh s ≥ s + s³/6 and one from the exponential, improved by the
+    As the function is convex, Newton's method converges to s from above. It starts from the smaller
+    of two upper bounds, one from sinh s ≥ s + s³/6 and one from the exponential, improved by the
     fixed-point iteration of sinh s = (½ + vs)/c.
     """
     by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
-    if ahead:
-        excess = (abs(v - c) + (v - c)) / c
-        s = least(
-            1.0 + 2.0 * by.log1p((2.0 + 4.0 * v) / c),
-            by.sqrt(3.0 * excess) + (3.0 / c) ** (1.0 / 3.0),
-        )
-        for _ in range(2):
-            s = by.asinh((0.5 + v * s) / c)
-        v = -v
-    else:
-        s = least(0.5 / (c + v), by.log1p(1.0 / c))
+    excess = (abs(v - c) + (v - c)) / c
+    s = least(
+        1.0 + 2.0 * by.log1p((2.0 + 4.0 * v) / c),
+        by.sqrt(3.0 * excess) + (3.0 / c) ** (1.0 / 3.0),
+    )
+    for _ in range(2):
+        s = by.asinh((0.5 + v * s) / c)
     for _ in range(_STEPS):
-        s = s - (c * by.sinh(s) + v * s - 0.5) / (c * by.cosh(s) + v)
+        s = s - (c * by.sinh(s) - v * s - 0.5) / (c * by.cosh(s) - v)
     return s
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.sums.arithmetic import cosine_and_sine, quotient
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def plain_points(v: Any, c: Any, tolerance: float) -> tuple[Any, Any]:
     """
     by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
     # M grows like (s - σ)^{-1/2}, so that N is smallest near this σ.
-    depth = (1.0 - 0.5 / (math.log(2.0 / tolerance) + 3.0)) * _strip(v, c)
+    depth = (1.0 - 0.5 / (math.log(2.0 / tolerance) + 3.0)) * root_free_strip(v, c, 2)
     M = _line(v, c, depth)[0]
     required = by.log1p(2.0 * M / tolerance) / depth
     unit = 4.0 * by.exp2(most(by.ceil(by.log2(required / 64.0)), 0.0))
@@ -77,17 +78,6 @@ def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, Floa
         count, truncation[some] = plain_points(v[some], c[some], tolerance)
         points[some] = np.where(is_plain(v[some], c[some], count), count, 0.0)
     return points, truncation
-
-
-def _strip(v: Any, c: Any) -> Any:
-    """Return s with c sinh s + vs = ½, at most 1e-3 too large; no root has |Im k| < s."""
-    by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
-    s = least(0.5 / (c + v), by.log1p(1.0 / c))
-    for _ in range(2):  # Halley's method
-        second, first = c * by.sinh(s), c * by.cosh(s) + v
-        value = second + v * s - 0.5
-        s = s - value * first / (first * first - 0.5 * value * second)
-    return s
 
 
 def _line(v: Any, c: Any, depth: Any) -> tuple[Any, Any, Any, Any]:
@@ -112,7 +102,7 @@ def slope_truncation(v: Any, c: Any, count: Any) -> Any:
     by, most, least = (
         (np, np.maximum, np.minimum) if isinstance(v, np.ndarray) else (math, max, min)
     )
-    s = _strip(v, c)
+    s = root_free_strip(v, c, 2)
     depth = s * (1.0 - most(2e-3, 1.5 / (count * s + 1.5)))
     M, q, p, r = _line(v, c, depth)
     M_v = 2.0 * v * (p * ((p - q) * (p + q)) ** -1.5 + r * ((r - q) * (r + q)) ** -1.5)

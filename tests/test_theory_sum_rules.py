@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from pathlib import Path
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -12,7 +14,7 @@ import pytest
 
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums import axis, beside_roots, poles, segments
+from theory.piecewise.sums import axis, beside_roots, compiled, poles, segments
 from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
@@ -330,3 +332,13 @@ def test_the_labels_are_those_whose_root_passes_the_middle_of_its_strip(v: float
     root = labelled_roots(v, c, np.array([n]), upper=False).k[0]
     assert root.real == pytest.approx((2 * n + 1) * math.pi, rel=1e-12)
     assert departing_labels(v, c).tolist() == [n - 1, n, n + 1]
+
+
+def test_compiled_rules_are_kept_beside_the_source_whatever_else_uses_numba(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+    rules: Any = compiled.compiled_rules.__wrapped__()
+    folder = Path(rules.block_values.stats.cache_path)
+    assert folder == Path(compiled.__file__).parent / "__pycache__"

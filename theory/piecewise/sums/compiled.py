@@ -10,6 +10,7 @@ takes half a second, they are faster where only few values are needed.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import lru_cache
@@ -35,6 +36,8 @@ _WITHIN_LOOPS = (
     "segment_errors", "phase_rate", "_node", "side_of", "twice_arcsine",
 )  # fmt: skip
 """Functions that are inlined, because a call would prevent a loop from being vectorised."""
+_FOLDER = "CACHE_DIR"
+"""Setting of numba for the folder of compiled code; empty for a folder beside the source."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +80,18 @@ def _state_of_sources() -> str:
 
 @lru_cache(maxsize=1)
 def compiled_rules() -> CompiledRules:
-    """Return the compiled rules."""
+    """Return the compiled rules; they are kept where numba would, whatever else uses numba."""
+    from numba.core import config
+
+    set_by_others: Any = getattr(config, _FOLDER)
+    setattr(config, _FOLDER, os.environ.get(f"NUMBA_{_FOLDER}", ""))
+    try:
+        return _compile()
+    finally:
+        setattr(config, _FOLDER, set_by_others)
+
+
+def _compile() -> CompiledRules:
     import numba
 
     njit: Any = numba.njit

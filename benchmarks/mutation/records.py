@@ -67,7 +67,7 @@ class Records:
     def _key(self, file: str, imported: Collection[str], entered: Iterable[str]) -> str:
         """Return a digest of everything that determines the path taken by the tests of a file."""
         from verification.execution.digest import digest_of, digest_of_files
-        from verification.execution.imports import code_of
+        from verification.execution.imports import content_of_file
 
         of_project = {path for path in imported if path.partition("/")[0] in PACKAGES}
         shared = {"conftest.py", *imported} - of_project
@@ -76,7 +76,7 @@ class Records:
         if file in of_project:  # its examples are in docstrings
             parts.append(digest_of_files(self._root, [self._root / file]))
         files = (self._root / path for path in sorted(shared))
-        parts += [code_of(path) for path in files if path.exists()]
+        parts += [content_of_file(path) for path in files if path.exists()]
         for place in sorted(entered):
             path, _, name = place.partition(":")
             of_project.add(path)
@@ -104,10 +104,10 @@ def _whole_lines(path: Path) -> Iterator[dict[str, Any]]:
 def _runner() -> str:
     """Return a digest of the recording modules and of the installed libraries."""
     from verification.execution.digest import digest_of
-    from verification.execution.imports import code_of
+    from verification.execution.imports import content_of_file
 
     installed = sorted(f"{each.name} {each.version}" for each in distributions())
-    modules = [code_of(Path(__file__).with_name(f"{name}.py")) for name in RECORDING]
+    modules = [content_of_file(Path(__file__).with_name(f"{name}.py")) for name in RECORDING]
     return digest_of([sys.version, installed, modules])
 
 

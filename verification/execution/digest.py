@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from theory.arrays import AnyArray
-from verification.execution.imports import SOURCES, closure, code_of, source_of
+from verification.execution.imports import SOURCES, closure, content_of_file, source_of
 
 DRAWING = (
     "benchmarks.choice", "benchmarks.diagram", "benchmarks.growth_diagram", "benchmarks.tables",
@@ -150,7 +150,7 @@ def _read(
               for place in (path, path.parent)}  # fmt: skip
     total = hashlib.sha256()
     for name, path in sorted(found.items()):
-        total.update(f"{name}\0{code_of(path)}\0".encode())
+        total.update(f"{name}\0{content_of_file(path)}\0".encode())
     homes = {name: source_of(name) for name in {name.partition(".")[0] for name in found}}
     return _Known(digest=total.hexdigest(), homes=homes, places=places)
 

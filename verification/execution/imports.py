@@ -165,7 +165,7 @@ def imports_of(path: Path, package: str) -> tuple[tuple[str, ...], bool]:
     return tuple(found), source.computed
 
 
-def code_of(path: Path) -> str:
+def content_of_file(path: Path) -> str:
     """Return what a file does, see `shape`; cached as long as the file does not change."""
     return _source(path).code
 

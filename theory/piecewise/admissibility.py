@@ -31,7 +31,7 @@ from theory.piecewise.profile import (
     smooth_number,
     tail_bound,
 )
-from theory.piecewise.roots import LARGEST, SMALLEST
+from theory.piecewise.roots import PARAMETERS
 from theory.piecewise.steepest_descent import NearShape
 
 TOLERANCE = 1e-11
@@ -125,7 +125,7 @@ def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArra
 
     The number of points is 0 where steepest descent is faster, or where |v| is out of range.
     """
-    speed = np.clip(np.abs(v), SMALLEST, LARGEST)
+    speed = np.clip(np.abs(v), *PARAMETERS)
     tails = [tail_bound(_number(speed), _number(c), side) for side in (False, True)]
     rate, size = np.reshape(tails, (2, 2, v.size)).swapaxes(0, 1)
     slowest, largest = rate.min(axis=0), size.max(axis=0)
@@ -172,8 +172,8 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
 def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     """Decide by steepest descent near ζ = 0, and by the sums over roots beyond."""
     reason = None
-    if not SMALLEST <= abs(v) <= LARGEST:
-        reason = f"velocities above {LARGEST:g} are not examined"
+    if not PARAMETERS.low <= abs(v) <= PARAMETERS.high:
+        reason = f"velocities above {PARAMETERS.high:g} are not examined"
     elif c > _MAX_LABEL * abs(v):
         reason = f"fronts with c/v above {_MAX_LABEL:g} are not examined"
     if reason is not None:

@@ -54,10 +54,10 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from theory.parameters import count_within
+from theory.parameters import count_within, with_ranges
 from theory.piecewise.certified_roots import ball_arithmetic
 from theory.piecewise.dispersion import root_free_strip
-from theory.piecewise.roots import checked_velocity_and_coupling
+from theory.piecewise.roots import PARAMETERS, checked_velocity_and_coupling
 from theory.piecewise.sums.result import DIGITS, DOUBLE, KineticSum, PrecisionError, stated
 
 MAX_POINTS = 2000
@@ -110,16 +110,17 @@ class Strip:
     ratio: float | None = None
 
 
+@with_ranges(parameters=PARAMETERS, digits=DIGITS)
 def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> KineticSum:
     """Return Σ(v, c) of Eq. (53) with a proven radius.
 
     Parameters
     ----------
     v, c : float or str
-        Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12; a float is the exact
+        Front velocity v̂ and coupling, dimensionless, {parameters}; a float is the exact
         binary number, a string is read as a decimal, digit for digit.
     digits : int
-        Required digits after the point, from 1 to 2000.
+        Required digits after the point, {digits}.
 
     Returns
     -------

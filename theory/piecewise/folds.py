@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from theory.arrays import FloatArray
 from theory.cells.vdp import bistable_eta, eta_from_ratio, threshold_ratio
-from theory.parameters import within
-from theory.piecewise.limits import pinning_coupling, pinning_eta, static_sum
+from theory.parameters import with_ranges, within
+from theory.piecewise.limits import COUPLINGS, pinning_coupling, pinning_eta, static_sum
 from theory.piecewise.sums.integral import sums
 
 _SLOWEST = 0.018
@@ -100,13 +100,14 @@ def fold_couplings(eta: npt.ArrayLike) -> list[KineticFold | None]:
     return folds
 
 
+@with_ranges(couplings=COUPLINGS)
 def fold_eta(c: float) -> KineticFold:
     """Return η_fold(c), above which no front of (44) moves steadily at this coupling.
 
     Raises
     ------
     ParameterError
-        If the coupling is not from 1e-150 to 1e300.
+        If the coupling is not {couplings}.
 
     Examples
     --------
@@ -114,7 +115,7 @@ def fold_eta(c: float) -> KineticFold:
     >>> abs(fold.value - 0.03125) < 1e-12
     True
     """
-    c = within("coupling c", c, 1e-150, 1e300)
+    c = within("coupling c", c, *COUPLINGS)
     maxima = _maxima(c) if 1e-12 <= c < LAST_FOLD else np.empty(0)
     if maxima.size == 0:
         return KineticFold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)

@@ -12,10 +12,12 @@ import numpy.typing as npt
 
 from theory.arrays import ComplexArray, FloatArray
 from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ratio
-from theory.parameters import positive, within
+from theory.parameters import Range, positive, with_ranges, within
 
 ETA_PIN_END = 2.0 / 25.0
 """η at which r = ½; from here on static fronts exist at every coupling, and there is no c_pin."""
+COUPLINGS = Range(1e-150, 1e300)
+"""Couplings whose η_pin and η_fold are given."""
 
 
 @overload
@@ -136,20 +138,21 @@ def retreat_coupling(eta: float) -> float | None:
     return 0.5 * (1.0 + excess) * math.sqrt(excess * (2.0 + excess))
 
 
+@with_ranges(couplings=COUPLINGS)
 def pinning_eta(c: float) -> float:
     """Return η_pin(c), the inverse of :func:`pinning_coupling`: static fronts exist above it.
 
     Raises
     ------
     ParameterError
-        If the coupling is not from 1e-150 to 1e300.
+        If the coupling is not {couplings}.
 
     Examples
     --------
     >>> abs(pinning_eta(pinning_coupling(0.05)) - 0.05) < 1e-15
     True
     """
-    return eta_from_ratio(0.5 * abs(static_sum(within("coupling c", c, 1e-150, 1e300))))
+    return eta_from_ratio(0.5 * abs(static_sum(within("coupling c", c, *COUPLINGS))))
 
 
 def strong_coupling_sum(x: npt.ArrayLike) -> ComplexArray:

@@ -21,13 +21,14 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.arrays import ComplexArray, FloatArray, IntArray
-from theory.parameters import ParameterError, count_within, within
+from theory.parameters import ParameterError, Range, count_within, with_ranges, within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
 from theory.piecewise.sums.result import PrecisionError
 from theory.result import Result
 
 MAX_POINTS = 1 << 21
+TOLERANCES = Range(1e-14, 0.1)
 _AT_ONCE = 1 << 18
 """Largest number of elements of an array in a sum that is computed in parts."""
 _EPS = float(np.finfo(float).eps)
@@ -59,6 +60,7 @@ class FrontShape(Result):
     points: int
 
 
+@with_ranges(tolerances=TOLERANCES)
 def front_profile(zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e-12) -> FrontShape:
     """Return φ(ζ)/φ_s of Eq. (49) by the periodised integral.
 
@@ -69,7 +71,7 @@ def front_profile(zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e
     v, c : float
         Front velocity v̂ and coupling, dimensionless.
     tolerance : float
-        Required error, from 1e-14 to 0.1.
+        Required error, {tolerances}.
 
     Raises
     ------
@@ -85,7 +87,7 @@ def front_profile(zeta: npt.ArrayLike, v: float, c: float, tolerance: float = 1e
     True
     """
     v, c = checked_velocity_and_coupling(v, c)
-    within("tolerance", tolerance, 1e-14, 0.1)
+    within("tolerance", tolerance, *TOLERANCES)
     position = np.atleast_1d(np.asarray(zeta, dtype=float))
     if not np.all(np.isfinite(position)):
         raise ParameterError("position zeta", "nan or infinite", "finite", "give finite positions")

@@ -17,7 +17,15 @@ from typing import SupportsFloat
 import numpy as np
 
 from theory.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
-from theory.parameters import ParameterError, count_within, number, positive, within
+from theory.parameters import (
+    ParameterError,
+    Range,
+    count_within,
+    number,
+    positive,
+    with_ranges,
+    within,
+)
 from theory.piecewise.dispersion import dispersion, dispersion_slope
 from theory.result import Result
 
@@ -25,7 +33,7 @@ MAX_ROOTS = 1_000_000
 MAX_LABEL = 10**12
 """Largest |label|; beyond it the rounding error of k exceeds 0.001, and it can no longer be decided
 whether a root lies inside its strip."""
-SMALLEST, LARGEST = 1e-12, 1e12
+PARAMETERS = Range(1e-12, 1e12)
 _EPS = float(np.finfo(float).eps)
 
 
@@ -64,6 +72,7 @@ class RootSet(Result):
         )
 
 
+@with_ranges(parameters=PARAMETERS)
 def checked_velocity_and_coupling(
     v: SupportsFloat | str, c: SupportsFloat | str
 ) -> tuple[float, float]:
@@ -72,10 +81,10 @@ def checked_velocity_and_coupling(
     Raises
     ------
     ParameterError
-        If either is not from 1e-12 to 1e12.
+        If either is not {parameters}.
     """
     for name, value in (("velocity v", v), ("coupling c", c)):
-        within(name, number(name, value), SMALLEST, LARGEST)
+        within(name, number(name, value), *PARAMETERS)
     return float(v), float(c)
 
 
@@ -88,6 +97,7 @@ def strip_bounds(labels: IntArray, upper: bool) -> tuple[FloatArray, FloatArray]
     return low, low + np.where(labels == 0, np.pi, 2.0 * np.pi)
 
 
+@with_ranges(parameters=PARAMETERS, label=float(MAX_LABEL))
 def labelled_roots(
     v: float | FloatArray, c: float | FloatArray, labels: IntArray, upper: bool
 ) -> RootSet:
@@ -96,10 +106,10 @@ def labelled_roots(
     Parameters
     ----------
     v, c : float or ndarray of float, shape (n,)
-        Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12; one pair for all labels
+        Front velocity v̂ and coupling, dimensionless, {parameters}; one pair for all labels
         or one pair each.
     labels : ndarray of int, shape (n,)
-        Strip numbers, from -1e12 to 1e12.
+        Strip numbers, at most {label} in modulus.
     upper : bool
         Above (M⁺ of Eq. 52) or below (M⁻) the real axis.
 

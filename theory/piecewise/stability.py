@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 from theory.parameters import number, within
+from theory.piecewise.roots import PARAMETERS
 from theory.piecewise.symbol import Symbol, terms_at
 
 _ROOM = 1e-9
@@ -76,8 +77,8 @@ def front_stability(v: float, c: float) -> FrontStability:
     True
     """
     v = number("velocity v", v)
-    speed = within("velocity |v|", abs(v), 1e-12, 1e12)
-    c = within("coupling c", c, 1e-12, 1e12)
+    speed = within("velocity |v|", abs(v), *PARAMETERS)
+    c = within("coupling c", c, *PARAMETERS)
     found = FrontStability(floor=math.exp(-0.25 / speed), terms=terms_at(speed))
     symbol = Symbol.of(v, c)
     if symbol is None:

@@ -10,12 +10,13 @@ from functools import lru_cache
 import numpy as np
 
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
-from theory.parameters import within
+from theory.parameters import Range, with_ranges, within
 from theory.piecewise.admissibility import TOLERANCE, check_admissible
 from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.symbol import Symbol
 
+FARTHEST = Range(1e-8, 100.0)
 _EPS = float(np.finfo(float).eps)
 _SCAN = 1.03
 """Factor between successive couplings at which stability is determined."""
@@ -53,6 +54,7 @@ class StabilityLimit:
 
 
 @lru_cache(maxsize=256)
+@with_ranges(farthest=FARTHEST)
 def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
     """Return c_stable(η), the coupling up to which the fastest admissible front is linearly stable.
 
@@ -61,7 +63,7 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
     eta : float
         η = b/a², dimensionless, 0 < η < 2/25.
     farthest : float
-        Largest coupling examined. Beyond c_stable fronts may regain and lose stability.
+        Largest coupling examined, {farthest}. Beyond c_stable fronts may regain and lose stability.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
     (2.405932, True)
     """
     within("eta = b/a^2", eta, SMALLEST_ETA, ETA_END)
-    within("largest coupling", farthest, 1e-8, 100.0)
+    within("largest coupling", farthest, *FARTHEST)
     fold = fold_coupling(eta)
     if fold is None:
         return StabilityLimit(reason=f"no front advances at eta = {eta:.12g}")

@@ -19,14 +19,16 @@ from time import perf_counter
 import numpy as np
 
 from theory.arrays import ComplexArray, FloatArray
-from theory.parameters import within
+from theory.parameters import Range, with_ranges, within
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 
+TOLERANCES = Range(1e-14, 0.1)
 _MAX_EVALUATIONS = 30_000_000
 _EPS = float(np.finfo(float).eps)
 
 
+@with_ranges(tolerances=TOLERANCES)
 def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     """Return Σ(v, c) by the Bessel series.
 
@@ -35,7 +37,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     v, c : float
         Front velocity v̂ and coupling, dimensionless.
     tolerance : float
-        Required error, from 1e-14 to 0.1.
+        Required error, {tolerances}.
 
     Raises
     ------
@@ -52,7 +54,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
     """
     start = perf_counter()
     v, c = checked_velocity_and_coupling(v, c)
-    within("tolerance", tolerance, 1e-14, 0.1)
+    within("tolerance", tolerance, *TOLERANCES)
     # The truncation is ∫_S^∞ e^{-s/2} |Σ_{m>j} (-i)^m J_m| ds, bounded by |Σ| ≤ 2 + √(cs).
     end = 2.0 * math.log(8.0 * (2.0 + math.sqrt(80.0 * c)) / tolerance)
     width = min(1.0 / v, 2.0, 3.0 / c)

@@ -25,8 +25,8 @@ import numpy as np
 import numpy.typing as npt
 
 from theory.arrays import ComplexArray, FloatArray, IntArray
-from theory.parameters import within
-from theory.piecewise.roots import checked_velocity_and_coupling
+from theory.parameters import Range, with_ranges, within
+from theory.piecewise.roots import PARAMETERS, checked_velocity_and_coupling
 from theory.piecewise.sums import axis, rules
 from theory.piecewise.sums.beside_roots import means_of_block, sums_beside_roots
 from theory.piecewise.sums.compiled import CompiledRules, compiled_rules
@@ -38,7 +38,8 @@ MANY = 20_000
 The compiled rules differ from the plain ones by rounding. The choice therefore depends on the
 arguments alone, so that the last digit does not depend on what a process has computed before.
 """
-SMALLEST, LARGEST = 1e-20, 1e20
+TOLERANCES = Range(1e-15, 0.1)
+IN_ARRAYS = Range(1e-20, 1e20)
 """Range of v and c in arrays; outside it intermediate squares would overflow or underflow."""
 _FEW_POINTS = 1000
 """Number of values below which numbers of points are rounded up to powers of two."""
@@ -80,15 +81,16 @@ class SumArray:
     points: IntArray
 
 
+@with_ranges(parameters=PARAMETERS, tolerances=TOLERANCES)
 def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     """Return Σ(v, c) of Eq. (53) by the periodised integral.
 
     Parameters
     ----------
     v, c : float
-        Front velocity v̂ and coupling, dimensionless, from 1e-12 to 1e12.
+        Front velocity v̂ and coupling, dimensionless, {parameters}.
     tolerance : float
-        Required truncation error, from 1e-15 to 0.1; the error bound adds the rounding error.
+        Required truncation error, {tolerances}; the error bound adds the rounding error.
 
     Raises
     ------
@@ -103,7 +105,7 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     """
     start = perf_counter()
     v, c = checked_velocity_and_coupling(v, c)
-    within("tolerance", tolerance, 1e-15, 0.1)
+    within("tolerance", tolerance, *TOLERANCES)
     value, _, _, truncation, rounding, _, points = rules.sum_at(v, c, tolerance, False)
     return KineticSum(
         value=complex(value),
@@ -114,6 +116,7 @@ def sum_by_integral(v: float, c: float, tolerance: float = 1e-13) -> KineticSum:
     )
 
 
+@with_ranges(in_arrays=IN_ARRAYS, tolerances=TOLERANCES)
 def sums(
     v: npt.ArrayLike,
     c: npt.ArrayLike,
@@ -126,9 +129,9 @@ def sums(
     Parameters
     ----------
     v, c : array_like of float
-        Front velocity v̂ and coupling, dimensionless, from 1e-20 to 1e20.
+        Front velocity v̂ and coupling, dimensionless, {in_arrays}.
     tolerance : float
-        Required truncation error, from 1e-15 to 0.1; it determines the number of points.
+        Required truncation error, {tolerances}; it determines the number of points.
     slopes : bool
         Also return ∂Σ/∂v and ∂Σ/∂c.
     compiled : bool, optional
@@ -139,11 +142,11 @@ def sums(
     ParameterError
         If the tolerance, or any v or c, is out of range.
     """
-    within("tolerance", tolerance, 1e-15, 0.1)
+    within("tolerance", tolerance, *TOLERANCES)
     v_, c_ = np.asarray(v, dtype=float), np.asarray(c, dtype=float)
     for name, given in (("velocity v", v_), ("coupling c", c_)):
         for extreme in (given.min(), given.max()) if given.size else ():
-            within(name, float(extreme), SMALLEST, LARGEST)
+            within(name, float(extreme), *IN_ARRAYS)
     v_, c_ = np.broadcast_arrays(v_, c_)
     fast = v_.size >= MANY if compiled is None else compiled
     values, errors, points = sums_of_pairs(v_.ravel(), c_.ravel(), tolerance, slopes, fast)

@@ -19,7 +19,7 @@ import mpmath as mp
 import numpy as np
 
 from theory.arrays import IntArray
-from theory.parameters import count_within
+from theory.parameters import count_within, with_ranges
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.limits import static_sum_distance
 from theory.piecewise.precise_roots import exact, precise_roots
@@ -31,6 +31,7 @@ _SPARE = 8
 """Number of correct digits beyond those required, of the twelve that are computed."""
 
 
+@with_ranges(digits=DIGITS)
 def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> KineticSum:
     """Return Σ(v, c) of Eq. (53) to ``digits`` digits after the point.
 
@@ -42,7 +43,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     v, c : float or str
         Front velocity v̂ and coupling, dimensionless; strings are read as decimals.
     digits : int
-        Required digits after the point, from 1 to 2000.
+        Required digits after the point, {digits}.
 
     Raises
     ------

@@ -6,16 +6,18 @@ import itertools
 import math
 from time import perf_counter
 
-from theory.parameters import within
+from theory.parameters import Range, with_ranges, within
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 
+TOLERANCES = Range(1e-14, 0.1)
 _MAX_PIECES = 50_000
 
 LARGEST_COUPLING = 20.0
 """Largest c; beyond it QUADPACK misses peaks of width 1/c, and its estimate is not a bound."""
 
 
+@with_ranges(tolerances=TOLERANCES)
 def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSum:
     """Return Σ = -1 + (v/π) ∫₀^∞ dk/(A² + v²k²), A = ½ - i c (1 - cos k), by QUADPACK.
 
@@ -30,7 +32,7 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
     v, c : float
         Front velocity v̂ and coupling, dimensionless.
     tolerance : float
-        Required absolute tolerance, from 1e-14 to 0.1. The error returned may be larger.
+        Required absolute tolerance, {tolerances}. The error returned may be larger.
 
     Returns
     -------
@@ -55,7 +57,7 @@ def sum_by_quadrature(v: float, c: float, tolerance: float = 1e-10) -> KineticSu
 
     start = perf_counter()
     v, c = checked_velocity_and_coupling(v, c)
-    within("tolerance", tolerance, 1e-14, 0.1)
+    within("tolerance", tolerance, *TOLERANCES)
     if c > LARGEST_COUPLING:
         raise PrecisionError(
             f"quadrature at v = {v:.6g}, c = {c:.6g} would step over narrow peaks and understate "

@@ -28,7 +28,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from theory.parameters import count_within
+from theory.parameters import count_within, with_ranges
 from theory.piecewise.precise_roots import exact, precise_roots
 from theory.piecewise.roots import MAX_ROOTS, checked_velocity_and_coupling, labelled_roots
 from theory.piecewise.sums.result import DIGITS, DOUBLE, KineticSum, PrecisionError, stated
@@ -66,6 +66,7 @@ class RootSeries:
         return mp.mpc(2, 1 / self.c)
 
 
+@with_ranges(digits=DIGITS)
 def sum_by_roots(
     v: float | str, c: float | str, digits: int = DOUBLE, upper: bool = True
 ) -> KineticSum:
@@ -77,7 +78,7 @@ def sum_by_roots(
         Front velocity v̂ and coupling, dimensionless. A string is read as a decimal at full
         precision, a float is the exact binary number.
     digits : int
-        Required digits after the point, from 1 to 2000. Up to 15 digits, the roots that are summed
+        Required digits after the point, {digits}. Up to 15 digits, the roots that are summed
         one by one are computed in double precision.
     upper : bool
         Sum over M⁺ if true, over M⁻ if false. The two sums add up to -2.

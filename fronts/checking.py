@@ -79,20 +79,32 @@ class DerivedCell(Result):
         """Return the equations in SymPy syntax, and the cycles if they have a closed form."""
         from derivations.algebra.errors import DerivationInputError
 
+        cycles = ratio = None
         try:
             cycles = [
-                {"amplitude": str(cycle.amplitude), "stability": str(cycle.stability)}
+                {
+                    "amplitude": str(cycle.amplitude),
+                    "value": _value(cycle.amplitude),
+                    "stability": str(cycle.stability),
+                    "multiplicity": cycle.multiplicity,
+                }
                 for cycle in self.cycles
             ]
-        except DerivationInputError:  # the roots have no closed form in terms of the symbols
-            cycles = None
+            ratio = {"expression": str(self.ratio), "value": _value(self.ratio)}
+        except DerivationInputError:  # no closed form in terms of the symbols, or not two cycles
+            pass
         return {
             "equation": str(self.equation),
             "amplitude_equation": str(self.amplitude_equation),
             "damping_mean": str(self.damping_mean),
             "cycles": cycles,
+            "ratio": ratio,
             "seconds": self.seconds,
         }
+
+
+def _value(expression: sp.Expr) -> float | None:
+    return None if expression.free_symbols else float(expression)
 
 
 @dataclass(frozen=True, kw_only=True)

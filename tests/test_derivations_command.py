@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import pytest
 import sympy as sp
 
+import fronts as fr
 from derivations import catalogue, judgement
 from derivations.algebra import rendering
 from fronts.cli import main
@@ -107,6 +108,8 @@ def test_a_new_cell(capsys):
     assert code == 0
     assert [cycle["stability"] for cycle in data["cycles"]] == ["unstable", "stable"]
     assert data["ratio"]["value"] == pytest.approx(0.267949192431)
+    of_python = fr.derive_cell("1 - a*y**2 + b*y**4", values={"a": 4, "b": 0.5}).to_dict()
+    assert {**of_python, "seconds": data["seconds"]}.items() <= data.items()
     code, out, err = run(capsys, "cell", "--damping", "y**2 - 1")
     assert (code, out) == (2, "")
     assert "exactly two cycles" in err

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import json
+import math
 import os
 import pickle
 import re
@@ -589,8 +590,13 @@ def test_verdicts_cells_and_the_robustness_table_are_results() -> None:
     assert verdicts[0].claim.key == verdicts.to_dict()["claims"][0]["key"]
     assert verdicts.columns()["changed"].tolist() == [False]
     cell = fr.derive_cell("1 - a*y**2 + b*y**4", values={"a": 4, "b": 0.5})
-    assert [each["stability"] for each in cell.to_dict()["cycles"]] == ["unstable", "stable"]
-    assert fr.derive_cell("1 - a*y**2 + b*y**4 - c*y**6 + d*y**8").to_dict()["cycles"] is None
+    stated = cell.to_dict()
+    assert [each["stability"] for each in stated["cycles"]] == ["unstable", "stable"]
+    assert stated["ratio"]["value"] == pytest.approx(2 - math.sqrt(3), rel=1e-14)
+    open_cell = fr.derive_cell("1 - a*y**2 + b*y**4 - c*y**6 + d*y**8").to_dict()
+    assert (open_cell["cycles"], open_cell["ratio"]) == (None, None)
+    again = pickle.loads(pickle.dumps(cell))
+    assert (again, again.cycles, again.equation) == (cell, cell.cycles, cell.equation)
     derived = fr.derivation(34)
     assert derived.columns()["number"].tolist() == ["34"]
     assert derived.to_dict()["steps"][0]["from"] == [33]

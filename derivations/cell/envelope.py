@@ -44,6 +44,10 @@ class Envelope:
 
     model: ChainModel
 
+    def __getstate__(self) -> dict[str, ChainModel]:
+        """Return the model alone: what follows from it is derived anew after unpickling."""
+        return {"model": self.model}
+
     @cached_property
     def derivation(self) -> Derivation:
         """Its steps to first order, with the resulting front; each is computed on demand."""

@@ -9,17 +9,18 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
 from derivations import catalogue
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_writable
+from fronts.checking import DerivedCell
 from fronts.output import with_table
 from verification.execution.files import write_by
 
 if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
-    from derivations.cell.envelope import Envelope
     from derivations.chain import ChainModel
     from derivations.judgement import EquationJudgement
 
@@ -282,37 +283,19 @@ def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool)
     from derivations.cell.envelope import derive_envelope
     from derivations.cell.steps import derive
 
+    begin = perf_counter()
     envelope = derive_envelope(cell.damping, cell.stiffness, cell.coupling or "c")
     envelope = envelope.with_values(cell.numbers)
-    derivation = derive(envelope.model, order, front=front)
-    answer = _shown(derivation, form)
-    payload = dict(answer.payload)
-    payload["averaged"], payload["amplitude"] = _pair(envelope)
-    try:
-        payload["cycles"] = [
-            {"amplitude": str(cycle.amplitude), "value": _number(cycle.amplitude),
-             "stability": cycle.stability, "multiplicity": cycle.multiplicity}
-            for cycle in envelope.cycles
-        ]  # fmt: skip
-        if front:
-            relation = envelope.kinetic_relation()
-            payload["ratio"] = {"expression": str(relation.ratio), "value": _number(relation.ratio)}
-    except DerivationInputError as error:
-        if front:
+    answer = _shown(derive(envelope.model, order, front=front), form)
+    if front:
+        try:
+            envelope.kinetic_relation()
+        except DerivationInputError as error:
             remedy = f"{error.remedy}; for its averaged equation alone add --no-front"
             raise DerivationInputError(
                 error.quantity, error.value, error.allowed, remedy
             ) from None  # fmt: skip
-        payload["cycles"] = None  # no closed form
+    found = DerivedCell(envelope=envelope, seconds=perf_counter() - begin)
+    payload = {**answer.payload, **found.to_dict()}
     text = json.dumps(payload) if form == "json" else answer.text
     return Answer(payload, text, answer.exit_code)
-
-
-def _pair(envelope: Envelope) -> tuple[str, str]:
-    from derivations.algebra.rendering import equation_latex
-
-    return equation_latex(envelope.equation), equation_latex(envelope.amplitude_equation)
-
-
-def _number(expression: Any) -> float | None:
-    return None if expression.free_symbols else float(expression)

@@ -257,6 +257,12 @@ def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
         snapshot(result, axes, **style)(-1)
         axes.set_title(f"t = {result.times[-1]:.6g}")
         return
+    time = "time τ" if result.chain.model == "friction" else "time t"
+    if result.times[0] == result.times[-1]:  # one instant has no extent in time
+        sites = np.arange(1, amplitude.shape[1] + 1)
+        axes.plot(sites, amplitude[-1], **{"marker": "o", "ms": 3.0, "color": BLUE, **style})
+        axes.set(xlabel="site n", ylabel="amplitude", title=f"{time} = {result.times[-1]:.6g}")
+        return
     image = axes.imshow(
         amplitude.T,
         origin="lower",
@@ -271,7 +277,6 @@ def _trajectory(result: Any, axes: Axes, **style: Any) -> None:
             result.arrivals[reached], reached + 1, "o", ms=2.0, color=VERMILION, label="reached"
         )
         axes.legend(loc="upper left", frameon=True, facecolor="white", framealpha=0.8)
-    time = "time τ" if result.chain.model == "friction" else "time t"
     axes.set(xlabel=time, ylabel="site n")
     axes.figure.colorbar(image, ax=axes, label="amplitude")
 

@@ -246,6 +246,19 @@ def test_of_a_run_each_arrival_is_drawn_at_its_time_and_site() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time t", "site n")
 
 
+def test_of_a_run_with_one_sample_the_amplitudes_are_drawn_against_the_sites() -> None:
+    from fronts.pictures import _trajectory
+
+    run = _run(np.array([[1.0, 3.0, 2.0]]), model="friction")
+    run.times = np.array([7.5])
+    axes = Figure().subplots()
+    _trajectory(run, axes)
+    (line,) = axes.lines
+    assert (list(line.get_xdata()), list(line.get_ydata())) == ([1, 2, 3], [1.0, 3.0, 2.0])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("site n", "amplitude")
+    assert "time τ = 7.5" in {axes.get_title(loc=each) for each in ("left", "center", "right")}
+
+
 def test_of_a_run_on_a_lattice_the_end_is_drawn() -> None:
     from fronts.pictures import _trajectory
 

@@ -70,7 +70,7 @@ def test_a_run_that_is_not_resolved_may_be_on_the_other_side(apart: float, resol
         for phase in (0.0, turn)
     )  # fmt: skip
     runs: Any = [first, other]
-    found = simulate_module._trajectory(FRONT, runs, 0.0)
+    found = simulate_module._trajectory(FRONT, 1.0, runs, 0.0)
     assert found.error is not None
     if resolved:
         assert found.status is RunStatus.RESOLVED
@@ -305,19 +305,32 @@ def test_times_are_those_asked_for_and_the_run_goes_to_its_end() -> None:
     assert run.times.tolist() == [1.0, 2.5]
     assert math.isclose(run.arrivals[0], whole.arrivals[0], abs_tol=1e-8)
     assert run.counts["sticks"] == whole.counts["sticks"]
+    assert run.t_end == run.to_dict()["t_end"] == 50.0
+
+
+def test_one_time_is_enough_and_a_number_of_samples_beside_times_is_refused() -> None:
+    start = excite(FRONT, [1])
+    alone = simulate(FRONT, start, 3.0, times=[2.0], estimate_error=False)
+    assert (alone.times.tolist(), alone.states.shape) == ([2.0], (1, 2, FRONT.sites))
+    among = simulate(FRONT, start, 3.0, times=[0.0, 2.0, 3.0], estimate_error=False)
+    assert np.array_equal(alone.states[0], among.states[1])
+    with pytest.raises(ParameterError, match="samples = 2 is not allowed: .* absent beside times"):
+        simulate(FRONT, start, 3.0, samples=2, times=[0.0, 3.0])
+    with pytest.raises(ParameterError, match="number of samples = 0"):
+        simulate(FRONT, start, 3.0, times=[])
 
 
 @pytest.mark.parametrize(
     "times", [[-1.0, 1.0], [2.0, 1.0], [0.0, 3.5], [-2.0, -1.0], [0.0, 2.0, 1.0]]
 )
 def test_times_of_samples_ascend_from_zero_to_the_end(times: list[float]) -> None:
-    with pytest.raises(ParameterError, match="times of the samples"):
-        simulate_module._sample_times(FRONT, 3.0, 5, times)
+    with pytest.raises(ParameterError, match=r"times of the samples = \[.*from 0 to t_end = 3;"):
+        simulate_module._sample_times(FRONT, 3.0, None, times)
 
 
 @pytest.mark.parametrize("times", [[0.0, 3.0], [1.0, 1.0, 2.0], [0.0, 0.0], [3.0, 3.0]])
 def test_times_of_samples_may_be_the_ends_and_twice_the_same(times: list[float]) -> None:
-    assert simulate_module._sample_times(FRONT, 3.0, 5, times).tolist() == times
+    assert simulate_module._sample_times(FRONT, 3.0, None, times).tolist() == times
 
 
 @pytest.mark.parametrize("displacement", [1000.0, -1000.0])

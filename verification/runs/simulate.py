@@ -40,6 +40,7 @@ from verification.runs.trajectory import RunStatus, Trajectory
 
 TOLERANCES = Range(1e-14, 1e-2)
 SAMPLES = Range(2, 1_000_000)
+DEFAULT_SAMPLES = 201
 
 MAX_NUMBERS = 10**8
 """Samples times sites that a run may store: a few gigabytes."""
@@ -57,7 +58,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     t_end: float,
     *,
     tolerance: float | None = None,
-    samples: int = 201,
+    samples: int | None = None,
     times: Sequence[float] | None = None,
     level: float | None = None,
     estimate_error: bool = True,
@@ -81,10 +82,12 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     tolerance : float, optional
         Local error, {tolerance}: relative to the largest value of the state, by default
         1e-9; for the friction chain absolute, by default 1e-10.
-    samples : int
-        Number of states sampled, evenly spaced from 0 to ``t_end``; at least {samples}.
+    samples : int, optional
+        Number of states sampled, evenly spaced from 0 to ``t_end``; at least {samples}, by default
+        201.
     times : sequence of float, optional
-        Times at which states are sampled instead, ascending, the last one at most ``t_end``.
+        Times at which states are sampled instead, ascending, the last one at most ``t_end``; one
+        is enough.
     level : float, optional
         Amplitude that counts as an arrival; by default the unstable amplitude of the chain. The
         friction chain has no level: a site is reached when it first sticks.
@@ -155,23 +158,29 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         need_instance("checkpoint", checkpoint, (str, PathLike), "name a file")
     file = None if checkpoint is None else Path(checkpoint)
     spent = run_to_end(runs, t_end, budget, file, progress)
-    return _trajectory(chain, runs, spent - begin, places)
+    return _trajectory(chain, t_end, runs, spent - begin, places)
 
 
 def _sample_times(
-    chain: Chain, t_end: float, samples: int, times: Sequence[float] | None
+    chain: Chain, t_end: float, samples: int | None, times: Sequence[float] | None
 ) -> FloatArray:
     sites = getattr(chain, "sites", 1)
     if times is None:
-        _check_samples(samples, sites)
+        samples = DEFAULT_SAMPLES if samples is None else samples
+        _check_samples(samples, sites, SAMPLES.low)
         return np.linspace(0.0, t_end, samples)
+    if samples is not None:
+        raise ParameterError("samples", samples, "absent beside times", "give one of the two")
     found = np.atleast_1d(real_array("times of the samples", times))
-    _check_samples(len(found), sites)
+    _check_samples(len(found), sites, 1)
     if not (
         found.ndim == 1 and np.all(np.diff(found) >= 0.0) and found[0] >= 0.0 and found[-1] <= t_end
     ):
         raise ParameterError(
-            "times of the samples", "not ascending from 0 to the end", "ascending", "sort them"
+            "times of the samples",
+            np.array2string(found, threshold=6, edgeitems=2),
+            f"ascending, from 0 to t_end = {t_end:g}",
+            "sort them, or take a later t_end",
         )
     return found
 
@@ -190,8 +199,8 @@ def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntA
     return every[order], np.flatnonzero(order < len(asked))
 
 
-def _check_samples(samples: int, sites: int) -> None:
-    count_within("number of samples", samples, *SAMPLES)
+def _check_samples(samples: int, sites: int, least: int) -> None:
+    count_within("number of samples", samples, least, SAMPLES.high)
     most = MAX_NUMBERS // sites
     if samples > most:
         raise ParameterError(
@@ -200,7 +209,11 @@ def _check_samples(samples: int, sites: int) -> None:
 
 
 def _trajectory(
-    chain: Chain, runs: Sequence[Integration], offset: float, places: IntArray | None = None
+    chain: Chain,
+    t_end: float,
+    runs: Sequence[Integration],
+    offset: float,
+    places: IntArray | None = None,
 ) -> Trajectory:
     """Return the trajectory of the first run at the samples, with its error from the others."""
     first, *others = runs
@@ -220,6 +233,7 @@ def _trajectory(
             status = RunStatus.EVENTS_DIFFER
     return Trajectory(
         chain=chain,
+        t_end=t_end,
         times=first.times[shown],
         states=first.samples[shown],
         amplitude=first.sampled_amplitude[shown],

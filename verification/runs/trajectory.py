@@ -43,6 +43,8 @@ class Trajectory(Result):
     ----------
     chain : Chain
         Parameters.
+    t_end : float
+        Final time of the run, which may be later than the last sample.
     times : ndarray, shape (M,)
         Times t of the samples (τ for the friction chain), dimensionless.
     states : ndarray, shape (M, 2, N)
@@ -81,6 +83,7 @@ class Trajectory(Result):
     """
 
     chain: Any
+    t_end: float
     times: FloatArray = field(metadata={"axis": "t"})
     states: FloatArray = field(metadata={"dims": ("t", "component", "site")})
     amplitude: FloatArray = field(metadata={"dims": ("t", "site")})
@@ -97,12 +100,12 @@ class Trajectory(Result):
     seconds: float
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result for JSON: last state, arrivals, errors and counts, but no samples."""
+        """Return the result for JSON: last sample, arrivals, errors and counts, but no others."""
         smooth = isinstance(self.chain, SmoothChain)
         width = int(self.width[-1]) if smooth else int(np.count_nonzero(~np.isnan(self.arrivals)))
         return {
             "model": self.chain.model,
-            "t_end": float(self.times[-1]),
+            "t_end": self.t_end,
             "amplitudes": plain(self.amplitude[-1]),
             "width": width,
             "arrivals": plain(self.arrivals),

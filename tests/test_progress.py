@@ -98,7 +98,7 @@ def test_in_a_file_there_is_a_line_after_ten_seconds_and_then_one_a_minute(
 
 
 @pytest.mark.parametrize("quiet", [False, True])
-def test_in_a_pipe_there_are_the_same_lines_and_beside_json_none(
+def test_in_a_pipe_there_are_the_same_lines_and_beside_json_none_for_each_step(
     quiet: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reading, writing = os.pipe()
@@ -108,8 +108,22 @@ def test_in_a_pipe_there_are_the_same_lines_and_beside_json_none(
             shown.end("fig9", "reproduced")
     with os.fdopen(reading) as read:
         found = read.read().splitlines()
-    assert found[:3] == ([] if quiet else LINES)
-    assert len(found) == (0 if quiet else 4)
+    assert found[:3] == LINES
+    assert len(found) == (3 if quiet else 4)
+
+
+def test_steps_that_print_no_line_of_their_own_count_in_that_of_a_minute(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = _Clock()
+    with (tmp_path / "log").open("w") as file, monkeypatch.context() as patch:
+        patch.setattr(progress.time, "monotonic", clock)
+        with Progress("claims", steps=4, stream=file, quiet=True) as shown:
+            for second in (5.0, 20.0, 90.0):
+                clock.now = second
+                shown.end("fig9", "reproduced")
+    lines = (tmp_path / "log").read_text().splitlines()
+    assert [line.partition(",")[0] for line in lines] == ["claims: 50 %", "claims: 75 %"]
 
 
 def test_a_closed_stream_is_let_be(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,7 @@ In a terminal or a notebook a live line (by rich) shows what is running, what fr
 the time remaining. The first estimate appears with the second report, so that compilation, which is
 over by the first one, does not count. Otherwise, as under ``nohup`` or in the log of another
 program, a line is printed after ten seconds and then once a minute. A ``quiet`` progress, as for
-``--json``, is shown in a terminal or a notebook only.
+``--json``, does not print the end of each step there.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Progress:
     at_once : int, optional
         How many of them run in parallel; if more have begun, the others are waiting.
     quiet : bool, optional
-        Whether to show nothing outside a terminal or a notebook.
+        Whether to print no line for each step outside a terminal or a notebook.
     stream : file, optional
         Output stream; by default standard error.
 
@@ -118,11 +118,12 @@ class Progress:
             self.finished += 1
             digits = len(str(self._steps))
             elapsed = time.monotonic() - self._begin
-            self._print(
-                f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {said}"
-            )
+            if self._live is not None or not self._quiet:
+                self._print(
+                    f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {said}"
+                )
             self._describe()
-        if self._live is not None:
+        if self._live is not None or self._quiet:
             self.report(self.finished / max(self._steps, 1))
 
     def _left(self) -> str:
@@ -140,7 +141,7 @@ class Progress:
     def _print(self, line: str) -> None:
         if self._live is not None:
             self._live.console.print(line, markup=False, highlight=False, soft_wrap=True)
-        elif not self._quiet:
+        else:
             print(line, file=self._stream, flush=True)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from theory.averaged.breather import BreatherStatus, Reading
 from theory.chains.nucleus import Nucleus, Place
@@ -393,18 +394,48 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(eps: fl
 def test_eigenvalues_err_by_what_their_matrix_does(size: float) -> None:
     """Of orthogonal vectors by as much, of dependent ones by the root of it, and by rounding."""
     ring = size * np.diag([1.0, 2.0, 2.0])
-    exact = eigenvalue_bound(ring, np.eye(3), 0.0)
+    values = np.diag(ring).astype(complex)
+    exact = eigenvalue_bound(ring, values, np.eye(3), 0.0)
     assert exact == pytest.approx(3.0 * EPSILON * 3.0 * size)
-    off = eigenvalue_bound(ring, np.eye(3), 1e-6)
-    assert off == pytest.approx(3e-6, rel=1e-3)
+    assert eigenvalue_bound(ring, values, np.eye(3), 3e-6) == pytest.approx(3e-6, rel=1e-3)
     for error in (1e-6, size):  # of two equal entries on the diagonal
         block = np.array([[size, size], [0.0, size]])
-        delta = 2.0 * error
-        bound = eigenvalue_bound(block, np.array([[1.0, 1.0], [0.0, 0.0]]), error)
+        vectors = np.array([[1.0, 1.0], [0.0, 0.0]])
+        bound = eigenvalue_bound(block, np.full(2, size, complex), vectors, error)
         norm = math.sqrt(3.0) * size
-        assert bound == pytest.approx(math.sqrt(delta * (2.0 * norm + delta)), rel=1e-6)
+        assert bound == pytest.approx(math.sqrt(error * (2.0 * norm + error)), rel=1e-6)
         moved = np.linalg.eigvals(block + np.array([[0.0, 0.0], [error, 0.0]]))
         assert np.abs(moved - size).max() <= bound
+
+
+def test_of_two_eigenvalues_that_are_close_both_may_be_beside_one_of_them() -> None:
+    """The other computed one is then farther from them than the error of the matrix."""
+    error = 1e-3
+    values = np.array([1.0, 1.0 + math.sqrt(2.0) * error])
+    turn = np.array([[1.0, 1.0], [-1.0, 1.0]]) / math.sqrt(2.0)
+    exact = np.diag(values) + error * turn
+    assert np.linalg.norm(exact - np.diag(values), 2) == pytest.approx(error)
+    assert np.linalg.eigvals(exact) == pytest.approx(values[1], abs=1e-8)
+    bound = eigenvalue_bound(np.diag(values), values.astype(complex), np.eye(2), error)
+    assert values[1] - values[0] > error
+    assert values[1] - values[0] < bound <= (1.0 + math.sqrt(2.0)) * error + 1e-14
+    apart = np.diag([1.0, 1.0 + 2.001 * error])  # here each one has one of the exact ones
+    alone = eigenvalue_bound(apart, np.diag(apart).astype(complex), np.eye(2), error)
+    assert alone == pytest.approx(error)
+
+
+@pytest.mark.parametrize("parity", [1, -1])
+def test_multipliers_of_one_parity_err_as_much_as_the_whole_matrix_may(parity: int) -> None:
+    """Every entry is off by as much as stated; those of a mode add up over all sites."""
+    error, modes = 1e-6, scipy.linalg.hadamard(8).T  # over four sites, each even or odd
+    place = 0 if parity == 1 else 1
+    exact = np.array([0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 1.0, 0.3])  # of orthogonal modes
+    matrix = modes.T @ np.diag(exact / 8.0) @ modes
+    off = error * np.outer(modes[place], modes[place])
+    found = floquet.floquet_multipliers(matrix + off, 6.0, 0.01, parity=-1, error=error)
+    moved = found.values.real - np.sort(exact)[::-1]
+    assert moved[1 + place] == pytest.approx(8.0 * error)
+    assert moved[1 + place] <= found.error < 8.1 * error
 
 
 @pytest.mark.parametrize("parity", [1, -1])
@@ -440,7 +471,7 @@ def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
     monkeypatch.setattr(floquet, "integrate_along_sinusoids", integrate)
     closed: Any = SimpleNamespace(alpha_0=1.0, amplitudes=np.ones, phase_step=0.1, frequency=1.25)
     found = floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
-    assert 4e-6 <= found.error < 4.1e-6  # of four even modes
+    assert 6e-6 <= found.error < 6.1e-6  # six entries of a row
     assert found.growth == pytest.approx(math.log(0.9) / (CHAIN.eps * 2.0 * math.pi / 1.25))
 
 

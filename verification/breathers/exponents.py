@@ -7,9 +7,11 @@ period of (8) they give multipliers e^{2πελ} to leading order.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from theory.arrays import ComplexArray, FloatArray
 from theory.averaged.envelope import envelope_jacobian
@@ -41,8 +43,8 @@ class BreatherStability:
     marginal : float
         Growth rate up to which a mode counts as not growing: round-off of an exact zero.
     error : float
-        Bound on the distance of each computed value from an exact one; infinite if it was not
-        computed.
+        Bound on the distances of all computed values from the exact ones, paired suitably; infinite
+        if it was not computed.
     growth_error : float
         The same for ``growth``; also infinite where a multiplier may be zero.
     """
@@ -86,37 +88,25 @@ def exponents(
     Their error bounds follow from the errors of φ and Ω, as those of multipliers do. They are
     infinite, and eigenvectors are not computed, if ``error`` is.
     """
-    jacobian, bound = rotating_jacobian(phi, omega, chain), math.inf
-    if error < math.inf:
-        off = omega_error + _bend(np.abs(phi), chain) * error
-        bound = eigenvalue_bound(jacobian, np.linalg.eig(jacobian)[1], off)
-    if not mirrored:
-        values = np.asarray(np.linalg.eigvals(jacobian), dtype=complex)
-        values = values[np.argsort(-values.real, kind="stable")]
-        symmetric = antisymmetric = None
-        rest = np.delete(values, int(np.abs(values).argmin()))
-    else:
+    parity = 0
+    if mirrored:  # the phase mode iφ has the parity of φ
         parity = 1 if np.abs(phi + phi[::-1]).sum() > np.abs(phi - phi[::-1]).sum() else -1
-        even = split_eigenvalues(jacobian, parity)
-        odd = split_eigenvalues(jacobian, -parity)
-        values = np.concatenate([even, odd])
-        values = values[np.argsort(-values.real, kind="stable")]
-        # The phase mode iφ has the parity of φ.
-        even = np.delete(even, int(np.abs(even).argmin()))
-        symmetric, antisymmetric = float(even.real.max()), float(odd.real.max())
-        rest = np.concatenate([even, odd])
-    leader = rest[int(rest.real.argmax())]
+    # The error of φ is that of its real and of its imaginary part; sites do not affect one another.
+    off = omega_error + math.sqrt(2.0) * _bend(np.abs(phi), chain) * error
+    found = modes_of(
+        rotating_jacobian(phi, omega, chain), parity, trivial=0.0, size=np.real, off=off
+    )
     return BreatherStability(
-        values=values,
-        trivial=float(np.abs(values).min()),
-        leader=complex(leader),
-        growth=float(leader.real),
-        frequency=float(abs(leader.imag)),
-        symmetric=symmetric,
-        antisymmetric=antisymmetric,
+        values=found.values,
+        trivial=found.trivial,
+        leader=found.leader,
+        growth=found.leader.real,
+        frequency=abs(found.leader.imag),
+        symmetric=None if found.symmetric is None else found.symmetric.real,
+        antisymmetric=None if found.antisymmetric is None else found.antisymmetric.real,
         marginal=MARGINAL,
-        error=bound,
-        growth_error=bound,
+        error=found.error,
+        growth_error=found.error,
     )
 
 
@@ -126,33 +116,125 @@ def _bend(size: FloatArray, chain: VanDerPolChain) -> float:
     return largest * (0.75 * chain.a + 1.25 * chain.b * largest**2)
 
 
-def eigenvalue_bound(matrix: FloatArray, vectors: ComplexArray, error: float) -> float:
-    """Return a bound on the distance of eigenvalues of an n × n matrix from those of the exact one.
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Eigenvalues of a monodromy matrix or a Jacobian, split by parity.
 
-    With δ the error of the matrix in the spectral norm and V its eigenvectors, the bounds are
-    cond(V) δ (Bauer and Fike 1960) and (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). The rounding of
-    LAPACK is equivalent to a perturbation of the matrix by n units in the last place.
+    Attributes
+    ----------
+    values : complex array, shape (2N,)
+        All of them by descending size.
+    trivial : float
+        Distance of the trivial one from its exact value.
+    leader : complex
+        The largest nontrivial one.
+    symmetric, antisymmetric : complex or None
+        The largest nontrivial one of the breather's own parity, and that of the other; None if they
+        are not split.
+    error : float
+        Bound on the distances of all values from the exact ones, paired suitably.
     """
-    size = len(matrix)
-    norm = float(np.linalg.norm(matrix))
-    off = size * (error + float(np.finfo(float).eps) * norm)
-    elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
-    with np.errstate(over="ignore"):  # eigenvectors may be dependent to the last bit
-        return float(min(float(np.linalg.cond(vectors)) * off, elsner))
+
+    values: ComplexArray
+    trivial: float
+    leader: complex
+    symmetric: complex | None
+    antisymmetric: complex | None
+    error: float
 
 
-def split_eigenvalues(matrix: FloatArray, parity: int) -> ComplexArray:
-    """Return the eigenvalues of a (2N, 2N) matrix on vectors of one parity under n → N+1-n.
+def modes_of(
+    matrix: FloatArray,
+    parity: int,
+    *,
+    trivial: float,
+    size: Callable[[ComplexArray], FloatArray],
+    off: float,
+) -> Modes:
+    """Return the eigenvalues of a matrix, sorted and split by parity, with their error.
 
     Parameters
     ----------
     matrix : float array, shape (2N, 2N)
-        Two blocks of N sites each; commutes with the reflection.
+        Two blocks of N sites each; commutes with the reflection n → N+1-n if ``parity`` is given.
     parity : int
-        +1 or -1.
+        Parity of the breather, which is also that of the trivial mode; 0 if it has none.
+    trivial : float
+        Eigenvalue of the trivial mode of an exact breather.
+    size : callable
+        What the eigenvalues are sorted by.
+    off : float
+        Error of the matrix in the spectral norm. No eigenvectors are computed if it is infinite.
     """
-    basis = parity_basis(matrix.shape[0] // 2, parity)
-    return np.asarray(np.linalg.eigvals(basis @ matrix @ basis.T), dtype=complex)
+
+    def largest(among: ComplexArray) -> complex:
+        return complex(among[int(size(among).argmax())])
+
+    sites = len(matrix) // 2
+    bases = (
+        [parity_basis(sites, each) for each in (parity, -parity)]
+        if parity
+        else [np.eye(len(matrix))]
+    )
+    spectra = [_spectrum(basis @ matrix @ basis.T, off) for basis in bases]
+    values = np.concatenate([found for found, _ in spectra])
+    own = spectra[0][0]
+    place = int(np.abs(own - trivial).argmin())
+    nontrivial = [np.delete(own, place), *(found for found, _ in spectra[1:])]
+    symmetric, antisymmetric = map(largest, nontrivial) if parity else (None, None)
+    return Modes(
+        values=values[np.argsort(-size(values), kind="stable")],
+        trivial=float(abs(own[place] - trivial)),
+        leader=largest(np.concatenate(nontrivial)),
+        symmetric=symmetric,
+        antisymmetric=antisymmetric,
+        error=max(error for _, error in spectra),
+    )
+
+
+def _spectrum(matrix: FloatArray, off: float) -> tuple[ComplexArray, float]:
+    """Return the eigenvalues of a matrix and their error, which is infinite if ``off`` is."""
+    if off == math.inf:
+        return np.asarray(np.linalg.eigvals(matrix), dtype=complex), math.inf
+    values, vectors = np.linalg.eig(matrix)
+    return np.asarray(values, dtype=complex), eigenvalue_bound(matrix, values, vectors, off)
+
+
+def eigenvalue_bound(
+    matrix: FloatArray, values: ComplexArray, vectors: ComplexArray, off: float
+) -> float:
+    """Return a bound on the distances of eigenvalues from those of the exact matrix, in pairs.
+
+    With δ the error of the matrix in the spectral norm and V its eigenvectors, every exact
+    eigenvalue lies in a disc about a computed one, of radius cond(V) δ (Bauer and Fike 1960) and of
+    radius (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). By continuity, discs that are connected to one
+    another contain as many exact eigenvalues as discs, but one of them may contain all. Exact ones
+    are therefore as far from any of the computed ones as the radius and the largest distance
+    between the centres of connected discs. The rounding of LAPACK is equivalent to a perturbation
+    of the matrix by n units in the last place.
+
+    Parameters
+    ----------
+    matrix, values, vectors : array
+        Computed n × n matrix, and its eigenvalues and eigenvectors.
+    off : float
+        Error of the matrix in the spectral norm.
+
+    Examples
+    --------
+    >>> pair = np.diag([1.0, 1.5])
+    >>> [round(eigenvalue_bound(pair, np.diag(pair), np.eye(2), off), 9) for off in (0.2, 0.3)]
+    [0.2, 0.8]
+    """
+    size = len(matrix)
+    norm = float(np.linalg.norm(matrix))
+    off += size * float(np.finfo(float).eps) * norm
+    elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
+    with np.errstate(over="ignore"):  # eigenvectors may be dependent to the last bit
+        radius = float(min(float(np.linalg.cond(vectors)) * off, elsner))
+    apart = np.abs(np.subtract.outer(values, values))
+    _, group = connected_components(apart <= 2.0 * radius, directed=False)
+    return radius + float(apart[np.equal.outer(group, group)].max())
 
 
 def parity_basis(sites: int, parity: int) -> FloatArray:

@@ -12,16 +12,11 @@ import math
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import FloatArray
 from theory.averaged.breather import ClosedFormBreather
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.breathers.exponents import (
-    BreatherStability,
-    eigenvalue_bound,
-    parity_basis,
-    split_eigenvalues,
-)
+from verification.breathers.exponents import BreatherStability, modes_of
 from verification.steppers.variational import STEPS, integrate_along_sinusoids
 
 MARGINAL = 1e-8
@@ -40,8 +35,8 @@ def floquet_multipliers(
 
     The growth rate of a multiplier is ln|μ|/(ε period), comparable with that of an exponent of
     (43). The errors of the multipliers are bounded by the theorem of Bauer and Fike or, where the
-    eigenvectors are nearly dependent, of Elsner; the bound includes the estimated error of the
-    monodromy matrix and the rounding of its eigenvalues.
+    eigenvectors are nearly dependent, of Elsner (``eigenvalue_bound``); the bound includes the
+    estimated error of the monodromy matrix and the rounding of its eigenvalues.
 
     Parameters
     ----------
@@ -63,38 +58,23 @@ def floquet_multipliers(
     (0.0, -6.931, True)
     """
 
-    def rate(values: ComplexArray) -> float:
-        return math.log(max(float(np.abs(values).max()), 1e-300)) / (eps * period)
+    def rate(multiplier: complex) -> float:
+        return math.log(max(abs(multiplier), 1e-300)) / (eps * period)
 
-    sites = monodromy.shape[0] // 2
-    basis = parity_basis(sites, parity) if parity else np.eye(2 * sites)
-    own, vectors = np.linalg.eig(basis @ monodromy @ basis.T)
-    own = np.asarray(own, dtype=complex)
-    place = int(np.abs(own - 1.0).argmin())
-    trivial = float(abs(own[place] - 1.0))
-    rest = np.delete(own, place)
-    values, bound = own, eigenvalue_bound(basis @ monodromy @ basis.T, vectors, error)
-    symmetric = antisymmetric = None
-    if parity:
-        odd = parity_basis(sites, -parity)
-        block = odd @ monodromy @ odd.T
-        bound = max(bound, eigenvalue_bound(block, np.linalg.eig(block)[1], error))
-        other = split_eigenvalues(monodromy, -parity)
-        symmetric, antisymmetric = rate(rest), rate(other)
-        values, rest = np.concatenate([own, other]), np.concatenate([rest, other])
-    values = values[np.argsort(-np.abs(values), kind="stable")]
-    leader = complex(rest[int(np.abs(rest).argmax())])
-    share = bound / abs(leader) if leader else math.inf
+    # The spectral norm of a matrix is at most its order times its largest entry.
+    found = modes_of(monodromy, parity, trivial=1.0, size=np.abs, off=len(monodromy) * error)
+    leader = found.leader
+    share = found.error / abs(leader) if leader else math.inf
     return BreatherStability(
-        values=values,
-        trivial=trivial,
+        values=found.values,
+        trivial=found.trivial,
         leader=leader,
-        growth=rate(rest),
+        growth=rate(leader),
         frequency=abs(cmath.phase(leader)) / (eps * period),
-        symmetric=symmetric,
-        antisymmetric=antisymmetric,
+        symmetric=None if found.symmetric is None else rate(found.symmetric),
+        antisymmetric=None if found.antisymmetric is None else rate(found.antisymmetric),
         marginal=MARGINAL,
-        error=bound,
+        error=found.error,
         growth_error=-math.log1p(-share) / (eps * period) if share < 1.0 else math.inf,
     )
 

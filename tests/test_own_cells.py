@@ -73,18 +73,34 @@ def test_a_cell_without_cycles_rests_from_everywhere_without_error() -> None:
     assert found.basin == (-np.inf, np.inf)
 
 
-def test_a_multiplier_is_what_the_damping_leaves_of_a_deviation_in_a_turn() -> None:
-    """Liouville: the Floquet multiplier of a cycle is exp(-ε ∮ h dt) for a damping h(y)."""
-    eps = 0.5
-    found = own(damping="y**2 - 1", eps=eps).stable_cycle
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-7])
+@pytest.mark.parametrize(
+    ("text", "h", "by_v"),
+    [
+        ("y**2 - 1", lambda y, v: y**2 - 1.0, lambda y, v: y**2 - 1.0),
+        ("v**4 - 1", lambda y, v: v**4 - 1.0, lambda y, v: 5.0 * v**4 - 1.0),
+        (
+            "y**2 + y*v + v**4 - 1",
+            lambda y, v: y**2 + y * v + v**4 - 1.0,
+            lambda y, v: y**2 + 2.0 * y * v + 5.0 * v**4 - 1.0,
+        ),
+    ],
+)
+def test_a_multiplier_is_what_the_damping_leaves_of_a_deviation_in_a_turn(
+    text: str, h: Any, by_v: Any, tolerance: float
+) -> None:
+    """Liouville: the Floquet multiplier of a cycle is exp(-ε ∮ ∂(hẏ)/∂ẏ dt)."""
+    eps, chain = 0.5, OscillatorChain(damping=text, c=0.0, eps=0.5)
+    found, exact = cell(chain, tolerance=tolerance).stable_cycle, exact_cell(chain).stable_cycle
     assert found is not None
-    rate = oscillator_rate(
-        lambda y: y, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=eps
-    )  # fmt: skip
-    times = np.linspace(0.0, found.period, 4001)
-    y = states_by_scipy(rate, np.array([found.max, 0.0]), times)[:, 0]
-    lost = eps * float(np.mean(y[:-1] ** 2 - 1.0)) * found.period  # the mean over a period
-    assert found.multiplier == pytest.approx(np.exp(-lost), rel=1e-5)  # of differences
+    assert found.multiplier is not None
+    assert found.multiplier_error is not None
+    rate = oscillator_rate(lambda y: y, h, np.zeros((1, 1)), c=0.0, eps=eps)
+    times = np.linspace(0.0, exact.period, 4001)
+    y, v = states_by_scipy(rate, np.array([exact.max, 0.0]), times).T
+    lost = eps * float(np.mean(by_v(y, v)[:-1])) * exact.period  # the mean over a period
+    off = abs(found.multiplier - np.exp(-lost))
+    assert off <= found.multiplier_error < 1e4 * tolerance
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-14])
@@ -300,10 +316,18 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
     cell: Any = SimpleNamespace(cycles=limits)
     true = (1.01, 1.06, 1.155)
     _made_turns(monkeypatch, true, 3.0)
+    multiplier = (1.0 / 3.0, 3.0, 1.0 / 3.0)[at]
+
+    def exponents(_: object, __: float, turn: Any) -> Any:
+        beside = 0.1 * (turn.bottom + 0.5 * true[at])
+        return np.log(multiplier) + np.array([beside, beside])
+
+    monkeypatch.setattr(shooting, "_exponents", exponents)
     found = shooting._cycle(cell, 0.1, at, 1e-9)
     assert found.max == pytest.approx(true[at] + 1e-6, abs=1e-12)
     assert found.min == pytest.approx(-0.5 * found.max)
-    assert found.multiplier == pytest.approx((1.0 / 3.0, 3.0, 1.0 / 3.0)[at], rel=1e-9)
+    assert found.multiplier == pytest.approx(multiplier, rel=1e-7)
+    assert found.multiplier_error == pytest.approx(0.05 * found.error * multiplier, rel=1e-3)
     assert found.error == pytest.approx(99.0 * 1e4 * 1e-9, rel=1e-6)
 
 
@@ -426,7 +450,7 @@ def test_cycles_are_found_by_shooting_on_any_scale_of_time_and_of_amplitude() ->
     assert slow.period == pytest.approx(100.0 * usual.period, rel=1e-7)
     assert fast.max == pytest.approx(2.0, rel=1e-3)
     assert wide.max == pytest.approx(1e6 * usual.max, rel=1e-8)
-    assert wide.multiplier == pytest.approx(usual.multiplier, rel=1e-5)
+    assert wide.multiplier == pytest.approx(usual.multiplier, rel=1e-9)
 
 
 def test_a_cell_of_van_der_pol_without_cycles_is_at_rest_and_its_coefficients_have_ranges() -> None:
@@ -544,13 +568,20 @@ def test_the_cycles_around_a_node_close_in_scipy() -> None:
         assert np.abs(back - [each.max, 0.0]).max() <= 3.0 * each.error
 
 
-def test_no_multiplier_is_given_that_differences_do_not_resolve() -> None:
-    """By Liouville it is 661 at ε = 1, where the central difference alone gives 781."""
-    for eps, resolved in ((0.3, True), (1.0, False)):
-        chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.0, eps=eps)
-        found = cell(chain, tolerance=1e-7).unstable_cycle
-        assert found is not None
-        assert (found.multiplier is not None) is resolved
+def test_no_multiplier_is_given_that_leaves_double_precision() -> None:
+    """By an integration of the divergence in many digits it is 661.37 at ε = 1."""
+    chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.0, eps=1.0)
+    found = cell(chain, tolerance=1e-7).unstable_cycle
+    assert found is not None
+    assert found.multiplier is not None
+    assert found.multiplier_error is not None
+    assert abs(found.multiplier - 661.3679213) < found.multiplier_error < 30.0
+    assert shooting._multiplier(np.full(2, 709.0))[0] == pytest.approx(np.exp(709.0))
+    assert shooting._multiplier(np.full(2, 710.0)) == (None, None)
+    lost = shooting._exponents(
+        own(damping="y**2 - 1").cycles, 0.1, shooting._Turn(top=0.0, bottom=0.0, period=np.inf)
+    )
+    assert shooting._multiplier(np.zeros(2), lost) == (1.0, np.inf)
 
 
 @pytest.mark.parametrize("slopes", [(1.0, 3.0), (3.0, 1.0)])

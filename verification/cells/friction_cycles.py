@@ -37,6 +37,8 @@ _STRONG = 3.0
 _SMALL = 1e-3
 """Amplitude relative to v₀ or v_s below which the unstable cycle is taken from its expansion at the
 Hopf velocity."""
+_CONVERGENT = 0.1
+"""Relative size of the next order up to which it bounds what the expansion leaves out."""
 
 
 def _phase(
@@ -316,9 +318,13 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     _, low, _ = following(y, phases.LOWEST)
     _, _, fastest = following(low, phases.FASTEST)
     step = 1e-5 * (y - centre)
-    ahead, behind = ((following(y + each, phases.HIGHEST)[1] - y) / each for each in (step, -step))
+    ahead, behind, farther, opposite = (
+        (following(y + each, phases.HIGHEST)[1] - y) / each
+        for each in (step, -step, 2.0 * step, -2.0 * step)
+    )
     # Where the cycle nearly touches, the step is too large for a finite difference.
     resolved = abs(ahead - behind) < 1e-2 * abs(ahead)
+    multiplier, wider = 0.5 * (ahead + behind), 0.5 * (farther + opposite)
     rounding = ROUND_OFF * max(abs(y), abs(low)) / step
     # Round-off shifts the fixed point by a relative amount 1/(multiplier - 1).
     blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
@@ -328,8 +334,9 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
         period=period,
         slip_time=period,
         speed=fastest + cell.v_d,
-        multiplier=0.5 * (ahead + behind) if resolved else None,
-        multiplier_error=abs(ahead - behind) + rounding if resolved else None,
+        multiplier=multiplier if resolved else None,
+        # Twice the step errs four times as much.
+        multiplier_error=abs(wider - multiplier) + rounding if resolved else None,
         error=blurred,
     )
 
@@ -354,6 +361,9 @@ def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
     period = 2.0 * math.pi
     growth = math.exp(period * cell.effective_damping)
     left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.curve.scale**2) + ROUND_OFF
+    squared = amplitude**2 * (second**2 + 10.0 / cell.curve.scale**2)
+    # The error of the exponent is relative, of the next order in the square of the amplitude.
+    off = math.expm1(2.0 * squared * math.log(growth)) if squared < _CONVERGENT else math.inf
     return CellCycle(
         max=centre + amplitude,
         min=centre - amplitude,
@@ -361,8 +371,6 @@ def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
         slip_time=period,
         speed=amplitude,
         multiplier=growth,
-        # That of the exponent is relative: twice that of the amplitude.
-        multiplier_error=growth * math.expm1(2.0 * left_out / amplitude * math.log(growth))
-        + ROUND_OFF,
+        multiplier_error=growth * off + ROUND_OFF,
         error=left_out,
     )

@@ -45,11 +45,13 @@ class CellCycle(Result):
     speed : float or None
         Largest ẏ; equal to v_d if the cycle sticks and never slips forwards. None if not measured.
     multiplier : float or None
-        Factor by which a deviation grows in one period, from finite differences; 0 if the cycle
-        sticks, None if the differences do not resolve it.
+        Factor by which a deviation grows in one period: of smooth cells by the divergence of the
+        flow along the cycle, of the friction cell from finite differences. 0 if the cycle sticks,
+        None if the differences do not resolve it, or if it leaves double precision.
     multiplier_error : float or None
-        Bound on the error of the multiplier: what differences to either side disagree by, and what
-        the errors of both ends of a turn make of it. None if there is no multiplier.
+        Bound on the error of the multiplier: its change with the tolerance and with the step of the
+        differences, and what the errors of the cycle or of both ends of a turn make of it. None if
+        there is no multiplier.
     averaged : float or None
         Largest y as ε → 0: in closed form for (8), otherwise from the energy lost in one turn.
     error : float

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -28,11 +29,9 @@ _STIFFEST = 60.0
 """Largest ε max|h| on a cycle; DOP853 takes half a minute there."""
 _WIDTHS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4)
 """Relative distances from the limit ε → 0 within which the cycle is searched for."""
-_SHIFT = 1e-4
-"""Relative step of the finite difference for the multiplier."""
-_CURVED = 1e-2
-"""Relative difference between the two one-sided differences above which no multiplier is
-resolved."""
+_SHIFT = 3e-5
+"""Step, relative to the largest velocity, of the differences that give the slope of the damping."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _CLOSED = 1e-3
 """Relative difference between a fixed point and the end of its turn, above which it is a jump."""
 
@@ -89,11 +88,15 @@ class _Extremum:
 
 @dataclass(frozen=True, kw_only=True)
 class _Turn:
-    """A turn from one maximum of y to the next: the latter, the minimum between, the duration."""
+    """A turn from one maximum of y to the next: the latter, the minimum between, the duration.
+
+    ``run`` is scipy's solution; None if there is no such turn.
+    """
 
     top: float
     bottom: float
     period: float
+    run: Any = None
 
 
 def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: float) -> _Turn:
@@ -112,14 +115,35 @@ def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: floa
             rate, (0.0, 100.0 * period), [y, 0.0], "DOP853",
             events=(_Extremum(-1.0, True), _Extremum(1.0, False)),
             rtol=tolerance, atol=1e-2 * tolerance * y,
-            max_step=period / 30.0 * longest_step(tolerance),
+            max_step=period / 30.0 * longest_step(tolerance), dense_output=True,
         )  # fmt: skip
     lowest: list[FloatArray] = list(run.y_events[1]) if run.y_events is not None else []
     if run.status != 1 or not lowest:
         rests = run.status == 0 and abs(run.y[0, -1]) < y
         return _Turn(top=0.0 if rests else math.inf, bottom=math.nan, period=math.inf)
     bottom = float(lowest[0][0])
-    return _Turn(top=float(run.y[0, -1]), bottom=bottom, period=float(run.t[-1]))
+    return _Turn(top=float(run.y[0, -1]), bottom=bottom, period=float(run.t[-1]), run=run)
+
+
+def _exponents(cell: Oscillator, eps: float, turn: _Turn) -> FloatArray:
+    """Return -ε ∮ ∂(hẏ)/∂ẏ dt over a turn, for a step and twice the step of the difference in ẏ.
+
+    By the formula of Liouville a deviation from a cycle grows by the exponential of this integral
+    of the divergence of the flow.
+    """
+    if turn.run is None:
+        return np.full(2, math.inf)
+    times = turn.run.t
+    half = 0.5 * np.diff(times)[:, None]
+    y, v = turn.run.sol((times[:-1, None] + half * (1.0 + _NODES)).ravel())
+    step = _SHIFT * float(np.abs(v).max())
+    h = cell.damping_at(y, v)
+    slopes = (
+        (cell.damping_at(y, v + each) - cell.damping_at(y, v - each)) / (2.0 * each)
+        for each in (step, 2.0 * step)
+    )
+    weights = (half * _WEIGHTS).ravel()
+    return -eps * np.array([weights @ (h + v * slope) for slope in slopes])
 
 
 def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle:
@@ -130,24 +154,42 @@ def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle
         _turn(cell, eps, y, limit.period, each)
         for y, each in ((fine, tolerance), (coarse, 100.0 * tolerance))
     )
-    shift = _SHIFT * fine
-    ahead, behind = (
-        (_turn(cell, eps, fine + each, limit.period, tolerance).top - turn.top) / each
-        for each in (shift, -shift)
-    )
-    resolved = abs(ahead - behind) < _CURVED * max(1.0, abs(ahead))
     gaps = (fine - coarse, turn.bottom - other.bottom, turn.period - other.period)
     error = max(*(abs(each) for each in gaps), ROUNDING * turn.period)
+    multiplier, multiplier_error = _multiplier(
+        _exponents(cell, eps, turn),
+        _exponents(cell, eps, other),
+        *(
+            _exponents(cell, eps, _turn(cell, eps, fine + each, limit.period, tolerance))
+            for each in (error, -error)
+        ),
+    )
     return CellCycle(
         max=fine,
         min=turn.bottom,
         period=turn.period,
         slip_time=turn.period,
-        multiplier=0.5 * (ahead + behind) if resolved else None,
-        multiplier_error=abs(ahead - behind) + 2.0 * error / shift if resolved else None,
+        multiplier=multiplier,
+        multiplier_error=multiplier_error,
         averaged=limit.amplitude,
         error=error,
     )
+
+
+def _multiplier(
+    exponents: FloatArray, *others: FloatArray
+) -> tuple[float, float] | tuple[None, None]:
+    """Return the multiplier of a cycle and its error; None if it leaves double precision.
+
+    The error is the largest difference from the multiplier of any of the other turns and by
+    differences of twice the step, but at least rounding.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = float(np.exp(exponents[0]))
+        gaps = np.abs(np.exp(np.concatenate([exponents[1:], *others])) - found)
+    if found == math.inf:
+        return None, None
+    return found, float(gaps.max()) + ROUNDING * (1.0 + abs(float(exponents[0]))) * found
 
 
 def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> None:

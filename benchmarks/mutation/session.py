@@ -105,10 +105,8 @@ class Session:
                 path = os.path.relpath(each.__code__.co_filename, self.root)
                 self.living[f"{path}:{each.__code__.co_firstlineno}"].append(each)
         compile_steppers()
-        from verification.execution.digest import digest_of_code
-
         self.names.clear()
-        digest_of_code(["paper_checks.discover", "verification.maps.state_map"])
+        read_sources()
         self.before_tests = self.on_import | self.names
         gc.freeze()
         self._work()
@@ -196,6 +194,13 @@ def compile_steppers() -> None:
     ):  # fmt: skip
         measure_front(chain)
     forget()
+
+
+def read_sources() -> None:
+    """Read the files on which stored results depend once for all children."""
+    from verification.execution.digest import digest_of_code
+
+    digest_of_code(["paper_checks.discover", "verification.maps.state_map"])
 
 
 def dotted(path: str) -> str:

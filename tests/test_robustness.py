@@ -19,7 +19,7 @@ from fronts.commands import bench
 from fronts.commands.stress import _MAX_SHOWN
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
-from verification.quantities import fronts, judging
+from verification.quantities import breathers, fronts, judging
 from verification.quantities.friction import cycle_by_scipy, stable_cycle
 from verification.quantities.judging import BAD, PointOutcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
@@ -120,8 +120,9 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
     ],
 )
 def test_costly_computations_are_right_at_single_points(
-    name: str, values: Mapping[str, float]
+    name: str, values: Mapping[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(breathers, "_SITES", 5)  # eigenvalues in many digits take long
     found = judge(computation_named(name), values)
     assert found["outcome"] == PointOutcome.RIGHT.value, found
 
@@ -171,6 +172,7 @@ def test_a_belt_too_slow_for_scipy_is_left_unchecked_at_once(
     milliseconds = itertools.count()
     clock = SimpleNamespace(process_time=lambda: 1e-3 * next(milliseconds))
     monkeypatch.setattr(pace, "time", clock)
+    monkeypatch.setattr(pace, "MAX_SECONDS", 0.1 * pace.MAX_SECONDS)  # this clock is never slow
     found = judge(computation_named("cycle-friction"), {**CELL, "v_d": 1e-8, "v0": 1e-6})
     assert found["outcome"] == PointOutcome.UNCHECKED.value
     assert "too stiff or too long" in str(found["said"])
@@ -321,7 +323,7 @@ def _slow(at: Mapping[str, float]) -> StatedValue:
         ),
         (_computation(_raising(PrecisionError("no"))), PointOutcome.CRASH),
         (_computation(_raising(ZeroDivisionError())), PointOutcome.CRASH),
-        (_computation(_slow, seconds=0.02), PointOutcome.SLOW),
+        (_computation(_slow, seconds=0.004), PointOutcome.SLOW),
     ],
 )
 def test_every_outcome_differs_from_the_others(

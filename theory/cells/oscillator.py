@@ -31,6 +31,8 @@ from theory.cells.averaging import mean_of_powers
 from theory.parameters import ParameterError
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
+_SIN, _COS = np.sin(0.5 * math.pi * _NODES), np.cos(0.5 * math.pi * _NODES)
+_HALF_TURN = 0.5 * math.pi * _WEIGHTS
 _SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600
 """Range of amplitudes in which Δ, if it is not a polynomial, is evaluated, and number of values."""
 _ZERO = 1e-12
@@ -152,11 +154,10 @@ class Oscillator(ABC):
         """Return y, v and weights dy of half a cycle, by an angle in which v is smooth."""
         energy = float(self.potential(amplitude))
         low = self._other_end(amplitude, energy)
-        angle = 0.5 * math.pi * _NODES
         middle, half = 0.5 * (amplitude + low), 0.5 * (amplitude - low)
-        y = middle + half * np.sin(angle)
+        y = middle + half * _SIN
         v = np.sqrt(2.0 * np.maximum(energy - self.potential(y), 1e-300))
-        return y, v, 0.5 * math.pi * _WEIGHTS * half * np.cos(angle)
+        return y, v, _HALF_TURN * half * _COS
 
     def _other_end(self, amplitude: float, energy: float) -> float:
         """Return the negative y at which the motion turns."""
@@ -257,8 +258,12 @@ class OscillatorCell(Oscillator):
 
     def potential(self, y: FloatArray | float) -> FloatArray:
         """Return V(y), V(0) = 0."""
-        powers = np.polynomial.polynomial.polyint(_ascending(self.stiffness))
-        return np.asarray(np.polynomial.polynomial.polyval(y, powers))
+        return np.asarray(np.polynomial.polynomial.polyval(y, self._potential))
+
+    @cached_property
+    def _potential(self) -> FloatArray:
+        """Coefficients of V by ascending powers of y: thousands of values are asked for."""
+        return np.asarray(np.polynomial.polynomial.polyint(_ascending(self.stiffness)))
 
     def force(self, y: float, v: float, eps: float) -> float:
         """Return g(y) + εh(y, v)v; infinite or NaN where it overflows."""

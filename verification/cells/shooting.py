@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -211,6 +212,7 @@ def _fixed(cell: Oscillator, eps: float, at: int, tolerance: float) -> float:
     low = math.sqrt(amplitudes[at - 1] * guess) if at else 0.0
     high = math.sqrt(amplitudes[at + 1] * guess) if at + 1 < len(amplitudes) else math.inf
 
+    @cache  # at the ends of an interval and at its root brentq asks again
     def growth(y: float) -> float:
         top = _turn(cell, eps, y, period, tolerance).top
         return top / y - 1.0 if math.isfinite(top) else 1.0

@@ -45,9 +45,9 @@ def test_a_run_in_extended_precision_is_as_near_to_the_truth_as_it_says(seed: in
         a=4.0, b=0.5, c=10.0 ** rng.uniform(-3, 1), eps=10.0 ** rng.uniform(-3, 0), sites=3
     )
     start = rng.normal(size=6) * 10.0 ** rng.uniform(-6, 0.3)
-    found = precise_state(full_rate(chain), start, 5.0)
+    found = precise_state(full_rate(chain), start, 2.5)
     with mp.workdps(34):
-        true = integrate(full_rate(chain), many_digits(start), 5.0, 1e-22).value
+        true = integrate(full_rate(chain), many_digits(start), 2.5, 1e-22).value
         error = farthest(found.value, true)
     assert 0.0 < error <= found.uncertainty < 1e-13 * max(1.0, np.abs(start).max())
 
@@ -55,13 +55,13 @@ def test_a_run_in_extended_precision_is_as_near_to_the_truth_as_it_says(seed: in
 def test_a_run_agrees_with_taylor_series_of_mpmath() -> None:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.1, sites=2)
     start = np.array([2.0, 0.0, 0.0, 0.3])
-    found = precise_state(full_rate(chain), start, 2.0)
+    found = precise_state(full_rate(chain), start, 1.0)
     rate = full_rate(chain)
     with mp.workdps(28):
         path = mp.odefun(
             lambda t, x: list(rate(0.0, np.array(list(x), dtype=object))), 0, many_digits(start)
         )
-        assert farthest(found.value, np.array(path(2), dtype=object)) <= found.uncertainty < 1e-15
+        assert farthest(found.value, np.array(path(1), dtype=object)) <= found.uncertainty < 1e-15
 
 
 def test_a_complex_run_and_one_backwards_return_to_their_start() -> None:
@@ -75,7 +75,7 @@ def test_a_complex_run_and_one_backwards_return_to_their_start() -> None:
 
 
 def test_what_is_too_stiff_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pace, "MAX_SECONDS", 1.0)  # no limit makes these ones possible
+    monkeypatch.setattr(pace, "MAX_SECONDS", 0.3)  # no limit makes these ones possible
     with pytest.raises(ArithmeticError, match="too stiff"):
         precise_state(lambda _, y: -1e6 * y, np.ones(1), 1.0)
     with pytest.raises(ArithmeticError, match="too stiff"):  # infinite at t = 1
@@ -104,24 +104,20 @@ def orbit_of_three_sites(monkeypatch: pytest.MonkeyPatch) -> np.ndarray:
 def test_a_polished_orbit_is_the_same_from_another_start(
     orbit: np.ndarray, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    near = _precise_orbit(AT, orbit)
-    moved = orbit + 1e-7 * np.cos(np.arange(orbit.size))
-    rough = _precise_orbit(AT, moved)
-    monkeypatch.setattr(breathers, "_TOLERANCES", (1e-19, 1e-21, 1e-22))
-    sharp = _precise_orbit(AT, moved)
-    assert near.uncertainty < 1e-16
+    moved = orbit + 1e-9 * np.cos(np.arange(orbit.size))
+    found = _precise_orbit(AT, moved)
+    monkeypatch.setattr(breathers, "_TOLERANCES", (1e-21, 1e-22))
+    sharp = _precise_orbit(AT, orbit)
+    assert found.uncertainty < 1e-16
     assert sharp.uncertainty < 1e-17
-    for found in (near, rough):
-        assert (
-            float(max(np.abs(found.value - sharp.value))) <= found.uncertainty + sharp.uncertainty
-        )
+    assert float(max(np.abs(found.value - sharp.value))) <= found.uncertainty + sharp.uncertainty
 
 
 def test_multipliers_of_the_reference_are_those_of_a_longer_arithmetic(orbit: np.ndarray) -> None:
     """A short chain, whose monodromy mpmath can have in thirty digits."""
     chain = VdpChain(a=1.0, b=0.08, c=0.1, eps=0.01, sites=2)
     start = np.column_stack([orbit[[0, 1, 3, 4]], np.eye(4)])
-    found = precise_state(variational_rate(chain), start.ravel(), 3.14)
+    found = precise_state(variational_rate(chain), start.ravel(), 1.57)
     with mp.workdps(32):
         rate = variational_rate(chain)
 
@@ -134,7 +130,7 @@ def test_multipliers_of_the_reference_are_those_of_a_longer_arithmetic(orbit: np
                 out[:, [0, k]] = rate(0.0, pair.ravel()).reshape(4, 2)
             return out.ravel()
 
-        true = integrate(exact, many_digits(start.ravel()), 3.14, 1e-22).value
+        true = integrate(exact, many_digits(start.ravel()), 1.57, 1e-22).value
         assert farthest(found.value, true) <= found.uncertainty < 1e-14
         matrix = mp.matrix(true.reshape(4, 5)[:, 1:].tolist())
         values = np.array([complex(x) for x in mp.eig(matrix, left=False, right=False)])
@@ -239,7 +235,7 @@ def test_two_grids_are_farther_apart_than_the_finer_is_from_the_truth(c: float, 
     ahead = 24 if c < 1 else 42
     coarse = front_velocity(c, eta, 28, behind=20, ahead=ahead)
     fine = front_velocity(c, eta, 40, behind=30, ahead=ahead + 12)
-    finest = front_velocity(c, eta, 80, behind=40, ahead=2 * ahead)
+    finest = front_velocity(c, eta, 56, behind=40, ahead=2 * ahead)
     assert abs(finest - fine) <= abs(fine - coarse) < 1e-7
 
 

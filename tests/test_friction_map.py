@@ -148,13 +148,10 @@ def test_the_label_of_the_mirror_image_is_the_same() -> None:
         assert (one.state, one.time, one.reached) == (other.state, other.time, other.reached)
 
 
-def test_maps_are_the_same_for_one_and_two_workers(tmp_path: Path) -> None:
+def test_a_map_has_every_label() -> None:
     points = state_points(SHORT, {"c": [0.005, 0.1], "v_d": [1.05, 1.55, 1.9]})
-    tables = [
-        sweep(SHORT, points, out=tmp_path / f"{workers}.csv", workers=workers) for workers in (1, 2)
-    ]
-    assert list(tables[0].rows()) == list(tables[1].rows())
-    assert set(tables[0]["label"]) == {"front", "breather", "fixed point"}
+    table = sweep(SHORT, points, workers=1)
+    assert set(table["label"]) == {"front", "breather", "fixed point"}
     one = Point(c=0.05, v_d=1.25)
     three = Nucleus(3, "00", Place.EDGE)
     wide = StateTask(chain=FrictionChain(c=0, sites=9), nucleus=three)

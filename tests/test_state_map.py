@@ -87,7 +87,6 @@ def _chain_by_scipy(
         (ENVELOPE, 0.12, 0.25, State.FIXED_POINT),
         (ENVELOPE, 0.14, 0.05, State.FIXED_POINT),
         (FULL_OF_LARGER_EPS, 0.03, 0.9, State.FRONT),
-        (FULL, 0.11, 0.6, State.FIXED_POINT),
         (FULL, 0.14, 0.3, State.FIXED_POINT),
     ],
 )
@@ -240,7 +239,7 @@ def test_a_chain_that_was_filled_once_is_no_front_unless_it_stays_so(c: float, l
     """By scipy on (43) from the same start: both are filled; the one loses most of its sites."""
     times = np.arange(0.0, 400.0, 0.5)
     task = StateTask(chain=FIGURE_15.averaged())
-    amplitude = _chain_by_scipy(task, 0.09, c, times)
+    amplitude = _chain_by_scipy(task, 0.09, c, times, tolerance=1e-7)
     chain = task.at({"eta": 0.09, "c": c})
     above = np.count_nonzero(amplitude > level_of(chain.a, chain.b), axis=1)
     filled = int(above.argmax())

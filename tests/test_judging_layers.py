@@ -345,6 +345,7 @@ def test_of_a_filled_chain_every_site_is_above_and_of_a_breather_some() -> None:
         ([8e-4, 6e-4, 6e-4, 2e-4], State.UNDECIDED),
         ([8e-4, 4e-4, 6e-4, 2e-4], State.UNDECIDED),
         ([8.0, 6.0, 4.0, 2.0], State.UNDECIDED),
+        ([8e-3, 6e-3, 4e-3, 1.1e-3], State.UNDECIDED),
     ],
 )
 def test_rest_is_a_fall_in_every_window(heights: list[float], state: State) -> None:
@@ -383,6 +384,44 @@ def test_what_passes_the_level_again_and_again_is_not_steady(
     assert found.state is state
     assert found.steps == 7 * round(found.time / smooth_rules.WINDOW)
     assert found.above == np.count_nonzero(high > level)
+
+
+@pytest.mark.parametrize("drift", [0.9e-5, 1.1e-5])
+def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
+    drift: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From one window of slow time 5 to the next, and in the friction chain of the unit of y."""
+    level = UNSTABLE.unstable_amplitude
+    amplitude = level * np.array([1.5, 0.1, 0.1, 0.1])
+
+    def moved(_: object, at: Any, __: float) -> Any:
+        amplitude[0] += drift * level
+        return at, smooth_rules._Window(amplitude.copy(), amplitude.copy()), 1
+
+    monkeypatch.setattr(smooth_rules, "_through_window", moved)
+    found = smooth_rules.find_smooth_state(UNSTABLE, np.zeros((2, 4)), end=100.0)
+
+    class Run:
+        def __init__(self, *_: object, **__: object) -> None:
+            self.time, self.arrivals, self.counts = 0.0, np.array([0.0, NAN]), {"steps": 1}
+            self.amplitude = np.ones(2)
+
+        def forget_arrivals(self) -> None:
+            pass
+
+        def advance_to(self, time: float) -> None:
+            self.time, self.amplitude = time, self.amplitude + np.array([0.0, drift])
+
+        def going_to_rest(self) -> bool:
+            return False
+
+    monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
+    chain = FrictionChain(c=0.05, sites=2)
+    sliding = friction_rules.find_friction_state(chain, np.zeros((2, 2)), end=2000.0)
+    settled = drift < 1e-5
+    for each, at_once, at_end in ((found, 10.0, 50.0), (sliding, 80.0, 1000.0)):
+        assert each.state is (State.BREATHER if settled else State.UNDECIDED)
+        assert each.time == (at_once if settled else at_end)
 
 
 @pytest.mark.parametrize("hold", [3.0, 8.0])
@@ -601,8 +640,8 @@ def test_a_friction_front_has_reached_all_sites_and_half_of_them_still_stick(
     assert found.state is state
     assert found.reason is (Reason.END_TIME if state is State.UNDECIDED else Reason.DECIDED)
     assert (found.reached, found.above) == (ever, now)
-    if state is State.BREATHER:  # settled for as long as it took to settle
-        assert found.time == 400.0
+    # A front has held for three windows; a breather settled for as long as it took to settle.
+    assert found.time == {State.FRONT: 160.0, State.BREATHER: 400.0}.get(state, 1000.0)
 
 
 # --------------------------------------------------------------------------------------- breathers

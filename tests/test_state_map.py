@@ -28,7 +28,7 @@ from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
 from verification.maps import state_map as state_map_module
-from verification.maps import state_run
+from verification.maps import state_run, vdp_rules
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.friction_rules import find_friction_state
 from verification.maps.rules import RULES, StateRules
@@ -406,6 +406,27 @@ def test_runs_of_a_map_miss_no_passage_and_hold_the_energy_of_the_springs(
     assert found.state is State.FIXED_POINT
     assert seen == ([LONGEST, 0.01 * 2.0] if full else [math.inf, 0.0])
     assert math.pi > LONGEST  # half of a period
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_the_rules_for_model_ii_are_in_slow_time_and_in_parts_of_the_unstable_cycle(
+    full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Filled for T = 10, windows of T = 5, changes of 1e-5; no state of the second half."""
+    given: dict[str, float] = {}
+    monkeypatch.setattr(vdp_rules, "run_to_state", lambda *_, **numbers: given.update(numbers))
+    whole = VdpChain(a=4, b=0.5, c=2.0, eps=0.01, sites=3)
+    chain = whole if full else whole.averaged()
+    find_vdp_state(chain, np.zeros((2, 3)), end=300.0)
+    squares = np.roots([chain.b / 8.0, -chain.a / 4.0, 1.0])  # 1 - a|φ|²/4 + b|φ|⁴/8 = 0
+    per_slow = 1.0 / whole.eps if full else 1.0
+    times = {"hold": 10.0 * per_slow, "window": 5.0 * per_slow, "end": 150.0 * per_slow}
+    level = math.sqrt(squares.min())
+    rest = np.roots([chain.b, -chain.a, 1.0]).min() if full else level**2
+    assert given == pytest.approx({
+        "level": level, "settled": 1e-5 * level, "rest_bound": rest, "tolerance": 1e-8,
+        "stiffness": whole.eps * chain.c if full else 0.0, **times,
+    })  # fmt: skip
 
 
 def test_a_point_at_which_two_starts_end_otherwise_is_undecided(

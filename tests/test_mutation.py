@@ -29,7 +29,7 @@ from benchmarks.mutation.outcome import (
 )
 from benchmarks.mutation.put import libraries_of
 from benchmarks.mutation.session import dotted
-from benchmarks.mutation.survey import closures
+from benchmarks.mutation.survey import Survey, closures
 from benchmarks.mutation.survey import test_files as files_with_tests
 from verification.execution.imports import closure
 
@@ -227,6 +227,22 @@ def test_a_package_is_changed_with_the_packages_inside_it(tmp_path: Path) -> Non
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(SOURCE, encoding="utf-8")
     assert {mutant.module for mutant in chosen(tmp_path, ["theory"], 1.0, 0)} == {*files}
+
+
+def test_of_tests_that_take_no_time_those_of_few_functions_come_first() -> None:
+    """Of a change that runs on import only a few files are asked."""
+    survey = Survey()
+    (mutant, *_) = mutants_of("m.py", SOURCE)
+    for name, seconds, others in (("a", 0.0, 30), ("b", 0.02, 1), ("c", 0.0, 0), ("d", 0.0, 2)):
+        entered = [mutant.function_at, *(f"m.py:{i}" for i in range(others))]
+        survey.add([{"test": f"{name}.py::t", "seconds": seconds, "entered": entered}])
+    found = survey.reaching(mutant, False, {})
+    assert [test[0] for test in found] == ["c", "d", "b", "a"]
+
+
+def test_a_package_is_changed_with_the_packages_inside_it() -> None:
+    found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0)}
+    assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
 
 
 def test_libraries_are_those_that_functions_import_too(tmp_path: Path) -> None:

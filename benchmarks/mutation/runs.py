@@ -14,7 +14,7 @@ from benchmarks.mutation.judge import Judge
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
 from benchmarks.mutation.session import Session
-from benchmarks.mutation.survey import Survey
+from benchmarks.mutation.survey import OVERHEAD, Survey
 
 if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
@@ -24,9 +24,6 @@ MAX_KNOWN = 3
 
 MAX_FILES = 6
 """Largest number of test files for a change of code run on import; each is collected again."""
-
-OVERHEAD = 0.002
-"""Processor seconds that pytest itself takes for each test."""
 
 
 class Runs:

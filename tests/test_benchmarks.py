@@ -541,30 +541,6 @@ def test_bench_judges_the_defaults(capsys):
     assert "labelled roots" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
-        (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "create it first")),
-        (["bench", "--list", "--defaults"], ("--list and --defaults",)),
-        (["bench", "--quik"], ("--quik", "--quick")),
-        (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
-        (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
-        (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),
-        (
-            ["bench", "growth", "--defaults"],
-            ("not judge any default method of growth", "leave out growth"),
-        ),
-    ],
-)
-def test_bad_input_to_bench_is_one_sentence(line, words, capsys):
-    assert main(line) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert len(told.err.strip().splitlines()) == 1
-    assert all(word in told.err for word in words)
-
-
 def test_defaults_without_records_say_how_to_make_them(capsys, tmp_path):
     assert main(["bench", "--defaults", "--out", str(tmp_path)]) == 2
     assert "no record" in capsys.readouterr().err

@@ -959,6 +959,32 @@ def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
         assert asked == [expected]
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
+        (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "create it first")),
+        (["bench", "--list", "--defaults"], ("--list and --defaults",)),
+        (["bench", "--quik"], ("--quik", "--quick")),
+        (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
+        (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
+        (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),
+        (
+            ["bench", "growth", "--defaults"],
+            ("not judge any default method of growth", "leave out growth"),
+        ),
+    ],
+)
+def test_bad_input_to_bench_is_one_sentence(
+    line: list[str], words: tuple[str, ...], capsys: Capture
+) -> None:
+    assert main(line) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert len(told.err.strip().splitlines()) == 1
+    assert all(word in told.err for word in words)
+
+
 # ----------------------------------------------------------------------------------- the explorer
 
 

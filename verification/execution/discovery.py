@@ -67,13 +67,12 @@ def check_distinct(what: str, names: Iterable[str]) -> None:
         raise ValueError(f"two {what} have the name {', '.join(twice)}.")
 
 
-def natural_order(name: str) -> list[tuple[int, str]]:
-    """Return a sort key that puts ``fig9`` before ``fig16``.
+def natural_order(name: str) -> list[str | int]:
+    """Return a sort key that puts ``fig9`` before ``fig16``: words and numbers in turn.
 
     Examples
     --------
     >>> sorted(["fig16", "fig9"], key=natural_order)
     ['fig9', 'fig16']
     """
-    parts = re.findall(r"\d+|\D+", name)
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", name)]

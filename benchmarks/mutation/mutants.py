@@ -5,7 +5,7 @@ comparison is reversed or its boundary included or excluded; a term, a condition
 call is dropped; two arguments are swapped; a flag or a default value is changed; a tolerance is
 multiplied by a thousand; a stated error is divided by a hundred or made negative. Docstrings,
 annotations, messages, everything inside ``raise`` and ``assert``, the limits of parameters, numbers
-above 1e4, and wall-clock times are left unchanged.
+above 1e4, wall-clock times and the looks of pictures are left unchanged.
 """
 
 from __future__ import annotations

@@ -21,14 +21,25 @@ UNCHANGED_CALLS = frozenset(
         "catch_warnings",
         "info",
         "debug",
+        "new_axes",
+        "new_panels",
     }
 )
-"""Calls that contain checks, messages, logging and limits of loops; they are left unchanged."""
+"""Calls that contain checks, messages, logging, limits of loops and sizes of pictures; they are
+left unchanged."""
 
 SETTINGS = frozenset(
     {"limit", "maxsize", "order", "digits", "maxiter", "options", "repr", "strict"}
 )
 """Keyword arguments that tune a method, set how an object is printed, or make `zip` strict."""
+
+LOOKS = frozenset(
+    {
+        "alpha", "clip_on", "columnspacing", "dpi", "fontsize", "lw", "ms", "ncols", "weight",
+        "zorder",
+    }
+)  # fmt: skip
+"""Keyword arguments for the looks of pictures, and for the order of claims in a report."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +116,7 @@ def _left_alone(tree: ast.AST, field: str) -> bool:
     if isinstance(tree, ast.ClassDef):
         return field != "body"
     if isinstance(tree, ast.keyword):
-        return tree.arg in SETTINGS
+        return tree.arg in SETTINGS or tree.arg in LOOKS
     if isinstance(tree, ast.Call):
         return called(tree) in UNCHANGED_CALLS
     return False

@@ -35,9 +35,11 @@ from paper_checks.claims import (
     fig18,
     text_nuclei,
 )
+from paper_checks.claims._friction import chain_of
 from paper_checks.report.cell_picture import draw_bifurcation
 from paper_checks.report.velocity_plot import PlottedSolutions, curve_of
 from verification.execution.table import Table
+from verification.pictures.data_table import Curves
 from verification.pictures.figures import new_axes
 
 Points = list[tuple[float, float]]
@@ -60,6 +62,8 @@ class Panel:
     texts: tuple[str, ...]
     width: tuple[float, float]
     height: tuple[float, float]
+    nameless: frozenset[str]
+    """The directions, across and up, that have numbers and no name."""
 
     def reaches(self, across: Any, up: Any = ()) -> bool:
         """Whether the axes are wide and high enough for some numbers."""
@@ -105,35 +109,61 @@ def read(axes: Any) -> Panel:
             ]
     bands = [each.get_bbox() for each in axes.patches
              if isinstance(each, Rectangle) and each not in bars]  # fmt: skip
+    ticks = {
+        "across": [] if axes.get_xlabel() else axes.get_xticklabels(),
+        "up": [] if axes.get_ylabel() else axes.get_yticklabels(),
+    }
     return Panel(
         title=axes.get_title(loc="left"), across=axes.get_xlabel(), up=axes.get_ylabel(),
         lines=lines, levels=levels, bands=tuple((each.x0, each.x1) for each in bands),
         legend=bool(axes.get_legend() or axes.figure.legends),
         texts=tuple(each.get_text() for each in axes.texts),
         width=axes.get_xlim(), height=axes.get_ylim(),
+        nameless=frozenset(
+            side for side, labels in ticks.items() if any(each.get_visible() for each in labels)
+        ),
     )  # fmt: skip
 
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Panel]]:
-    """Draw evidence, and return the panels of its pictures; what has a name is in a legend."""
+    """Draw evidence, and return the panels of its pictures; what has a name is in a legend.
+
+    Every curve that is recorded for the table is in the picture, too.
+    """
     panels: list[Panel] = []
+    curves: dict[str, Points] = {}
+    record = Curves.add
+
+    def add(self: Curves, name: str, **columns: Any) -> Any:
+        x, y = record(self, name, **columns)
+        known = np.broadcast_arrays(np.array(x, dtype=float), np.array(y, dtype=float))
+        curves[name] = [(a, b) for a, b in points(*known) if np.isfinite(a + b)]
+        return x, y
 
     def render(_: str, figure: Any) -> str:
         panels.extend(read(axes) for axes in figure.axes)
         legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes)]
         shown = {text.get_text() for each in legends if each for text in each.get_texts()}
         assert shown >= {x for axes in figure.axes for x in axes.get_legend_handles_labels()[1]}
+        marks = {tuple(map(float, at)) for axes in figure.axes for each in axes.collections
+                 for at in each.get_offsets()}  # fmt: skip
+        for panel in panels:
+            marks.update(at for line in panel.lines.values() for at in line)
+        for name, curve in curves.items():
+            assert marks >= set(curve), name
         return ""
 
     monkeypatch.setattr("verification.pictures.figures._render", render)
     monkeypatch.setattr("verification.pictures.figures._encoded", lambda *_: "")
+    monkeypatch.setattr(Curves, "add", add)
 
     def draw(figure: Callable[[Any], Any], evidence: Any, without: str = "") -> list[Panel]:
         panels.clear()
+        curves.clear()
         figure(evidence)
-        for said in {"across", "up", "title"} - {without}:
-            assert any(getattr(panel, said) for panel in panels), said
+        assert without == "title" or any(panel.title for panel in panels)
+        assert not {side for panel in panels for side in panel.nameless} - {without}
         return list(panels)
 
     return draw
@@ -239,6 +269,8 @@ def test_thresholds_are_drawn_over_the_size_of_the_nucleus(drawn: Any) -> None:
     assert panel.lines["“edge” excitation"] == points(fig04.SIZES, edge)
     assert panel.lines["“bulk” excitation"] == points(fig04.SIZES, bulk)
     assert panel.reaches(fig04.SIZES, (*edge, *bulk))
+    (printed,) = (found for name, found in panel.lines.items() if name.startswith("paper: about"))
+    assert printed == points(fig04.SIZES[1:], [(1.0 - 0.01 * fig04.PRINTED) * edge[0]] * 4)
 
 
 def labelled(across: str, up: str) -> Any:
@@ -290,6 +322,8 @@ def test_measured_velocities_are_drawn_over_their_couplings(drawn: Any) -> None:
     assert panel.lines["no propagation"] == points(fig06.BELOW, np.zeros(len(fig06.BELOW)))
     (line,) = (found for name, found in panel.lines.items() if name.startswith("line"))
     assert np.array(line)[:, 1] == pytest.approx(0.25 + 3.0 * np.array(line)[:, 0])
+    waves = panel.lines["fastest linear waves"]
+    assert waves[-1] == (waves[-1][0], chain_of(waves[-1][0]).largest_group_velocity)
     assert list(panel.levels.values()) == [0.0106]
 
 
@@ -417,6 +451,7 @@ def test_multipliers_are_drawn_over_coupling_in_both_panels(drawn: Any) -> None:
             *((x, m) for x, row in zip(exact_c, exact, strict=True) for m in row),
         }
         assert sorted(panel.levels.values()) == [0.191, float(fig09.PRINTED), 1.0]
+        assert {"along (9), as in the paper", "true periodic orbit"} <= panel.lines.keys()
     assert panels[0].reaches((*fig09.ALONG, *fig09.EXACT))
     assert panels[1].reaches((0.191, float(fig09.PRINTED), fig09.ALONG[-1]), (1.0,))
     assert panels[1].title == "near the unit circle"

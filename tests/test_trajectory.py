@@ -314,7 +314,7 @@ def test_one_time_is_enough_and_a_number_of_samples_beside_times_is_refused() ->
     assert (alone.times.tolist(), alone.states.shape) == ([2.0], (1, 2, FRONT.sites))
     among = simulate(FRONT, start, 3.0, times=[0.0, 2.0, 3.0], estimate_error=False)
     assert np.array_equal(alone.states[0], among.states[1])
-    with pytest.raises(ParameterError, match="samples = 2 is not allowed: .* absent beside times"):
+    with pytest.raises(ParameterError, match=r"samples = 2 is not allowed: .* absent beside times"):
         simulate(FRONT, start, 3.0, samples=2, times=[0.0, 3.0])
     with pytest.raises(ParameterError, match="number of samples = 0"):
         simulate(FRONT, start, 3.0, times=[])

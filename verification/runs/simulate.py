@@ -167,7 +167,7 @@ def _sample_times(
     sites = getattr(chain, "sites", 1)
     if times is None:
         samples = DEFAULT_SAMPLES if samples is None else samples
-        _check_samples(samples, sites, SAMPLES.low)
+        _check_samples(samples, sites, int(SAMPLES.low))
         return np.linspace(0.0, t_end, samples)
     if samples is not None:
         raise ParameterError("samples", samples, "absent beside times", "give one of the two")

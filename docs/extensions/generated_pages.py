@@ -143,7 +143,7 @@ def steps() -> str:
         parts.append(
             f"({name})=\n## {made.title}\n\n"
             + raw(
-                f'<table class="equations" id="{name}"><thead><tr><th></th><th>operation</th>'
+                f'<table class="equations steps" id="{name}"><thead><tr><th></th><th>operation</th>'
                 f"<th>result</th></tr></thead><tbody>{rows}</tbody></table>"
             )
         )

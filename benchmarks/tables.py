@@ -18,14 +18,17 @@ def _head(run: BenchmarkRecord) -> Iterator[str]:
     about = run.metadata
     yield f"{about.command}    {about.date}"
     yield ", ".join(f"{name} {value}" for name, value in about.machine.items())
-    yield ", ".join(f"{name} {value}" for name, value in about.versions.items())
+    yield ", ".join(
+        f"{name} {value or 'not installed'}" for name, value in about.versions.items()
+    )
 
 
 def _points(run: BenchmarkRecord) -> Iterator[str]:
+    wide = max((len(point.method) for point in run.points), default=0)
     for problem in dict.fromkeys(point.problem for point in run.points):
         yield ""
         yield f"{problem}: references without common code differ by {run.agreement[problem]:.0e}"
-        yield f"  {'method':22} {'setting':30} {'error':>8} {'claimed':>8} {'first s':>8}" + (
+        yield f"  {'method':{wide}} {'setting':30} {'error':>8} {'claimed':>8} {'first s':>8}" + (
             f" {'median s':>9} {'of':>4}"
         )
         for point in (each for each in run.points if each.problem == problem):
@@ -37,7 +40,7 @@ def _points(run: BenchmarkRecord) -> Iterator[str]:
             mark = "  ERROR LARGER THAN CLAIMED" if beyond else ""
             warned = f"  warned: {point.warning[:50]}" if point.warning else ""
             yield (
-                f"  {point.method:22} {point.knob:30} {point.error:8.1e} {claimed:>8} "
+                f"  {point.method:{wide}} {point.knob:30} {point.error:8.1e} {claimed:>8} "
                 f"{point.first_seconds:8.1e} {point.seconds:9.2e} {point.repeats:4d}{mark}{warned}"
             )
 

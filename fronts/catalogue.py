@@ -364,7 +364,7 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
   fronts threshold averaged --nucleus 1
   fronts threshold friction --place edge --nucleus 1
   fronts threshold friction --nucleus 3 --definition whole --final-time 2000 --json
-  fronts threshold friction --v-d 1.2:1.6:5 --place edge --accuracy 1e-4
+  fronts threshold friction --v-d 1.2:1.4:3 --place edge --accuracy 1e-4
   fronts threshold chain --damping "1 - 2.5*y**2 + y**4/2" --method orbit --n 7
   fronts threshold averaged-chain --damping "1 - 2.5*y**2 + y**4/2" --accuracy 1e-4""",
         calls={

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,8 +122,33 @@ def beside_files(text: str, out: Sequence[Path]) -> str:
     """Return the text to print for a result that was written to files, shortened if it is long."""
     lines = text.splitlines()
     if len(lines) > MAX_LINES:  # the files contain all lines
-        text = "\n".join([*lines[:3], "…", *lines[-2:]])
-    return f"{text}\nwritten to {' and '.join(str(path) for path in out)}"
+        lines = [line for table in _tables(lines) for line in _ends(table, 3)]
+    if len(lines) > MAX_LINES:
+        lines = _ends(lines, 3)
+    return "\n".join([*lines, f"written to {' and '.join(str(path) for path in out)}"])
+
+
+def _ends(lines: list[str], first: int) -> list[str]:
+    """Return the first lines of many and the last two."""
+    return lines if len(lines) <= first + 3 else [*lines[:first], "…", *lines[-2:]]
+
+
+def _tables(lines: Iterable[str]) -> Iterator[list[str]]:
+    """Yield the tables among lines, which are indented and begin with a head, and other lines.
+
+    Below a table there may be further columns of it, under a head that begins with the same word.
+    """
+    table: list[str] = []
+    for line in lines:
+        if table and not (line.startswith("  ") and line.split()[:1] != table[0].split()[:1]):
+            yield table
+            table = []
+        if line.startswith("  "):
+            table.append(line)
+        else:
+            yield [line]
+    if table:
+        yield table
 
 
 def command_line(words: Sequence[str]) -> str:

@@ -191,7 +191,7 @@ def _cycles(
 
 
 def _branch(result: Any, axes: Axes, **style: Any) -> None:
-    """Draw a branch: solid where it is stable, dashed where it is unstable; mark its folds.
+    """Draw a branch: solid where it is stable, dashed where it is unstable; mark folds and pinning.
 
     It is dotted between two folds without a point between them.
     """
@@ -209,7 +209,8 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
         turns.sort(key=lambda turn: turn[0])
     symbol = "η" if along == "eta" else along
     for place, node in reversed(turns):
-        axes.axvline(node[0], color="0.5", lw=0.8, label=f"fold, {symbol} = {node[0]:.6g}")
+        kind = "fold," if node[0] != pin else "pinned from" if along == "eta" else "pinned up to"
+        axes.axvline(node[0], color="0.5", lw=0.8, label=f"{kind} {symbol} = {node[0]:.6g}")
         nodes.insert(place, node)
     for kind, line, label in (
         (True, "-", "stable"), (False, "--", "not stable"), (None, ":", "stability not decided"),

@@ -218,6 +218,23 @@ def test_a_record_survives_writing_and_shows_its_failings(tmp_path):
     assert "not met" in text
 
 
+def test_columns_of_a_record_stand_below_their_heads_however_long_the_names_are():
+    points = tuple(
+        WorkPoint("sum", "s", name, "knob", 2.0, None, 0.1, 0.1, 3)
+        for name in ("m", "a method with a name of forty characters")
+    )
+    metadata = Metadata(command="c", machine={}, versions={"cxroots": None}, date="d")
+    run = BenchmarkRecord(
+        agreement={"s": 0.0}, points=points, failures=(), targets=(), metadata=metadata
+    )
+    lines = tables.as_text(run).splitlines()
+    head = next(line for line in lines if line.startswith("  method"))
+    rows = [line for line in lines if "knob" in line]
+    assert [row.index("knob") for row in rows] == [head.index("setting")] * 2
+    assert [len(row) for row in rows] == [len(head)] * 2
+    assert "cxroots not installed" in lines
+
+
 def test_an_array_is_compared_by_its_largest_difference_and_must_be_finite():
     assert distance(numpy.array([1.0, 2.0j]), numpy.array([1.0, 3.0j])) == 1.0
     with pytest.raises(ArithmeticError, match="not finite"):

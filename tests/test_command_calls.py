@@ -503,6 +503,17 @@ def test_a_long_answer_is_shown_in_short_beside_its_file():
     assert short == [*lines[:3], "…", *lines[-2:], last]
 
 
+def test_beside_a_file_a_long_table_is_shown_by_its_ends_and_the_numbers_below_it_in_full():
+    rows = [f"  {n}  {n * n}" for n in range(MAX_LINES)]
+    more = [f"  {n}  yes" for n in range(MAX_LINES)]
+    text = "\n".join(["points:", "  c  v", *rows, "  c  stable", *more, "along  c", "c_pin  0.1"])
+    assert beside_files(text, [Path("a.csv")]).splitlines() == [
+        "points:", "  c  v", *rows[:2], "…", *rows[-2:],
+        "  c  stable", *more[:2], "…", *more[-2:],
+        "along  c", "c_pin  0.1", f"written to {Path('a.csv')}",
+    ]  # fmt: skip
+
+
 def test_a_run_says_in_words_too_what_became_of_its_nucleus(capsys):
     line = shlex.split("simulate averaged --a 4 --b 0.5 --c 0.6 --n 9 --excite 4:6 --t-end 200")
     main([*line, "--json"])

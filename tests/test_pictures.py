@@ -92,9 +92,9 @@ def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
     assert vertical == [(0.25, 0.25), (0.45, 0.45)]
     order = [each for each in chained if each[0] != each[1]]
     assert np.allclose(np.ravel(order), np.repeat([0.6, 0.5, 0.45, 0.4, 0.3, 0.25, 0.2], 2)[1:-1])
-    symbol = {"c": "c", "eta": "η"}[along]
+    symbol, end = {"c": ("c", "pinned up to c"), "eta": ("η", "pinned from η")}[along]
     words = [each.get_text() for each in axes.get_legend().get_texts()]
-    assert words == [f"fold, {symbol} = 0.25", f"fold, {symbol} = 0.45", "stable"]
+    assert words == [f"{end} = 0.25", f"fold, {symbol} = 0.45", "stable"]
 
 
 @pytest.mark.parametrize("along", ["c", "eta"])

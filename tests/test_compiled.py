@@ -9,6 +9,7 @@ import itertools
 import math
 import os
 import pkgutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,6 +26,7 @@ from numba.core.dispatcher import Dispatcher
 import verification
 from verification.execution import compiled
 from verification.execution.compiled import files_with_compiled_functions, inner, outer
+from verification.steppers.specialise import pointer
 
 ROOT = Path(__file__).parents[1]
 
@@ -406,3 +408,37 @@ def test_garbage_is_searched_for_after_compiling_as_it_was_before() -> None:
             assert gc.isenabled() is searching
     finally:
         gc.enable()
+
+
+@pytest.mark.parametrize("kind", ["njit", "cfunc"])
+def test_an_interrupt_waits_until_numba_has_compiled(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It would leave numba's tables half set up, and every later compilation would fail."""
+    whole = compiled.OuterCompiler.compile_extra
+    reached: list[str] = []
+
+    def interrupted(self: Any, function: Any) -> Any:
+        for _ in range(2):
+            signal.raise_signal(signal.SIGINT)
+        reached.append("interrupted")
+        return whole(self, function)
+
+    def double(x: float) -> float:
+        return 2.0 * x
+
+    def call() -> float:
+        signature = types.float64(types.float64)
+        return float(
+            function(1.5) if kind == "njit" else pointer(double, signature, mark).ctypes(1.5)
+        )
+
+    function, mark = outer()(double), "interrupted"
+    with monkeypatch.context() as during:
+        during.setattr(compiled.OuterCompiler, "compile_extra", interrupted)
+        during.setattr("verification.steppers.specialise.DISTINCT_NAMES", False)  # not from disk
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    assert reached == ["interrupted"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert call() == 3.0

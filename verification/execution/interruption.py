@@ -53,6 +53,20 @@ def deferred_interrupts() -> Iterator[Deferred]:
 
 
 @contextmanager
+def interrupted_afterwards() -> Iterator[None]:
+    """Let interrupts from the keyboard within the block wait for its end, however many they are."""
+    arrived: list[int] = []
+    try:
+        with _handled(
+            {signal.SIGINT: signal.default_int_handler}, lambda number, _: arrived.append(number)
+        ):
+            yield
+    finally:
+        if arrived:
+            raise KeyboardInterrupt
+
+
+@contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
     """Within the block, raise `Terminated` where a SIGTERM or SIGHUP would end the process."""
     with _handled(dict.fromkeys(ENDING, signal.SIG_DFL), _raise):

@@ -144,12 +144,12 @@ def _saved_at_each_step(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("compute", "number", "step"),
     [
-        *itertools.product((simulated, swept, checked), (errno.EIO, errno.ENOSPC), (1,)),
-        # The chain itself writes by the same code as the small run, and a map by that of the sweep:
-        # a part of their places is enough.
+        # The chain itself writes by the same code as the small run, a map by that of the sweep, and
+        # a full disk is met where any error is: a part of their places is enough.
+        *itertools.product((simulated, swept, checked), (errno.EIO,), (1,)),
+        *itertools.product((simulated, swept, checked), (errno.ENOSPC,), (3,)),
         *itertools.product((integrated,), (errno.EIO, errno.ENOSPC), (11,)),
-        (mapped, errno.EIO, 1),
-        (mapped, errno.ENOSPC, 3),
+        *itertools.product((mapped,), (errno.EIO, errno.ENOSPC), (3,)),
     ],
 )
 def test_an_error_at_any_operation_of_the_disk_is_one_sentence_and_loses_nothing(

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from time import perf_counter
 from types import SimpleNamespace
 from typing import Any
@@ -252,50 +250,6 @@ def test_the_second_process_does_not_compile() -> None:
     simulate(FRONT, excite(FRONT, [1]), 5.0)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["0", "1"]
-
-
-_PARTS = """
-import sys
-from numba import njit, types
-from verification.steppers.specialise import pointer
-
-def fibonacci(k):
-    @njit
-    def inner(n):  # calls itself twice, so that it is not inlined
-        return k if n < 2 else inner(n - 1) + inner(n - 2)
-    return inner
-
-inner = fibonacci(0)
-
-def call(n):
-    return inner(n)
-
-@njit(cache=True)
-def apply(f, x):
-    return f(x)
-
-for k in sys.argv[1:]:
-    f = pointer(call, types.int64(types.int64), k, inner=fibonacci(int(k)))
-    print(apply(f, 4))
-"""
-
-
-def test_code_compiled_by_several_processes_is_not_mixed_up(tmp_path: Path) -> None:
-    """Each process counts its closures from 1: two of two processes would have one name."""
-    file = tmp_path / "parts.py"
-    file.write_text(_PARTS, encoding="utf-8")
-
-    def run(*numbers: str) -> list[str]:
-        done = subprocess.run(
-            [sys.executable, str(file), *numbers],
-            capture_output=True, text=True, check=True,
-            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")},
-        )  # fmt: skip
-        return done.stdout.split()
-
-    assert run("1") == ["5"]
-    assert run("2") == ["10"]
-    assert run("1", "2") == ["5", "10"]
 
 
 def test_times_are_those_asked_for_and_the_run_goes_to_its_end() -> None:

@@ -200,20 +200,25 @@ def _read(path: Path, _changed: int, _size: int) -> _Source:
     tree = ast.parse(text, str(path))
     return _Source(
         code=shape(tree),
-        imports=tuple(_imports(tree)),
-        # Searched for in few files only: parsing all of them takes a third of the time for a
-        # digest.
+        imports=tuple(_imports(tree, conditional=b"TYPE_CHECKING" in text)),
+        # Both are searched for in few files only: doing so in all of them takes half of the time
+        # for a digest.
         computed=any(name in text for name in (b"import_module", b"__import__"))
         and _imports_by_computed_name(tree),
     )
 
 
-def _imports(tree: ast.Module) -> Iterator[tuple[int, str | None, tuple[str, ...]]]:
-    """Yield names that may be modules, wherever they are imported; others are dropped later."""
+def _imports(
+    tree: ast.Module, conditional: bool
+) -> Iterator[tuple[int, str | None, tuple[str, ...]]]:
+    """Yield names that may be modules, wherever they are imported; others are dropped later.
+
+    ``conditional`` is whether some may be under ``if TYPE_CHECKING``.
+    """
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+        if conditional and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             waiting.extend(node.orelse)
             continue
         if isinstance(node, ast.Import):

@@ -436,7 +436,7 @@ def test_amplitudes_are_where_the_velocities_vanish() -> None:
 def test_a_branch_that_cannot_be_followed_is_no_defect_but_one_sentence(capsys) -> None:
     """Next to eta = 1/8 both cycles of a cell are one."""
     line = "breather --a 1 --b 0.12499999999333289 --c 7.601881158205481e-06 --eps 2.4e-06"
-    code = main([*line.split(), "--method", "orbit"])
+    code = main([*line.split(), "--method", "orbit", "--n", "3"])
     said = capsys.readouterr().err
     assert code == 2
     assert "could not be followed past c = 2.58" in said

@@ -23,6 +23,7 @@ from verification.breathers.own import (
     OwnOrbits,
     _rate_of,
     _settled_start,
+    _tangent_rate_of,
     integrate_with_tangents,
 )
 from verification.breathers.periodic_motion import largest_displacements
@@ -125,17 +126,12 @@ def test_rates_of_motion_and_tangents_are_those_of_the_equation(springs: str) ->
 
     rng = np.random.default_rng(6)
     columns = rng.normal(size=(8, 4))
-    found = _rate_of(chain)(columns)
-    state, size = columns[:, 0], 1e-6
-    np.testing.assert_allclose(found[:, 0], rate(state, 0.3), rtol=1e-13, atol=1e-13)
-    along = columns[:, 1:3]
-    for k in range(2):
-        apart = rate(state + size * along[:, k], 0.3) - rate(state - size * along[:, k], 0.3)
-        np.testing.assert_allclose(found[:, 1 + k], apart / (2.0 * size), atol=1e-7)
-    # The last column moves with c as well.
-    moved = columns[:, 3]
-    apart = rate(state + size * moved, 0.3 + size) - rate(state - size * moved, 0.3 - size)
-    np.testing.assert_allclose(found[:, 3], apart / (2.0 * size), atol=1e-7)
+    state, along, size = columns[:, 0], columns[:, 1:], 1e-6
+    np.testing.assert_allclose(_rate_of(chain)(state), rate(state, 0.3), rtol=1e-13, atol=1e-13)
+    found = _tangent_rate_of(chain)(np.stack([np.zeros(8), state]), np.stack([along, along]))[1]
+    for k, by_c in enumerate((0.0, 0.0, size)):  # the last column moves with c as well
+        near = [rate(state + sign * size * along[:, k], 0.3 + sign * by_c) for sign in (1, -1)]
+        np.testing.assert_allclose(found[:, k], (near[0] - near[1]) / (2.0 * size), atol=1e-7)
 
 
 def test_tangents_of_a_cell_whose_slopes_are_the_same_everywhere_are_those_of_every_site() -> None:
@@ -145,11 +141,11 @@ def test_tangents_of_a_cell_whose_slopes_are_the_same_everywhere_are_those_of_ev
         lambda y: y, lambda y, v: 2.0 * v**2 - 1.0, pull_matrix(3), c=0.3, eps=0.5
     )
     columns = np.random.default_rng(5).normal(size=(6, 3))
-    found = _rate_of(chain)(columns)
     state, along, size = columns[:, 0], columns[:, 1], 1e-6
-    np.testing.assert_allclose(found[:, 0], rate(0.0, state), rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(_rate_of(chain)(state), rate(0.0, state), rtol=1e-13, atol=1e-13)
+    found = _tangent_rate_of(chain)(state, columns[:, 1:])
     apart = rate(0.0, state + size * along) - rate(0.0, state - size * along)
-    np.testing.assert_allclose(found[:, 1], apart / (2.0 * size), atol=1e-7)
+    np.testing.assert_allclose(found[:, 0], apart / (2.0 * size), atol=1e-7)
 
 
 def test_a_motion_of_which_a_part_overflows_is_refused() -> None:

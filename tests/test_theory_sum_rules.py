@@ -210,16 +210,18 @@ def test_what_a_value_becomes_does_not_depend_on_those_beside_it() -> None:
 
 
 def test_along_the_velocities_of_fronts_the_compiled_error_bounds_the_true_one() -> None:
-    """From c = 1e-8 to 1e8; the values held against are of the roots' series, and share no code."""
+    """From c = 1e-8 to 1e8, beside the series over the roots, which shares no code."""
     rng = np.random.default_rng(38)
     c = 10 ** np.linspace(-8, 8, 17)
     v = np.sqrt(c) * 3.0 ** rng.uniform(-1, 1, c.size)
     found = sums(v, c, 1e-12, compiled=True)
     assert found.error.max() < 2e-12
     for i in range(c.size):
-        exact = sum_by_roots(float(v[i]), float(c[i]), 20)
+        # thousands of roots are computed in double precision
+        series = sum_by_roots(float(v[i]), float(c[i]), 20 if c[i] < 1e6 else 15)
         with mp.workdps(30):
-            assert float(abs(mp.mpc(complex(found.value[i])) - exact.value)) <= found.error[i]
+            off = float(abs(mp.mpc(complex(found.value[i])) - mp.mpc(series.value)))
+        assert off + float(series.error) <= found.error[i]
 
 
 @pytest.mark.parametrize("slopes", [False, True])

@@ -72,7 +72,7 @@ def write_picture(
     name: str, caption: str, figure: Figure, data: Mapping[str, Column], folder: Path
 ) -> None:
     """Write a figure as ``<name>.svg``, and its data as ``<name>.csv``."""
-    drawn = picture(name, figure, data, caption=caption, guides=True)
+    drawn = picture(name, figure, data, caption=caption, guides=True, encoded=False)
     write_bytes(folder / f"{name}.svg", drawn.svg.encode())
     write_bytes(folder / f"{name}.csv", drawn.data.encode())
 

@@ -58,7 +58,7 @@ def test_all_cycles_are_found_and_their_stability_is_the_sign_of_the_rate(coeffi
     powers = {2 * k: sp.Rational(q.numerator, q.denominator) for k, q in enumerate(coefficients)}
     if not any(powers.values()):
         return
-    cell = derive_envelope(powers)
+    cell = derive_envelope(powers, coupling=0.1)
     polynomial = sp.Poly(cell.damping_mean, square)
     # Sturm's count of distinct positive roots shares nothing with the isolation of roots.
     bound = 1 + max(abs(q) for q in polynomial.all_coeffs()) / abs(polynomial.LC())
@@ -66,7 +66,7 @@ def test_all_cycles_are_found_and_their_stability_is_the_sign_of_the_rate(coeffi
     cycles = cell.cycles
     assert len(cycles) == count
     sizes = [float(q.amplitude) for q in cycles]
-    rate = cell.compiled(**dict.fromkeys(["c"], 0.1)).amplitude_rate
+    rate = cell.compiled().amplitude_rate
     for place, cycle in enumerate(cycles):
         gaps = [abs(sizes[place] - other) for other in sizes if other != sizes[place]]
         step = min([1e-3, *(gap / 3 for gap in gaps), sizes[place] / 3])

@@ -6,6 +6,7 @@ Every import statement counts: those inside functions, and those for types only.
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -32,15 +33,18 @@ def _modules(root: Path, packages: list[str]) -> dict[str, Path]:
     return found
 
 
-def _imported(path: Path) -> Iterator[tuple[str, str]]:
-    """Yield what a file imports, dotted, each with the module that it is of if it is none."""
+@cache
+def _imported(path: Path) -> list[tuple[str, str]]:
+    """Return what a file imports, dotted, each with the module that it is of if it is none."""
+    found = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
-            yield from ((alias.name, alias.name) for alias in node.names)
+            found += [(alias.name, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert not node.level, f"{path} imports relative to itself"
             home = node.module or ""
-            yield from ((f"{home}.{alias.name}", home) for alias in node.names)
+            found += [(f"{home}.{alias.name}", home) for alias in node.names]
+    return found
 
 
 def _graph(modules: dict[str, Path]) -> dict[str, set[str]]:

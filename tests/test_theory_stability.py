@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
+from theory.cells.vdp import threshold_ratio
 from theory.piecewise import symbol
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability
-from theory.piecewise.stability_limit import stability_limit
+from theory.piecewise.stability_limit import _crossing, _Leading, stability_limit
 from theory.piecewise.sums.series import sum_by_roots
 from theory.piecewise.symbol import symbol_coefficients
 from verification.piecewise.run import FrontStatus
@@ -233,13 +234,17 @@ def test_no_earlier_loss_of_stability_over_three_per_cent_is_passed_over(eta, le
 def test_the_error_of_a_limit_where_admissibility_begins_bounds_what_its_tolerance_does(
     monkeypatch,
 ):
-    limit = stability_limit(0.006)
+    r, beside = threshold_ratio(0.006), (8.5, 8.8)
+
+    def found():
+        stable, unstable = (_Leading.at(c, r) for c in beside)
+        assert (stable.unstable, unstable.unstable) == (False, True)
+        return _crossing(stable, unstable, r)
+
+    limit = found()
     assert limit.angle == 0.0
-    stability_limit.cache_clear()
     monkeypatch.setattr("theory.piecewise.admissibility.TOLERANCE", 5e-11)
-    off = abs(stability_limit(0.006).c - limit.c)
-    stability_limit.cache_clear()
-    assert 0.01 * limit.error < off < limit.error
+    assert 0.01 * limit.error < abs(found().c - limit.c) < limit.error
 
 
 def test_what_is_not_decided_says_so(monkeypatch):

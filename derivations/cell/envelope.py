@@ -130,7 +130,7 @@ class Envelope:
         DerivationInputError
             If a letter has no value, or a value belongs to no letter.
         """
-        numeric = self.with_values(given)
+        numeric = self.with_values(given) if given else self
         left = sorted(symbol.name for symbol in numeric.symbols)
         if left:
             raise DerivationInputError(

@@ -262,7 +262,7 @@ def _read(
     """Return the columns in a file."""
     if path.suffix == ".zarr":
         xarray = optional_package("xarray")
-        with warnings.catch_warnings(action="ignore"), xarray.open_zarr(path) as data:
+        with warnings.catch_warnings(action="ignore"), xarray.open_zarr(path, chunks=None) as data:
             return _columns_of_zarr(data, path.parent, columns, count, axes)
     if path.suffix == ".npz":
         # np.load does not close a file that it opened itself and cannot read.

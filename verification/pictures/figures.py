@@ -199,6 +199,7 @@ def picture(
     *,
     caption: str = "",
     guides: bool = False,
+    encoded: bool = True,
 ) -> Picture:
     """Render a figure and put the numbers behind it into CSV; the figure is emptied.
 
@@ -218,6 +219,8 @@ def picture(
         the claim.
     guides : bool, optional
         Whether lines that are not in the data may be drawn: slopes, bounds, a strip around zero.
+    encoded : bool, optional
+        Whether the picture is also rendered as PNG and PDF, which takes two thirds of the time.
 
     Raises
     ------
@@ -235,7 +238,7 @@ def picture(
         raise ValueError(f"the picture '{name}' draws '{label}', which is not in its data.")
     svg = _render(name, figure)
     figure.set_layout_engine("none")  # the layout found first is kept for the other formats
-    png, pdf = _encoded(figure, "png"), _encoded(figure, "pdf")
+    png, pdf = (_encoded(figure, kind) if encoded else "" for kind in ("png", "pdf"))
     if len(svg) > LARGE:
         logger.warning("the picture %s has %.1f MB: draw fewer points", name, len(svg) / 1e6)
     pyplot = sys.modules.get("matplotlib.pyplot")

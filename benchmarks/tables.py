@@ -18,9 +18,7 @@ def _head(run: BenchmarkRecord) -> Iterator[str]:
     about = run.metadata
     yield f"{about.command}    {about.date}"
     yield ", ".join(f"{name} {value}" for name, value in about.machine.items())
-    yield ", ".join(
-        f"{name} {value or 'not installed'}" for name, value in about.versions.items()
-    )
+    yield ", ".join(f"{name} {value or 'not installed'}" for name, value in about.versions.items())
 
 
 def _points(run: BenchmarkRecord) -> Iterator[str]:

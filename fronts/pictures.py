@@ -212,17 +212,17 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
         kind = "fold," if node[0] != pin else "pinned from" if along == "eta" else "pinned up to"
         axes.axvline(node[0], color="0.5", lw=0.8, label=f"{kind} {symbol} = {node[0]:.6g}")
         nodes.insert(place, node)
-    for kind, line, label in (
+    for stable, line, label in (
         (True, "-", "stable"), (False, "--", "not stable"), (None, ":", "stability not decided"),
     ):  # fmt: skip
-        colour = {True: BLUE, False: VERMILION, None: "0.6"}[kind]
+        colour = {True: BLUE, False: VERMILION, None: "0.6"}[stable]
         look = {"color": colour, "ls": line, "lw": 1.2, **style}
-        pairs = [pair for pair in pairwise(nodes) if _kinds(*pair) == {kind}]
+        pairs = [pair for pair in pairwise(nodes) if _kinds(*pair) == {stable}]
         for at, (first, last) in enumerate(pairs):
             ends = [first[0], last[0]], [first[1], last[1]]
             axes.plot(*ends, label="_" if at else label, **look)
-        shown = [node[:2] for node in nodes if node[2] is kind]
-        if shown and kind is not None:
+        shown = [node[:2] for node in nodes if node[2] is stable]
+        if shown and stable is not None:
             axes.plot(*zip(*shown, strict=True), "o", ms=2.5, color=look["color"])
     _explain(axes)
     axes.set(xlabel=LABELS[along], ylabel=LABELS.get(name, name))

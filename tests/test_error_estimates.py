@@ -19,6 +19,7 @@ from tests.settling import settle
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
 from verification.cells.friction import ROUND_OFF, _with_error
@@ -335,6 +336,35 @@ def test_a_chain_without_an_implicit_method_says_that_it_is_too_stiff() -> None:
     chain = AveragedChain(a=4e4, b=1e8, c=0.6, sites=3)
     with pytest.raises(StandstillError, match="run \\(8\\), which has a stiff method"):
         simulate(chain, excite(chain, [1], 1e3), 1.0, samples=2)
+
+
+@pytest.mark.parametrize("displacement", [300.0, 2000.0])
+def test_a_chain_so_far_out_that_it_would_run_for_minutes_is_refused_at_once(
+    displacement: float,
+) -> None:
+    """A damping rate of ε b y⁴ limits its steps, and y hardly changes until the end."""
+    chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.6, sites=3)
+    start, taken = [[0.0, displacement, 0.0], [0.0, 0.0, 0.0]], []
+    with pytest.raises(StandstillError, match="start from a smaller displacement, or end earlier"):
+        simulate(chain, start, 30.0, samples=2, progress=taken.append)
+    assert not taken  # it is refused before the first report
+    soon = 3e5 / (chain.eps * 0.5 * displacement**4)  # after some 1e5 steps
+    assert simulate(chain, start, soon, samples=2).states.shape == (2, 2, 3)
+
+
+def test_a_stiff_run_is_not_refused_for_steps_that_soon_become_longer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """ẏ = -y³ from 1e3: at first steps are of some 1e-6, of which the end is 1e7 away."""
+    monkeypatch.setattr(smooth_integration, "_PACE_STEPS", 10)
+    monkeypatch.setattr(smooth_integration, "MAX_STIFF_STEPS", 1000)
+    chain = OscillatorChain(damping=0, stiffness="y/1000 + y**3", overdamped=True, c=0.0, sites=2)
+    start = [[1e3, 0.0], [0.0, 0.0]]
+    run = SmoothIntegration(chain, start, np.array([10.0]), level=1.0)
+    while not run.finished:
+        run.advance(40)
+        run.check_pace()
+    assert run.samples[0, 0, 0] == pytest.approx(math.sqrt(1.0 / 20.0), rel=0.02)
 
 
 @pytest.mark.parametrize("parity", [1, -1])

@@ -119,6 +119,7 @@ def _advance(
             while not each.finished:
                 before = each.time
                 each.advance(budget)
+                each.check_pace()
                 if not (each.finished or each.time >= before):
                     raise RunError(
                         f"the run does not advance from time {before:g}: remove its checkpoint, if "

@@ -39,7 +39,7 @@ class NotFiniteError(RunError):
 
 
 class StandstillError(RunError):
-    """Time does not advance: no step is short enough."""
+    """Time does not advance, since no step is short enough, or advances by too short steps."""
 
 
 class Integration(ABC):
@@ -77,6 +77,15 @@ class Integration(ABC):
         ------
         RunError
             If the run cannot continue.
+        """
+
+    def check_pace(self) -> None:  # noqa: B027  (most integrations are never that slow)
+        """Refuse a run to its end, and not to a condition, that would take minutes to hours.
+
+        Raises
+        ------
+        RunError
+            If it would.
         """
 
     def finish(self) -> None:

@@ -29,6 +29,16 @@ from verification.steppers.stop_code import StopCode
 STIFF_STEP = 5e-4
 """Steps of (8) below this are left to the implicit method; the damping rate is then about 1e4."""
 
+MAX_STIFF_STEPS = 20_000_000
+"""Largest number of explicit steps below `STIFF_STEP` that a run may still need: some minutes on
+a few dozen sites."""
+
+_PACE_STEPS = 100_000
+"""Number of steps after which the pace of a run is measured."""
+_PACE_CHANGE, _PACE_GAIN = 0.2, 0.4
+"""Relative change of the state within which steps grow by at most the inverse of the second
+number: a damping rate like y⁴ falls by this factor."""
+
 SHORTEST_STEP = 1e-13
 """Kernel time of the shortest step; a start of 1e3 in (43) needs about 1e-11."""
 
@@ -115,6 +125,7 @@ class SmoothIntegration(Integration):
         self._left_boundary_wave = wave
         self._run = _at_start(state, self.times.size, self.level, memory)
         self._margin, self._watch = _margin(chain), watch
+        self._measured = (0, 0.0, self._size)
         # Where rest is unstable, even the smallest motion ahead grows, so no site is left out.
         local = first != RING and self._margin < chain.sites and chain.rest_attracts
         narrowed = truth("active_window", active_window) and local
@@ -305,6 +316,36 @@ class SmoothIntegration(Integration):
             raise NotFiniteError(
                 f"the run overflowed at t = {self.time:.6g}; "
                 "start from a smaller displacement, or lower the coupling."
+            )
+
+    def check_pace(self) -> None:
+        """Refuse a run to its end that would take very many short steps.
+
+        The number of steps is a lower bound: it is counted up to where the largest value of the
+        state has changed by a fifth, at its present rate.
+
+        Raises
+        ------
+        StandstillError
+            If more than `MAX_STIFF_STEPS` are still needed.
+        """
+        run, task = self._run, self._task
+        steps, time = int(run.counters[smooth.STEPS]), float(run.clock[0])
+        taken = steps - self._measured[0]
+        if taken < _PACE_STEPS or self._watch is not None or task.tolerance == 0.0:
+            return
+        size = float(np.abs(run.state).max())
+        passed, change = time - self._measured[1], abs(size - self._measured[2])
+        self._measured = (steps, time, size)
+        ahead = max(task.end - time, 0.0)
+        if change > 0.0:
+            ahead = min(ahead, _PACE_CHANGE * size / change * passed)
+        if passed < STIFF_STEP * taken and _PACE_GAIN * ahead * taken > MAX_STIFF_STEPS * passed:
+            raise StandstillError(
+                f"a displacement of {size:.3g} makes the model {self.chain.model} so stiff that at "
+                f"t = {self.time:.6g} it needs more than {MAX_STIFF_STEPS:g} further steps of some "
+                f"{passed / taken / self._rate:.2g}: start from a smaller displacement, or end "
+                "earlier; of all chains only (8) of model vdp has a stiff method."
             )
 
     def _pass_stiff_stage(self) -> None:

@@ -98,11 +98,24 @@ def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_rea
             lambda _, one=one, other=other: Trial(None, one, other, 1),  # type: ignore[misc]
             sites=64, max_sites=64, accuracy=1e-3, pinned_error=0.0,
         )  # fmt: skip
-        assert (found.v, found.error) == pytest.approx((2.0, 0.0), abs=1e-9)
+        assert found.v == pytest.approx(2.0, abs=1e-9)
+        assert found.error == pytest.approx(0.25 * 1e-8 * 2.0, rel=1e-3)  # of its tolerance
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "off", "error"), [(1e-6, 1e-4, 3e-4), (1e-6, 1e-9, 5e-7), (1e-10, 0.0, 5e-11)]
+)
+def test_a_velocity_errs_by_more_than_its_difference_from_the_run_beside_it(
+    tolerance: float, off: float, error: float
+) -> None:
+    """Errors of runs are not proportional to the tolerance: both may err alike."""
+    trial = Trial(None, np.arange(64) / 2.0, np.arange(64) / (2.0 + off), 1)
+    found = settle(lambda _: trial, sites=64, max_sites=64, tolerance=tolerance)
+    assert found.error == pytest.approx(error, rel=1e-3)
 
 
 @pytest.mark.parametrize(("other", "enough", "error"), [(3.0, False, 1.0), (1.0, False, 1.0),
-                                                        (3.0, True, 0.0)])  # fmt: skip
+                                                        (3.0, True, 5e-9)])  # fmt: skip
 def test_on_the_longest_chain_the_difference_from_another_velocity_is_part_of_the_error(
     other: float, enough: bool, error: float
 ) -> None:

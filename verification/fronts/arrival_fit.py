@@ -6,10 +6,10 @@ The rule is the same for every chain:
   sites and fill them in later;
 * the first half of the arrivals is regarded as transient and discarded;
 * v is the slope of the regression line through the remaining arrivals;
-* its error is the largest of three quantities: three times the standard error of the slope; the
-  difference between the slopes of the third and the fourth quarter of the arrivals; and the
-  difference from a second run with a tolerance a hundred times larger, which is v itself if the
-  front stops in that run;
+* its error is the largest of four quantities: three times the standard error of the slope; the
+  difference between the slopes of the third and the fourth quarter of the arrivals; three times the
+  difference from a second run with a tolerance a hundred times larger, or v itself if the front
+  stops in that run; and a quarter of the tolerance, relative to v;
 * the part of the difference between the quarters that their standard errors do not explain is a
   drift and is multiplied by six: if the velocity approaches its limit like n^{-2/3}, as for the
   head of a wave, the limit is still 4.5 times that difference away;

@@ -19,6 +19,11 @@ from verification.fronts.watch import MARGIN, follow
 from verification.runs.comparison import COARSER
 from verification.runs.integration import Integration
 
+_BESIDE, _LEAST = 3.0, 0.25
+"""Multiple of the difference from the run at the coarser tolerance, and part of the tolerance, to
+which the relative error of a velocity is stated at least. The errors of a run are not proportional
+to the tolerance, since steps change at intervals only, so that both runs can err alike."""
+
 
 class Trial(NamedTuple):
     """A pair of runs on a chain of one length.
@@ -118,8 +123,11 @@ class FrontPreparation:
             reached, beside = leading(runs.arrivals), leading(runs.coarser)
             both = min(reached.size, beside.size) or reached.size
             v, error = velocity_of_arrivals(reached[:both])
-            other = velocity_of_arrivals(beside[:both])[0] if beside.size else 0.0
-            error = max(error, abs(v - other))
+            apart = v
+            if beside.size:
+                other = velocity_of_arrivals(beside[:both])[0]
+                apart = max(_LEAST * self.tolerance * v, _BESIDE * abs(v - other))
+            error = max(error, apart)
             long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites
             if longest and not long and self.other_velocity is not None:
                 error = max(error, abs(v - self.other_velocity))

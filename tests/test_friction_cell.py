@@ -50,8 +50,10 @@ CELL = FrictionCell()
 DIGITS = 20
 
 
-def precise_phase(cell: FrictionCell, y: float, v: float, speed: float) -> tuple[mp.mpf, mp.mpf]:
-    """Slip backwards from (y, v) until ẏ rises through ``speed``, in many digits; τ and y."""
+def precise_phases(
+    cell: FrictionCell, y: float, v: float, speeds: tuple[float, ...]
+) -> list[tuple[mp.mpf, mp.mpf]]:
+    """Slip backwards from (y, v); τ and y where ẏ rises through ``speeds``, in many digits."""
     with mp.workdps(DIGITS):
         mu_st, mu_d, v0, xi, v_d = (
             mp.mpf(x) for x in (cell.mu_st, cell.mu_d, cell.v0, cell.xi, cell.v_d)
@@ -63,9 +65,14 @@ def precise_phase(cell: FrictionCell, y: float, v: float, speed: float) -> tuple
 
         path = mp.odefun(rate, 0, [mp.mpf(y), mp.mpf(v)], tol=mp.mpf(10) ** (3 - DIGITS))
         times = [mp.mpf(k) / 10 for k in range(20, 70)]
-        low = next(t for t in times if path(t)[1] < speed and path(t + mp.mpf("0.1"))[1] >= speed)
-        t = mp.findroot(lambda s: path(s)[1] - speed, (low, low + mp.mpf("0.1")), solver="anderson")
-        return t, path(t)[0]
+        step, found = mp.mpf("0.1"), []
+        for speed in speeds:
+            low = next(t for t in times if path(t)[1] < speed <= path(t + step)[1])
+            t = mp.findroot(
+                lambda s, speed=speed: path(s)[1] - speed, (low, low + step), solver="anderson"
+            )
+            found.append((t, path(t)[0]))
+        return found
 
 
 def slip(cell: FrictionCell, y: float) -> Any:
@@ -103,14 +110,13 @@ def test_the_closed_forms_are_those_of_the_force() -> None:
 def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     cycle = stick_slip_cycle(CELL)
     assert cycle is not None
-    slip, touch = precise_phase(CELL, CELL.release, CELL.v_d, CELL.v_d)
+    (slip, touch), (_, low) = precise_phases(CELL, CELL.release, CELL.v_d, (CELL.v_d, 0.0))
     stick = (CELL.release - touch) / CELL.v_d
     assert cycle.error < 1e-9
     assert cycle.multiplier == 0.0  # stick forgets every deviation
     assert abs(cycle.slip_time - slip) <= cycle.error
     assert abs(cycle.stick_time - stick) <= cycle.error
     assert abs(cycle.period - slip - stick) <= cycle.error
-    _, low = precise_phase(CELL, CELL.release, CELL.v_d, 0.0)
     assert abs(cycle.min - low) <= cycle.error
     run = run_events(
         FrictionChain.of(CELL, c=0.0, sites=1), np.array([[cycle.max], [0.0]]), cycle.period

@@ -55,17 +55,12 @@ def kinetic_sum(v: float, c: float) -> complex:
 
 
 def kinetic_velocity(near: float, c: float, eta: float) -> float:
-    """Bisect |Sigma| = 2 r within one part in a thousand of ``near``."""
-    low, high = 0.999 * near, 1.001 * near
-    at_low = abs(kinetic_sum(low, c)) - 2 * ratio(eta)
-    assert at_low * (abs(kinetic_sum(high, c)) - 2 * ratio(eta)) < 0
-    for _ in range(60):
-        middle = (low + high) / 2
-        if (abs(kinetic_sum(middle, c)) - 2 * ratio(eta)) * at_low > 0:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2
+    """Return the root of |Sigma| = 2 r within one part in a thousand of ``near``."""
+
+    def excess(v: float) -> float:
+        return abs(kinetic_sum(v, c)) - 2 * ratio(eta)
+
+    return brentq(excess, 0.999 * near, 1.001 * near, xtol=1e-16 * abs(near), rtol=9e-16)
 
 
 @pytest.mark.parametrize(("c", "eta"), STEADY + RETREATING)

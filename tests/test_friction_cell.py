@@ -568,9 +568,7 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
     assert cycle is not None
     assert (cycle.speed > cell.v_d) is reverses
     start = np.array([[cycle.max], [0.0]])
-    run = run_events(
-        FrictionChain.of(cell, c=0.0, sites=1), start, 4 * cycle.period, longest_step=0.01
-    )
+    run = run_events(FrictionChain.of(cell, c=0.0, sites=1), start, 4 * cycle.period)
     ends = run.log[run.log[:, 2] == 1, 0]
     assert np.diff(ends)[-1] == pytest.approx(cycle.period, abs=1e-9)
     assert np.any(run.log[:, 2] == 2)

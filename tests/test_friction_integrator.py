@@ -481,7 +481,7 @@ def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
 def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
     chain = FrictionChain(c=0.05, sites=9)
     start = excite(chain, place)
-    whole = simulate(chain, start, 60.0, samples=7, logged_events=500)
+    whole = simulate(chain, start, 30.0, samples=7, logged_events=500)
     file = tmp_path / "run.npz"
     looks = 0
 
@@ -497,7 +497,7 @@ def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path:
             resumed = simulate(
                 chain,
                 start,
-                60.0,
+                30.0,
                 samples=7,
                 logged_events=500,
                 checkpoint=file,

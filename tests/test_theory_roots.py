@@ -399,7 +399,7 @@ def test_whole_numbers_are_checked_like_others(v: float, c: float) -> None:
 @pytest.mark.parametrize("label", [10**8, 10**10, MAX_LABEL - 4])
 def test_far_labels_are_found_and_lie_in_their_strips_to_within_rounding(label: int) -> None:
     draw = np.random.default_rng(7)
-    for v, c in 10.0 ** draw.uniform(-8.0, 8.0, (60, 2)):
+    for v, c in 10.0 ** draw.uniform(-8.0, 8.0, (30, 2)):
         for upper in (True, False):
             for labels in (np.arange(label, label + 5), -np.arange(label, label + 5)):
                 roots = labelled_roots(float(v), float(c), labels, upper)

@@ -8,7 +8,7 @@ import pytest
 from theory.piecewise import first_points
 from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance
 from theory.piecewise.sums.integral import sum_by_integral
-from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.series import sum_by_roots
 
 
 def points_of_one(c: float, target: float, shift: float, refine: float) -> np.ndarray:
@@ -34,7 +34,7 @@ def test_beyond_the_largest_velocity_the_sum_is_too_small(c, least, bound):
     last = float(first_points._highest_velocities(np.array([c]), np.array([least]))[0])
     assert bound(last, c) == pytest.approx(least, rel=1e-12)
     for v in (last, 1.1 * last, 3 * last):
-        assert abs(sum_by_quadrature(v, c).value) <= bound(v, c)
+        assert abs(sum_by_roots(v, c).value) <= bound(v, c)
 
 
 @pytest.mark.parametrize("shift", [0.0, 2.0])
@@ -62,7 +62,7 @@ def test_below_the_smallest_velocity_the_sum_is_too_near_its_limit(c, shift):
     mean = float(np.mean(np.abs(0.5 / A)))
     assert mean < 0.05 / static_sum_distance(low, c) < 1.3 * mean
     for v in (low, 0.7 * low):
-        distance = abs(sum_by_quadrature(v, c).value - static_sum(c))
+        distance = abs(sum_by_roots(v, c).value - static_sum(c))
         assert distance <= mean * static_sum_distance(v, c) <= 0.05
 
 

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from fronts.piecewise.kinetic_relation import kinetic_relation
 from theory.result import Result
 from verification.execution.points import Grid, Point
 from verification.execution.sweep import sweep
@@ -73,6 +72,8 @@ class Later:
 
 
 def kinetic(point: Point) -> Result:
+    from fronts.piecewise.kinetic_relation import kinetic_relation
+
     return kinetic_relation(c=point.number("c"), eta=point.number("eta"))
 
 

@@ -157,7 +157,7 @@ def test_a_motion_of_which_a_part_overflows_is_refused() -> None:
         integrate_with_tangents(chain, start, 0.1, 1)
 
 
-def test_a_motion_and_its_tangents_are_stepped_by_dop853() -> None:
+def test_a_motion_and_its_tangents_are_stepped_by_dop853(monkeypatch: pytest.MonkeyPatch) -> None:
     chain = OscillatorChain(**PAPER, c=0.3, eps=0.5, sites=3)
     rate = oscillator_rate(
         lambda y: y, lambda y, v: 1.0 - 2.5 * y**2 + 0.5 * y**4, pull_matrix(3), c=0.3, eps=0.5
@@ -171,6 +171,10 @@ def test_a_motion_and_its_tangents_are_stepped_by_dop853() -> None:
     kick = 1e-6 * np.array([0.3, -1.0, 0.2, 0.5, 0.4, -0.7])
     ends = [states_by_scipy(rate, start + each, times)[-1] for each in (kick, -kick)]
     np.testing.assert_allclose(flow.monodromy @ kick, 0.5 * (ends[0] - ends[1]), atol=1e-12)
+    monkeypatch.setattr(own, "_AT_ONCE", 7 * 12 * 6 * 7)  # seven of the forty steps at a time
+    parts = integrate_with_tangents(chain, start, 2.0, 40)
+    np.testing.assert_allclose(parts.monodromy, flow.monodromy, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(parts.by_c, flow.by_c, rtol=1e-13, atol=1e-15)
 
 
 @pytest.mark.parametrize("eps", [0.05, 0.5])

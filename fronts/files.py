@@ -227,12 +227,22 @@ def _zarr(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
 
 
 def _array(values: list[Any]) -> Any:
-    """Return a column as an array that can be stored without pickle: of numbers, or of text."""
+    """Return a column as an array that can be stored without pickle: of numbers, or of text.
+
+    Among numbers and truth values a missing one is nan, and the others are numbers, as in zarr.
+
+    Examples
+    --------
+    >>> _array([True, None, False])
+    array([ 1., nan,  0.])
+    """
     import numpy as np
 
     column = np.array(values)
     if column.dtype.kind != "O":
         return column
+    if all(value is None or isinstance(value, (bool, int, float)) for value in values):
+        return np.array(values, dtype=float)
     return np.array(["" if value is None else str(value) for value in values])
 
 

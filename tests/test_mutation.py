@@ -236,8 +236,25 @@ def test_of_tests_that_take_no_time_those_of_few_functions_come_first() -> None:
     for name, seconds, others in (("a", 0.0, 30), ("b", 0.02, 1), ("c", 0.0, 0), ("d", 0.0, 2)):
         entered = [mutant.function_at, *(f"m.py:{i}" for i in range(others))]
         survey.add([{"test": f"{name}.py::t", "seconds": seconds, "entered": entered}])
-    found = survey.reaching(mutant, False, {})
+    found = survey.reaching(mutant, False, {}, {})
     assert [test[0] for test in found] == ["c", "d", "b", "a"]
+
+
+def test_of_a_change_of_a_constant_the_tests_of_files_that_name_it_come_first() -> None:
+    survey = Survey()
+    (mutant, *_) = mutants_of("m.py", "LIMIT = 2.0\ndef f(): return LIMIT")
+    texts = {"a.py": "near m", "b.py": "m.LIMITS", "c.py": "m.LIMIT", "d.py": "n.LIMIT"}
+    importing = {file: frozenset({"n.py" if file == "d.py" else "m.py"}) for file in texts}
+    for file in texts:
+        entered = ["m.py:f"] if file == "b.py" else []
+        survey.add([{"test": f"{file}::t", "seconds": 0.1, "entered": entered}])
+    found = survey.reaching(mutant, True, importing, texts)
+    assert [test[0] for test in found] == ["c", "b", "a"]
+
+
+def test_a_package_is_changed_with_the_packages_inside_it() -> None:
+    found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0)}
+    assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
 
 
 def test_libraries_are_those_that_functions_import_too(tmp_path: Path) -> None:

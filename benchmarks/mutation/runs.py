@@ -49,6 +49,9 @@ class Runs:
     ) -> None:
         self._survey, self._seconds = survey, seconds
         self._importing, self._judge = importing, Judge(session)
+        self._texts = {
+            file: (session.root / file).read_text(encoding="utf-8") for file in importing
+        }
         self._killers: dict[str, list[str]] = defaultdict(list)
         self._begin = self._shown = time.monotonic()
         self.found: dict[str, str] = {}
@@ -91,7 +94,7 @@ class Runs:
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes nearby, then others as time allows."""
         on_import = self._judge.made_on_import(mutant)
-        reaching = self._survey.reaching(mutant, on_import, self._importing)
+        reaching = self._survey.reaching(mutant, on_import, self._importing, self._texts)
         known = self._killers[mutant.function_at]
         known = [*known, *self._killers[mutant.module]]
         picked = [test for test in dict.fromkeys(known) if test in reaching][:MAX_KNOWN]

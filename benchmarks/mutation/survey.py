@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -11,6 +12,7 @@ from pathlib import Path
 from benchmarks.mutation.children import STOPPED, Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.put import names_bound
 from benchmarks.mutation.records import Records
 from benchmarks.mutation.session import Session, dotted
 
@@ -57,7 +59,11 @@ class Survey:
                 self._entering[place.split(":")[0]].add(test)
 
     def reaching(
-        self, mutant: Mutant, on_import: bool, importing: dict[str, frozenset[str]]
+        self,
+        mutant: Mutant,
+        on_import: bool,
+        importing: dict[str, frozenset[str]],
+        texts: dict[str, str],
     ) -> list[str]:
         """Return the tests that can notice a change; those of few functions and fast ones first.
 
@@ -65,14 +71,18 @@ class Survey:
         of no measurable time those of few functions come first: for a change of code that runs on
         import only the first few files are asked.
 
-        These tests enter the function. A change of code that runs on import may affect other tests:
-        those that enter any function of the module come next, and then those of all files that
-        import the module.
+        These tests enter the function. A change of code that runs on import may affect other tests.
+        Of those of the files that import the module the first are those of files that name what is
+        changed (a constant, say), then those that enter any function of the module.
         """
+        near = [file for file, modules in importing.items() if mutant.module in modules]
         tiers = [self._entering[mutant.function_at]]
         if on_import:
+            words = [re.compile(rf"\b{name}\b") for name in names_bound(mutant.statement)]
+            files = {file for file in near if any(word.search(texts[file]) for word in words)}
+            tiers.append({test for test in self.seconds if test.partition("::")[0] in files})
             tiers.append(self._entering[mutant.module])
-            tiers.append({t for t in self.seconds if mutant.module in importing[t.split("::")[0]]})
+            tiers.append({test for test in self.seconds if test.partition("::")[0] in near})
 
         def cost(test: str) -> tuple[float, str]:
             return (self.seconds[test] + OVERHEAD) * self.breadth[test], test

@@ -29,7 +29,7 @@ def draw_states(
     states: Table,
     across: str,
     up: str,
-    boundary: Table | None = None,
+    boundary: Table | None,
     *,
     names: Mapping[str, str] = MappingProxyType({}),
     lines: str = "boundary, bisected",
@@ -44,7 +44,7 @@ def draw_states(
         The map, with a column ``label``.
     across, up : str
         Names of the columns on the two axes.
-    boundary : Table, optional
+    boundary : Table or None
         Boundaries from ``verification.maps.boundary.Bisection`` over the same map.
     names : mapping of str to str, optional
         Names in the legend for labels that are renamed there.

@@ -14,7 +14,7 @@ from verification.cells.shooting import TOLERANCES, shot_cycles
 
 
 @with_ranges(tolerance=TOLERANCES)
-def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell:
+def oscillator_cell(chain: OscillatorChain, tolerance: float) -> OwnCell:
     """Return all cycles of a cell of a chain; parameters that vary between sites are averaged.
 
     Parameters
@@ -32,7 +32,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float = 1e-12) -> OwnCell
 
     Examples
     --------
-    >>> found = oscillator_cell(OscillatorChain(damping="v**2 - 1", c=0.0))
+    >>> found = oscillator_cell(OscillatorChain(damping="v**2 - 1", c=0.0), 1e-12)
     >>> found.status.value, round(found.stable_cycle.amplitude, 4), found.error < 1e-9
     ('cycle only', 1.1547, True)
     """

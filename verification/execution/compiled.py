@@ -235,12 +235,12 @@ DISTINCT_NAMES = _count_from_random()
 """Whether functions have distinct names; if not, no caller of closures is stored on disk."""
 
 
-def source_digest(folder: Path = _HOME) -> str:
+def source_digest(folder: Path) -> str:
     """Digest of the Python files in a folder and below that contain compiled functions.
 
     Examples
     --------
-    >>> source_digest() == source_digest()
+    >>> source_digest(_HOME) == source_digest(_HOME)
     True
     """
     return digest_of_files(folder, files_with_compiled_functions(folder))[:16]

@@ -70,13 +70,13 @@ def cores_allowed() -> int:
 
 
 @contextmanager
-def worker_pool(workers: int | None = None) -> Iterator[Executor]:
+def worker_pool(workers: int) -> Iterator[Executor]:
     """Provide a pool of processes, none of which outlives this process or an interrupt.
 
     Parameters
     ----------
-    workers : int, optional
-        Number of processes; by default one per available core.
+    workers : int
+        Number of processes.
 
     Raises
     ------
@@ -251,8 +251,8 @@ def answers_in_order(
     function: Callable[[Item], Answer],
     items: Sequence[Item],
     *,
-    workers: int | None = None,
-    progress: Callable[[float], None] | None = None,
+    workers: int | None,
+    progress: Callable[[float], None] | None,
 ) -> list[Answer]:
     """Compute a function of every item; raise the exception that an item raises.
 
@@ -260,7 +260,7 @@ def answers_in_order(
     ----------
     function, items, workers
         As in `answers`.
-    progress : callable, optional
+    progress : callable or None
         Called with the fraction done.
 
     Returns
@@ -270,7 +270,7 @@ def answers_in_order(
 
     Examples
     --------
-    >>> answers_in_order(abs, [-1, 2], workers=1)
+    >>> answers_in_order(abs, [-1, 2], workers=1, progress=None)
     [1, 2]
     """
     found: dict[int, Answer] = {}

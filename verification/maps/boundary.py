@@ -130,7 +130,7 @@ def _narrowed(
     is_low: Callable[[float], bool],
     ends: tuple[float, float],
     width: float,
-    begins: float | None = None,
+    begins: float | None,
 ) -> tuple[float, float]:
     """Return two values no further apart than ``width``, of which only the first is low.
 

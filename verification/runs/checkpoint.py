@@ -172,7 +172,7 @@ def _metadata(integrations: Sequence[Integration]) -> dict[str, Any]:
 
 
 def save_checkpoint(
-    path: Path, arrays: Arrays, metadata: Mapping[str, Any], seconds: float = 0.0
+    path: Path, arrays: Arrays, metadata: Mapping[str, Any], seconds: float
 ) -> None:
     """Write the state arrays and the metadata that determine them, completely or not at all.
 

@@ -156,7 +156,7 @@ def solve_stiff_piece(
     tolerance: float,
     rest: float,
     margin: int,
-    steps_taken: int = 0,
+    steps_taken: int,
 ) -> StiffPiece:
     """Solve (8) from ``begin`` until it is no longer stiff, but for at most one piece of time.
 

@@ -62,9 +62,7 @@ class Flow:
     steps: int
 
 
-def integrate_variations(
-    chain: VdpChain, start: FloatArray, duration: float, steps: int = STEPS
-) -> Flow:
+def integrate_variations(chain: VdpChain, start: FloatArray, duration: float, steps: int) -> Flow:
     """Integrate (8) and its variational equations along the solution.
 
     Parameters
@@ -75,7 +73,7 @@ def integrate_variations(
         Initial displacements and velocities.
     duration : float
         Time, dimensionless; positive or negative.
-    steps : int, optional
+    steps : int
         Number of Taylor steps.
 
     Raises
@@ -86,7 +84,7 @@ def integrate_variations(
     Examples
     --------
     >>> chain = VdpChain(a=2.5, b=0.5, c=0, eps=1e-9, sites=2)
-    >>> flow = integrate_variations(chain, np.array([0.0, 0.0, 1.0, 0.0]), np.pi / 2)
+    >>> flow = integrate_variations(chain, np.array([0.0, 0.0, 1.0, 0.0]), np.pi / 2, STEPS)
     >>> flow.state.round(6).tolist()
     [1.0, 0.0, 0.0, 0.0]
     """
@@ -99,8 +97,8 @@ def integrate_along_sinusoids(
     phases: FloatArray,
     omega: float,
     *,
-    misprinted: bool = False,
-    steps: int = STEPS,
+    misprinted: bool,
+    steps: int,
 ) -> Flow:
     """Integrate the variational equations over 2π/ω along y_n = A_n sin(ωt + θ_n) (Eq. 9).
 
@@ -112,9 +110,9 @@ def integrate_along_sinusoids(
         A_n and θ_n.
     omega : float
         Frequency in t.
-    misprinted : bool, optional
+    misprinted : bool
         Use the Jacobian as printed in (42), with 1 - 2ax + 4bx³ in place of -2ax + 4bx³.
-    steps : int, optional
+    steps : int
         Number of Taylor steps.
     """
     start = np.concatenate([amplitudes * np.sin(phases), omega * amplitudes * np.cos(phases)])

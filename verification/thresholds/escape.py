@@ -190,7 +190,7 @@ def escape_threshold(
     preparation: NucleusPreparation,
     *,
     duration: float = 2000.0,
-    tolerance: float = 1e-6,
+    tolerance: float,
 ) -> RunThreshold:
     """Bisect for the coupling at which the prepared nucleus escapes within a time.
 

@@ -450,6 +450,8 @@ def test_a_map_ends_where_its_grid_ends():
             for along, at in (("c", 0.05), ("v_d", 1.5))]  # fmt: skip
     _, axes = new_axes()
     draw_states(axes, states, "c", "v_d", table_of(rows))
+    (contour,) = (each for each in axes.lines if each.get_label() == "boundary, bisected")
+    assert contour.get_xydata()[:2].tolist() == [[0.05, 1.0], [0.0, 1.5]]
     assert axes.get_xlim() == pytest.approx((0.0, 0.103))
     assert axes.get_ylim() == pytest.approx((0.97, 2.03))
     low, high = _rim(table_of([{"c": 0.02}]), "c")

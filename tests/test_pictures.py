@@ -23,6 +23,7 @@ import fronts as fr
 from fronts.animation import animate, snapshot
 from fronts.branches import BranchFold, FollowedBranch
 from fronts.pictures import BLUE, DRAWINGS, VERMILION, _thresholds, draw
+from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
 from verification.pictures.figures import COLOURS, use_style
@@ -444,6 +445,76 @@ def test_the_first_sample_of_a_square_lattice_is_drawn_in_its_rows() -> None:
     assert np.array_equal(image.get_array(), [[6.0, 7, 8], [9, 10, 11]])
 
 
+def _results() -> dict[str, Any]:
+    """Made-up results of the classes that are drawn, with all that their pictures show."""
+    from fronts.curves import Curve
+
+    @dataclass(frozen=True, kw_only=True)
+    class Way(Result):
+        v: float
+        method: str
+
+    ways = tuple(Way(v=v, method=method) for v, method in ((1.0, "run"), (2.0, "wave")))
+    amplitude = np.arange(12.0).reshape(3, 4)
+    run = _run(amplitude, model="averaged")
+    run.times, run.arrivals = np.array([0.0, 5.0, 10.0]), np.array([0.0, np.nan, 7.0, 9.0])
+    square = SimpleNamespace(positions=np.array([[0.0, 0], [1, 0], [0, 1], [1, 1]]))
+    lattice = _run(amplitude, model="vdp", shape=(2, 2), links=square)
+    lattice.times = run.times
+    front = SimpleNamespace(detail=None, arrivals=run.times, v=0.5,
+                            chain=SimpleNamespace(time_unit=100.0))  # fmt: skip
+    v_d = np.linspace(0.9, 2.0, 12)
+    cycles = np.stack([-v_d, v_d], axis=1)
+    states = table_of([{"c": c, "v_d": v, "label": "front" if c else "breather"}
+                       for c in (0.0, 0.1) for v in (1.0, 2.0)])  # fmt: skip
+    branches = [SimpleNamespace(v=v, admissible=v < 0.5, stable=None) for v in (0.3, 0.7)]
+    relation = SimpleNamespace(c=0.5, branches=branches, limit_shown=False, c_fold=None, c_pin=0.4,
+                               c_retreat=None)  # fmt: skip
+    return {
+        "KineticRelation": relation,
+        "KineticCurve": SimpleNamespace(along="c", points=[relation]),
+        "Bifurcation": SimpleNamespace(
+            v_d=v_d, stable=3.0 * cycles, unstable=2.0 * cycles, sliding=0.5 * v_d,
+            cycle_end_velocity=1.95, hopf_velocity=0.95, sliding_stable=v_d > 0.95,
+        ),
+        "FollowedBranch": _branch("c", [True, True, False, False]),
+        "Curve": Curve(along="c", values=np.array([0.1, 0.2]), points=ways, seconds=0.0),
+        "Trajectory": run,
+        "Trajectory of a lattice": lattice,
+        "Front": front,
+        "StateMap": SimpleNamespace(axes=("c", "v_d"), states=states, boundary=None),
+    }  # fmt: skip
+
+
+NAMES = {
+    "KineticRelation": ("coupling c", "front velocity v", 2),
+    "KineticCurve": ("coupling c", "front velocity v", 2),
+    "Bifurcation": ("belt velocity $v_d$", "turning points of y", 4),
+    "FollowedBranch": ("coupling c", "front velocity v", 2),
+    "Curve": ("coupling c", "front velocity v", 2),
+    "Trajectory": ("time t", "site n", 1),
+    "Trajectory of a lattice": ("column", "row", 0),
+    "Front": ("slow time of arrival, εt", "sites passed", 0),
+    "StateMap": ("coupling c", "belt velocity $v_d$", 2),
+}
+"""Names of the axes of each class, and the least number of things with a name in the legend."""
+
+
+def test_every_picture_names_its_axes_its_colours_and_what_is_in_it() -> None:
+    for name, result in _results().items():
+        axes = Figure().subplots()
+        DRAWINGS[name.partition(" ")[0]](result, axes)
+        across, up, least = NAMES[name]
+        assert (axes.get_xlabel(), axes.get_ylabel()) == (across, up), name
+        assert len(axes.lines) + len(axes.images) > 0, name
+        legend = axes.get_legend()
+        shown = [text.get_text() for text in legend.get_texts()] if legend else []
+        assert shown == axes.get_legend_handles_labels()[1] or name == "KineticRelation", name
+        assert len(axes.get_legend_handles_labels()[1]) >= least, name
+        beside = [each.get_ylabel() for each in axes.figure.axes[1:]]
+        assert beside == ["amplitude"] * len(axes.images), name
+
+
 # ---------------------------------------------------------------------------- the explorer's page
 
 
@@ -541,18 +612,24 @@ def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> No
 
 
 @needs_explorer
-def test_every_straight_line_of_the_explorer_is_in_its_figure() -> None:
-    from bokeh.models import Span
+def test_every_straight_line_and_every_column_of_the_explorer_is_in_its_figure() -> None:
+    from bokeh.models import ColumnDataSource, Span
 
-    from fronts.explore.pictures import PICTURES
+    from fronts.explore.pictures import PICTURES, RunPicture
 
     lines = 0
     for kind in PICTURES:
         picture = kind()
-        held = [each if isinstance(each, tuple) else (each,) for each in vars(picture).values()]
+        held = [each.values() if isinstance(each, dict) else each if isinstance(each, tuple)
+                else (each,) for each in vars(picture).values()]  # fmt: skip
         spans = [each for some in held for each in some if isinstance(each, Span)]
         assert all(span in picture.figure.center for span in spans)
         lines += len(spans)
+        for source in (x for some in held for x in some if isinstance(x, ColumnDataSource)):
+            glyphs = [each.glyph for each in picture.figure.renderers if each.data_source is source]
+            drawn = {getattr(glyph, at) for glyph in glyphs for at in ("x", "y")}
+            assert glyphs, (kind, source.name)
+            assert drawn >= set(source.column_names) or kind is RunPicture, (kind, source.name)
     assert lines == 5
 
 

@@ -383,6 +383,7 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(eps: fl
     family = RotatingWaves(chain, Nucleus(1))
     phi = Nucleus(1).envelope(chain) / family.unit
     u = np.concatenate([phi.real, phi.imag, [chain.c]])
+    assert family.stability(u, chain.c).error == np.inf  # as long as no bound is asked for
     found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1), 0.0)
     assert found.error is not None
     share = found.error / np.abs(found.waves).max()

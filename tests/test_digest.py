@@ -217,6 +217,9 @@ def test_code_of_no_module_counts_by_itself(monkeypatch):
     assert code_of(typed("# one\ndef x():\n return 1")) == found[0]
     assert code_of(typed(texts[-1])()) == code_of(typed(texts[-1])())
     assert code_of(typed(texts[-1])()) != code_of(typed(texts[-2])())
+    # It may use all of the project, which is therefore part of it.
+    monkeypatch.setattr("verification.execution.task.digest_of_packages", lambda _: "another")
+    assert code_of(typed(texts[0])) != found[0]
 
 
 def test_what_differs_is_named_with_both_values_where_these_are_short():

@@ -191,6 +191,8 @@ def test_sites_reached_at_once_have_no_velocity() -> None:
     together = 0.13 + 1e-16 * np.random.default_rng(3).random(64)
     assert velocity_of_arrivals(together) == (np.inf, np.inf)
     assert velocity_of_arrivals(np.zeros(32)) == (np.inf, np.inf)
+    apart = 1.0 + np.arange(64) * 2e-12 / 32  # twice a rounding error, over the second half
+    assert velocity_of_arrivals(apart)[0] == pytest.approx(16e12, rel=1e-2)
 
 
 def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:

@@ -87,6 +87,17 @@ def test_what_is_called_steady_sliding_never_sticks_again_and_loses_energy() -> 
     ).going_to_rest()
 
 
+def test_near_the_hopf_velocity_only_slower_motions_are_certain_to_rest() -> None:
+    """They cannot take the sliding velocity to where friction falls faster than damping grows."""
+    hopf = FrictionCell().hopf_velocity
+    chain = FrictionChain.of(FrictionCell(v_d=hopf + 1e-4), c=0.1, sites=8)
+    for share, rests in ((0.9, True), (1.1, False)):
+        start = np.zeros((2, 8))
+        start[0] = chain.cell.steady_sliding
+        start[1, 3] = share * 0.5e-4
+        assert FrictionIntegration(chain, start, tolerance=1e-12).going_to_rest() is rests
+
+
 def test_a_front_needs_all_sites_and_time_to_hold() -> None:
     chain = SHORT.at({"c": 0.05, "v_d": 1.25})
     start = excite(chain, [4])

@@ -14,6 +14,7 @@ import pytest
 
 from fronts.catalogue import COMMANDS, MeasurementCall
 from tests.settling import prepared, settle
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import MARGIN, Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -66,6 +67,10 @@ def test_a_chain_is_long_enough_when_waves_of_its_end_have_long_overtaken_the_fr
         assert prepared.long_enough(sites + 1, share * waves)
     for share, enough in ((1.0, False), (1.0099, False), (1.0101, True), (2.0, True)):
         assert prepared.long_enough(10**6, share * waves) is enough
+    ring = smooth._prepare_smooth(
+        AVERAGED.replace(ends=Ends.PERIODIC), _request(), LeftBoundary.FREE
+    )
+    assert prepared.sized(40) == ring.sized(40) == AVERAGED.replace(sites=64)
     on_wave = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
     assert on_wave.long_enough(1, 0.5 * waves)
 

@@ -582,6 +582,7 @@ def test_at_the_end_a_chain_that_has_stayed_half_filled_for_half_the_time_is_a_f
     chain = AveragedChain(a=4, b=0.5, c=0.6, sites=8)
 
     def integration(_: object, start: Any, *__: object, memory: Any, **___: object) -> Any:
+        assert memory.size == state_run._SITES + 2 * chain.sites
         memory[state_run._LASTING] = lasting
         return SimpleNamespace(
             state=start, finish=lambda: None, outcome=0, time=1.0, counts={"steps": 1},

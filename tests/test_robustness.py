@@ -16,7 +16,7 @@ import pytest
 
 from fronts.cli import main
 from fronts.commands import bench
-from fronts.commands.stress import _MAX_SHOWN
+from fronts.commands.stress import _MAX_SHOWN, _text
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import breathers, fronts, judging
@@ -450,6 +450,7 @@ def test_what_is_bad_is_named_and_recorded_where_the_report_finds_it(
     said = capsys.readouterr().out.splitlines()[-_MAX_SHOWN - 1 :]
     line = "exceeded: c-pin at eta = 0.1: 0.5 (stated 1e-09, distance inf, another)"
     assert said == [line] * _MAX_SHOWN + ["and 2 more; --json or --out has them all."]
+    assert _text(replace(plain, bad=(row,) * _MAX_SHOWN)).splitlines()[-_MAX_SHOWN:] == said[:-1]
     kept = json.loads((tmp_path / "benchmarks" / "results" / "stability.json").read_text())
     assert kept["bad"][0] == row | {"distance": None}
     assert kept["command"] == "fronts stress --points 12 --seed 3"

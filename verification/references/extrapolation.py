@@ -136,8 +136,7 @@ def integrate(rate: Rate, start: AnyArray, end: float, tolerance: float) -> Prec
 
 def _as_time(start: AnyArray, t: float) -> Any:
     """Return a time in the number type of the state."""
-    number = start.dtype.type if start.dtype != object else type(start.flat[0])
-    return abs(number(1)) * t
+    return abs(type(start.flat[0])(1)) * t
 
 
 def _change(error: float, allowed: float) -> float:

@@ -89,8 +89,7 @@ class Spreading:
         count_within("nucleus size", self.size, 1, 100_000)
         within("final time", self.final_time, *FINAL_TIMES)
         within("tolerance", self.tolerance, *TOLERANCES)
-        object.__setattr__(self, "place", Place(self.place))
-        for name, kind in (("definition", Definition), ("point", StartPoint)):
+        for name, kind in (("place", Place), ("definition", Definition), ("point", StartPoint)):
             object.__setattr__(self, name, kind(getattr(self, name)))
         if self.definition in (Definition.EXISTENCE, Definition.STABILITY):
             raise ParameterError(

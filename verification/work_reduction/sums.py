@@ -168,8 +168,8 @@ def few_values_in_a_search(eta: float = 0.03125, above: float = 1e-8) -> Compari
     )
     changes = np.flatnonzero(np.diff(np.sign(g)))
     width = float(t[1] - t[0])
-    if changes.size != found.v.size:
-        return Comparison(found.evaluations, t.size, math.inf, width)
-    middle = 0.5 * (t[changes] + t[changes + 1])
-    changed = float(np.max(np.abs(np.log(found.v) - middle), initial=0.0))
+    changed = math.inf
+    if changes.size == found.v.size:
+        middle = 0.5 * (t[changes] + t[changes + 1])
+        changed = float(np.max(np.abs(np.log(found.v) - middle), initial=0.0))
     return Comparison(found.evaluations, t.size, changed, width)

@@ -83,6 +83,8 @@ from verification.runs import checkpoint
 from verification.runs.comparison import difference
 from verification.runs.excite import StartPoint, excite
 from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers import friction, friction_series
+from verification.steppers import smooth as smooth_steps
 from verification.thresholds import escape
 from verification.thresholds import spreading as thresholds
 from verification.thresholds.result import Definition
@@ -495,6 +497,35 @@ def test_a_stop_condition_that_counts_sites_is_given_all_of_them(
     usual = SmoothIntegration(chain, excite(chain, [3]), [1.0])
     usual.advance(usual.default_budget)
     assert usual.counts["site_steps"] < 40 * usual.counts["steps"]
+
+
+INDICES = {
+    friction_series: (
+        "MU_ST MU_D V0 XI V_D C TOLERANCE REST SLIDING CLOCK DROP DRAG STEEPEST JUMP",
+        "Y W OWN SIGN BEND START END EVENT ARRIVAL LAST_MAXIMUM LAST_MINIMUM STEP SUM TERM "
+        "LAST_TERM ROWS",
+        "Y W E Q", "MODE RELEASED DUE FIRST BEYOND", "POLYNOMIAL KEPT",
+    ),
+    friction: (
+        "STICK_BEGINS STICK_ENDS REVERSAL",
+        "LO HI SAMPLED FRAMES SITE_FRAMES LOGGED STANDING LOCAL KINDS",
+    ),
+    smooth_steps: ("LO HI SAMPLED STEPS SITE_STEPS STIFF_STEPS OUTCOME",),
+    state_run: (
+        "_LEVEL _REST_BOUND _STIFFNESS _HOLD _WINDOW _SETTLED _OSCILLATES _FILLED _LASTING _FIRST "
+        "_BEGIN _NEXT _COUNT _ABOVE _SITES",
+    ),
+}  # fmt: skip
+"""Names of the rows of each array of compiled code, by module; the last may be their number."""
+
+
+def test_rows_of_the_arrays_of_compiled_code_have_one_meaning_each_and_none_is_beyond() -> None:
+    """Compiled code does not ask where an array ends, and what is beyond it is another's."""
+    for module, arrays in INDICES.items():
+        for names in arrays:
+            found = [getattr(module, name) for name in names.split()]
+            assert found == [*range(len(found))], (module.__name__, names)
+    assert friction_series.BINOMIALS == friction_series.KEPT + 2  # two are kept, of either side
 
 
 def _memory(*sites: tuple[float, float]) -> np.ndarray:

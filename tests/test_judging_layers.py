@@ -997,6 +997,19 @@ def test_what_stands_is_pinned_if_nothing_ahead_grows_and_nothing_behind_falls(
     assert stall.status() is status
 
 
+def test_the_largest_amplitude_within_a_period_is_taken_after_every_step() -> None:
+    class Steps(_Motion):
+        chain = VdpChain(a=4, b=0.5, c=0.1)
+
+        def advance(self, budget: int) -> None:
+            self.time += budget
+            self.amplitude = np.full(2, 5.0 if self.time == 1.0 else 1.0)
+
+    run: Any = Steps()
+    assert Stall(run, 10.0, 0.25)._largest().tolist() == [5.0, 5.0]
+    assert cycle_period(run.chain) <= run.time < cycle_period(run.chain) + 1.0
+
+
 def test_a_site_that_goes_up_and_down_in_either_stall_time_does_not_grow() -> None:
     """Noted at two moments it would: 1 at the first, 2 at the last."""
     run: Any = _Motion()

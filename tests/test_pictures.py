@@ -26,7 +26,7 @@ from fronts.pictures import BLUE, DRAWINGS, VERMILION, _thresholds, draw
 from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
-from verification.pictures.figures import COLOURS, use_style
+from verification.pictures.figures import COLOURS, new_axes, new_panels, use_style
 
 mpl.use("Agg")
 
@@ -710,6 +710,16 @@ def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None
     assert np.allclose(np.hypot(circle["x"], circle["y"]), 1.0)
     assert circle["x"][0] == pytest.approx(circle["x"][-1])
     assert np.ptp(np.unwrap(np.arctan2(circle["y"], circle["x"]))) == pytest.approx(2 * np.pi)
+
+
+def test_panels_stand_side_by_side_and_then_below_in_a_column_or_a_page() -> None:
+    figure, panels = new_panels(3, 2, width="page", height=4.0)
+    assert figure.get_size_inches().tolist() == [7.0, 4.0]
+    places = [axes.get_subplotspec() for axes in panels]
+    assert [(each.rowspan.start, each.colspan.start) for each in places if each] == [
+        (row, column) for row in (0, 1) for column in (0, 1, 2)
+    ]
+    assert new_axes("column")[0].get_size_inches().tolist() == [3.4, 3.4 * 0.68]
 
 
 def test_the_style_of_pictures_leaves_room_for_labels_and_yellow_for_areas() -> None:

@@ -387,6 +387,15 @@ def test_a_value_of_the_sum_is_a_complex_number_of_python(v: float) -> None:
     assert type(fr.sigma(v=v, c=3.0).value) is complex
 
 
+@pytest.mark.parametrize("certify", [True, False])
+def test_certified_radii_are_the_reason_for_few_digits_only_where_they_are_asked_for(
+    certify: bool,
+) -> None:
+    with pytest.raises(fr.ParameterError, match=r"^digits = 100000 ") as refused:
+        fr.roots(0.3, 0.5, digits=100_000, certify=certify)
+    assert ("certified" in str(refused.value)) is certify
+
+
 @pytest.mark.parametrize("names", [("tests", "reading"), ("reading", "tests")])
 def test_of_several_options_without_effect_the_first_is_named(names: tuple[str, str]) -> None:
     with pytest.raises(fr.ParameterError, match=f"^{names[0]} = 1 "):

@@ -11,6 +11,7 @@ UNCHANGED_CALLS = frozenset(
         "within",
         "count_within",
         "positive",
+        "Range",
         "checked_eta",
         "ParameterError",
         "PrecisionError",

@@ -519,6 +519,9 @@ def test_a_file_that_hides_a_package_is_named(
     taken = tmp_path / found[0].split("/")[0]
     assert fr._place("hidden_example") == taken.resolve()
     assert fr._place("there_is_no_such_package") is None
+    with monkeypatch.context() as nowhere:
+        nowhere.setattr(fr, "_place", lambda _: None)
+        fr._refuse_hidden()  # what is nowhere hides nothing
     monkeypatch.setattr(fr, "_PACKAGES", ("hidden_example",))
     with pytest.raises(ImportError, match=re.escape(f"{taken.resolve()} hides the package")):
         fr._refuse_hidden()

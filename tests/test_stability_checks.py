@@ -430,15 +430,16 @@ def test_newton_in_many_digits_begins_at_the_stated_breather(
     assert asked[-1] == (1, 1)  # the factors of both stated numbers
 
 
+@pytest.mark.parametrize("left", ["1e-3", "-1e-3"])
 def test_the_uncertainty_of_a_refined_orbit_counts_errors_of_either_sign(
-    monkeypatch: pytest.MonkeyPatch,
+    left: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Made up: 1e-3 is left of every entry, and two of them weigh alike with opposite signs."""
+    """Made up: so much is left of every entry, and two of them weigh alike with opposite signs."""
     inverse = np.zeros((19, 19))
     inverse[3, :2] = 1.0, -1.0
     monkeypatch.setattr(breathers, "_flow", lambda *_: SimpleNamespace(value=np.zeros((18, 19))))
     monkeypatch.setattr(
-        breathers, "integrate", lambda _, x, *__: SimpleNamespace(value=x + mp.mpf("1e-3"))
+        breathers, "integrate", lambda _, x, *__: SimpleNamespace(value=x + mp.mpf(left))
     )
     monkeypatch.setattr(np.linalg, "inv", lambda _: inverse)
     given = np.append(np.zeros(18), 6.3)

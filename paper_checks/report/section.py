@@ -132,8 +132,9 @@ def grouped(failures: Sequence[Failure]) -> dict[tuple[str, str], str]:
     Examples
     --------
     >>> grouped([Failure("quad", "narrow", "1e-6", "12 lost"),
-    ...          Failure("quad", "narrow", "1e-9", "15 lost")])
-    {('quad', '12 lost'): 'narrow: 1e-6, 1e-9'}
+    ...          Failure("quad", "narrow", "1e-9", "15 lost"),
+    ...          Failure("quad", "wide", "1e-6", "no root")])
+    {('quad', '12 lost'): 'narrow: 1e-6, 1e-9', ('quad', 'no root'): 'wide: 1e-6'}
     """
     reasons: dict[tuple[str, str], str] = {}
     settings: dict[tuple[str, str], dict[str, list[str]]] = {}

@@ -252,11 +252,6 @@ def test_of_a_change_of_a_constant_the_tests_of_files_that_name_it_come_first() 
     assert [test[0] for test in found] == ["c", "b", "a"]
 
 
-def test_a_package_is_changed_with_the_packages_inside_it() -> None:
-    found = {mutant.module for mutant in chosen(ROOT, ["theory"], 0.02, 0)}
-    assert {"theory/piecewise/limits.py", "theory/cells/vdp.py"} <= found
-
-
 def test_libraries_are_those_that_functions_import_too(tmp_path: Path) -> None:
     file = tmp_path / "m.py"
     text = (

@@ -423,6 +423,9 @@ def test_of_two_eigenvalues_that_are_close_both_may_be_beside_one_of_them() -> N
     apart = np.diag([1.0, 1.0 + 2.001 * error])  # here each one has one of the exact ones
     alone = eigenvalue_bound(apart, np.diag(apart).astype(complex), np.eye(2), error)
     assert alone == pytest.approx(error)
+    row = 1.0 + 1.999 * error * np.arange(9.0)  # each connected with the next
+    bound = eigenvalue_bound(np.diag(row), row.astype(complex), np.eye(9), error)
+    assert bound == pytest.approx(error + 8.0 * 1.999 * error)
 
 
 @pytest.mark.parametrize("parity", [1, -1])

@@ -45,6 +45,9 @@ class Logistic:
         self.state *= 3.9 * (1.0 - self.state)
         self.clock += 1
 
+    def check_pace(self) -> None:
+        """Accept every pace."""
+
     def check_state(self) -> None:
         if not np.all(np.isfinite(self.state)):
             raise ValueError("a state that is finite")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,11 @@ import mpmath as mp
 import numpy as np
 import numpy.typing as npt
 import pytest
+from numba import njit
+from numba.core.ccallback import CFunc
+from numba.core.dispatcher import Dispatcher
 
+from theory.interruption import compile_uninterrupted
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums import axis, beside_roots, compiled, poles, segments
@@ -344,3 +350,22 @@ def test_compiled_rules_are_kept_beside_the_source_whatever_else_uses_numba(
     rules: Any = compiled.compiled_rules.__wrapped__()
     folder = Path(rules.block_values.stats.cache_path)
     assert folder == Path(compiled.__file__).parent / "__pycache__"
+
+
+def test_an_interrupt_waits_until_a_rule_is_compiled_where_nothing_else_uses_numba(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plain, reached = inspect.unwrap(Dispatcher.compile), []
+
+    def interrupted(self: Any, signature: Any) -> Any:
+        signal.raise_signal(signal.SIGINT)
+        reached.append(signature)
+        return plain(self, signature)
+
+    monkeypatch.setattr(Dispatcher, "compile", interrupted)
+    monkeypatch.setattr(CFunc, "compile", CFunc.compile)  # put back afterwards
+    compile_uninterrupted.cache_clear()
+    compiled.compiled_rules.__wrapped__()
+    with pytest.raises(KeyboardInterrupt):
+        njit(lambda x: 2.0 * x)(1.5)
+    assert len(reached) == 1

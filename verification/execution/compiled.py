@@ -13,7 +13,6 @@ right-hand side of another one. Therefore the count begins at a random number he
 from __future__ import annotations
 
 import atexit
-import functools
 import gc
 import itertools
 import logging
@@ -31,13 +30,11 @@ from llvmlite import binding
 from numba import njit, types
 from numba.core import caching, config
 from numba.core.bytecode import FunctionIdentity
-from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
-from numba.core.dispatcher import Dispatcher
 
+from theory.interruption import compile_uninterrupted
 from verification.execution.digest import digest_of_files
-from verification.execution.interruption import interrupted_afterwards
 
 __all__ = ["COUNTED", "DISTINCT_NAMES", "UNCOUNTED", "OuterCompiler", "inner", "outer"]
 
@@ -301,23 +298,6 @@ def _storing_may_fail(_: object) -> Iterator[None]:
         logger.info("compiled code is not on disk: %s", error)
 
 
-def _uninterrupted(compiling: Callable[..., Any]) -> Callable[..., Any]:
-    """Let an interrupt from the keyboard wait until numba has compiled or loaded a function.
-
-    Where it ends the setting up of numba's tables of known functions, at the first such call in a
-    process, every later one fails, as with "duplicate registration" or "generator raised
-    StopIteration".
-    """
-
-    @functools.wraps(compiling)
-    def compiled(*given: Any) -> Any:
-        with interrupted_afterwards():
-            return compiling(*given)
-
-    return compiled
-
-
 keep_compiled_code()
-for _kind in (Dispatcher, CFunc):
-    setattr(_kind, "compile", _uninterrupted(_kind.compile))  # noqa: B010
+compile_uninterrupted()
 setattr(caching.Cache, "_guard_against_spurious_io_errors", _storing_may_fail)  # noqa: B010

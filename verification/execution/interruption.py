@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import signal
-import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any
+
+from theory.interruption import handled
 
 
 class Terminated(KeyboardInterrupt):
@@ -48,28 +49,14 @@ def deferred_interrupts() -> Iterator[Deferred]:
     """Let interrupts within the block wait for `Deferred.check`; a second one does not wait."""
     deferred = Deferred()
     usual: dict[int, Any] = dict.fromkeys(ENDING, signal.SIG_DFL)
-    with _handled(usual | {signal.SIGINT: signal.default_int_handler}, deferred.note):
+    with handled(usual | {signal.SIGINT: signal.default_int_handler}, deferred.note):
         yield deferred
-
-
-@contextmanager
-def interrupted_afterwards() -> Iterator[None]:
-    """Let interrupts from the keyboard within the block wait for its end, however many they are."""
-    arrived: list[int] = []
-    try:
-        with _handled(
-            {signal.SIGINT: signal.default_int_handler}, lambda number, _: arrived.append(number)
-        ):
-            yield
-    finally:
-        if arrived:
-            raise KeyboardInterrupt
 
 
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
     """Within the block, raise `Terminated` where a SIGTERM or SIGHUP would end the process."""
-    with _handled(dict.fromkeys(ENDING, signal.SIG_DFL), _raise):
+    with handled(dict.fromkeys(ENDING, signal.SIG_DFL), _raise):
         yield
 
 
@@ -81,23 +68,3 @@ def _raise(number: int, _: FrameType | None) -> None:
 
 def _interrupt(number: int) -> KeyboardInterrupt:
     return KeyboardInterrupt() if number == signal.SIGINT else Terminated()
-
-
-@contextmanager
-def _handled(
-    usual: Mapping[int, Any], handler: Callable[[int, FrameType | None], Any]
-) -> Iterator[None]:
-    """Handle signals that have their default handlers; an ignored signal (nohup) stays ignored.
-
-    Outside the main thread Python does not allow handlers to be set, and no signal arrives there.
-    """
-    ours: dict[int, Any] = {}
-    if threading.current_thread() is threading.main_thread():
-        ours = {number: was for number, was in usual.items() if signal.getsignal(number) is was}
-    for number in ours:
-        signal.signal(number, handler)
-    try:
-        yield
-    finally:
-        for number, was in ours.items():
-            signal.signal(number, was)

@@ -20,6 +20,7 @@ from types import FunctionType
 from typing import Any
 
 from theory.arrays import FloatArray
+from theory.interruption import compile_uninterrupted
 from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, poles, segments
 
 _MODULES = (arithmetic, axis, poles, segments, corrected_axis, blocks)
@@ -83,6 +84,7 @@ def compiled_rules() -> CompiledRules:
     """Return the compiled rules; they are kept where numba would, whatever else uses numba."""
     from numba.core import config
 
+    compile_uninterrupted()
     set_by_others: Any = getattr(config, _FOLDER)
     setattr(config, _FOLDER, os.environ.get(f"NUMBA_{_FOLDER}", ""))
     try:

@@ -314,15 +314,17 @@ def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 def test_samples_are_as_many_as_memory_has_room_for() -> None:
     most = MAX_NUMBERS // 1000
-    _check_samples(2, 1)
-    _check_samples(most, 1000)
-    for samples, sites, said in (
-        (1, 1, "number of samples"),
-        (1_000_001, 1, "number of samples"),
-        (most + 1, 1000, f"at most {most} for 1000 sites"),
+    _check_samples(2, 1, 2)
+    _check_samples(1, 1, 1)
+    _check_samples(most, 1000, 2)
+    for samples, sites, least, said in (
+        (1, 1, 2, "number of samples"),
+        (0, 1, 1, "number of samples"),
+        (1_000_001, 1, 1, "number of samples"),
+        (most + 1, 1000, 2, f"at most {most} for 1000 sites"),
     ):
         with pytest.raises(ParameterError, match=said) as refusal:
-            _check_samples(samples, sites)
+            _check_samples(samples, sites, least)
         assert (refusal.value.quantity, refusal.value.value) == ("number of samples", samples)
 
 

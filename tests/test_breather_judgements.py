@@ -596,6 +596,17 @@ def test_what_grows_by_more_than_rounding_is_unstable(
     assert floquet.floquet_multipliers(growing, 6.0, 0.01).stable is stable
 
 
+def test_exponents_err_by_what_the_error_of_an_amplitude_changes_however_large_it_is() -> None:
+    """Of uncoupled cells, along their amplitude, at which growth is -1/2 + 3a|φ|²/8 - …"""
+    chain, amplitude, off = AVERAGED.replace(a=4.0, b=1e-3, c=0.0, sites=2), 0.3, 0.0375
+    diagonal = np.full(2, np.exp(0.25j * math.pi))  # both parts are off by as much
+    found = exponents(amplitude * diagonal, 0.0, chain, error=off / math.sqrt(2.0))
+    exact = exponents((amplitude + off) * diagonal, 0.0, chain)
+    change = exact.growth - found.growth
+    assert change == pytest.approx(1.5 * ((amplitude + off) ** 2 - amplitude**2), rel=1e-3)
+    assert change <= found.growth_error < 1.1 * change
+
+
 def test_only_what_is_its_own_mirror_image_is_split() -> None:
     family = RotatingWaves(AVERAGED, Nucleus(1))
     u = solve_envelope_breather(AVERAGED, Nucleus(1)).unknowns

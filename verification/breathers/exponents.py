@@ -91,7 +91,8 @@ def exponents(
     if mirrored:  # the phase mode iφ has the parity of φ
         parity = 1 if np.abs(phi + phi[::-1]).sum() > np.abs(phi - phi[::-1]).sum() else -1
     # The error of φ is that of its real and of its imaginary part; sites do not affect one another.
-    off = omega_error + math.sqrt(2.0) * _bend(np.abs(phi), chain) * error
+    aside = math.sqrt(2.0) * error
+    off = omega_error + _bend(float(np.abs(phi).max()) + aside, chain) * aside
     found = modes_of(
         rotating_jacobian(phi, omega, chain), parity, trivial=0.0, size=np.real, off=off
     )
@@ -109,9 +110,8 @@ def exponents(
     )
 
 
-def _bend(size: FloatArray, chain: VanDerPolChain) -> float:
-    """Return a bound on the second derivatives of -φ (1 - a|φ|²/4 + b|φ|⁴/8)/2."""
-    largest = float(size.max())
+def _bend(largest: float, chain: VanDerPolChain) -> float:
+    """Return a bound on the second derivatives of -φ (1 - a|φ|²/4 + b|φ|⁴/8)/2 up to some |φ|."""
     return largest * (0.75 * chain.a + 1.25 * chain.b * largest**2)
 
 
@@ -207,10 +207,10 @@ def eigenvalue_bound(
     With δ the error of the matrix in the spectral norm and V its eigenvectors, every exact
     eigenvalue lies in a disc about a computed one, of radius cond(V) δ (Bauer and Fike 1960) and of
     radius (2‖M‖ + δ)^{1-1/n} δ^{1/n} (Elsner 1985). By continuity, discs that are connected to one
-    another contain as many exact eigenvalues as discs, but one of them may contain all. Exact ones
-    are therefore as far from any of the computed ones as the radius and the largest distance
-    between the centres of connected discs. The rounding of LAPACK is equivalent to a perturbation
-    of the matrix by n units in the last place.
+    another contain as many exact eigenvalues as discs, but one of them may contain all. However
+    they are paired, an exact eigenvalue is therefore no farther from its computed one than the
+    radius plus the largest distance between the centres of connected discs. The rounding of LAPACK
+    is equivalent to a perturbation of the matrix by n units in the last place.
 
     Parameters
     ----------

@@ -362,8 +362,11 @@ def test_the_cycles_of_a_van_der_pol_cell_scale_with_a(scale: float) -> None:
     ):
         assert ours is not None
         assert theirs is not None
+        assert theirs.multiplier is not None
+        assert theirs.multiplier_error is not None
         assert theirs.max * math.sqrt(scale) == pytest.approx(ours.max, rel=1e-9)
         assert theirs.period == pytest.approx(ours.period, rel=1e-9)
+        assert abs(theirs.multiplier - ours.multiplier) <= theirs.multiplier_error < 1e-6
         assert theirs.error * math.sqrt(scale) < 1e-6 or theirs.error < 1e-9
 
 

@@ -327,7 +327,8 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
     assert found.max == pytest.approx(true[at] + 1e-6, abs=1e-12)
     assert found.min == pytest.approx(-0.5 * found.max)
     assert found.multiplier == pytest.approx(multiplier, rel=1e-7)
-    assert found.multiplier_error == pytest.approx(0.05 * found.error * multiplier, rel=1e-3)
+    beside = found.max * found.error / found.period
+    assert found.multiplier_error == pytest.approx(0.05 * beside * multiplier, rel=1e-3)
     assert found.error == pytest.approx(99.0 * 1e4 * 1e-9, rel=1e-6)
 
 

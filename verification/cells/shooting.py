@@ -155,14 +155,16 @@ def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle
         _turn(cell, eps, y, limit.period, each)
         for y, each in ((fine, tolerance), (coarse, 100.0 * tolerance))
     )
-    gaps = (fine - coarse, turn.bottom - other.bottom, turn.period - other.period)
-    error = max(*(abs(each) for each in gaps), ROUNDING * turn.period)
+    pairs = ((fine, coarse), (turn.bottom, other.bottom), (turn.period, other.period))
+    error = max(*(abs(one - two) for one, two in pairs), ROUNDING * turn.period)
+    # Relative, since a cycle may be far smaller than the error of its period.
+    aside = fine * min(max(*(abs(1.0 - two / one) for one, two in pairs), ROUNDING), 0.5)
     multiplier, multiplier_error = _multiplier(
         _exponents(cell, eps, turn),
         _exponents(cell, eps, other),
         *(
             _exponents(cell, eps, _turn(cell, eps, fine + each, limit.period, tolerance))
-            for each in (error, -error)
+            for each in (aside, -aside)
         ),
     )
     return CellCycle(

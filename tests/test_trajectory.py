@@ -275,10 +275,12 @@ def test_one_time_is_enough_and_a_number_of_samples_beside_times_is_refused() ->
 
 
 @pytest.mark.parametrize(
-    "times", [[-1.0, 1.0], [2.0, 1.0], [0.0, 3.5], [-2.0, -1.0], [0.0, 2.0, 1.0]]
+    "times", [[-1.0, 1.0], [2.0, 1.0], [0.0, 3.5], [-2.0, -1.0], [0.0, 2.0, 1.0], [[0.0, 1.0]]]
 )
-def test_times_of_samples_ascend_from_zero_to_the_end(times: list[float]) -> None:
-    with pytest.raises(ParameterError, match=r"times of the samples = \[.*from 0 to t_end = 3;"):
+def test_times_of_samples_ascend_from_zero_to_the_end(times: Any) -> None:
+    with pytest.raises(
+        ParameterError, match=r"times of the samples = \[.*one ascending list .* and t_end = 3;"
+    ):
         simulate_module._sample_times(FRONT, 3.0, None, times)
 
 

@@ -93,7 +93,7 @@ def check(
     listing : bool, optional
         List the claims without judging them.
     quiet : bool, optional
-        Show progress in a terminal only.
+        Outside a terminal, print no line for each claim.
     """
     if os.environ.get("FRONTS_TRACEBACK"):
         logging.basicConfig(level=logging.INFO)

@@ -76,7 +76,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
     work_reduction : bool, optional
         Show what is truncated or not computed, and the gain.
     quiet : bool, optional
-        Show progress in a terminal only.
+        Outside a terminal, print no line for each quantity.
     """
     if record:
         from fronts.commands.bench import ROOT, need_source_tree

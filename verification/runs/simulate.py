@@ -179,8 +179,8 @@ def _sample_times(
         raise ParameterError(
             "times of the samples",
             np.array2string(found, threshold=6, edgeitems=2),
-            f"ascending, from 0 to t_end = {t_end:g}",
-            "sort them, or take a later t_end",
+            f"one ascending list of numbers between 0 and t_end = {t_end:g}",
+            "sort them, leave out those outside, or take a later t_end",
         )
     return found
 

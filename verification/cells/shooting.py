@@ -150,7 +150,8 @@ def _exponents(cell: Oscillator, eps: float, turn: _Turn) -> FloatArray:
 def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle:
     """Return one cycle and its error, starting from its limit as ε → 0."""
     limit = cell.cycles[at]
-    fine, coarse = (_fixed(cell, eps, at, each) for each in (tolerance, 100.0 * tolerance))
+    coarse = _fixed(cell, eps, at, 100.0 * tolerance)
+    fine = _fixed(cell, eps, at, tolerance, coarse)
     turn, other = (
         _turn(cell, eps, y, limit.period, each)
         for y, each in ((fine, tolerance), (coarse, 100.0 * tolerance))
@@ -207,12 +208,17 @@ def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> No
         )  # fmt: skip
 
 
-def _fixed(cell: Oscillator, eps: float, at: int, tolerance: float) -> float:
-    """Return the largest y of a cycle: a fixed point between the neighbouring cycles."""
+def _fixed(
+    cell: Oscillator, eps: float, at: int, tolerance: float, near: float | None = None
+) -> float:
+    """Return the largest y of a cycle: a fixed point between the neighbouring cycles.
+
+    It is searched around ``near``, by default around the limit ε → 0.
+    """
     amplitudes = [each.amplitude for each in cell.cycles]
-    guess, period = amplitudes[at], cell.cycles[at].period
-    low = math.sqrt(amplitudes[at - 1] * guess) if at else 0.0
-    high = math.sqrt(amplitudes[at + 1] * guess) if at + 1 < len(amplitudes) else math.inf
+    guess, period = near or amplitudes[at], cell.cycles[at].period
+    low = math.sqrt(amplitudes[at - 1] * amplitudes[at]) if at else 0.0
+    high = math.sqrt(amplitudes[at + 1] * amplitudes[at]) if at + 1 < len(amplitudes) else math.inf
 
     @cache  # at the ends of an interval and at its root brentq asks again
     def growth(y: float) -> float:

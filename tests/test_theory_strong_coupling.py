@@ -44,7 +44,7 @@ def test_where_fronts_are_as_fast_as_waves():
     eta, error = wave_fast_eta()
     assert error < 1e-11
     beside = 1e-6
-    before, after = (kappa_by_shooting(eta + x, -1e-3, 1e-3) for x in (-beside, beside))
+    before, after = (kappa_by_shooting(eta + x, -1e-4, 1e-4) for x in (-beside, beside))
     assert before[0] > 0.0 > after[1]
     # κ is smooth: its zero is where the line through both neighbours is zero.
     assert sum(before) + sum(after) == pytest.approx(0.0, abs=1e-9)

@@ -2,7 +2,7 @@
 
 The chain is first run until the nucleus has settled, so that the orbit found is near a stable
 breather. The motion is integrated by DOP853 at equal steps, and so are the variational equations:
-they are linear, so that all steps are taken at once from unit tangents, and multiplied.
+they are linear, so that for short chains many steps are taken at once and multiplied.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ STEPS = 64
 MAX_SITES = 101
 SETTLED = 40.0
 """Time in units of ``time_unit`` after which the nucleus has either settled or disappeared."""
-_AT_ONCE = 1 << 19
-"""Numbers in the stages of tangents that are computed together."""
+_AT_ONCE = 1 << 16
+"""Numbers in the stages of tangents that are computed together: as many as a cache holds."""
 _LAST = 6
 """Periods of a cell, as ε → 0, at the end of this time in which the nucleus is sampled."""
 
@@ -132,7 +132,7 @@ def integrate_with_tangents(
     rate, tangent_rate = _rate_of(chain), _tangent_rate_of(chain)
     samples, stages = np.zeros((steps, chain.sites)), np.zeros((steps, DOP853.n_stages, size))
     slopes, motion, tangents = np.zeros((DOP853.n_stages, size)), start, np.eye(size, size + 1)
-    # Of all steps at once, as far as their stages take a few megabytes.
+    # Of a short chain many steps at once, each from unit tangents.
     together = max(1, _AT_ONCE // (DOP853.n_stages * tangents.size))
     with np.errstate(over="ignore", invalid="ignore"):
         for step in range(steps):
@@ -145,11 +145,15 @@ def integrate_with_tangents(
             states = stages[begin : begin + together]
             columns = np.zeros((DOP853.n_stages, len(states), *tangents.shape))
             flat = columns.reshape(DOP853.n_stages, -1)
-            unmoved = np.eye(size, size + 1)
+            first = np.eye(size, size + 1) if together > 1 else tangents
             for i in range(DOP853.n_stages):
-                moved = unmoved + h * (A[i, :i] @ flat[:i]).reshape(columns.shape[1:])
+                moved = first + h * (A[i, :i] @ flat[:i]).reshape(columns.shape[1:])
                 columns[i] = tangent_rate(states[:, i], moved)
-            for each in unmoved + h * (B @ flat).reshape(columns.shape[1:]):
+            after = first + h * (B @ flat).reshape(columns.shape[1:])
+            if together == 1:
+                tangents = after[0]
+                continue
+            for each in after:
                 tangents = each[:, :-1] @ tangents
                 tangents[:, -1] += each[:, -1]
     if not (np.all(np.isfinite(motion)) and np.all(np.isfinite(tangents))):

@@ -215,6 +215,20 @@ def test_the_error_of_a_velocity_that_drifts_bounds_the_way_to_its_limit(
     assert abs(v - 1.0) <= error <= 6.0 * abs(v - 1.0)
 
 
+@pytest.mark.parametrize("start", [0.3, 0.5, 0.7])
+@pytest.mark.parametrize("end", [0.25, 0.5])
+@pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
+def test_the_error_bounds_the_effect_of_both_ends_where_they_are_alike(
+    start: float, end: float, share: float
+) -> None:
+    """Periods of 1 but for a transient at the beginning and an end, of which the fit sees both."""
+    n = np.arange(1, 33)
+    early = start ** (n - 16.0)
+    periods = 1.0 - 1e-5 * (early + share * end ** (32.0 - n))
+    v, error = velocity_of_arrivals(np.cumsum(periods))
+    assert abs(v - 1.0) <= error < 20.0 * abs(v - 1.0)
+
+
 @pytest.mark.parametrize("period", [2.3, 7.1, 16.0])
 def test_a_ripple_of_the_arrivals_is_no_drift(period: float) -> None:
     n = np.arange(256)

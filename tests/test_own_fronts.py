@@ -48,6 +48,13 @@ def speed(chain: OscillatorChain, **options: Any) -> float:
     return v
 
 
+def test_the_error_of_a_wide_front_bounds_the_effect_of_both_ends_of_its_chain() -> None:
+    """Against arrivals at sites 105 and 145 of 260 in a run by scipy's DOP853 at 1e-11."""
+    front = measure_front(nagumo(c=1.0))
+    assert front.v is not None
+    assert 1e-6 < abs(front.v - 0.42014877837) <= front.error < 1e-5
+
+
 def test_front_and_threshold_of_the_paper_as_text_are_those_of_the_built_in_chain() -> None:
     text, built_in = OscillatorChain(**PAPER, c=0.6), VdpChain(a=4, b=0.5, c=0.6)
     ours, theirs = measure_front(text), measure_front(built_in)

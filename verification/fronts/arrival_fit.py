@@ -6,13 +6,18 @@ The rule is the same for every chain:
   sites and fill them in later;
 * the first half of the arrivals is regarded as transient and discarded;
 * v is the slope of the regression line through the remaining arrivals;
-* its error is the largest of four quantities: three times the standard error of the slope; the
+* its error is the largest of five quantities: three times the standard error of the slope; the
   difference between the slopes of the third and the fourth quarter of the arrivals; three times the
-  difference from a second run with a tolerance a hundred times larger, or v itself if the front
-  stops in that run; and a quarter of the tolerance, relative to v;
+  difference from the slope of the middle half of those fitted, as far as the standard error of that
+  slope does not explain it; three times the difference from a second run with a tolerance a hundred
+  times larger, or v itself if the front stops in that run; and a quarter of the tolerance, relative
+  to v;
 * the part of the difference between the quarters that their standard errors do not explain is a
   drift and is multiplied by six: if the velocity approaches its limit like n^{-2/3}, as for the
   head of a wave, the limit is still 4.5 times that difference away;
+* the slope of the middle half differs where the transient of the start at one end and the free end
+  of the chain at the other change the arrivals alike, so that the quarters agree; three times the
+  difference is enough if the middle half has at most two thirds of that change;
 * the front is steady if the error is below a stated fraction of v; otherwise the chain is
   lengthened.
 
@@ -28,7 +33,7 @@ import numpy.typing as npt
 
 from theory.arrays import FloatArray
 
-_NOISE, _DRIFT = 3.0, 6.0
+_NOISE, _DRIFT, _BEND = 3.0, 6.0, 3.0
 _AT_ONCE = 1e-12
 """Relative difference of arrival times that may be a rounding error."""
 
@@ -71,7 +76,10 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     second, second_noise = line(site[half:], late[half:])
     apart = abs(first - second)
     drift = _DRIFT * (apart - 2.0 * math.hypot(first_noise, second_noise))
-    return 1.0 / slope, max(_NOISE * noise, apart, drift) / slope**2
+    outer = late.size // 4
+    middle, middle_noise = line(site[outer:-outer], late[outer:-outer])
+    bend = _BEND * (abs(slope - middle) - 2.0 * middle_noise)
+    return 1.0 / slope, max(_NOISE * noise, apart, drift, bend) / slope**2
 
 
 def at_once(slope: float, times: FloatArray) -> bool:

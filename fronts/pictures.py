@@ -209,8 +209,8 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
         turns.sort(key=lambda turn: turn[0])
     symbol = "η" if along == "eta" else along
     for place, node in reversed(turns):
-        kind = "fold," if node[0] != pin else "pinned from" if along == "eta" else "pinned up to"
-        axes.axvline(node[0], color="0.5", lw=0.8, label=f"{kind} {symbol} = {node[0]:.6g}")
+        what = "fold," if node[0] != pin else "pinned from" if along == "eta" else "pinned up to"
+        axes.axvline(node[0], color="0.5", lw=0.8, label=f"{what} {symbol} = {node[0]:.6g}")
         nodes.insert(place, node)
     for stable, line, label in (
         (True, "-", "stable"), (False, "--", "not stable"), (None, ":", "stability not decided"),

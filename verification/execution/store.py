@@ -226,7 +226,7 @@ class Store:
         if not resume:
             raise ParameterError(
                 f"store {self._path}", "left by an interrupted run", "absent when a run begins",
-                "resume it (--resume), or remove it",
+                "resume that run, or remove the file",
             )  # fmt: skip
         if digest_of(found) != digest_of(self._identity):
             said = differences(found, self._identity)

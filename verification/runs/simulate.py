@@ -51,7 +51,7 @@ have become independent may agree by chance. For long chains, with which that do
 most so many times as have this number of states in all."""
 
 
-@with_ranges(tolerance=TOLERANCES, latest=LATEST, samples=SAMPLES.low)
+@with_ranges(tolerance=TOLERANCES, latest=LATEST, samples=SAMPLES.low, default=DEFAULT_SAMPLES)
 def simulate(  # noqa: PLR0913  (all but three by name)
     chain: Chain,
     start: npt.ArrayLike,
@@ -84,7 +84,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         1e-9; for the friction chain absolute, by default 1e-10.
     samples : int, optional
         Number of states sampled, evenly spaced from 0 to ``t_end``; at least {samples}, by default
-        201.
+        {default}.
     times : sequence of float, optional
         Times at which states are sampled instead, ascending, the last one at most ``t_end``; one
         is enough.
@@ -200,7 +200,7 @@ def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntA
 
 
 def _check_samples(samples: int, sites: int, least: int) -> None:
-    count_within("number of samples", samples, least, SAMPLES.high)
+    count_within("number of samples", samples, least, int(SAMPLES.high))
     most = MAX_NUMBERS // sites
     if samples > most:
         raise ParameterError(

@@ -102,9 +102,7 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
         lambda: fr.simulate(CHAINS["vdp"], np.ma.array(START, mask=START > 0), 1.0), "start"
     ),
     "flat-start": (lambda: fr.simulate(CHAINS["vdp"], START[0], 1.0), "start"),
-    "one-sample": (
-        lambda: fr.simulate(CHAINS["vdp"], START, 1.0, times=[0.5]), "number of samples"
-    ),
+    "no-sample": (lambda: fr.simulate(CHAINS["vdp"], START, 1.0, times=[]), "number of samples"),
     "no-length": (lambda: fr.threshold(CHAINS["piecewise"]), "model = piecewise"),
     "no-sites": (lambda: fr.excite(CHAINS["piecewise"], [2]), "model = piecewise"),
     "network-wave": (

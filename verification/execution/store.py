@@ -226,7 +226,7 @@ class Store:
         if not resume:
             raise ParameterError(
                 f"store {self._path}", "left by an interrupted run", "absent when a run begins",
-                "resume that run, or remove the file",
+                "resume it (at the shell --resume), or remove it",
             )  # fmt: skip
         if digest_of(found) != digest_of(self._identity):
             said = differences(found, self._identity)

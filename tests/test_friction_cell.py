@@ -727,7 +727,7 @@ def test_a_search_that_takes_minutes_reports_how_far_it_is(monkeypatch: pytest.M
 def test_the_end_of_relaxation_cycles_is_known_to_its_error_and_not_better() -> None:
     """What follows a slow creep changes abruptly with v_d; the sign of the excess does there."""
     for relaxing in (FrictionCell(xi=100.0, v0=1e-3), FrictionCell(xi=30.0, v0=1e-4)):
-        limits = friction.cycle_limits(relaxing)
+        limits = friction.cycle_limits(relaxing, friction.TOLERANCE, None)
         assert 0.0 < limits.error < 1e-10 * limits.end
         inside, outside = (
             friction_cycles.largest_after_release(replace(relaxing, v_d=limits.end + each), 1e-13)

@@ -61,7 +61,7 @@ def report_of(*outcomes: JudgedClaim) -> Any:
 
 
 def test_a_part_of_the_claims_is_said_to_be_one_and_a_headline_gives_its_reason() -> None:
-    assert report_as_text(report_of(outcome("one"))).startswith("1 of 9 claims in ")
+    assert report_as_text(report_of(outcome("one")), 100).startswith("1 of 9 claims in ")
     plain = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="")
     for finding, because in ((FINDING, "It is off."), (plain, "as the paper says.")):
         assert _headline(outcome("one", finding)).endswith(f": {because} (one)")
@@ -256,7 +256,7 @@ def test_the_list_of_claims_has_a_line_for_each_and_is_never_too_narrow_to_read(
     assert head == ["claim", "place", "on record", "statement"]
     for row, claim in zip(rows, (entry.claim for entry in entries), strict=True):
         assert row == [claim.key, claim.place, slug(claim.recorded), claim.statement]
-    assert max(map(len, entries_as_text(entries).splitlines())) <= 100
+    assert max(map(len, entries_as_text(entries, 100).splitlines())) <= 100
     assert entries_as_text(entries, 10) == entries_as_text(entries, NARROWEST)
 
 
@@ -274,23 +274,23 @@ def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_
     # A failure is no change of the verdict: it is named by itself.
     assert second.splitlines()[0] == "b (Fig. 16): failed"
     methods = (Method("one", "a:f"), Method("other", "b:f", covers="one half"))
-    covered = report_as_text(report_of(outcome("a", methods=methods)))
+    covered = report_as_text(report_of(outcome("a", methods=methods)), 100)
     assert "  By: one [a:f]\n  And by: other [b:f], for one half\n" in covered
     assert "no second method" not in covered
-    alone = report_as_text(report_of(outcome("a", methods=methods[:1])))
+    alone = report_as_text(report_of(outcome("a", methods=methods[:1])), 100)
     assert "  By: one [a:f]\n  There is no second method.\n" in alone
     assert ("  Printed: 0.5\n" in alone) is False
-    assert "  Printed: 0.5\n" in report_as_text(report_of(outcome("a", printed="0.5")))
+    assert "  Printed: 0.5\n" in report_as_text(report_of(outcome("a", printed="0.5")), 100)
     kept = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="", pictures=())
-    assert "(changed)" not in report_as_text(report_of(outcome("a", kept)))
-    assert "Figure" not in report_as_text(report_of(outcome("a", kept)))
+    assert "(changed)" not in report_as_text(report_of(outcome("a", kept)), 100)
+    assert "Figure" not in report_as_text(report_of(outcome("a", kept)), 100)
 
 
 @pytest.mark.parametrize("stale", [False, True])
 def test_a_stored_finding_as_text_says_whether_its_code_has_changed(stale: bool) -> None:
     origin = Provenance(command="c", versions={"numpy": "2.0"}, machine={}, stale=stale)
     judged = Judgement(FINDING, None, 1.0, "then", stored=True, provenance=origin)
-    text = report_as_text(report_of(JudgedClaim(Entry("fig16", claim("a")), judged)))
+    text = report_as_text(report_of(JudgedClaim(Entry("fig16", claim("a")), judged)), 100)
     assert "  Stored: found then in 1.0 s, with numpy 2.0" in text
     assert ("code that it depends on has changed" in " ".join(text.split())) is stale
 
@@ -299,8 +299,8 @@ def test_of_many_claims_a_headline_is_the_finding_s_own_or_its_verdict() -> None
     said = replace(FINDING, headline="Read this first.")
     others = [outcome(f"k{n}", None) for n in range(9)]
     report = report_of(outcome("a", said), outcome("b"), *others)
-    text = report_as_text(report)
-    assert report_as_text(report_of(*others)).startswith("9 claims in ")
+    text = report_as_text(report, 100)
+    assert report_as_text(report_of(*others), 100).startswith("9 claims in ")
     assert text.splitlines()[-1].startswith(f"{len(report.errata)} errata. ")
     assert "- Read this first. (a)" in text
     assert "- Fig. 16: It holds. Holds only in part: It is off. (b)" in text

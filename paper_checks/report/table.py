@@ -12,7 +12,7 @@ NARROWEST = 60
 """Width in columns below which a table is unreadable; lines then wrap in the terminal instead."""
 
 
-def entries_as_text(entries: Sequence[Entry], width: int = 100) -> str:
+def entries_as_text(entries: Sequence[Entry], width: int) -> str:
     """Return the table of claims that have not been judged."""
     from rich.console import Console
     from rich.table import Table

@@ -15,7 +15,7 @@ NAMED = 6
 """Largest number of keys that are listed; the rest is counted."""
 
 
-def report_as_text(report: Report, width: int = 100) -> str:
+def report_as_text(report: Report, width: int) -> str:
     """Write the counts, changed verdicts, stale evidence, and three findings.
 
     A few claims are shown in full instead.

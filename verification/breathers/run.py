@@ -114,7 +114,7 @@ def run_breather(
     )
 
 
-def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int = 0) -> Breather:
+def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int) -> Breather:
     """Integrate (43) from a prepared nucleus until it rotates rigidly.
 
     The drift is max |φ_n' - iΩφ_n|, with Ω of the centre; it is computed from the equation and not
@@ -126,7 +126,7 @@ def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int 
         The chain: a, b, c, ε and the ends.
     nucleus : Nucleus
         Excited sites and their phases at the start.
-    seed : int, optional
+    seed : int
         Seed of the noise on the start.
 
     Returns
@@ -142,7 +142,8 @@ def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int 
     Examples
     --------
     >>> from theory.chains.vdp import AveragedChain
-    >>> run = run_averaged_breather(AveragedChain(a=2.5, b=0.5, c=0.1, sites=7), Nucleus(1))
+    >>> chain = AveragedChain(a=2.5, b=0.5, c=0.1, sites=7)
+    >>> run = run_averaged_breather(chain, Nucleus(1), seed=0)
     >>> run.status.value, round(run.frequency, 6)
     ('settled', 1.001)
     """

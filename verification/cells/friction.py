@@ -142,7 +142,7 @@ def friction_cell(
 
 
 def cycle_limits(
-    cell: FrictionCell, tolerance: float = TOLERANCE, progress: ProgressCallback | None = None
+    cell: FrictionCell, tolerance: float, progress: ProgressCallback | None
 ) -> CycleLimits:
     """Return the limits of :func:`cycle_velocities` with their error; they do not depend on v_d."""
     limits, coarse = (

@@ -243,7 +243,7 @@ def source_digest(folder: Path) -> str:
     return digest_of_files(folder, files_with_compiled_functions(folder))[:16]
 
 
-def files_with_compiled_functions(folder: Path = _HOME) -> list[Path]:
+def files_with_compiled_functions(folder: Path) -> list[Path]:
     """Return the Python files in a folder and below in which a compiling decorator is named."""
     return [path for path in folder.rglob("*.py") if _DECORATOR.search(path.read_bytes())]
 

@@ -473,7 +473,7 @@ def clock_place(chain: SmoothChain) -> int:
     return chain.kernel_layout[0] - 3 * count - 1 if count else -1
 
 
-def loop(chain: SmoothChain, watch: Condition | None = None) -> Loop:
+def loop(chain: SmoothChain, watch: Condition | None) -> Loop:
     """Return the loop of a chain and a stop condition, reusing compiled code on disk.
 
     Parameters

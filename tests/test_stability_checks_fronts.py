@@ -145,14 +145,16 @@ def test_a_shape_is_as_uncertain_as_its_roots_make_it(
 
 
 @pytest.mark.parametrize("side", [1.0, 3.0])
+@pytest.mark.parametrize("distance", [0.5, 5e-4])
 def test_a_shape_is_as_uncertain_as_the_rest_of_its_series(
-    side: float, monkeypatch: pytest.MonkeyPatch
+    side: float, distance: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    at = {"v": 0.3, "c": 0.5, "distance": 0.5, "tolerance": 1e-12, "side": side}
+    """Beside the front itself the waves hardly decay, and all that is left out counts."""
+    at = {"v": 0.3, "c": 0.5, "distance": distance, "tolerance": 1e-12, "side": side}
     stated = replace(roots._profile(at), error=1e-3)
     monkeypatch.setattr(roots, "_TERMS", 20)
     check = roots._check_profile(at, stated)
-    assert 1e-6 < check.distance <= check.uncertainty < 0.01
+    assert 1e-6 < check.distance <= check.uncertainty < 0.02
 
 
 # -------------------------------------------------------------------------- the kinetic relation

@@ -384,6 +384,9 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(eps: fl
     phi = Nucleus(1).envelope(chain) / family.unit
     u = np.concatenate([phi.real, phi.imag, [chain.c]])
     assert family.stability(u, chain.c).error == np.inf  # as long as no bound is asked for
+    seen: list[float] = []
+    assert family.reported_monitor(seen.append)(u, chain.c) == family.monitor(u, chain.c)
+    assert seen == [1.0]  # one solution more
     found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1), 0.0)
     assert found.error is not None
     share = found.error / np.abs(found.waves).max()

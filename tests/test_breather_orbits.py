@@ -27,8 +27,9 @@ from verification.breathers.envelope import (
 )
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.follow import _described, follow
-from verification.breathers.orbits import Orbits, solve_orbit
+from verification.breathers.orbits import STARTS, Orbits, solve_orbit
 from verification.continuation.branch import Fold, trace
+from verification.continuation.newton import NotConvergedError
 from verification.references.equations import (
     averaged_damping,
     damping,
@@ -506,3 +507,24 @@ def test_a_breather_is_found_at_every_scale_of_the_damping(eta: float, scale: fl
             assert abs(ours - true / mp.sqrt(scale)) <= found.error
         assert found.error < 1e-9 * found.outward[0]
         assert abs(found.frequency - (1 + mp.mpf(chain.eps) * c)) <= found.frequency_error < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("failing", "quantity", "count"), [((), "pattern", 1), ((1,), "small parameter", len(STARTS))]
+)
+def test_where_an_orbit_starts_its_refusal_is_passed_on_and_later_ones_are_not(
+    failing: tuple[int, ...], quantity: str, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A later start may be beyond the fold of the averaged breather, which nobody gave."""
+    tried: list[float] = []
+
+    def refused(self: Orbits) -> Any:
+        tried.append(self.chain.c)
+        if len(tried) in failing:
+            raise NotConvergedError("no orbit")
+        raise ParameterError("pattern", "0", "another", "name another")
+
+    monkeypatch.setattr(Orbits, "_from_small_eps", refused)
+    with pytest.raises(ParameterError, match=f"^{quantity}"):
+        Orbits(VdpChain(a=2.5, b=0.5, c=0.1, sites=5), Nucleus(1))._first(2.0)
+    assert len(tried) == count

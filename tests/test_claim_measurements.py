@@ -767,6 +767,11 @@ def test_a_velocity_is_off_by_as_much_below_as_above(monkeypatch: Patch) -> None
     for slope in (0.0, 2.0):
         monkeypatch.setattr(text_friction, "math", SimpleNamespace(sin=lambda x, s=slope: s * x))
         assert text_friction.length().right > 0.1
+    turned = iter([0.0] * 8 + [1.0, -1.0])  # two sines each, of which the last are off
+    monkeypatch.setattr(
+        text_friction, "math", SimpleNamespace(sin=lambda x: math.sin(x) + next(turned))
+    )
+    assert text_friction.length().right > 0.1  # of five velocities the worst counts
 
 
 def test_the_trapezoidal_rule_is_followed_for_two_hundred_turns(monkeypatch: Patch) -> None:

@@ -995,6 +995,16 @@ def test_bad_input_to_bench_is_one_sentence(
     assert all(word in told.err for word in words)
 
 
+@pytest.mark.parametrize("full", [True, False])
+def test_stored_findings_are_used_unless_all_is_asked_for_anew(
+    full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr("paper_checks.run.run", lambda *_, **options: asked.append(options) or ())
+    fr.judge("fig16-admissible", full=full)
+    assert (asked[0]["shipped"] is None) is full
+
+
 # ----------------------------------------------------------------------------------- the explorer
 
 

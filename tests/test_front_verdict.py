@@ -198,6 +198,9 @@ def test_the_time_to_the_first_site_is_no_period() -> None:
     assert history._periods().tolist() == [1.0, 2.0, 3.0]
     assert history._mean_velocity() == 0.5
     assert _run(history).crossing_times[0] == 70.0
+    fast = _followed(*map(_switch, (70.0, 0.125, 0.25, 0.25)))
+    fast.extend(4)
+    assert fast._mean_velocity() == 4.8
 
 
 def test_the_ends_of_a_window_disturb_a_faster_front_more() -> None:

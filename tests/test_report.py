@@ -169,7 +169,6 @@ def test_a_changed_verdict_exits_with_1_and_is_named(monkeypatch, capsys):
 
 
 @pytest.mark.usefixtures("plain")
-@pytest.mark.usefixtures("plain")
 def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
     monkeypatch.setenv("EXAMPLE_TROUBLE", "kill:fig9-monotone")
     assert main(["check", "--jobs", "2", "--json"]) == 1

@@ -29,9 +29,9 @@ from verification.steppers.stop_code import StopCode
 STIFF_STEP = 5e-4
 """Steps of (8) below this are left to the implicit method; the damping rate is then about 1e4."""
 
-MAX_STIFF_STEPS = 20_000_000
-"""Largest number of explicit steps below `STIFF_STEP` that a run may still need: some minutes on
-a few dozen sites."""
+MAX_STIFF_STEPS = 100_000_000
+"""Largest number of explicit steps below `STIFF_STEP` that a run may still need: one and a half
+minutes on a few sites, three on a few dozen."""
 
 _PACE_STEPS = 100_000
 """Number of steps after which the pace of a run is measured."""

@@ -1,8 +1,8 @@
 """Periodic orbits of any chain or network of oscillators: motion, steps, starting points.
 
 The chain is first run until the nucleus has settled, so that the orbit found is near a stable
-breather. The motion is integrated by DOP853 at equal steps, and so are the variational equations:
-they are linear, so that for short chains many steps are taken at once and multiplied.
+breather. The variational equations are integrated along with the motion by DOP853 at equal steps,
+for all sites at once.
 """
 
 from __future__ import annotations
@@ -33,8 +33,6 @@ STEPS = 64
 MAX_SITES = 101
 SETTLED = 40.0
 """Time in units of ``time_unit`` after which the nucleus has either settled or disappeared."""
-_AT_ONCE = 1 << 16
-"""Numbers in the stages of tangents that are computed together: as many as a cache holds."""
 _LAST = 6
 """Periods of a cell, as ε → 0, at the end of this time in which the nucleus is sampled."""
 
@@ -66,7 +64,7 @@ class OwnOrbits(Orbits):
 
     def rate(self, c: float, state: FloatArray) -> FloatArray:
         """Return the right-hand side of the chain as a first-order system."""
-        return _rate_of(self.chain.replace(c=c))(state)
+        return _rate_of(self.chain.replace(c=c))(state[:, None].repeat(2, axis=1))[:, 0]
 
     def start(
         self, c_end: float, lowest: float = math.inf, report: ReportCallback = silent
@@ -127,89 +125,57 @@ def integrate_with_tangents(
     ParameterError
         If the motion overflows.
     """
-    size, h = 2 * chain.sites, duration / steps
-    A, B = DOP853.A, DOP853.B
-    rate, tangent_rate = _rate_of(chain), _tangent_rate_of(chain)
-    samples, stages = np.zeros((steps, chain.sites)), np.zeros((steps, DOP853.n_stages, size))
-    slopes, motion, tangents = np.zeros((DOP853.n_stages, size)), start, np.eye(size, size + 1)
-    # Of a short chain many steps at once, each from unit tangents.
-    together = max(1, _AT_ONCE // (DOP853.n_stages * tangents.size))
+    count, h = chain.sites, duration / steps
+    columns = np.zeros((2 * count, 2 * count + 2))
+    columns[:, 0] = start
+    columns[:, 1:-1] = np.eye(2 * count)
+    samples = np.zeros((steps, count))
+    stages = np.zeros((DOP853.n_stages, *columns.shape))
+    flat = stages.reshape(DOP853.n_stages, -1)
+    rate = _rate_of(chain)
     with np.errstate(over="ignore", invalid="ignore"):
         for step in range(steps):
-            samples[step] = motion[: chain.sites]
+            samples[step] = columns[:count, 0]
             for i in range(DOP853.n_stages):
-                stages[step, i] = motion + h * (A[i, :i] @ slopes[:i])
-                slopes[i] = rate(stages[step, i])
-            motion = motion + h * (B @ slopes)
-        for begin in range(0, steps, together):
-            states = stages[begin : begin + together]
-            columns = np.zeros((DOP853.n_stages, len(states), *tangents.shape))
-            flat = columns.reshape(DOP853.n_stages, -1)
-            first = np.eye(size, size + 1) if together > 1 else tangents
-            for i in range(DOP853.n_stages):
-                moved = first + h * (A[i, :i] @ flat[:i]).reshape(columns.shape[1:])
-                columns[i] = tangent_rate(states[:, i], moved)
-            after = first + h * (B @ flat).reshape(columns.shape[1:])
-            if together == 1:
-                tangents = after[0]
-                continue
-            for each in after:
-                tangents = each[:, :-1] @ tangents
-                tangents[:, -1] += each[:, -1]
-    if not (np.all(np.isfinite(motion)) and np.all(np.isfinite(tangents))):
+                inner = DOP853.A[i, :i] @ flat[:i]
+                stages[i] = rate(columns + h * inner.reshape(columns.shape))
+            columns = columns + h * (DOP853.B @ flat).reshape(columns.shape)
+    if not np.all(np.isfinite(columns)):
         raise ParameterError(
             "coupling c", chain.c, "one at which the motion does not overflow within a period",
             "take a smaller coupling",
         )  # fmt: skip
-    return Flow(motion, tangents[:, :-1], tangents[:, -1], samples, steps)
+    return Flow(columns[:, 0], columns[:, 1:-1], columns[:, -1], samples, steps)
 
 
 def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
-    """Return the rate of a motion; shared quantities are looked up once rather than at each stage.
+    """Return the rate of a motion, its tangents and its c-derivative, as a function of all of them.
 
-    A state contains displacements, then velocities.
+    They are columns of one array; shared quantities are looked up once rather than at every stage.
     """
-    count, line = chain.sites, chain.network is None
+    count, resistive = chain.sites, chain.velocity_coupling
     matrix, p, n = chain.links.matrix.toarray(), chain.kernel_parameters(), np.arange(count)
-    left_of = 2.0 * np.eye(count) - matrix
-    (cell, _), resistive = chain.kernels(), bool(chain.velocity_coupling)
+    cell, slopes = chain.kernels()
+    line = chain.network is None
+    strength, gains = chain.eps * chain.c, np.empty((count, 2))
 
-    def rate(state: FloatArray) -> FloatArray:
-        y, v = site = state[:count], state[count:]
-        across = left_of if line else matrix
-        # Differences of velocities are needed only where velocities are coupled.
-        others = across @ y, across @ v if resistive else v
-        out = np.empty_like(state)
-        out[:count] = v
-        own = cell(site, others, (0.0, 0.0), p) if line else cell(site, others, p, n, count)
-        out[count:] = own[1]
-        return out
-
-    return rate
-
-
-def _tangent_rate_of(chain: OscillatorChain) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    """Return the rate of tangents, as a function of states (…, 2N) and of columns (…, 2N, k).
-
-    The last column moves with c as well.
-    """
-    count, resistive, strength = chain.sites, chain.velocity_coupling, chain.eps * chain.c
-    matrix, p, n = chain.links.matrix.toarray(), chain.kernel_parameters(), np.arange(count)
-    _, slopes = chain.kernels()
-
-    def pull(columns: FloatArray) -> FloatArray:
-        y, v = columns[..., :count, :], columns[..., count:, :]
-        return np.asarray(matrix @ (y + resistive * v if resistive else y))
-
-    def rate(states: FloatArray, columns: FloatArray) -> FloatArray:
-        y, v = columns[..., :count, :], columns[..., count:, :]
-        gains = np.empty((*states.shape[:-1], count, 2))  # each one number, or one for each site
-        by_y, by_v = slopes(states[..., :count], states[..., count:], p, n, count)
-        gains[..., 0], gains[..., 1] = by_y, by_v
+    def rate(columns: FloatArray) -> FloatArray:
+        y, v = columns[:count], columns[count:]
+        pull = matrix @ (y + resistive * v) if resistive else matrix @ y
+        by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
         out = np.empty_like(columns)
-        out[..., :count, :] = v
-        out[..., count:, :] = gains[..., :1] * y + gains[..., 1:] * v - strength * pull(columns)
-        out[..., count:, -1] -= chain.eps * pull(states[..., None])[..., 0]
+        out[:count] = v
+        gains[:, 0], gains[:, 1] = by_y, by_v  # each one number, or one for each site
+        out[count:] = gains[:, :1] * y + gains[:, 1:] * v - strength * pull
+        out[count:, -1] -= chain.eps * pull[:, 0]
+        site = y[:, 0], v[:, 0]
+        # Differences of velocities are needed only where velocities are coupled.
+        plain = (matrix @ site[0], matrix @ site[1]) if resistive else (pull[:, 0], site[1])
+        if line:
+            left = 2.0 * site[0] - plain[0], 2.0 * site[1] - plain[1]
+            out[count:, 0] = cell(site, left, (0.0, 0.0), p)[1]
+        else:
+            out[count:, 0] = cell(site, plain, p, n, count)[1]
         return out
 
     return rate

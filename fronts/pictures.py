@@ -70,6 +70,7 @@ def need_picture(names: Sequence[str]) -> None:
 def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:
     _branches(axes, [result], "c", style)
     axes.set(xlabel="coupling c", ylabel="front velocity v")
+    _explain(axes)
 
 
 def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:

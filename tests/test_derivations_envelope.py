@@ -126,6 +126,12 @@ def test_other_cells_have_no_kinetic_relation_and_are_told_why(damping, why):
         derive_envelope(damping).kinetic_relation()
 
 
+@pytest.mark.parametrize("damping", ["1 - 4*v**2", {0: 1, 2: "-4*v"}, {0: sp.Symbol("v")}])
+def test_a_damping_that_depends_on_the_velocity_is_refused_and_v_is_no_constant(damping):
+    with pytest.raises(DerivationInputError, match="and not in the velocity v; use another letter"):
+        derive_envelope(damping)
+
+
 def test_the_neglected_detuning_is_named():
     cell = derive_envelope("1 - 4*y**2 + 0.5*y**4", "y**3")
     assert "frequency" in cell.kinetic_relation().neglected

@@ -15,7 +15,7 @@ from derivations.chain import PAPER, ChainModel
 
 Coefficients: TypeAlias = str | sp.Expr | Mapping[int, float | str | sp.Expr] | None
 
-VARIABLE = "y"
+VARIABLE, VELOCITY = "y", "v"
 MAX_REACH = 3
 """Largest number of neighbours on a side; beyond it the second order takes minutes."""
 
@@ -26,7 +26,7 @@ def coefficients(given: Coefficients, quantity: str) -> dict[int, sp.Expr]:
     Raises
     ------
     DerivationInputError
-        If ``given`` is not a polynomial in y, or its degree is above the limit.
+        If ``given`` is not a polynomial in y or contains v, or its degree is above the limit.
     """
     if given is None:
         return {}
@@ -43,6 +43,11 @@ def coefficients(given: Coefficients, quantity: str) -> dict[int, sp.Expr]:
         raise DerivationInputError(quantity, repr(given), "text, an expression or a table",
                                    "give for example '1 - a*y**2 + b*y**4'")  # fmt: skip
     found = {power: value for power, value in sorted(found.items()) if value != 0}
+    if any(symbol.name == VELOCITY for value in found.values() for symbol in value.free_symbols):
+        raise DerivationInputError(
+            quantity, given, "a polynomial in y, and not in the velocity v",
+            "use another letter if a constant is meant",
+        )  # fmt: skip
     if max(found, default=0) > HIGHEST:
         raise DerivationInputError(quantity, f"degree {max(found)}", f"of degree {HIGHEST} at most",
                                    "use a lower degree")  # fmt: skip

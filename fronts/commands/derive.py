@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Literal
 from derivations import catalogue
 from fronts.answer import Answer, UsageError
 from fronts.arguments import check_writable
-from fronts.checking import DerivedCell
 from fronts.output import with_table
 from verification.execution.files import write_by
 
@@ -282,6 +281,7 @@ def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool)
     from derivations.algebra.errors import DerivationInputError
     from derivations.cell.envelope import derive_envelope
     from derivations.cell.steps import derive
+    from fronts.checking import DerivedCell
 
     begin = perf_counter()
     envelope = derive_envelope(cell.damping, cell.stiffness, cell.coupling or "c")

@@ -6,12 +6,11 @@ The rule is the same for every chain:
   sites and fill them in later;
 * the first half of the arrivals is regarded as transient and discarded;
 * v is the slope of the regression line through the remaining arrivals;
-* its error is the largest of five quantities: three times the standard error of the slope; the
   difference between the slopes of the third and the fourth quarter of the arrivals; three times the
-  difference from the slope of the middle half of those fitted, as far as the standard error of that
-  slope does not explain it; three times the difference from a second run with a tolerance a hundred
-  times larger, or v itself if the front stops in that run; and a quarter of the tolerance, relative
-  to v;
+  difference from the slope of the middle half of those fitted, as far as three standard errors of
+  that slope do not explain it; three times the difference from a second run with a tolerance a
+  hundred times larger, or v itself if the front stops in that run; and a quarter of the tolerance,
+  relative to v;
 * the part of the difference between the quarters that their standard errors do not explain is a
   drift and is multiplied by six: if the velocity approaches its limit like n^{-2/3}, as for the
   head of a wave, the limit is still 4.5 times that difference away;
@@ -78,7 +77,7 @@ def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
     drift = _DRIFT * (apart - 2.0 * math.hypot(first_noise, second_noise))
     outer = late.size // 4
     middle, middle_noise = line(site[outer:-outer], late[outer:-outer])
-    bend = _BEND * (abs(slope - middle) - 2.0 * middle_noise)
+    bend = _BEND * (abs(slope - middle) - _NOISE * middle_noise)
     return 1.0 / slope, max(_NOISE * noise, apart, drift, bend) / slope**2
 
 

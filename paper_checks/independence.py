@@ -14,6 +14,7 @@ PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 
 DEFINITIONS = (
     "theory.arrays",
+    "theory.interruption",
     "theory.parameters",
     "theory.result",
     "theory.status",
@@ -27,9 +28,9 @@ DEFINITIONS = (
     "theory.piecewise.sums.result",
 )
 """Modules or packages that define problems and contain no engine, each for a reason: array types;
-the checks of parameters; the two cells; the two chains; where a run starts; which sites form a
-nucleus; the vector field itself, and its layout in rows; compiling, storing and sweeping; the
-dispersion relation (50) as printed; and the form of a result."""
+interrupts from the keyboard; the checks of parameters; the two cells; the two chains; where a run
+starts; which sites form a nucleus; the vector field itself, and its layout in rows; compiling,
+storing and sweeping; the dispersion relation (50) as printed; and the form of a result."""
 
 
 FORMS = ("theory.result", "verification.runs.excite", "verification.breathers.own")

@@ -43,6 +43,7 @@ from verification.cells.friction import (
 from verification.cells.friction_cycles import grazing_slip, unstable_once
 from verification.cells.result import Cell, CellStatus, OwnCell
 from verification.cells.vdp import vdp_cell
+from verification.references.equations import variational_rate
 from verification.references.friction_events import run_events
 from verification.steppers import friction_cell_phase as phases
 
@@ -395,28 +396,21 @@ def test_the_error_of_a_multiplier_of_van_der_pol_cycles_covers_that_of_the_mono
 ) -> None:
     """One multiplier is 1, and the trace of the matrix is the sum of both."""
     found, finest = vdp_cell(a, b, eps, tolerance), vdp_cell(a, b, eps, 1e-13)
+    rate = variational_rate(VdpChain(a=a, b=b, c=0.0, eps=eps, sites=2))  # one remains at rest
     for cycle in (found.stable_cycle, found.unstable_cycle):
         assert cycle is not None
         assert cycle.multiplier is not None
         assert cycle.multiplier_error is not None
-
-        def rate(_: float, z: np.ndarray) -> list[float]:
-            y, v, *tangents = z
-            damping = eps * (1 - a * y**2 + b * y**4)
-            by_y = -1 - eps * v * (-2 * a * y + 4 * b * y**3)
-            out = [v, -y - damping * v]
-            for dy, dv in (tangents[:2], tangents[2:]):
-                out += [dv, by_y * dy - damping * dv]
-            return out
 
         exact = next(
             each
             for each in (finest.stable_cycle, finest.unstable_cycle)
             if each is not None and abs(each.max - cycle.max) < 0.3
         )
-        start = [exact.max, 0, 1, 0, 0, 1]
+        start = np.column_stack([[exact.max, 0.0, 0.0, 0.0], np.eye(4)]).ravel()
         run = solve_ivp(rate, (0, exact.period), start, "DOP853", rtol=1e-13, atol=1e-14)
-        true = run.y[2, -1] + run.y[5, -1] - 1.0
+        monodromy = run.y[:, -1].reshape(4, 5)[:, 1:]
+        true = float(monodromy[0, 0] + monodromy[2, 2]) - 1.0
         assert abs(true - cycle.multiplier) <= cycle.multiplier_error < most
 
 

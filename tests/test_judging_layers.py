@@ -528,25 +528,6 @@ def test_rows_of_the_arrays_of_compiled_code_have_one_meaning_each_and_none_is_b
     assert friction_series.BINOMIALS == friction_series.KEPT + 2  # two are kept, of either side
 
 
-@pytest.mark.parametrize(("part", "resolved"), [(0.9, True), (1.1, False)])
-def test_a_multiplier_is_known_if_it_is_alike_on_either_side_beside_one(
-    part: float, resolved: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """However small it is itself, as that of a cycle that attracts strongly."""
-    apart = part * shooting._CURVED
-
-    def turned(_: object, __: object, y: float, *___: object) -> Any:
-        return SimpleNamespace(top=2.0 + 0.5 * apart * abs(y - 2.0), bottom=-2.0, period=6.0)
-
-    monkeypatch.setattr(shooting, "_turn", turned)
-    monkeypatch.setattr(shooting, "_fixed", lambda *_: 2.0)
-    limit = SimpleNamespace(period=6.0, amplitude=2.0, stable=True)
-    cell: Any = SimpleNamespace(cycles=[limit])
-    found = shooting._cycle(cell, 0.1, 0, 1e-12)
-    assert (found.multiplier is not None) is resolved
-    assert found.multiplier == (pytest.approx(0.0, abs=1e-9) if resolved else None)
-
-
 def _memory(*sites: tuple[float, float]) -> np.ndarray:
     memory = np.zeros(state_run._SITES + 2 * len(sites))
     memory[[state_run._LEVEL, state_run._SETTLED, state_run._HOLD]] = 1.0, 1e-3, 5.0

@@ -534,14 +534,16 @@ def test_a_cycle_that_is_denied_must_not_stick_again(
     sticks: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = SimpleNamespace(when=lambda kind: np.arange(float(sticks)) if kind == BEGINS else None)
-    accuracy: list[Any] = []
-    monkeypatch.setattr(friction, "_events", lambda *given: accuracy.append(given[-1]) or run)
+    asked: list[Any] = []
+    monkeypatch.setattr(friction, "_events", lambda *given: asked.append(given[2:]) or run)
     stated = StatedValue(value=np.zeros(2), error=0.0)
     for v_d in (1.25, 1e-8):
         check = friction.cycle_by_scipy({**BELT, "v_d": v_d}, stated)
         assert check.distance == (math.inf if sticks else 0.0)
     tight = friction._TIGHT[0], friction._ROUGH[1]
-    assert accuracy == [friction._ROUGH, tight]  # on a slow belt slip is as small
+    ends = [0.1 * friction._SLIP] if sticks else [0.1 * friction._SLIP, friction._SLIP]
+    # On a slow belt slip is as small.
+    assert asked == [(end, each) for each in (friction._ROUGH, tight) for end in ends]
 
 
 def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:

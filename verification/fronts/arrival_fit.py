@@ -6,6 +6,7 @@ The rule is the same for every chain:
   sites and fill them in later;
 * the first half of the arrivals is regarded as transient and discarded;
 * v is the slope of the regression line through the remaining arrivals;
+* its error is the largest of five quantities: three times the standard error of the slope; the
   difference between the slopes of the third and the fourth quarter of the arrivals; three times the
   difference from the slope of the middle half of those fitted, as far as three standard errors of
   that slope do not explain it; three times the difference from a second run with a tolerance a

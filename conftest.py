@@ -11,6 +11,8 @@ first two compile different functions, twenty seconds each, which every process 
 
 import gc
 import os
+import signal
+from collections.abc import Iterator
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -38,6 +40,14 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)  # a twentieth of the time of computer algebra
     gc.enable()
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """SIGINT raises KeyboardInterrupt, also where a shell has started pytest in the background."""
+    was = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, was)
 
 
 @pytest.fixture

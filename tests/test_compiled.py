@@ -413,6 +413,7 @@ def test_garbage_is_searched_for_after_compiling_as_it_was_before() -> None:
         gc.enable()
 
 
+@pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize("kind", ["njit", "cfunc"])
 def test_an_interrupt_waits_until_numba_has_compiled(
     kind: str, monkeypatch: pytest.MonkeyPatch

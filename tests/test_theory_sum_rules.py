@@ -352,6 +352,7 @@ def test_compiled_rules_are_kept_beside_the_source_whatever_else_uses_numba(
     assert folder == Path(compiled.__file__).parent / "__pycache__"
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_waits_until_a_rule_is_compiled_where_nothing_else_uses_numba(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

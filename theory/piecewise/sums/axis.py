@@ -72,9 +72,11 @@ def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, Floa
     """Return the result of `plain_points`, but 0 points where another rule is used."""
     points, truncation = np.zeros(v.size, dtype=np.int64), np.zeros(v.size)
     # All others need more than MAX_PLAIN points, since s ≤ ½/(c + v) and M ≥ 1.
-    every = np.flatnonzero(c + v <= 0.5 * MAX_PLAIN / math.log(2.0 / tolerance))
-    for first in range(0, every.size, _PIECE):
-        some = every[first : first + _PIECE]
+    near = c + v <= 0.5 * MAX_PLAIN / math.log(2.0 / tolerance)
+    every = None if near.all() else np.flatnonzero(near)
+    for first in range(0, v.size if every is None else every.size, _PIECE):
+        piece = slice(first, first + _PIECE)
+        some = piece if every is None else every[piece]
         count, truncation[some] = plain_points(v[some], c[some], tolerance)
         points[some] = np.where(is_plain(v[some], c[some], count), count, 0.0)
     return points, truncation

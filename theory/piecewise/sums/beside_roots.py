@@ -162,7 +162,7 @@ def means_of_block(
     values, sizes = np.empty((3 if slopes else 1, v.size), dtype=complex), np.zeros((2, v.size))
     q = 0.5 / v
     re, im, squares = fast.block_values(v, c, count)
-    values[0], sizes[0] = q * (re + 1j * im), q * np.sqrt(squares)
+    values.real[0], values.imag[0], sizes[0] = q * re, q * im, q * np.sqrt(squares)
     if slopes:
         re, im, squares, re_c, im_c = fast.block_slopes(v, c, count)
         values[1], sizes[1] = -2.0 * q * q * (re + 1j * im), 2.0 * q * np.sqrt(squares)

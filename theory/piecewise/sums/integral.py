@@ -19,6 +19,7 @@ or, for many values, in the compiled loops of ``theory.piecewise.sums.beside_roo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
@@ -185,28 +186,27 @@ def sums_of_pairs(
             return *_plain(v, c, truncation, points[0], slopes=slopes, fast=None), points // 2
     # 16-bit integers are sorted in linear time, and the plain rule never has more points than fit
     order = np.argsort(points.astype(np.int16), kind="stable")
-    counts, first = np.unique(points[order], return_index=True)
-    v, c, truncation = v[order], c[order], truncation[order]
+    v, c, truncation, points = v[order], c[order], truncation[order], points[order]
     rows = 3 if slopes else 1
     values, errors = np.empty((rows, v.size), dtype=complex), np.empty((rows, v.size))
-    ends = np.append(first, v.size)[1:]
-    for count, start, end in zip(counts.tolist(), first, ends, strict=True):
-        part = slice(start, end)
+    ends = [*(np.flatnonzero(points[1:] != points[:-1]) + 1).tolist(), v.size] if v.size else []
+    for start, end in pairwise([0, *ends]):
+        part, count = slice(start, end), int(points[start])
         at = v[part], c[part]
         if count and (fast or end - start > _FEW_VALUES):
             values[:, part], errors[:, part] = _plain(
                 *at, truncation[part], count, slopes=slopes, fast=fast
             )
-            points[order[part]] = count // 2
+            points[part] = count // 2
         else:
-            values[:, part], errors[:, part], points[order[part]] = (
+            values[:, part], errors[:, part], points[part] = (
                 sums_beside_roots(*at, tolerance, slopes, fast)
                 if fast
                 else _one_by_one(*at, tolerance, slopes)
             )
-    in_order, errors_in_order = np.empty_like(values), np.empty_like(errors)
-    in_order[:, order], errors_in_order[:, order] = values, errors
-    return in_order, errors_in_order, points
+    place = np.empty_like(order)
+    place[order] = np.arange(order.size)
+    return values.take(place, axis=1), errors.take(place, axis=1), points.take(place)
 
 
 def _plain(

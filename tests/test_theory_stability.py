@@ -153,27 +153,48 @@ def test_the_running_chain_loses_the_fastest_front_where_c_stable_says(eta, shar
     assert run.status is (FrontStatus.STEADY if branch.stable else FrontStatus.UNSTEADY)
 
 
+def multiplier_by_digits(v, c, near):
+    """The modulus of the zero of the symbol beside ``near``, in 40 digits."""
+    with mp.workdps(40):
+        v, c = mp.mpf(v), mp.mpf(c)
+        crossing = mp.mpc(-sum_by_many_digits(v, c) / 2)
+        turn = mp.conj(crossing) / abs(crossing)
+        p = [
+            mp.re(turn * (-1j) ** k * mp.exp((-0.5 + 1j * c) * k / v) * mp.besselj(k, c * k / v))
+            / 2
+            for k in range(1, symbol.terms_at(float(v)) + 1)
+        ]
+        total = mp.fsum(p)
+
+        def of(z):
+            return total - mp.fsum(x * z ** (-k) for k, x in enumerate(p, start=1))
+
+        return abs(mp.findroot(of, mp.mpc(near)))
+
+
 @pytest.mark.parametrize("c", [2.3, 2.45, 30.0])
 def test_the_error_of_a_multiplier_bounds_it(c):
     v = fastest(c).v
     found = front_stability(v, c)
-    with mp.workdps(40):
-        crossing = mp.mpc(-sum_by_many_digits(v, c) / 2)
-        turn = mp.conj(crossing) / abs(crossing)
-        p = [
-            mp.re(turn * (-1j) ** k * mp.expjpi(0) * mp.exp((-0.5 + 1j * mp.mpf(c)) * k / v)
-                  * mp.besselj(k, mp.mpf(c) * k / v)) / 2
-            for k in range(1, found.terms + 1)
-        ]  # fmt: skip
-        total = mp.fsum(p)
-
-        def symbol(z):
-            return total - mp.fsum(x * z ** (-k) for k, x in enumerate(p, start=1))
-
-        z = mp.findroot(symbol, mp.mpc(found.multiplier * np.exp(1j * found.angle)))
-        off = abs(abs(z) - found.multiplier)
-    assert off <= found.error
+    true = multiplier_by_digits(v, c, found.multiplier * np.exp(1j * found.angle))
+    assert abs(true - found.multiplier) <= found.error
     assert found.error < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("eta", "above"), [(ETA, 1e-13), (ETA, 1e-6), (0.01, 1e-9), (0.01, 1e-6), (0.044, 1e-7)]
+)
+def test_beside_a_fold_the_error_of_v_is_in_that_of_the_multiplier(eta, above):
+    c = fold_coupling(eta).value * (1.0 + above)
+    for branch in kinetic_relation(c, eta).branches:
+        if branch.multiplier is None:
+            continue
+        near = branch.multiplier * np.exp(1j * front_stability(branch.v, c).angle)
+        ends = [multiplier_by_digits(branch.v + s * branch.error, c, near) for s in (-1, 1)]
+        change = max(abs(end - branch.multiplier) for end in ends)
+        assert change <= branch.multiplier_error < 10.0 * change
+        decided = abs(branch.multiplier - 1.0) > branch.multiplier_error
+        assert branch.stable is (branch.multiplier < 1.0 if decided else None)
 
 
 @pytest.mark.parametrize("v", [0.05, 0.4, 3.0, 60.0])
@@ -264,9 +285,11 @@ def test_the_json_object_says_what_is_stable_and_up_to_where_if_asked():
     import fronts as fr
 
     single = fr.kinetic_relation(2.4, ETA)
-    found = front_stability(single.branches[0].v, 2.4)
+    first = single.branches[0]
+    found = front_stability(first.v, 2.4, first.error)
     (branch,) = single.to_dict()["branches"]
     assert (branch["stable"], branch["multiplier"]) == (found.stable, found.multiplier)
+    assert branch["multiplier_error"] == found.error > front_stability(first.v, 2.4).error
     assert "c_stable" not in single.to_dict()
     curve = fr.kinetic_relation([2.4, 2.41], ETA, stability=True)
     assert [point.branches[0].stable for point in curve.points] == [True, False]

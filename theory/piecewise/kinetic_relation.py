@@ -68,6 +68,8 @@ class KineticBranch(Result):
         not admissible, or if stability was not decided or not requested.
     multiplier : float or None
         Largest modulus of a nontrivial multiplier; None if all are below e^{-1/4v}, or unknown.
+    multiplier_error : float or None
+        Its error, which includes the effect of the error of v to first order.
     """
 
     derived = ("derivative_errors",)
@@ -83,6 +85,7 @@ class KineticBranch(Result):
     fails_at: float | None
     stable: bool | None = None
     multiplier: float | None = None
+    multiplier_error: float | None = None
 
     @property
     def derivative_errors(self) -> str:
@@ -334,8 +337,13 @@ def with_stability(branch: KineticBranch, c: float) -> KineticBranch:
     """Return a branch at coupling c with its linear stability, if it is admissible."""
     if not branch.admissible:
         return branch
-    found = front_stability(branch.v, c)
-    return replace(branch, stable=found.stable, multiplier=found.multiplier)
+    found = front_stability(branch.v, c, branch.error)
+    return replace(
+        branch,
+        stable=found.stable,
+        multiplier=found.multiplier,
+        multiplier_error=found.error,
+    )
 
 
 def trace_kinetic_relation(

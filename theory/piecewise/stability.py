@@ -16,6 +16,8 @@ from theory.piecewise.symbol import Symbol, terms_at
 
 _ROOM = 1e-9
 """Distance of a multiplier from the unit circle below which stability is not decided."""
+_BESIDE = 1e-6
+"""Relative step of the difference by which a multiplier depends on v."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +33,7 @@ class FrontStability:
         Number of terms p_k of the symbol.
     stable : bool or None
         Whether every perturbation of the switching times decays; None where this was not decided,
-        because a multiplier lies on the unit circle to within rounding, the series is too long (v
+        because a multiplier lies on the unit circle to within its error, the series is too long (v
         above a few tens), or its terms underflow (v below 7e-4).
     multiplier : float or None
         Largest modulus of a multiplier per site other than the trivial one; None where all are
@@ -39,7 +41,8 @@ class FrontStability:
     angle : float or None
         Its argument, in radians per site from 0 to π; π means a perturbation of alternating sign.
     error : float or None
-        Bound on the error of ``multiplier``.
+        Error of ``multiplier``: a bound for the given v, plus the effect of the error of v to first
+        order.
     """
 
     floor: float
@@ -50,13 +53,15 @@ class FrontStability:
     error: float | None = None
 
 
-def front_stability(v: float, c: float) -> FrontStability:
+def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     """Return the linear stability of the front of velocity v (a solution of Eq. 54).
 
     Parameters
     ----------
     v, c : float
         Front velocity v̂ (negative where the excited state retreats) and coupling, dimensionless.
+    v_error : float
+        Error of v.
 
     Returns
     -------
@@ -98,4 +103,16 @@ def front_stability(v: float, c: float) -> FrontStability:
         return found
     w, error = nearest
     modulus = 1.0 / abs(w)
-    return replace(found, multiplier=modulus, angle=abs(cmath.phase(w)), error=error * modulus**2)
+    error = error * modulus**2 + v_error * _by_v(v, c, w)
+    if abs(modulus - 1.0) <= error:
+        found = replace(found, stable=None)
+    return replace(found, multiplier=modulus, angle=abs(cmath.phase(w)), error=float(error))
+
+
+def _by_v(v: float, c: float, w: complex) -> float:
+    """Return |d|z|/dv| of the multiplier z = 1/w, doubled, by a one-sided difference."""
+    beside = v * (1.0 + _BESIDE)
+    symbol = Symbol.of(beside, c)
+    moved = math.nan if symbol is None else abs(symbol.zero_near(w))
+    change = abs(1.0 / moved - 1.0 / abs(w))
+    return 2.0 * change / abs(beside - v) if math.isfinite(change) else math.inf

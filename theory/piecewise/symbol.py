@@ -119,7 +119,7 @@ class Symbol:
 
     def zero_near(self, w: complex) -> complex:
         """Return the zero of E to which Newton's method converges from w; NaN if it does not."""
-        zeros = _newton(self.q, _slope(self.q), np.array([w]), 4.0)
+        zeros = _newton(self.q, _slope(self.q), np.array([w]), max(4.0, 2.0 * abs(w)))
         return complex(zeros[0]) if zeros.size else complex(math.nan)
 
     def slope_at(self, w: complex) -> float:

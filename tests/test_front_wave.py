@@ -162,7 +162,7 @@ def test_the_check_and_the_spectrum_have_more_steps_than_the_first_solution(
     count = front.iterations - 1
     first, check = (
         {steps for time, steps in part if abs(time * front.v - 1.0) < 1e-6}
-        for part in (asked[: count - 1], asked[-3:])
+        for part in (asked[: count - 1], asked[-5:-2])  # then the spectrum of the first solution
     )
     assert check == {front.steps}
     assert min(first) < front.steps
@@ -182,6 +182,8 @@ def _described(
 
     def disturbed(rho: Any, *_: Any) -> tuple[Any, Any, Any]:
         values = phases if _[-1] else amplitudes
+        if "earlier" in last and rho.size == window.guess.size - 1:
+            values = (last["earlier"], *values[1:])
         matrix = np.zeros((rho.size, rho.size))
         for n, value in enumerate(values):
             matrix[n + 1, n] = value  # of a site on the one before; moved on, on the diagonal
@@ -218,6 +220,33 @@ def test_stability_is_read_off_the_multipliers(
     assert front.trivial == abs(nearest - 1.0)
     assert front.phase_multiplier == max(map(abs, phases))
     assert front.iterations == 8
+    continuous = np.abs(front.multipliers) <= front.continuum
+    assert np.isinf(front.multipliers_error).tolist() == continuous.tolist()
+    assert (front.multipliers_error[~continuous] < 1e-13).all()  # both windows have the same
+    assert front.phase_multiplier_error < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "least"), [(0.9, 0.95, 0.1), (0.9, 1.2, 0.6), (0.8, 0.95, 0.3)]
+)
+def test_errors_of_multipliers_are_from_the_first_solution(
+    first: float, last: float, least: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Twice the change; of phases, at least the distance from the 1 that a rotation has."""
+    front = _described(monkeypatch, (last, 1.0), (last,), earlier=first)
+    assert front.multipliers[0] == last
+    assert front.multipliers_error[0] == pytest.approx(2.0 * abs(last - first), rel=1e-12)
+    assert front.phase_multiplier_error == pytest.approx(max(2.0 * abs(last - first), 1.0 - last))
+    assert front.phase_multiplier_error == pytest.approx(least)
+
+
+@pytest.mark.parametrize(("c", "eta"), [(0.12, ETA), (0.6, 0.09), (2.0, ETA)])
+def test_the_rotation_of_all_phases_is_within_the_error_of_its_multiplier(
+    c: float, eta: float
+) -> None:
+    front = front_wave(c, eta)
+    assert abs(front.phase_multiplier - 1.0) <= front.phase_multiplier_error < 0.05
+    assert np.isinf(front.multipliers_error).all()  # all in the continuous spectrum
 
 
 def test_a_front_has_the_amplitudes_of_every_site_of_its_longer_window(

@@ -61,6 +61,7 @@ _PERIODS, _SETTLED = 30, 1e-4
 sites below which its front is a good enough starting point for Newton's method."""
 _LISTED = 6
 """Number of multipliers listed."""
+_ROUNDING = 64.0 * float(np.finfo(float).eps)
 _NEUTRAL = 1e-8
 """Largest error allowed in a modulus that is exactly one."""
 
@@ -92,8 +93,13 @@ class FrontWave(Result):
         Largest multipliers of disturbances of the amplitudes from site to site, without the trivial
         one, in descending order of modulus. Those with a modulus of at most ``continuum`` represent
         the continuous spectrum and depend on the window.
-    phase_multiplier : float
-        Largest modulus of the multipliers of phase disturbances; 1 for a rotation of all phases.
+    multipliers_error : ndarray of float, shape (6,)
+        Errors of these, from the first solution; infinite, as none is known, for those that
+        represent the continuous spectrum.
+    phase_multiplier, phase_multiplier_error : float
+        Largest modulus of the multipliers of phase disturbances, and its error, from the first
+        solution and, as a rotation of all phases of an infinite chain has the multiplier 1, at
+        least the distance below 1.
     continuum : float
         e^{-1/2v}, the modulus of the continuous spectrum ahead of the front.
     trivial : float
@@ -104,7 +110,10 @@ class FrontWave(Result):
         Run time.
     """
 
-    shown: ClassVar[tuple[str, ...]] = ("stable", "multipliers", "phase_multiplier", "continuum")
+    shown: ClassVar[tuple[str, ...]] = (
+        "stable", "multipliers", "multipliers_error", "phase_multiplier", "phase_multiplier_error",
+        "continuum",
+    )  # fmt: skip
 
     c: float
     eta: float
@@ -114,7 +123,9 @@ class FrontWave(Result):
     crossing: int
     stable: bool
     multipliers: ComplexArray
+    multipliers_error: FloatArray
     phase_multiplier: float
+    phase_multiplier_error: float
     continuum: float
     trivial: float
     iterations: int
@@ -332,41 +343,61 @@ class Window:
 
         return system
 
+    def _multipliers(self, u: FloatArray, finer: float) -> tuple[ComplexArray, ComplexArray]:
+        """Return the multipliers of disturbances of the amplitudes, and of the phases, of a front.
+
+        u = (ρ, v) is the front on this window.
+        """
+        rho, time = u[:-1], 1.0 / float(u[-1])
+        steps = self._steps_in(time, finer)
+        amplitudes, phases = (
+            np.linalg.eigvals(_moved_on(with_disturbances(rho, self.chain, time, steps, kind)[2]))
+            for kind in (False, True)
+        )
+        return amplitudes.astype(complex), phases.astype(complex)
+
     def described(self, point: BranchPoint, begin: float) -> FrontWave:
         """Solve again on a longer window with finer steps, and return the front with its error."""
         first = float(point.u[-1])
         here = replace(self.at(point.parameter), guess=point.u)
         wider = here._resized(first, _DEPTHS[1])
         last = solve_at(wider.system(_FINER), wider.guess, point.parameter)
-        rho, v = last.u[:-1], float(last.u[-1])
-        rounding = 64.0 * float(np.finfo(float).eps) * v
-        steps = wider._steps_in(1.0 / v, _FINER)
-        amplitudes, phases = (
-            np.linalg.eigvals(
-                _moved_on(with_disturbances(rho, wider.chain, 1.0 / v, steps, kind)[2])
-            )
-            for kind in (False, True)
-        )
-        trivial = int(np.argmin(np.abs(amplitudes - 1.0)))
-        others = np.delete(amplitudes, trivial)
+        v = float(last.u[-1])
+        amplitudes, phases = wider._multipliers(last.u, _FINER)
+        first_amplitudes, first_phases = here._multipliers(point.u, 1.0)
+        trivial, others = _without_trivial(amplitudes)
         others = others[np.argsort(-np.abs(others))][:_LISTED]
+        first_others = _without_trivial(first_amplitudes)[1]
+        apart = 2.0 * np.abs(np.subtract.outer(others, first_others)).min(axis=1)
+        continuum = math.exp(-min(0.5, here.attraction) / v)
         phase = float(np.abs(phases).max())
+        changed = 2.0 * abs(phase - float(np.abs(first_phases).max()))
         return FrontWave(
             c=here.chain.c,
             eta=here.chain.eta,
             v=v,
-            error=2.0 * abs(v - first) + last.correction + rounding,
-            r=rho * math.sqrt(here.chain.square),
+            error=2.0 * abs(v - first) + last.correction + _ROUNDING * v,
+            r=last.u[:-1] * math.sqrt(here.chain.square),
             crossing=wider.left,
             stable=bool(abs(others[0]) < 1.0 and phase < 1.0 + _NEUTRAL),
-            multipliers=others.astype(complex),
+            multipliers=others,
+            multipliers_error=np.where(
+                np.abs(others) <= continuum + apart, math.inf, apart + _ROUNDING
+            ),
             phase_multiplier=phase,
-            continuum=math.exp(-min(0.5, here.attraction) / v),
-            trivial=float(abs(amplitudes[trivial] - 1.0)),
+            phase_multiplier_error=max(changed, 1.0 - phase) + _ROUNDING,
+            continuum=continuum,
+            trivial=abs(trivial - 1.0),
             iterations=point.iterations + last.iterations,
-            steps=steps,
+            steps=wider._steps_in(1.0 / v, _FINER),
             seconds=perf_counter() - begin,
         )
+
+
+def _without_trivial(multipliers: ComplexArray) -> tuple[complex, ComplexArray]:
+    """Return the multiplier nearest 1, and the others."""
+    place = int(np.argmin(np.abs(multipliers - 1.0)))
+    return complex(multipliers[place]), np.delete(multipliers, place)
 
 
 def _moved_on(x: FloatArray) -> FloatArray:

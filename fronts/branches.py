@@ -7,7 +7,7 @@ for ``--c low:high:n`` and ``--eta low:high:n`` where the method permits continu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -76,10 +76,11 @@ class FollowedBranch(Curve):
     eta_pin, eta_pin_error : float or None
         For fronts along η: η of the fold of fronts at rest, from which on fronts are pinned, and
         its error; None if it is not {eta}.
-    square_root : float or None
-        For fronts: the limit of v/√(c - c_pin), or of v/√(η_pin - η).
-    kappa : float or None
-        For fronts along c: κ in v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling.
+    square_root, square_root_error : float or None
+        For fronts: the limit of v/√(c - c_pin), or of v/√(η_pin - η), and its error.
+    kappa, kappa_error : float or None
+        For fronts along c: κ in v = c + κ(c/6)^{1/3} + O(c^{-1/3}) at strong coupling, and its
+        error.
     """
 
     folds: tuple[BranchFold, ...] = ()
@@ -88,13 +89,16 @@ class FollowedBranch(Curve):
     eta_pin: float | None = None
     eta_pin_error: float | None = None
     square_root: float | None = None
+    square_root_error: float | None = None
     kappa: float | None = None
+    kappa_error: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the points, the folds and, for fronts, the ends of the branch."""
         found = super().to_dict() | {"folds": [fold.to_dict() for fold in self.folds]}
-        names = ("c_pin", "c_pin_error", "eta_pin", "eta_pin_error", "square_root", "kappa")
-        ends = {name: getattr(self, name) for name in names}
+        curve = {each.name for each in fields(Curve)} | {"folds"}
+        own = [each.name for each in fields(self) if each.name not in curve]
+        ends = {name: getattr(self, name) for name in own}
         return found | {name: value for name, value in ends.items() if value is not None}
 
 
@@ -205,12 +209,14 @@ def _ends_in_c(
     from theory.averaged.front import strong_coupling_front
     from verification.fronts.resting import static_fold
 
-    rest = static_fold(chain.eta)
+    rest, strong = static_fold(chain.eta), strong_coupling_front(chain.eta)
     ends = {
         "c_pin": rest.c,
         "c_pin_error": rest.error,
         "square_root": rest.square_root,
-        "kappa": strong_coupling_front(chain.eta).kappa,
+        "square_root_error": rest.square_root_error,
+        "kappa": strong.kappa,
+        "kappa_error": strong.error,
     }
     return ends, [c for c in couplings if c <= rest.c]
 
@@ -224,7 +230,12 @@ def _ends_in_eta(
     pin = pinning_eta(chain.c)
     if pin is None:  # as c_pin rises with η, either all fronts are pinned or all travel
         return {}, list(etas) if chain.c <= static_fold(etas[0]).c else []
-    ends = {"eta_pin": pin.eta, "eta_pin_error": pin.error, "square_root": pin.square_root}
+    ends = {
+        "eta_pin": pin.eta,
+        "eta_pin_error": pin.error,
+        "square_root": pin.square_root,
+        "square_root_error": pin.square_root_error,
+    }
     return ends, [eta for eta in etas if eta >= pin.eta]
 
 

@@ -694,8 +694,48 @@ def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
     beta = (drift(fold.u + h * phi, fold.parameter) + drift(fold.u - h * phi, fold.parameter)) / (
         2.0 * h * h
     )
-    square_root, _ = resting._beside(chain, fold)
+    square_root, _ = resting._beside(chain, fold.u, fold.parameter)
     assert square_root == pytest.approx(math.sqrt(alpha * beta) / math.pi, rel=1e-5)
+
+
+def _rest_at_the_fold(eta: float, start: Any, c: float) -> tuple[float, float, float]:
+    """Newton's method for rest and null vector together; returns c, √(αβ)/π and dc/dη.
+
+    r_n' = (c/2)(r_{n-1} - r_{n+1}) - f(r_n) with a = 1, b = η; f is ``rest``.
+    """
+    sites, cycle = start.size, math.sqrt((1.0 + math.sqrt(1.0 - 8.0 * eta)) / eta)
+    shifts = 0.5 * (np.eye(sites, k=-1) - np.eye(sites, k=1))
+    edge = np.zeros(sites)
+    edge[0] = 0.5 * cycle
+    r = start * cycle
+    phi = np.linalg.svd(c * shifts - np.diag(0.5 - 0.375 * r**2 + 0.3125 * eta * r**4))[2][-1]
+    for _ in range(8):
+        f = 0.5 * r * (1.0 - 0.25 * r**2 + 0.125 * eta * r**4)
+        bend = 0.75 * r - 1.25 * eta * r**3
+        matrix = c * shifts - np.diag(0.5 - 0.375 * r**2 + 0.3125 * eta * r**4)
+        off = np.concatenate([c * (shifts @ r + edge) - f, matrix @ phi, [phi @ phi - 1.0]])
+        whole = np.zeros((2 * sites + 1, 2 * sites + 1))
+        whole[:sites, :sites], whole[:sites, -1] = matrix, shifts @ r + edge
+        whole[sites:-1, :sites] = np.diag(bend * phi)
+        whole[sites:-1, sites:-1], whole[sites:-1, -1] = matrix, shifts @ phi
+        whole[-1, sites:-1] = 2.0 * phi
+        step = np.linalg.solve(whole, off)
+        r, phi, c = r - step[:sites], phi - step[sites:-1], c - float(step[-1])
+    assert np.abs(step).max() < 1e-12
+    psi = np.linalg.svd(matrix.T)[2][-1]
+    psi /= psi @ phi
+    alpha, beta = psi @ (shifts @ r + edge), 0.5 * psi @ (bend * phi**2)
+    return c, math.sqrt(alpha * beta) / math.pi, float(psi @ (r**5 / 16.0)) / alpha
+
+
+@pytest.mark.parametrize("eta", [0.005, 0.03125, 0.06, 0.09])
+def test_the_error_of_the_square_root_law_bounds_it(eta: float) -> None:
+    fold = resting.static_fold(eta)
+    cycle = math.sqrt((1.0 + math.sqrt(1.0 - 8.0 * eta)) / eta)
+    c, square_root, slope = _rest_at_the_fold(eta, fold.r / cycle, fold.c)
+    assert abs(c - fold.c) <= fold.error + 1e-15
+    assert abs(square_root - fold.square_root) <= fold.square_root_error < 1e-7
+    assert abs(slope - fold.slope) <= fold.slope_error < 1e-5
 
 
 @pytest.mark.parametrize("shorter", [0.1 - 3e-9, 0.1 + 3e-9])
@@ -709,11 +749,11 @@ def test_the_fold_errs_by_what_a_longer_window_changes_and_by_its_own_error(
             SimpleNamespace(parameter=0.1, error=5e-9),
         ]
     )
-    made = SimpleNamespace(u=np.ones(3))
+    made = SimpleNamespace(u=np.ones(3), away=np.zeros(3))
 
     def fold(*_: Any) -> Any:
         found = next(folds)
-        found.u = made.u
+        found.u, found.away = made.u, made.away
         return found
 
     monkeypatch.setattr(resting, "_fold", fold)
@@ -732,7 +772,10 @@ def test_the_pinning_eta_errs_by_what_is_left_of_c_and_by_the_error_of_the_fold(
 
         def fold(eta: float, off: float = off, asked: list[float] = asked) -> Any:
             asked.append(eta)
-            return SimpleNamespace(c=0.1 + 4.0 * eta, error=1e-6, slope=4.0, square_root=0.5)
+            return SimpleNamespace(
+                c=0.1 + 4.0 * eta, error=1e-6, slope=4.0, slope_error=0.08,
+                square_root=0.5, square_root_error=1e-3,
+            )  # fmt: skip
 
         monkeypatch.setattr(resting, "static_fold", fold)
         monkeypatch.setattr(resting, "brentq", lambda *_, off=off, **__: 0.05 + 0.25 * off)
@@ -741,6 +784,8 @@ def test_the_pinning_eta_errs_by_what_is_left_of_c_and_by_the_error_of_the_fold(
         assert found.eta == 0.05 + 0.25 * off
         assert found.error == pytest.approx((3e-6 + 1e-6) / 4.0, rel=1e-4)
         assert found.square_root == pytest.approx(0.5 * math.sqrt(4.0))
+        ends = [(0.5 + x) * math.sqrt(4.0 + y) for x in (-1e-3, 1e-3) for y in (-0.08, 0.08)]
+        assert found.square_root_error == pytest.approx(max(ends) - 1.0, rel=0.02)
 
 
 # --------------------------------------------------------------------------------- lattices

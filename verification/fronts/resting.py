@@ -35,6 +35,7 @@ ETAS = Range(1e-3, 0.11)
 it, so weakly that the windows become long, and the two cycles nearly coincide."""
 
 _WINDOWS = (12, 30), (16, 40)
+_ROUNDING = 16.0 * float(np.finfo(float).eps)
 _STEPS = StepControl(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1e-16)
 
 
@@ -48,10 +49,10 @@ class StaticFold:
         c_pin, dimensionless.
     error : float
         Bound on its error, which includes the effects of the window length and of rounding.
-    square_root : float
-        The limit of v/√(c - c_pin) as c approaches c_pin from above.
-    slope : float
-        dc_pin/dη.
+    square_root, square_root_error : float
+        The limit of v/√(c - c_pin) as c approaches c_pin from above, and its error.
+    slope, slope_error : float
+        dc_pin/dη, and its error.
     r : ndarray of float, shape (N,)
         √a times the amplitudes of the sites at the fold.
     """
@@ -61,7 +62,9 @@ class StaticFold:
     c: float
     error: float
     square_root: float
+    square_root_error: float
     slope: float
+    slope_error: float
     r: FloatArray
 
     @property
@@ -106,12 +109,21 @@ def static_fold(eta: float) -> StaticFold:
     eta_of_fronts(eta, ETAS)
     chain = amplitudes_of(0.0, eta)
     shorter, longer = (_fold(chain, *window) for window in _WINDOWS)
-    square_root, slope = _beside(chain, longer)
+    square_root, slope = _beside(chain, longer.u, longer.parameter)
+    by_window = _beside(chain, shorter.u, shorter.parameter)
+    by_place = _beside(chain, longer.u + longer.away, longer.parameter)
+    rounding = _ROUNDING * _condition(chain, longer)
+    square_root_error, slope_error = (
+        2.0 * abs(value - other) + abs(value - moved) + rounding * abs(value)
+        for value, other, moved in zip((square_root, slope), by_window, by_place, strict=True)
+    )
     return StaticFold(
         c=float(longer.parameter),
         error=float(2.0 * abs(longer.parameter - shorter.parameter) + longer.error),
         square_root=square_root,
+        square_root_error=square_root_error,
         slope=slope,
+        slope_error=slope_error,
         r=longer.u * math.sqrt(chain.square),
     )
 
@@ -124,13 +136,14 @@ class PinningEta:
     ----------
     eta, error : float
         η_pin, and a bound on its error.
-    square_root : float
-        The limit of v/√(η_pin - η) as η approaches η_pin from below.
+    square_root, square_root_error : float
+        The limit of v/√(η_pin - η) as η approaches η_pin from below, and its error.
     """
 
     eta: float
     error: float
     square_root: float
+    square_root_error: float
 
 
 @with_ranges(eta=ETAS)
@@ -157,6 +170,8 @@ def pinning_eta(c: float) -> PinningEta | None:
         eta=eta,
         error=2e-14 + (abs(there.c - c) + there.error) / there.slope,
         square_root=there.square_root * math.sqrt(there.slope),
+        square_root_error=there.square_root_error * math.sqrt(there.slope)
+        + 0.5 * there.slope_error * there.square_root / math.sqrt(there.slope),
     )
 
 
@@ -185,10 +200,9 @@ def _at_rest(chain: Amplitudes, sites: int) -> System:
     return system
 
 
-def _beside(chain: Amplitudes, fold: Fold) -> tuple[float, float]:
-    """Return √(αβ)/π and dc_pin/dη."""
-    rho = fold.u
-    matrix = _at_rest(chain, rho.size)(rho, fold.parameter)[1]
+def _beside(chain: Amplitudes, rho: FloatArray, c: float) -> tuple[float, float]:
+    """Return √(αβ)/π and dc_pin/dη from the solution at the fold."""
+    matrix = _at_rest(chain, rho.size)(rho, c)[1]
     left, _, right = np.linalg.svd(matrix)
     psi, phi = left[:, -1], right[-1]
     psi = psi / (psi @ phi)
@@ -197,3 +211,10 @@ def _beside(chain: Amplitudes, fold: Fold) -> tuple[float, float]:
     alpha, beta = float(psi @ rate_by(rho, chain, "c")), float(0.5 * psi @ (bend * phi * phi))
     slope = -float(psi @ rate_by(rho, chain, "eta")) / alpha
     return math.sqrt(alpha * beta) / math.pi, slope
+
+
+def _condition(chain: Amplitudes, fold: Fold) -> float:
+    """Return by how much rounding of the matrix changes its null vectors at a fold."""
+    matrix = _at_rest(chain, fold.u.size)(fold.u, fold.parameter)[1]
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    return float(sizes[0] / sizes[-2])

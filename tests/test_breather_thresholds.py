@@ -153,10 +153,37 @@ def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
     edge = breather_threshold(CHAIN, Nucleus(1, "", "edge"))  # type: ignore[arg-type]
     pair = breather_threshold(CHAIN, Nucleus(2, "0"))
     assert edge.c_crit == pytest.approx(pair.c_crit, abs=edge.error + pair.error)
-    # Its modes are those of the pair that keep the mirror symmetry (at the points of each branch
-    # that are nearest to half of the way); the slowest of the pair is another one.
-    assert edge.growth_half_way == pytest.approx(pair.growth_half_way_mirrored, rel=1e-2)
+    # Its modes are those of the pair that keep the mirror symmetry; the slowest of the pair is
+    # another one.
+    both = edge.growth_half_way_error + pair.growth_half_way_mirrored_error
+    assert abs(edge.growth_half_way - pair.growth_half_way_mirrored) <= both < 1e-8
     assert pair.growth_half_way > 0.1 * edge.growth_half_way
+
+
+def test_the_growth_half_way_is_that_of_differences_at_half_the_coupling() -> None:
+    """The rotating solution of (43) by scipy, and its Jacobian by differences."""
+    found = breather_threshold(CHAIN, Nucleus(1), margin=3)
+    c, sites = 0.5 * found.c_crit, found.sites
+    assert sites == 7
+
+    def off(u: np.ndarray) -> np.ndarray:
+        phi, omega = u[:sites] + 1j * u[sites : 2 * sites], u[-1]
+        padded = np.concatenate([phi[:1], phi, phi[-1:]])
+        pull = 2.0 * phi - padded[:-2] - padded[2:]
+        s = np.abs(phi) ** 2
+        loss = 0.5 * phi * (1.0 - 2.5 * s / 4.0 + 0.5 * s**2 / 8.0)
+        rate = 0.5j * c * pull - loss - 1j * omega * phi
+        return np.concatenate([rate.real, rate.imag, [phi[3].imag]])
+
+    start = np.zeros(2 * sites + 1)
+    start[3] = math.sqrt((1.0 + math.sqrt(1.0 - 8.0 * 0.08)) / 0.08 / 2.5)
+    u = fsolve(off, start, xtol=1e-14)
+    h = 1e-5 * np.eye(2 * sites + 1)
+    matrix = np.array([(off(u + each) - off(u - each)) / 2e-5 for each in h]).T[:-1, :-1]
+    rates = np.sort(np.linalg.eigvals(matrix).real)
+    assert rates[-1] == pytest.approx(0.0, abs=1e-9)  # the phase
+    assert abs(rates[-2] - found.growth_half_way) <= found.growth_half_way_error + 1e-8
+    assert found.growth_half_way_error < 1e-7
 
 
 def test_no_pattern_of_three_or_five_is_stable() -> None:

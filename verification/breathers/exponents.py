@@ -44,8 +44,8 @@ class BreatherStability:
     error : float
         Bound on the distances of all computed values from the exact ones, paired suitably; infinite
         if it was not computed.
-    growth_error : float
-        The same for ``growth``; also infinite where a multiplier may be zero.
+    growth_error, symmetric_error : float
+        The same for ``growth`` and ``symmetric``; also infinite where a multiplier may be zero.
     """
 
     values: ComplexArray
@@ -58,6 +58,7 @@ class BreatherStability:
     marginal: float
     error: float
     growth_error: float
+    symmetric_error: float
 
     @property
     def stable(self) -> bool:
@@ -107,6 +108,7 @@ def exponents(
         marginal=MARGINAL,
         error=found.error,
         growth_error=found.error,
+        symmetric_error=found.error,
     )
 
 

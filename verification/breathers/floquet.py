@@ -61,10 +61,13 @@ def floquet_multipliers(
     def rate(multiplier: complex) -> float:
         return math.log(max(abs(multiplier), 1e-300)) / (eps * period)
 
+    def rate_error(multiplier: complex | None) -> float:
+        share = found.error / abs(multiplier) if multiplier else math.inf
+        return -math.log1p(-share) / (eps * period) if share < 1.0 else math.inf
+
     # The spectral norm of a matrix is at most its order times its largest entry.
     found = modes_of(monodromy, parity, trivial=1.0, size=np.abs, off=len(monodromy) * error)
     leader = found.leader
-    share = found.error / abs(leader) if leader else math.inf
     return BreatherStability(
         values=found.values,
         trivial=found.trivial,
@@ -75,7 +78,8 @@ def floquet_multipliers(
         antisymmetric=None if found.antisymmetric is None else rate(found.antisymmetric),
         marginal=MARGINAL,
         error=found.error,
-        growth_error=-math.log1p(-share) / (eps * period) if share < 1.0 else math.inf,
+        growth_error=rate_error(leader),
+        symmetric_error=rate_error(found.symmetric),
     )
 
 

@@ -22,6 +22,7 @@ from verification.continuation.branch import (
     ContinuationBranch,
     Crossing,
     Fold,
+    arrive,
     first_crossing,
 )
 from verification.continuation.newton import NotConvergedError, solve_at
@@ -104,7 +105,8 @@ def breather_threshold(
     beside = _before(
         other.fold, first_crossing(longer.system(), other, longer.reported_monitor(report), 0)
     )
-    at_half = _nearest(branch, 0.5 * branch.fold.parameter)
+    half_way = arrive(family.system(), branch, 0.5 * branch.fold.parameter)
+    there: Any = family.measured(half_way, started).stability
     mirrored = nucleus.mirrored(here.sites)
     c_stable = _stable_to(crossing, branch.fold)
     c_stable_longer = _stable_to(beside, other.fold)
@@ -124,8 +126,10 @@ def breather_threshold(
         stable_to=c_stable,
         stable_to_error=error_stable,
         lost_by=_mechanism(crossing, family, branch),
-        growth_half_way=branch.monitored[at_half][0],
-        growth_half_way_mirrored=branch.monitored[at_half][1] if mirrored else None,
+        growth_half_way=there.growth,
+        growth_half_way_error=there.growth_error,
+        growth_half_way_mirrored=there.symmetric if mirrored else None,
+        growth_half_way_mirrored_error=there.symmetric_error if mirrored else None,
         seconds=time.perf_counter() - started,
     )
 
@@ -157,11 +161,6 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
         return chain.replace(sites=sites)
     kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
-
-
-def _nearest(branch: ContinuationBranch, c: float) -> int:
-    before = branch.points[: len(branch.monitored)]
-    return min(range(len(before)), key=lambda place: abs(before[place].parameter - c))
 
 
 def _before(fold: Fold | None, crossing: Crossing | None) -> Crossing | None:

@@ -147,9 +147,10 @@ class BranchThreshold(Threshold):
         errors of the growth rate; None if ``stable_to`` is None.
     lost_by : Mechanism
         Mechanism of instability: at the fold itself, before it, or never stable.
-    growth_half_way : float
-        Largest growth rate per unit of slow time, without the trivial mode, half way to the fold.
-    growth_half_way_mirrored : float or None
+    growth_half_way, growth_half_way_error : float
+        Largest growth rate per unit of slow time, without the trivial mode, at half of ``c_crit``,
+        and its error.
+    growth_half_way_mirrored, growth_half_way_mirrored_error : float or None
         The same for perturbations that keep the mirror symmetry; None if there is none.
     """
 
@@ -157,7 +158,9 @@ class BranchThreshold(Threshold):
     stable_to_error: float | None
     lost_by: Mechanism
     growth_half_way: float
+    growth_half_way_error: float
     growth_half_way_mirrored: float | None
+    growth_half_way_mirrored_error: float | None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,6 +20,7 @@ from theory.averaged.envelope import (
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
+from verification.breathers.breather import breather
 from verification.references.equations import damping, pull
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.17, sites=8)
@@ -118,6 +119,9 @@ def test_closed_form_solves_the_printed_equations(c: float) -> None:
     alpha, k = fsolve(printed, [found.alpha_0 + 1e-4, math.log(found.decay) + 1e-3], xtol=1e-14)
     assert found.alpha_0 == pytest.approx(alpha, abs=1e-10)
     assert found.decay == pytest.approx(math.exp(k), abs=1e-10)
+    stated = breather(chain, method="closed-form")
+    assert abs(stated.decay - math.exp(k)) <= stated.decay_error + 1e-13
+    assert stated.decay_error == found.error * found.decay < 1e-12
 
 
 def test_closed_form_ends_where_the_printed_equations_become_singular() -> None:

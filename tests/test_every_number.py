@@ -7,8 +7,12 @@ text, truth values, arrays of several shapes, nothing.
 
 import contextlib
 import dataclasses
+import importlib
+import inspect
 import math
 import numbers
+import pkgutil
+import re
 import signal
 import threading
 import time
@@ -23,6 +27,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import fronts as fr
+from fronts import wording
 from theory.cells import vdp
 from theory.parameters import MissingPackageError, ParameterError, RunError
 from theory.piecewise import folds, limits, stability
@@ -295,3 +300,131 @@ def test_without_alarms_there_is_no_limit(monkeypatch):
     with time_limit(1e-9):
         while time.monotonic() - begin < 1e-3:
             pass
+
+
+GIVEN = "given by the user or chosen by the method, such as a place at which (47) is violated"
+CLOCK = "a run time, or the time at which a run ended"
+MEASURE = "a measure of an error or of a noise itself, or an interval"
+MAIN = "its error is in the field named"
+ROUNDING = "to rounding"
+UNKNOWN = "no error"
+
+WITHOUT_ITS_OWN_ERROR = {
+    "BranchFold": {"c": (MAIN, "error"), "eta": (MAIN, "error")},
+    "FollowedBranch": {"values": GIVEN},
+    "Curve": {"values": GIVEN},
+    "FrontProfile": {
+        "c": GIVEN, "eta": GIVEN, "zeta": GIVEN, "fails_at": GIVEN, "threshold": ROUNDING,
+        "phi": (MAIN, "error"),
+    },
+    "CertifiedRelation": {"c": GIVEN, "eta": GIVEN, "etas": GIVEN},
+    "KineticBranch": {"fails_at": GIVEN},
+    "KineticRelation": {"c": GIVEN, "eta": GIVEN, "etas": GIVEN},
+    "FrontShape": {"zeta": GIVEN, "phi": (MAIN, "error")},
+    "Root": {"residual": MEASURE, "radius": MEASURE},
+    "RootSet": {"k": (MAIN, "radius"), "residual": MEASURE, "radius": MEASURE},
+    "Breather": {
+        "amplitudes": (MAIN, "error"), "residual": MEASURE, "drift": MEASURE, "trivial": MEASURE,
+        "time": CLOCK, "waves": (MAIN, "wave_error"), "unknowns": UNKNOWN,
+    },
+    "Bifurcation": {
+        "v_d": GIVEN, "sliding": ROUNDING, "stick_time": (MAIN, "stable_error"),
+        "cycle_end_velocity": (MAIN, "cycle_end_error"),
+    },
+    "Cell": {
+        "steady_sliding": ROUNDING, "effective_damping": ROUNDING,
+        "basin": (MAIN, "unstable_cycle"),
+    },
+    "BeltCell": {
+        "hopf_velocity": ROUNDING, "cycle_begin_velocity": (MAIN, "cycle_end_error"),
+        "cycle_end_velocity": (MAIN, "cycle_end_error"), "grazing": ROUNDING,
+    },
+    "CellCycle": dict.fromkeys(
+        ("max", "min", "period", "stick_time", "slip_time", "speed", "averaged", "amplitude"),
+        (MAIN, "error"),
+    ),
+    "Spread": {
+        "angles": GIVEN, "velocities": (MAIN, "errors"), "distances": ROUNDING,
+        "positions": ROUNDING, "arrivals": UNKNOWN,
+    },
+    "Front": {"arrivals": UNKNOWN},
+    "FrontWave": {
+        "c": GIVEN, "eta": GIVEN, "r": UNKNOWN, "continuum": ROUNDING, "trivial": MEASURE,
+    },
+    "FoundState": {"time": CLOCK, "amplitude": UNKNOWN},
+    "StateMap": {"map_seconds": CLOCK},
+    "AveragingError": {"slow_time": GIVEN, "eps": GIVEN, "distances": (MAIN, "errors")},
+    "Ensemble": {
+        "values": (MAIN, "errors"), "spread": UNKNOWN,
+    },
+    "Trajectory": {
+        "t_end": GIVEN, "times": GIVEN, "level": GIVEN, "tolerance": GIVEN,
+        "states": (MAIN, "error"), "amplitude": (MAIN, "error"),
+        "arrivals": (MAIN, "arrival_error"), "resolved_until": CLOCK, "event_log": UNKNOWN,
+    },
+    "Delay": {
+        "rates": GIVEN, "escapes": UNKNOWN, "c_0": (MAIN, "error"), "delay_exponent": UNKNOWN,
+    },
+    "RunThreshold": {
+        "low": GIVEN, "high": GIVEN, "final_time": GIVEN, "perturbation": GIVEN,
+        "bracket": MEASURE, "fuzzy": MEASURE, "fuzzy_width": MEASURE, "range_by_seed": MEASURE,
+    },
+}  # fmt: skip
+"""Numbers of results that have no field ``<name>_error``, by class; subclasses inherit them."""
+
+
+def every_result():
+    """All classes of results of the packages."""
+    for name in ("theory", "verification", "fronts"):
+        package = importlib.import_module(name)
+        for module in pkgutil.walk_packages(package.__path__, f"{name}."):
+            if not module.name.endswith("__main__") and ".explore" not in module.name:
+                importlib.import_module(module.name)
+    found, left = [], [Result]
+    while left:
+        left += (below := left.pop().__subclasses__())
+        found += [each for each in below if not each.__module__.startswith(("test", "conftest"))]
+    return list(dict.fromkeys(found))
+
+
+def numbers_of(kind):
+    """Names of the entries of a result that are or contain numbers other than counts and errors."""
+    kinds = {each.name: str(each.type) for each in dataclasses.fields(kind)}
+    for name in getattr(kind, "derived", ()):
+        value = inspect.getattr_static(kind, name)
+        getter = value.fget if isinstance(value, property) else value.func
+        kinds[name] = str(getter.__annotations__["return"])
+    return [
+        name for name, type_ in kinds.items()
+        if re.search("float|complex|FloatArray|ComplexArray", type_)
+        and not name.endswith(("error", "errors"))
+    ]  # fmt: skip
+
+
+def test_every_number_of_every_result_has_an_error_or_says_why_not():
+    kinds = every_result()
+    assert {"Front", "Breather", "KineticRelation", "Trajectory"} <= {k.__name__ for k in kinds}
+    used = set()
+    for kind in kinds:
+        entries = {each.name for each in dataclasses.fields(kind)} | {*getattr(kind, "derived", ())}
+        reasons = {}
+        for base in reversed(kind.__mro__):
+            reasons |= WITHOUT_ITS_OWN_ERROR.get(base.__name__, {})
+        said = "".join(inspect.getdoc(each) or "" for each in kind.__mro__[:-1])
+        for name in numbers_of(kind):
+            of = [name + "_error", *(("error", "radius") if name in wording._MAIN else ())]
+            if any(each in entries for each in of) or name == "seconds":
+                continue
+            where = f"{kind.__name__}.{name}"
+            assert name in reasons, f"{where} has no error, and no reason is given"
+            reason = reasons[name]
+            used.add(where)
+            if isinstance(reason, tuple):
+                assert reason[1] in entries, f"{where}: there is no {reason[1]}"
+            if reason in {ROUNDING, UNKNOWN}:
+                attribute = inspect.getattr_static(kind, name, None)
+                doc = inspect.getdoc(attribute) if isinstance(attribute, property) else None
+                text = doc or re.search(rf"(?m)^{name}\b.*\n((    .*\n?)+)", said)[0]
+                assert reason in re.sub(r"\s+", " ", text).lower(), f"{where}: {text}"
+    listed = {f"{kind}.{name}" for kind, names in WITHOUT_ITS_OWN_ERROR.items() for name in names}
+    assert listed <= used

@@ -1207,13 +1207,6 @@ def test_a_search_along_a_branch_reports_how_far_it_is() -> None:
     assert 0.5 < parts[-1] < 1.0
 
 
-def test_half_way_is_the_nearest_point_before_the_fold() -> None:
-    points = [SimpleNamespace(parameter=c) for c in (0.01, 0.05, 0.08, 0.15, 0.2, 0.1)]
-    branch: Any = SimpleNamespace(points=points, monitored=[(0.0,)] * 5)
-    assert continuation._nearest(branch, 0.1) == 2
-    assert continuation._nearest(branch, 0.19) == 4
-
-
 def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_large(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

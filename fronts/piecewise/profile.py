@@ -28,9 +28,10 @@ class FrontProfile(Result):
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
-        Position ζ of the violation of (47) nearest 0, in sites; None if there is none.
+        A position ζ, in sites, at which (47) is violated: the one nearest 0 of those examined; None
+        if there is none.
     threshold : float
-        The threshold |φ_us|/|φ_s|.
+        The threshold |φ_us|/|φ_s|, to rounding.
     zeta : ndarray of float, shape (n,)
         Positions ζ = site - vT, in sites.
     phi : ndarray of complex, shape (n,)

@@ -56,8 +56,9 @@ class Admissibility:
         Whether (47) holds; None where too many margins are too thin to decide, or |v| or c/|v| is
         out of range, as ``reason`` says.
     fails_at : float or None
-        Position ζ of the violation found nearest ζ = 0, in sites, to within an eighth of a site; 0
-        where the slope at ζ = 0 already has the wrong sign; None if there is no violation.
+        A position ζ, in sites, at which (47) is violated: the one nearest 0 of those examined, at
+        least eight to a site unless steepest descent is used; 0 where the slope at ζ = 0 already
+        has the wrong sign; None if there is no violation.
     proven_beyond : tuple of float
         (Z₋, Z₊): for ζ < -Z₋ and ζ > Z₊ the tail bound proves (47).
     points : int

@@ -62,7 +62,8 @@ class KineticBranch(Result):
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None
-        Position ζ of the violation of (47) nearest 0, in sites; None if there is none.
+        A position ζ, in sites, at which (47) is violated: the one nearest 0 of those examined; None
+        if there is none.
     stable : bool or None
         Whether the front is linearly stable (``theory.piecewise.stability``); None if the front is
         not admissible, or if stability was not decided or not requested.

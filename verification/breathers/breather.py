@@ -240,6 +240,7 @@ def _closed_form(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Br
         frequency_error=0.0,
         residual=found.residual,
         decay=found.decay,
+        decay_error=None if found.decay is None else found.error * found.decay,
         fold=fold.c,
         fold_error=fold.error,
         stability=stability,

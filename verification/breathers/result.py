@@ -82,15 +82,15 @@ class Breather(Result):
         Why an error is unknown; empty if all are known.
     residual : float or None
         Largest residual of the equations that the method solves.
-    decay : float or None
-        e^{k_1} of (9), for the method ``closed-form``.
+    decay, decay_error : float or None
+        e^{k_1} of (9) and its error as a solution of (29) and (37), for the method ``closed-form``.
     fold, fold_error : float or None
         Largest coupling of the branch and its error, if the fold was reached.
     time, drift : float or None
         Time t of the run, and the remaining change of the state per unit of slow time.
     unknowns : float array
         The vector solved for: (y, ẏ) at the moment when y = 0 < ẏ at the centre, and the period; or
-        (Re φ, Im φ, Ω), with frequency 1 + εΩ. Empty if there is no solution.
+        (Re φ, Im φ, Ω), with frequency 1 + εΩ; no error is known. Empty if there is no solution.
     stability : BreatherStability or None
         Multipliers, or exponents of (43), with the growth in either parity; None where the method
         does not compute them.
@@ -118,6 +118,7 @@ class Breather(Result):
     error_unknown: str = ""
     residual: float | None = None
     decay: float | None = None
+    decay_error: float | None = None
     fold: float | None = None
     fold_error: float | None = None
     time: float | None = None

@@ -33,7 +33,7 @@ class Bifurcation(Result):
     v_d : ndarray, shape (M,)
         Belt velocities.
     sliding : ndarray, shape (M,)
-        y of steady sliding.
+        y of steady sliding, to rounding.
     stable, unstable : ndarray, shape (M, 2)
         Smallest and largest y of the cycles; nan where there is none, as for an unstable one under
         Coulomb's law.

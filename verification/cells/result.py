@@ -92,9 +92,9 @@ class Cell(Result):
     status : CellStatus
         Which states are stable.
     steady_sliding : float or None
-        y of steady sliding; None for cells without a belt, which rest at y = 0.
+        y of steady sliding, to rounding; None for cells without a belt, which rest at y = 0.
     effective_damping : float
-        Linear damping about rest; rest is stable where this is positive.
+        Linear damping about rest, to rounding; rest is stable where this is positive.
     stable_cycle, unstable_cycle : CellCycle or None
         The large cycle and the one that separates the basins, where they exist. If the two coincide
         in a semistable cycle, it is ``unstable_cycle``.
@@ -170,8 +170,8 @@ class BeltCell(Cell):
     cell : FrictionCell
         The same parameters as a `FrictionCell`.
     hopf_velocity : float
-        Belt velocity above which steady sliding is stable; infinite if it never is (ξ = 0), 0 if it
-        always is, as under Coulomb's law.
+        Belt velocity above which steady sliding is stable, to rounding; infinite if it never is
+        (ξ = 0), 0 if it always is, as under Coulomb's law.
     cycle_begin_velocity : float
         Belt velocity at which the stick-slip cycle begins by grazing; 0 except under Stribeck's
         law.
@@ -182,7 +182,8 @@ class BeltCell(Cell):
         The larger of the two velocities' differences from a computation at a hundred times the
         tolerance, but at least the effect of round-off on the velocity of the end.
     grazing : tuple of float or None
-        Under Coulomb's law: turning points of the slip that just touches the velocity of the belt.
+        Under Coulomb's law: turning points of the slip that just touches the velocity of the belt,
+        to rounding.
         It is not a cycle, but motion that starts inside it ends in steady sliding, and motion that
         starts outside sticks.
     """

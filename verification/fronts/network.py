@@ -65,11 +65,11 @@ class Spread(Result):
         uncertainty; nan where too few sites were reached, infinite where the farther ones were not
         reached later.
     distances : ndarray, shape (N,)
-        Distance of every site from the centre.
+        Distance of every site from the centre, to rounding.
     arrivals : ndarray, shape (N,)
-        Times t at which the sites were first reached; nan for sites that were not.
+        Times t at which the sites were first reached, of which no error is known; nan for others.
     positions : ndarray, shape (N, 2), or None
-        Coordinates of the sites; None for a network that is not a lattice.
+        Coordinates of the sites, to rounding; None for a network that is not a lattice.
     """
 
     shown: ClassVar[tuple[str, ...]] = ("angles", "velocities", "errors")

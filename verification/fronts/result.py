@@ -43,7 +43,8 @@ class Front(Result):
         Whether the front outruns all waves behind it, in which case ``left_boundary`` has no
         effect.
     arrivals : ndarray, shape (m,)
-        Times t at which the sites beyond the start were reached, in order of the sites.
+        Times t at which the sites beyond the start were reached, in order of the sites; no error is
+        known.
     method : str
         The numerical method.
     counts : mapping

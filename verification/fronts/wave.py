@@ -84,7 +84,7 @@ class FrontWave(Result):
         Bound on the error of v, from a second solution on a longer window with finer steps.
     r : ndarray of float, shape (N,)
         √a times the amplitudes of the sites, at the moment when site ``crossing`` passes the
-        unstable cycle.
+        unstable cycle; no error is known.
     crossing : int
         Index of that site.
     stable : bool
@@ -101,7 +101,7 @@ class FrontWave(Result):
         solution and, as a rotation of all phases of an infinite chain has the multiplier 1, at
         least the distance below 1.
     continuum : float
-        e^{-1/2v}, the modulus of the continuous spectrum ahead of the front.
+        e^{-1/2v}, the modulus of the continuous spectrum ahead of the front, to rounding.
     trivial : float
         Distance from 1 of the computed multiplier that is exactly 1 in theory.
     iterations, steps : int

@@ -51,7 +51,7 @@ class FoundState(Result):
         Number of steps.
     amplitude : float array, shape (N,)
         Amplitude of every site at the end: √(y² + w²), |φ| for (43); for (5) half of the last
-        maximum of y minus the last minimum.
+        maximum of y minus the last minimum; no error is known.
     seconds : float
         Run time.
     """

@@ -62,7 +62,10 @@ class Ensemble(Result):
 
     @property
     def spread(self) -> float | None:
-        """Standard deviation of the values that exist; None if there is only one."""
+        """Standard deviation of the values that exist; None if there is only one.
+
+        No error is known.
+        """
         known = self._known
         return float(known.std(ddof=1)) if known.size > 1 else None
 

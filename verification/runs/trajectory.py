@@ -77,7 +77,8 @@ class Trajectory(Result):
     counts : mapping
         ``steps``, ``site_steps``, and further counters of the stepper.
     event_log : ndarray, shape (K, 3)
-        Time, site (from 1) and kind of the first events of a friction chain, if requested.
+        Time, site (from 1) and kind of the first events of a friction chain, if requested; no error
+        of the times is known.
     seconds : float
         Run time, summed over all sessions if the run was resumed.
     """

@@ -93,8 +93,8 @@ class Threshold(Result):
         Size, pattern and place of the nucleus.
     sites : int or None
         Length of the chain; None if it is infinite.
-    readings : mapping of str to float or None, or None
-        Closed form: the fold for each site at which (37) may be evaluated.
+    readings, readings_error : mapping of str to float or None, or None
+        Closed form: the fold for each site at which (37) may be evaluated, and its error.
     delay : Delay or None
         Sweeps: couplings of escape at each rate, and the law of the delay.
     seconds : float
@@ -112,6 +112,7 @@ class Threshold(Result):
     nucleus: Nucleus
     sites: int | None = None
     readings: Mapping[str, float | None] | None = None
+    readings_error: Mapping[str, float | None] | None = None
     delay: Delay | None = None
     seconds: float
 
@@ -177,8 +178,8 @@ class RunThreshold(Threshold):
     monotone : bool or None
         Whether escape or spreading was monotone in c among the couplings tested; None if this was
         not tested.
-    c_crit_at_twice_the_time : float or None
-        The threshold for twice the final time, if that was tested.
+    c_crit_at_twice_the_time, c_crit_at_twice_the_time_error : float or None
+        The threshold for twice the final time and its error, if that was tested.
     fuzzy : tuple of float or None
         Interval around ``c_crit`` in which runs contradict a single sharp threshold, because
         spreading takes longer than the final time or is not monotone in c. None if there is no such
@@ -202,6 +203,7 @@ class RunThreshold(Threshold):
     final_time: float
     monotone: bool | None = None
     c_crit_at_twice_the_time: float | None = None
+    c_crit_at_twice_the_time_error: float | None = None
     fuzzy: tuple[float, float] | None = None
     perturbation: float = 0.0
     range_by_seed: Mapping[int, tuple[float, float]] = field(default_factory=dict)
@@ -236,7 +238,7 @@ class Delay(Result):
     rates : tuple of float
         dc/dT, in descending order.
     escapes : tuple of float
-        c at which the nucleus escaped, for each rate.
+        c at which the nucleus escaped, for each rate; no error is known.
     c_0 : float or None
         Extrapolation to zero rate by c_0 + K rate^{2/3} + K' rate through the three slowest sweeps;
         None if the escapes do not follow this law.
@@ -244,7 +246,7 @@ class Delay(Result):
         Difference from the extrapolation without K' through the two slowest sweeps.
     delay_exponent : float or None
         ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest sweeps: 2/3 at a fold; None
-        if the escapes do not decrease with the rate.
+        if the escapes do not decrease with the rate. It shows which law holds; no error is known.
     seconds : float
         Wall-clock time.
     """

@@ -293,15 +293,19 @@ def spreading_threshold(
     search.expect(2 * tests, progress)
     low, high = search.bracket()
     c, error = 0.5 * (low + high), 0.5 * (high - low)
+    of_tolerance = 0.0
     if search.spreads(low, coarser=COARSER) or not search.spreads(high, coarser=COARSER):
-        error += abs(c - 0.5 * sum(search.bracket(coarser=COARSER)))
+        of_tolerance = abs(c - 0.5 * sum(search.bracket(coarser=COARSER)))
+    error += of_tolerance
     late: float | None = None
+    late_error: float | None = None
     fuzzy: tuple[float, float] | None = None
     monotone: bool | None = None
     if tests > 0:
-        late = c
+        late, late_error = c, error
         if search.spreads(low, longer=2.0):
-            late = 0.5 * sum(search.bracket(longer=2.0))
+            first, last = search.bracket(longer=2.0)
+            late, late_error = 0.5 * (first + last), 0.5 * (last - first) + of_tolerance
         places = [REACH * c * (k + 1) / tests for k in range(tests)]
         below = [c - place for place in places if search.spreads(c - place)]
         above = [c + place for place in places if not search.spreads(c + place)]
@@ -325,6 +329,7 @@ def spreading_threshold(
         ends=getattr(chain, "ends", None),
         start_point=spreading.point if from_cycle else None,
         c_crit_at_twice_the_time=late,
+        c_crit_at_twice_the_time_error=late_error,
         fuzzy=fuzzy,
         monotone=monotone,
         runs=search.runs,

@@ -216,7 +216,7 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
     """
     started = time.perf_counter()
     check_closed_form(nucleus, chain.sites)
-    fold = closed_form_fold(chain)
+    fold, tail = closed_form_fold(chain), closed_form_fold(chain, Reading.TAIL)
     return Threshold(
         c_crit=fold.c,
         error=fold.error,
@@ -228,7 +228,12 @@ def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:
         readings={
             Reading.CENTRE.value: None,
             Reading.NEIGHBOUR.value: fold.c,
-            Reading.TAIL.value: closed_form_fold(chain, Reading.TAIL).c,
+            Reading.TAIL.value: tail.c,
+        },
+        readings_error={
+            Reading.CENTRE.value: None,
+            Reading.NEIGHBOUR.value: fold.error,
+            Reading.TAIL.value: tail.error,
         },
         seconds=time.perf_counter() - started,
     )

@@ -7,13 +7,14 @@ from collections.abc import Callable
 from typing import Any
 
 from verification.fronts.preparation import FrontPreparation, Settled, Trial
+from verification.runs.integration import Integration
 
 
 def prepared(begin: Callable[[float], Any], kind: Any = FrontPreparation, **given: Any) -> Any:
     """Return a measurement whose runs are begun by a function of the tolerance."""
     usual = {
         "excited": 5, "sites": 40, "max_sites": 40, "accuracy": 1e-3, "tolerance": 1e-8,
-        "stall_time": 10.0, "settling_tolerance": 1e-3, "method": "made up",
+        "stall_time": 10.0, "settling_tolerance": 1e-3, "kind": Integration,
     }  # fmt: skip
     return kind(sized=lambda _: None, begin=lambda _, each: begin(each), **usual | given)
 

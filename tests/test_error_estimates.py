@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -95,7 +96,7 @@ def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_rea
     slow = np.append(both, both[-1] + np.arange(1.0, 17.0))
     for one, other in ((slow, np.append(both, np.full(16, np.nan))), (both, slow)):
         found = settle(
-            lambda _, one=one, other=other: Trial(None, one, other, 1),  # type: ignore[misc]
+            lambda _, one=one, other=other: Trial(None, one, other, Counter(steps=1)),  # type: ignore[misc]
             sites=64, max_sites=64, accuracy=1e-3, pinned_error=0.0,
         )  # fmt: skip
         assert found.v == pytest.approx(2.0, abs=1e-9)
@@ -109,7 +110,7 @@ def test_a_velocity_errs_by_more_than_its_difference_from_the_run_beside_it(
     tolerance: float, off: float, error: float
 ) -> None:
     """Errors of runs are not proportional to the tolerance: both may err alike."""
-    trial = Trial(None, np.arange(64) / 2.0, np.arange(64) / (2.0 + off), 1)
+    trial = Trial(None, np.arange(64) / 2.0, np.arange(64) / (2.0 + off), Counter(steps=1))
     found = settle(lambda _: trial, sites=64, max_sites=64, tolerance=tolerance)
     assert found.error == pytest.approx(error, rel=1e-3)
 
@@ -120,7 +121,7 @@ def test_on_the_longest_chain_the_difference_from_another_velocity_is_part_of_th
     other: float, enough: bool, error: float
 ) -> None:
     def trial(sites: int) -> Trial:
-        return Trial(None, np.arange(sites) / 2.0, np.arange(sites) / 2.0, sites)
+        return Trial(None, np.arange(sites) / 2.0, np.arange(sites) / 2.0, Counter(steps=sites))
 
     found = settle(trial, sites=32, max_sites=40, accuracy=1e-3, pinned_error=0.0,
                    other_velocity=other, long_enough=lambda *_: enough)  # fmt: skip

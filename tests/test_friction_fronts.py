@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -243,7 +244,9 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
         asked.append(sites)
         times = np.arange(float(sites))
         # the run beside it is late by a time that matters less on a longer chain
-        return Trial(None, times, np.append(times * (1.0 + 1.0 / (3.0 * sites)), np.nan), 1)
+        return Trial(
+            None, times, np.append(times * (1.0 + 1.0 / (3.0 * sites)), np.nan), Counter(steps=1)
+        )
 
     found = settle(trial, sites=32, max_sites=1000, accuracy=0.01, pinned_error=0.0)
     assert asked == [32, 64, 128]
@@ -251,7 +254,7 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
     assert found.error == pytest.approx(3.0 / 385.0, rel=1e-6)
     short = settle(trial, sites=32, max_sites=40, accuracy=0.01, pinned_error=0.0)
     assert short.status is FrontStatus.UNSTEADY
-    exact = Trial(None, np.arange(64.0), np.arange(64.0), 1)
+    exact = Trial(None, np.arange(64.0), np.arange(64.0), Counter(steps=1))
     doubted = settle(
         lambda _: exact,
         sites=64,

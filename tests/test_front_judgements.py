@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import fields, replace
 from types import SimpleNamespace
@@ -41,6 +42,8 @@ from verification.fronts.watch import follow as followed
 from verification.piecewise import simulation
 from verification.piecewise.simulation import simulate_front
 from verification.runs.excite import StartPoint, excite
+from verification.runs.friction_integration import FrictionIntegration
+from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds import continuation, escape, slow_sweep, spreading
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
@@ -98,7 +101,7 @@ def _numbers(made: FrontPreparation) -> tuple[Any, ...]:
 class _Begun(tuple):
     """An integration that is not begun: its start and tolerance."""
 
-    method = "made up"
+    method_of = FrictionIntegration.method_of
 
     def __new__(cls, _: object, start: Any, *, tolerance: float) -> _Begun:
         return super().__new__(cls, (start, tolerance))
@@ -111,7 +114,7 @@ def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
 
     def settled(prepared: Any, _: object) -> Settled:
         made.append(prepared)
-        return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
+        return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, Counter(steps=7))
 
     monkeypatch.setattr(FrontPreparation, "settled", settled)
     monkeypatch.setattr(friction, "excite", lambda _, sites, **__: [*sites])
@@ -126,12 +129,14 @@ def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
     assert [each.begin(chain, 1e-6) for each in made] == [([1], 1e-6), ([1, 2], 1e-6)]
 
 
-def test_a_measured_front_is_in_slow_time_and_counts_earlier_steps() -> None:
-    prepared: Any = SimpleNamespace(sized=lambda _: AVERAGED, excited=24, method="by hand")
-    found = Settled(FrontStatus.STEADY, 0.003, 1e-5, np.arange(3.0), 40, 5)
-    front = FrontPreparation.front(prepared, found, LeftBoundary.FREE, True, 4)
-    assert (front.v, front.error) == pytest.approx((0.3, 1e-3))
-    assert (front.counts, front.outruns_waves) == ({"steps": 9}, True)
+def test_a_measured_front_is_in_slow_time_and_names_the_methods_of_its_steps() -> None:
+    prepared: Any = SimpleNamespace(sized=lambda _: AVERAGED, excited=24, kind=SmoothIntegration)
+    for stiff, method in ((0, "DOP853"), (2, "DOP853, Radau"), (5, "Radau")):
+        counts = Counter(steps=5, stiff_steps=stiff)
+        found = Settled(FrontStatus.STEADY, 0.003, 1e-5, np.arange(3.0), 40, counts)
+        front = FrontPreparation.front(prepared, found, LeftBoundary.FREE, True)
+        assert (front.v, front.error) == pytest.approx((0.3, 1e-3))
+        assert (front.method, front.counts, front.outruns_waves) == (method, {"steps": 5}, True)
 
 
 def test_of_a_smooth_chain_four_to_a_thousand_sites_are_excited() -> None:
@@ -154,7 +159,7 @@ def test_without_waves_behind_it_no_front_is_run_twice(
         made.append(left)
         return SimpleNamespace(settled=lambda _: found, front=lambda *given: given)
 
-    found = Settled(FrontStatus.STEADY, v, 1e-3, np.arange(3.0), 40, 7)
+    found = Settled(FrontStatus.STEADY, v, 1e-3, np.arange(3.0), 40, Counter(steps=7))
     monkeypatch.setattr(smooth, "_prepare_smooth", prepare)
     still: Any = SimpleNamespace(trailing_wave_velocity=0.0)
     front: Any = smooth.smooth_front(still, _request())
@@ -171,7 +176,7 @@ def test_a_front_is_steady_by_its_error_over_v_in_whatever_unit_of_time(
     accuracy, sites = 1e-3, np.arange(64)
 
     def trial(_: int) -> Trial:
-        return Trial(None, sites / v, sites / (v * (1.0 + part * accuracy / 3.0)), 1)
+        return Trial(None, sites / v, sites / (v * (1.0 + part * accuracy / 3.0)), Counter(steps=1))
 
     found = settle(trial, sites=64, max_sites=64, accuracy=accuracy, pinned_error=0.0)
     assert found.status is (FrontStatus.STEADY if part < 1.0 else FrontStatus.UNSTEADY)
@@ -184,7 +189,7 @@ def test_a_front_that_stops_at_a_coarser_tolerance_is_as_uncertain_as_it_is_fast
 
     def trial(sites: int) -> Trial:
         asked.append(sites)
-        return Trial(None, np.arange(sites) / 2.0, np.empty(0), 3)
+        return Trial(None, np.arange(sites) / 2.0, np.empty(0), Counter(steps=3))
 
     found = settle(trial, sites=32, max_sites=99, accuracy=0.1, pinned_error=0.02)
     assert asked == [32, 64]
@@ -200,14 +205,15 @@ def test_a_front_that_stopped_has_no_velocity_but_those_that_could_not_be_seen(
 ) -> None:
     trials = iter(
         [
-            Trial(None, np.arange(32) ** 1.5, np.arange(32) ** 1.5, 3),  # not settled: a longer one
-            Trial(stopped, np.array([0.0, 1.0, NAN, 3.0, NAN]), np.empty(0), 4),
+            # not settled: a longer one
+            Trial(None, np.arange(32) ** 1.5, np.arange(32) ** 1.5, Counter(steps=3)),
+            Trial(stopped, np.array([0.0, 1.0, NAN, 3.0, NAN]), np.empty(0), Counter(steps=4)),
         ]
     )
     found = settle(lambda _: next(trials), sites=32, max_sites=99, accuracy=1e-6, pinned_error=0.02)
     assert (found.status, found.v, found.error) == (stopped, v, error)
     assert found.arrivals.tolist() == [0.0, 1.0, 3.0]
-    assert (found.sites, found.steps) == (64, 7)
+    assert (found.sites, found.counts) == (64, {"steps": 7})
 
 
 @pytest.mark.parametrize("displacement", [0.25, -1.5])
@@ -220,7 +226,7 @@ def test_a_friction_front_may_begin_from_a_displacement(
     def settled(prepared: Any, _: object) -> Settled:
         tolerances.append(prepared.settling_tolerance)
         begun.append(prepared.begin(prepared.sized(20), 1e-6))
-        return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, 7)
+        return Settled(FrontStatus.STEADY, 0.5, 1e-3, np.arange(3.0), 40, Counter(steps=7))
 
     monkeypatch.setattr(FrontPreparation, "settled", settled)
     chain = FrictionChain(c=0.02, sites=40)
@@ -333,7 +339,7 @@ def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
             assert asked[-1].get("directions") == directions
             assert asked[-1]["stall"] == pytest.approx(time * lattice.time_unit)
     monkeypatch.setattr(FrontPreparation, "trial", lambda *_: pinned)
-    pinned = Trial(FrontStatus.PINNED, np.full(40, NAN), np.empty(0), 1)
+    pinned = Trial(FrontStatus.PINNED, np.full(40, NAN), np.empty(0), Counter(steps=1))
     prepared = smooth._prepare_smooth(AVERAGED, _request(stall_time=10.0), LeftBoundary.FREE)
     found = prepared.settled(None)
     front = FrontPreparation.front(prepared, found, None, False)
@@ -388,7 +394,7 @@ def test_a_front_of_a_network_along_a_line_outruns_its_waves_or_not(
     waves = chain.trailing_wave_velocity
     assert chain.network is not None
     assert waves > 0.0
-    found = Settled(FrontStatus.STEADY, share * waves, 1e-6, np.arange(3.0), 40, 7)
+    found = Settled(FrontStatus.STEADY, share * waves, 1e-6, np.arange(3.0), 40, Counter(steps=7))
     asked: list[Any] = []
     monkeypatch.setattr(FrontPreparation, "settled", lambda *given: asked.append(given) or found)
     request = _request(progress=print)
@@ -531,8 +537,8 @@ def test_where_no_wave_is_found_the_front_is_pinned_below_c_pin_alone(
 
 def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second has the velocity of the first for comparison, and its own as the answer."""
-    first = Settled(FrontStatus.STEADY, 1e-4, 1e-9, np.arange(3.0), 40, 7)
-    second = replace(first, v=2e-4, steps=11)
+    first = Settled(FrontStatus.STEADY, 1e-4, 1e-9, np.arange(3.0), 40, Counter(steps=7))
+    second = replace(first, v=2e-4, counts=Counter(steps=11))
     asked: list[Any] = []
 
     def settled(prepared: Any, _: object) -> Settled:
@@ -561,7 +567,7 @@ def test_another_velocity_counts_only_where_the_longest_chain_is_not_long_enough
     def found(enough: bool, max_sites: int) -> Settled:
         def trial(sites: int) -> Trial:
             times = np.arange(sites) / 2.0
-            return Trial(None, times, times, 3)
+            return Trial(None, times, times, Counter(steps=3))
 
         return settle(trial, sites=32, max_sites=max_sites, accuracy=1.0, pinned_error=0.0,
                       other_velocity=2.5, long_enough=lambda *_: enough)  # fmt: skip
@@ -571,7 +577,7 @@ def test_another_velocity_counts_only_where_the_longest_chain_is_not_long_enough
         (False, 128, 128, 0.5, 9),
     ):  # fmt: skip
         settled = found(enough, most)
-        assert (settled.sites, settled.steps) == (sites, steps)
+        assert (settled.sites, settled.counts["steps"]) == (sites, steps)
         assert settled.error == pytest.approx(error, abs=1e-9)
         assert settled.arrivals.size == sites
 
@@ -1106,7 +1112,11 @@ def test_what_becomes_of_a_motion_is_said_by_its_run_at_the_tolerance_asked(
     left = iter(ends)
     monkeypatch.setattr(preparation, "follow", lambda *_, **__: next(left))
     trial = prepared(lambda each: begun(tolerance=each)).trial(40, None)
-    assert (trial.stopped, trial.steps, trial.coarser.size) == (stopped, steps, 27 * compared)
+    assert (trial.stopped, trial.counts["steps"], trial.coarser.size) == (
+        stopped,
+        steps,
+        27 * compared,
+    )
     assert trial.arrivals.tolist() == [*range(5, 32)]
 
 

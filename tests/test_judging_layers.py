@@ -201,7 +201,7 @@ def test_the_run_beside_a_front_has_a_hundred_times_its_tolerance(
     sites = np.arange(5.0, 40.0 - MARGIN)
     assert found.arrivals.tolist() == (sites + tolerance).tolist()
     assert found.coarser.tolist() == pytest.approx((sites + other).tolist(), abs=1e-12)
-    assert (found.stopped, found.steps) == (None, 14)
+    assert (found.stopped, found.counts["steps"]) == (None, 14)
 
 
 @pytest.mark.parametrize(("moves", "status"), [(0.9, FrontStatus.PINNED), (1.1, "creeping")])
@@ -1388,7 +1388,8 @@ def test_a_curve_goes_on_where_some_points_are_refused() -> None:
 
 def _settled(v: float | None, error: float | None, status: FrontStatus, steps: int = 1) -> Settled:
     return Settled(
-        status=status, v=v, error=error, arrivals=np.arange(3.0), sites=40, steps=steps
+        status=status, v=v, error=error, arrivals=np.arange(3.0), sites=40,
+        counts=Counter(steps=steps),
     )  # fmt: skip
 
 
@@ -1418,7 +1419,7 @@ def test_a_front_that_waves_overtake_is_no_surer_than_with_twice_as_many_sites_b
     )
     assert asked == [(48, LeftBoundary.WAVE)]
     assert found.error == pytest.approx(error, rel=1e-6)
-    assert (found.v, found.status, found.steps) == (0.5, status, 21)
+    assert (found.v, found.status, found.counts["steps"]) == (0.5, status, 21)
     slower = smooth._beside_longer_wave(
         _settled(0.25, 1e-4, FrontStatus.STEADY), 1e-3, VdpChain(a=4, b=0.5, c=0.6), _request()
     )

@@ -63,7 +63,8 @@ def test_a_run_that_is_not_resolved_may_be_on_the_other_side(apart: float, resol
             samples=np.array([[[0.0], [1.0]], [[math.sin(phase)], [math.cos(phase)]]]),
             sampled_amplitude=np.ones((2, 1)), times=np.array([0.0, 1.0]), chain=FRONT,
             arrivals=np.zeros(1), counts={}, events={}, log=np.zeros((0, 3)), tolerance=1e-8,
-            method="", level=1.0, least_error=lambda: 0.0, least_arrival_error=lambda: 0.0,
+            level=1.0, least_error=lambda: 0.0, least_arrival_error=lambda: 0.0,
+            method_of=lambda _: "",
         )
         for phase in (0.0, turn)
     )  # fmt: skip

@@ -71,6 +71,6 @@ def friction_front(chain: FrictionChain, request: Request) -> Front:
         tolerance=tolerance,
         stall_time=STALL_TIME.number(request.stall_time),
         settling_tolerance=1e-4,
-        method=FrictionIntegration.method,
+        kind=FrictionIntegration,
     )
     return preparation.front(preparation.settled(request.progress), None, False)

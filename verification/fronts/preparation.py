@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -30,13 +31,13 @@ class Trial(NamedTuple):
 
     ``stopped`` is why the front did not reach the end in the first run, None if it did. The arrival
     times by site are nan where a site was not reached; those of the run at the coarser tolerance
-    are empty if the front did not reach the end in both runs. ``steps`` are those of both runs.
+    are empty if the front did not reach the end in both runs. ``counts`` are those of both runs.
     """
 
     stopped: FrontStatus | None
     arrivals: FloatArray
     coarser: FloatArray
-    steps: int
+    counts: Counter[str]
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ class Settled:
         Arrival times of the last trial, without the sites that were not reached.
     sites : int
         Chain length in the last trial.
-    steps : int
-        Total number of steps of all trials.
+    counts : Counter
+        Counts of the integrations of all trials.
     """
 
     status: FrontStatus
@@ -63,7 +64,7 @@ class Settled:
     error: float | None
     arrivals: FloatArray
     sites: int
-    steps: int
+    counts: Counter[str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,8 +88,8 @@ class FrontPreparation:
     settling_tolerance : float
         Growth of an amplitude ahead of the front below which the front counts as pinned; see
         ``watch.Stall``.
-    method : str
-        Name of the stepper.
+    kind : type
+        The class of the integrations.
     long_enough : callable
         Whether a chain of a given length is also long enough by another criterion, given v (in t).
     other_velocity : float, optional
@@ -105,21 +106,21 @@ class FrontPreparation:
     tolerance: float
     stall_time: float
     settling_tolerance: float
-    method: str
+    kind: type[Integration]
     long_enough: Callable[[int, float], bool] = field(default=lambda sites, v: True)
     other_velocity: float | None = None
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
-        steps, sites = 0, self.sites
+        counts, sites = Counter[str](), self.sites
         while True:
             runs = self.trial(sites, progress)
-            steps += runs.steps
+            counts += runs.counts
             arrivals = runs.arrivals[~np.isnan(runs.arrivals)]
             if runs.stopped is not None:
                 pinned = runs.stopped is FrontStatus.PINNED
                 v, error = (0.0, 1.0 / self.stall_time) if pinned else (None, None)
-                return Settled(runs.stopped, v, error, arrivals, sites, steps)
+                return Settled(runs.stopped, v, error, arrivals, sites, counts)
             reached, beside = leading(runs.arrivals), leading(runs.coarser)
             both = min(reached.size, beside.size) or reached.size
             v, error = velocity_of_arrivals(reached[:both])
@@ -132,11 +133,11 @@ class FrontPreparation:
             if longest and not long and self.other_velocity is not None:
                 error = max(error, abs(v - self.other_velocity))
             if error < self.accuracy * v and (long or longest):
-                return Settled(FrontStatus.STEADY, v, error, arrivals, sites, steps)
+                return Settled(FrontStatus.STEADY, v, error, arrivals, sites, counts)
             if longest and math.isinf(v):
-                return Settled(FrontStatus.UNSTEADY, None, None, arrivals, sites, steps)
+                return Settled(FrontStatus.UNSTEADY, None, None, arrivals, sites, counts)
             if longest:
-                return Settled(FrontStatus.UNSTEADY, v, error, arrivals, sites, steps)
+                return Settled(FrontStatus.UNSTEADY, v, error, arrivals, sites, counts)
             sites *= 2
 
     def trial(self, sites: int, progress: ProgressCallback | None) -> Trial:
@@ -149,21 +150,20 @@ class FrontPreparation:
         }
         run = self.begin(chain, self.tolerance)
         stopped = follow(run, **how)
-        used, steps = slice(self.excited, run.state.shape[1] - MARGIN), run.counts["steps"]
+        used, counts = slice(self.excited, run.state.shape[1] - MARGIN), Counter(run.counts)
         coarser = np.empty(0)
         if stopped is None:
             other = self.begin(chain, COARSER * self.tolerance)
             if follow(other, **how) is None:
                 coarser = other.arrivals[used]
-            steps += other.counts["steps"]
-        return Trial(stopped, run.arrivals[used], coarser, steps)
+            counts += Counter(other.counts)
+        return Trial(stopped, run.arrivals[used], coarser, counts)
 
     def front(
         self,
         found: Settled,
         boundary: LeftBoundary | None,
         outruns: bool,
-        earlier_steps: int = 0,
     ) -> Front:
         """Return the result as a front, with velocities in the chain's unit of time."""
         chain = self.sized(found.sites)
@@ -177,7 +177,7 @@ class FrontPreparation:
             left_boundary=boundary,
             outruns_waves=outruns,
             arrivals=found.arrivals,
-            method=self.method,
-            counts={"steps": found.steps + earlier_steps},
+            method=self.kind.method_of(found.counts),
+            counts={"steps": found.counts["steps"]},
             seconds=0.0,
         )

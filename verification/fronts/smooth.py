@@ -60,7 +60,8 @@ def smooth_front(chain: SmoothChain, request: Request) -> Front:
         return wave.front(found, request.left_boundary, outruns)
     free = replace(_prepare_smooth(chain, request, LeftBoundary.FREE), other_velocity=found.v)
     slower = free.settled(request.progress)
-    return free.front(slower, request.left_boundary, False, found.steps)
+    both = replace(slower, counts=found.counts + slower.counts)
+    return free.front(both, request.left_boundary, False)
 
 
 def _beside_longer_wave(
@@ -83,7 +84,7 @@ def _beside_longer_wave(
         found,
         error=max(found.error, apart),
         status=found.status if steady else FrontStatus.UNSTEADY,
-        steps=found.steps + other.steps,
+        counts=found.counts + other.counts,
     )
 
 
@@ -157,6 +158,6 @@ def _prepare_smooth(
         tolerance=TOLERANCE.number(request.tolerance),
         stall_time=stall,
         settling_tolerance=1e-3 * chain.stable_amplitude,
-        method=SmoothIntegration.method,
+        kind=SmoothIntegration,
         long_enough=long_enough,
     )

@@ -48,7 +48,7 @@ class Integration(ABC):
     Attributes
     ----------
     method : str
-        Name of the stepper, for results.
+        Name of the stepper; results state that of ``method_of``.
     default_budget : int
         Sites times steps between two readings of the clock, by default.
     chain : Chain
@@ -150,6 +150,11 @@ class Integration(ABC):
     @abstractmethod
     def going_to_rest(self) -> bool:
         """Whether no further site will be reached, because all are decaying to rest."""
+
+    @classmethod
+    def method_of(cls, counts: Mapping[str, int]) -> str:
+        """Return the name of the stepper, or steppers, by which runs of these counts were made."""
+        return cls.method
 
     @property
     def events(self) -> Mapping[str, int]:

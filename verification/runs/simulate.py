@@ -244,7 +244,7 @@ def _trajectory(
         status=status,
         resolved_until=until,
         tolerance=first.tolerance,
-        method=first.method,
+        method=first.method_of(first.counts),
         counts={**first.counts, **first.events},
         event_log=first.log,
         seconds=perf_counter() + offset,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,6 +26,9 @@ from verification.steppers import smooth
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, RING
 from verification.steppers.kernel import own_slope_mark
 from verification.steppers.stop_code import StopCode
+
+STIFF_METHOD = "Radau"
+"""Name of the implicit method, which takes over from the explicit one where (8) is stiff."""
 
 STIFF_STEP = 5e-4
 """Steps of (8) below this are left to the implicit method; the damping rate is then about 1e4."""
@@ -255,13 +259,21 @@ class SmoothIntegration(Integration):
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of explicit steps, sites times these steps, and steps of the implicit method."""
+        """Number of steps, sites times steps, and how many steps the implicit method took."""
         counters = self._run.counters
         return {
-            "steps": int(counters[smooth.STEPS]),
+            "steps": int(counters[smooth.STEPS] + counters[smooth.STIFF_STEPS]),
             "site_steps": int(counters[smooth.SITE_STEPS]),
             "stiff_steps": int(counters[smooth.STIFF_STEPS]),
         }
+
+    @classmethod
+    def method_of(cls, counts: Mapping[str, int]) -> str:
+        """Return ``DOP853``, ``Radau``, or both if both took steps."""
+        stiff, steps = counts["stiff_steps"], counts["steps"]
+        if not stiff:
+            return cls.method
+        return STIFF_METHOD if stiff == steps else f"{cls.method}, {STIFF_METHOD}"
 
     def going_to_rest(self) -> bool:
         """Whether no further site will be reached, because all are decaying to rest.
@@ -384,7 +396,9 @@ class SmoothIntegration(Integration):
             sites = self.chain.sites
             counters[smooth.LO] = min(first, max(0, moving[0] - self._margin))
             counters[smooth.HI] = max(last, min(sites, moving[-1] + self._margin + 1))
-        counters[smooth.STIFF_STEPS] += piece.times.size - 1
+        steps = piece.times.size - 1
+        counters[smooth.STIFF_STEPS] += steps
+        counters[smooth.SITE_STEPS] += steps * (piece.last - piece.first)
 
 
 def _at_start(

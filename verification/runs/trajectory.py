@@ -73,9 +73,10 @@ class Trajectory(Result):
     tolerance : float
         Local error: relative to the largest value of the state, absolute for the friction chain.
     method : str
-        The stepper.
+        The stepper, or steppers.
     counts : mapping
-        ``steps``, ``site_steps``, and further counters of the stepper.
+        ``steps``, ``site_steps``, and further counters of the stepper; of the steps,
+        ``stiff_steps`` were taken by the implicit method.
     event_log : ndarray, shape (K, 3)
         Time, site (from 1) and kind of the first events of a friction chain, if requested; no error
         of the times is known.

@@ -337,10 +337,12 @@ def test_points_that_are_known_are_done_from_the_beginning() -> None:
     assert sweeping._compute(one, half, **options, progress=seen.append) == {}
     assert seen == [0.5, 1.0]
     seen.clear()
-    whole = sweeping._Found(points=points_of([{"x": 1}, {"x": 2}]), out=None, names={})
-    first_fails: Any = sweeping._Cells(lambda point: 1.0 / (point["x"] - 1))
-    assert [*sweeping._compute(first_fails, whole, **options, progress=seen.append)] == [0]
-    assert seen == [0.0, 1.0]  # what has failed is done, too
+    for x in (1, 2):
+        whole = sweeping._Found(points=points_of([{"x": 1}, {"x": 2}]), out=None, names={})
+        fails: Any = sweeping._Cells(lambda point, x=x: 1.0 / (point["x"] - x))  # type: ignore[misc]
+        assert [*sweeping._compute(fails, whole, **options, progress=seen.append)] == [x - 1]
+        assert seen == [0.0, 0.5, 1.0]  # what has failed is done, too, also at the end
+        seen.clear()
 
 
 def test_points_may_be_axes_and_results_one_number() -> None:

@@ -296,14 +296,14 @@ def _compute(
         for index, answer in coming:
             if isinstance(answer, Exception):
                 failures[index] = answer
-                continue
-            found.put(index, answer)
-            if store is not None:
-                store.add(str(index), [(name, to_json(cell)) for name, cell in answer.items()])
-                found.stored += 1
+            else:
+                found.put(index, answer)
+                if store is not None:
+                    store.add(str(index), [(name, to_json(cell)) for name, cell in answer.items()])
+                    found.stored += 1
             done += 1
             if progress:
-                progress((done + len(failures)) / total)
+                progress(done / total)
     return failures
 
 

@@ -103,8 +103,17 @@ class BoundCall:
 
     @property
     def own(self) -> Group:
-        """Options of the function itself."""
-        return self._group("", described(self.function))
+        """Options of the function itself, with the words that apply to the model."""
+        own = described(self.function)
+        if self.call.choices:
+            words = located(self.call.choices)(self.chain)
+            own = tuple(
+                replace(each, choices=words[each.name][0], help=words[each.name][1])
+                if each.name in words
+                else each
+                for each in own
+            )
+        return self._group("", own)
 
     def _group(self, prefix: str, parameters: Sequence[Described], ranged: str = "") -> Group:
         hidden = self.call.hidden

@@ -27,12 +27,16 @@ class CommandCall:
     ranges : mapping of str to str
         ``module:NAME`` of the range that the function allows for a field of the chain, where it
         is narrower than that of the field.
+    choices : str
+        ``module:name`` of a function that returns, for the class of the chain, the words that an
+        option may have and its help, by parameter; empty if they are the same for all models.
     """
 
     function: str
     presets: Mapping[str, Any] = field(default_factory=dict)
     hidden: tuple[str, ...] = ()
     ranges: Mapping[str, str] = field(default_factory=dict)
+    choices: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,10 +174,14 @@ _VDP_BREATHER = MeasurementCall(
     sites="theory.chains.nucleus:sites_for",
 )
 
-_THRESHOLD = "verification.thresholds.threshold:threshold"
+_THRESHOLD = MeasurementCall(
+    function="verification.thresholds.threshold:threshold",
+    fixed={"c": 0.0},
+    choices="verification.thresholds.threshold:choices",
+)
 _OF_BISECTION = ("final_time", "accuracy", "lowest", "highest", "tests", "displacement")
-_VDP_THRESHOLD = MeasurementCall(
-    function=_THRESHOLD,
+_VDP_THRESHOLD = replace(
+    _THRESHOLD,
     fixed={"c": 0.0, "sites": 31},
     presets=_FIG_7,
     only={
@@ -370,19 +378,16 @@ OUT.csv.json, with parameters and versions, and OUT-boundary.csv, with the bound
         calls={
             "vdp": _VDP_THRESHOLD,
             "averaged": _VDP_THRESHOLD,
-            "friction": MeasurementCall(
-                function=_THRESHOLD,
-                fixed={"c": 0.0},
+            "friction": replace(
+                _THRESHOLD,
                 hidden=("nucleus.pattern", "method", "perturbation", "seed"),
             ),
-            "chain": MeasurementCall(
-                function=_THRESHOLD,
-                fixed={"c": 0.0},
+            "chain": replace(
+                _THRESHOLD,
                 hidden=("perturbation", "seed", "start_point"),
             ),
-            EVERY: MeasurementCall(
-                function=_THRESHOLD,
-                fixed={"c": 0.0},
+            EVERY: replace(
+                _THRESHOLD,
                 hidden=("method", "perturbation", "seed", "start_point"),
             ),
         },

@@ -26,11 +26,15 @@ from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
-from theory.chains.vdp import AveragedChain
+from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
+from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
 from verification.runs import simulate
 from verification.runs.excite import as_psi
+from verification.thresholds import threshold as thresholds
+from verification.thresholds.threshold import threshold
 
 OF_THE_LIBRARY = {
     where
@@ -319,6 +323,60 @@ def test_the_threshold_of_a_model_is_that_of_the_function(called):
     (chain, *_), options, _ = called("threshold vdp --eps 0.1")
     assert chain.eps == 0.1
     assert options.get("method") is None
+
+
+_OF_RUNS, _OF_BREATHERS = {"first", "several", "whole"}, {"existence", "stability"}
+_EVERY_METHOD = {"envelope", "orbit", "closed-form", "sweep", "hold", "bisection"}
+
+
+@pytest.mark.parametrize(
+    ("chain", "methods", "definitions"),
+    [
+        (FrictionChain(c=0), {"bisection"}, _OF_RUNS),
+        (AveragedOscillatorChain(damping="y**2 - 1", c=0), {"bisection"}, _OF_RUNS),
+        (OscillatorChain(damping="y**2 - 1", c=0), {"bisection", "orbit"},
+         _OF_RUNS | _OF_BREATHERS),
+        (AveragedChain(a=4, b=0.5, c=0), _EVERY_METHOD, _OF_RUNS | _OF_BREATHERS),
+        (VdpChain(a=4, b=0.5, c=0), _EVERY_METHOD, _OF_RUNS | _OF_BREATHERS),
+    ],
+    ids=lambda each: getattr(each, "model", ""),
+)  # fmt: skip
+def test_help_lists_the_methods_and_definitions_of_a_threshold_that_apply(
+    chain, methods, definitions, capsys
+):
+    with pytest.raises(SystemExit):
+        main(["threshold", chain.model, "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    of_method = shown.partition(" the method: ")[2].partition(" --t-end ")[0]
+    assert {word for word in definitions | _OF_BREATHERS if word in of_method} == definitions
+    offered = re.findall(r"--(method|definition) \{(.*?)\}", of_method)
+    asked = {"method": methods, "definition": definitions}
+    assert {name: {*words.split(",")} for name, words in offered} == (
+        asked if len(methods) > 1 else {"definition": definitions}
+    )
+    for method in _EVERY_METHOD - methods:
+        assert f"{method}:" not in of_method
+        with pytest.raises(ParameterError, match="method"):
+            threshold(chain, method=method)
+    for definition in (_OF_BREATHERS | _OF_RUNS) - definitions:
+        with pytest.raises(ParameterError, match="definition"):
+            threshold(chain, definition=definition)
+
+
+def test_the_first_method_and_definition_of_a_threshold_in_help_are_the_defaults(monkeypatch):
+    asked = []
+    monkeypatch.setattr(thresholds, "spreading_threshold", lambda _, how, **__: asked.append(how))
+    monkeypatch.setattr(thresholds, "_at_end_of_branch", lambda *given: asked.append(given[2:4]))
+    for chain in (FrictionChain(c=0), VdpChain(a=4, b=0.5, c=0), AveragedChain(a=4, b=0.5, c=0)):
+        threshold(chain)
+    assert asked.pop(0).definition == "first"
+    assert asked == [("orbit", "existence"), ("envelope", "existence")]
+    for chain, method, definition in ((FrictionChain, "bisection", "first"),
+                                      (VdpChain, "orbit", "existence"),
+                                      (AveragedChain, "envelope", "existence")):  # fmt: skip
+        said = thresholds.choices(chain)
+        assert said["method"][1].startswith(f"{method} (default): ")
+        assert f"{definition} (default)" in said["definition"][1]
 
 
 def test_no_preset_of_a_command_stands_in_for_a_default_of_its_function():

@@ -21,7 +21,8 @@ class ThresholdMethod(Status):
     CLOSED_FORM = "closed-form", "the largest coupling at which (29) and (37) have a solution."
     SWEEP = (
         "sweep",
-        "slow growth of the coupling from an in-phase start, extrapolated to rate zero.",
+        "slow growth of the coupling from an in-phase start, extrapolated to rate zero (hold, if "
+        "there is no escape at a fold).",
     )
     HOLD = "hold", "runs of (43) with the coupling held, over seeds of noise."
     BISECTION = "bisection", "bisection between runs of the chain that spread and that do not."

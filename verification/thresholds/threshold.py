@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from inspect import signature
 
@@ -12,7 +12,7 @@ from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import VanDerPolChain
+from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import (
     ParameterError,
     Range,
@@ -23,7 +23,6 @@ from theory.parameters import (
     within,
     word,
 )
-from verification.breathers.families import own_method
 from verification.runs.excite import StartPoint
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range
@@ -52,6 +51,16 @@ _DEFINITIONS = {
     ThresholdMethod.BISECTION: (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE),
 }
 """Definitions of the threshold that each method can evaluate, the default first."""
+_METHODS: dict[type, tuple[ThresholdMethod, ...]] = {
+    AveragedChain: tuple(ThresholdMethod),
+    VdpChain: (
+        ThresholdMethod.ORBIT,
+        *(each for each in ThresholdMethod if each is not ThresholdMethod.ORBIT),
+    ),
+    OscillatorChain: (ThresholdMethod.BISECTION, ThresholdMethod.ORBIT),
+    Chain: (ThresholdMethod.BISECTION,),
+}
+"""Methods that apply to each class of chain, the default first."""
 _OF_NOISE = ("perturbation", "seed")
 _OPTIONS = {
     ThresholdMethod.SWEEP: _OF_NOISE,
@@ -175,12 +184,7 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     if isinstance(chain, OscillatorChain) and how is ThresholdMethod.ORBIT:
         _ = chain.stable_amplitude
         return _at_end_of_branch(chain, nucleus, how, what, progress)
-    if not isinstance(chain, VanDerPolChain):
-        own = "bisection or orbit" if isinstance(chain, OscillatorChain) else "bisection"
-        raise ParameterError(
-            "method", how.value, f"{own} for the model {chain.model}",
-            "take it, or a chain that has breathers of (8) or (43)",
-        )  # fmt: skip
+    assert isinstance(chain, VanDerPolChain)
     _ = chain.stable_amplitude
     if how is ThresholdMethod.CLOSED_FORM:
         return closed_form_threshold(chain, nucleus)
@@ -250,11 +254,61 @@ def _start_point(chain: Chain, point: StartPoint | None, displacement: float | N
     return StartPoint(point)
 
 
+def choices(kind: type) -> dict[str, tuple[tuple[str, ...], str]]:
+    """Return words and help of the options ``method`` and ``definition`` for a class of chain.
+
+    Examples
+    --------
+    >>> words, help = choices(FrictionChain)["definition"]
+    >>> words, help.split(".")[0]
+    (('first', 'several', 'whole'), 'first (default), several or whole')
+    """
+    methods = methods_of(kind)
+    by_definitions: dict[tuple[Definition, ...], list[str]] = {}
+    for each in methods:
+        by_definitions.setdefault(_DEFINITIONS[each], []).append(each.value)
+    texts = [
+        f"{' and '.join(names)}: {_listed(words)}" if len(methods) > 1 else _listed(words)
+        for words, names in by_definitions.items()
+    ]
+    defined = tuple(each for each in Definition if any(each in d for d in by_definitions))
+    explained = (f"{each}: {each.sentence}" for each in methods[1:])
+    return {
+        "method": (
+            tuple(each.value for each in methods),
+            " ".join((f"{methods[0]} (default): {methods[0].sentence}", *explained)),
+        ),
+        "definition": (
+            tuple(each.value for each in defined),
+            " ".join((f"{'; '.join(texts)}.", *(f"{each}: {each.sentence}" for each in defined))),
+        ),
+    }
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Return words as a list in which the first one is the default."""
+    if len(words) == 1:
+        return str(words[0])
+    first, *others = words
+    return f"{', '.join((f'{first} (default)', *others[:-1]))} or {others[-1]}"
+
+
+def methods_of(kind: type) -> tuple[ThresholdMethod, ...]:
+    """Return the methods that apply to a class of chain, the default first."""
+    return next(methods for known, methods in _METHODS.items() if issubclass(kind, known))
+
+
 def _method(chain: Chain, method: ThresholdMethod | str | None) -> ThresholdMethod:
+    own = methods_of(type(chain))
     if method is None:
-        followed = isinstance(chain, VanDerPolChain)
-        return ThresholdMethod(own_method(chain)) if followed else ThresholdMethod.BISECTION
-    return ThresholdMethod(word("method", method, [each.value for each in ThresholdMethod]))
+        return own[0]
+    how = ThresholdMethod(word("method", method, [each.value for each in ThresholdMethod]))
+    if how not in own:
+        raise ParameterError(
+            "method", how.value, f"{' or '.join(own)} for the model {chain.model}",
+            "take it, or a chain that has breathers of (8) or (43)",
+        )  # fmt: skip
+    return how
 
 
 def _definition(method: ThresholdMethod, definition: Definition | str | None) -> Definition:

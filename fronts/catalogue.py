@@ -238,7 +238,7 @@ COMMANDS: dict[str, Command] = {
   fronts front vdp --c 0.5:2:7 --a 4 --b 0.5 --workers 2 --out fig13.png
   fronts front friction --c 0.02 --n 101
   fronts front friction --c 0.02:0.1:5 --out fig06.png
-  fronts front friction --c 0.008 --nucleus 6 --v-d 1.25 --json
+  fronts front friction --c 0.008 --excited 6 --v-d 1.25 --json
   fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling next-nearest:1,0.2
   fronts front chain --damping "1 - 4*y**2 + y**4/2" --c 0.6 --coupling square --n 41x41 \\
       --directions 8

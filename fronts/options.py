@@ -18,7 +18,7 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
     "start.sites": ("--excite",),
     "chain.seed": ("--disorder-seed",),
     "values": ("--value",),
-    "excited": ("--nucleus", "--excited"),
+    "excited": ("--excited", "--nucleus"),
     "lowest": ("--c-min", "--lowest"),
     "highest": ("--c-max", "--highest"),
     "left_boundary": ("--left-boundary", "--behind"),

@@ -379,6 +379,21 @@ def test_the_first_method_and_definition_of_a_threshold_in_help_are_the_defaults
         assert f"{definition} (default)" in said["definition"][1]
 
 
+def test_the_excited_sites_of_a_front_are_named_in_the_shell_as_in_python(called, capsys):
+    for flag in ("--excited", "--nucleus"):
+        assert called(f"front friction --c 0.02 {flag} 3")[1]["excited"] == 3
+    with pytest.raises(SystemExit):
+        main(["front", "friction", "--help"])
+    assert "--excited EXCITED, --nucleus EXCITED" in capsys.readouterr().out
+
+
+def test_help_says_that_a_coupling_of_velocities_is_multiplied_by_c(capsys):
+    with pytest.raises(SystemExit):
+        main(["front", "chain", "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "coupling eps*c*(y_n - y_m + d*(v_n - v_m)); it multiplies c" in shown
+
+
 def test_no_preset_of_a_command_stands_in_for_a_default_of_its_function():
     calls = [call for command in COMMANDS.values() for call in command.calls.values()]
     options = [(call.function, name) for call in calls for name in call.presets if "." not in name]

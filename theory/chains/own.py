@@ -76,7 +76,9 @@ class OwnChain(SmoothChain):
         "weights ending in .npz or .mtx", "W", "chain", kind="str",
     )  # fmt: skip
     eps: float = parameter("small parameter, {allowed}", "ε", _EPS, allowed=EPS_RANGE)
-    velocity_coupling: float = parameter("part of the coupling that acts on velocities", "d", 0.0)
+    velocity_coupling: float = parameter(
+        "coefficient d of the coupling eps*c*(y_n - y_m + d*(v_n - v_m)); it multiplies c", "d", 0.0
+    )
     overdamped: bool = parameter("without inertia: dy/dt takes the place of d²y/dt²", "-", False)
     disorder: Any = parameter(
         "relative spread of a parameter over the sites: a=0.1 is normal, a=uniform:0.1 uniform; "

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -193,17 +193,32 @@ class EquationReport:
     seconds: float
 
 
-def report(keys: Sequence[str] = catalogue.NUMBERED) -> EquationReport:
-    """Check every step of every derivation and judge every printed equation."""
+def report(
+    keys: Sequence[str] = catalogue.NUMBERED, progress: Callable[[float], None] | None = None
+) -> EquationReport:
+    """Check every step of every derivation and judge every printed equation.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        Names of the derivations.
+    progress : callable, optional
+        Called after each step with the fraction done.
+    """
     start = time.perf_counter()
     judgements: list[EquationJudgement] = []
     failures: list[str] = []
-    for key in keys:
-        derivation = catalogue.load(key)
-        numbers = {step.number for step in derivation.steps if step.number is not None}
-        judgements += [judge(found, derivation) for found in equations() if found.number in numbers]
+    derivations = [catalogue.load(key) for key in keys]
+    done, total = 0, sum(len(derivation.steps) for derivation in derivations)
+    for derivation in derivations:
+        for step in derivation.steps:
+            judgements += [judge(e, derivation) for e in equations() if e.number == step.number]
+            step.verify()
+            done += 1
+            if progress is not None:
+                progress(done / total)
         try:
-            # Numbered steps have just been checked; the others are checked here.
+            # The failures of numbered steps are found with their judgements, those of others here.
             rest = tuple(step for step in derivation.steps if step.number is None)
             Derivation(derivation.key, derivation.title, rest).verify()
         except CheckFailedError as error:

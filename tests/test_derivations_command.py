@@ -7,10 +7,11 @@ import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -20,6 +21,8 @@ from derivations.algebra import rendering
 from fronts.cli import main
 from fronts.commands import derive
 from fronts.commands.derive import _verdict_lines
+
+UNCACHED = judgement.report
 
 
 def run(capsys, *words):
@@ -32,7 +35,8 @@ def run(capsys, *words):
 def _equations_are_judged_once():
     """Judging all of them takes seconds, and gives the same each time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(judgement, "report", cache(judgement.report))
+        once = cache(judgement.report)
+        patch.setattr(judgement, "report", lambda progress: once())
         yield
 
 
@@ -280,7 +284,7 @@ def test_all_verdicts_are_shown_in_the_form_that_is_asked_for(failures, capsys, 
     from derivations import verdict_page
 
     made = judgement.EquationReport(judgements=(), failures=failures, seconds=1.5)
-    monkeypatch.setattr(judgement, "report", lambda: made)
+    monkeypatch.setattr(judgement, "report", lambda progress: made)
     monkeypatch.setattr(verdict_page, "page", lambda found: f"page of {found.seconds}")
     code = int(bool(failures))
     assert run(capsys, "all", "--format", "markdown")[:2] == (code, "page of 1.5\n")
@@ -299,14 +303,34 @@ def test_all_verdicts_are_shown_in_the_form_that_is_asked_for(failures, capsys, 
 def test_every_derivation_is_typeset_in_the_form_that_is_asked_for(capsys, monkeypatch):
     """Beside --json the answer is that on the verdicts, whatever the form."""
     made = judgement.EquationReport(judgements=(), failures=(), seconds=1.5)
-    monkeypatch.setattr(judgement, "report", lambda: made)
-    monkeypatch.setattr(catalogue, "everything", lambda: ("one", "two"))
-    monkeypatch.setattr(rendering, "document", lambda *each: f"document of {each}")
-    monkeypatch.setattr(rendering, "mathml", lambda each: f"<{each}>")
-    assert run(capsys, "all", "--format", "latex")[1] == "document of ('one', 'two')\n"
+    monkeypatch.setattr(judgement, "report", lambda progress: made)
+    named = SimpleNamespace
+    every = [named(key=key, steps=[named(verify=list)] * 2) for key in ("one", "two")]
+    monkeypatch.setattr(catalogue, "everything", lambda: every)
+    monkeypatch.setattr(rendering, "document", lambda *made: f"document of {[e.key for e in made]}")
+    monkeypatch.setattr(rendering, "mathml", lambda each: f"<{each.key}>")
+    assert run(capsys, "all", "--format", "latex")[1] == "document of ['one', 'two']\n"
     assert run(capsys, "all", "--format", "mathml")[1] == "<one>\n<two>\n"
     for form in ("latex", "mathml"):
         assert json.loads(run(capsys, "all", "--format", form, "--json")[1])["seconds"] == 1.5
+
+
+@pytest.mark.parametrize("form", ["text", "markdown", "latex", "mathml"])
+def test_a_derivation_of_everything_reports_its_progress_to_the_end(form, capsys, monkeypatch):
+    seen, names = [], []
+
+    def shown(name, quiet=False):
+        names.append(name)
+        return contextlib.nullcontext(SimpleNamespace(report=seen.append))
+
+    friction = catalogue.load("friction")
+    full = partial(UNCACHED, ("friction",))
+    monkeypatch.setattr(judgement, "report", lambda progress: full(progress=progress))
+    monkeypatch.setattr(catalogue, "everything", lambda: (friction,))
+    monkeypatch.setattr(derive, "Progress", shown)
+    assert main(["derive", "all", "--format", form]) == 0
+    assert len(names) == 1
+    assert seen == pytest.approx(np.linspace(0.0, 1.0, len(friction.steps) + 1)[1:])
 
 
 def test_a_step_that_fails_its_check_changes_the_exit_code_of_its_equation(capsys, monkeypatch):
@@ -336,7 +360,7 @@ def test_all_equations_are_listed_one_a_line(monkeypatch):
     printed = named(number=34, verdict=named(value="correct"), note="as printed")
     judged = named(printed=printed, step=named(kind=named(value="exact")), record=dict)
     found = named(judgements=[judged], failures=["(7): no."], seconds=1.0)
-    monkeypatch.setattr(judgement, "report", lambda: found)
+    monkeypatch.setattr(judgement, "report", lambda progress: found)
     answer = derive._all(None, "text", as_json=False)
     lines = answer.text.splitlines()
     assert lines[0].split() == ["(34)", "correct", "exact", "as", "printed"]

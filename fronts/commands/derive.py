@@ -17,6 +17,7 @@ from fronts.answer import Answer, UsageError
 from fronts.arguments import check_writable
 from fronts.output import with_table
 from verification.execution.files import write_by
+from verification.execution.progress import Progress
 
 if TYPE_CHECKING:
     from derivations.algebra.steps import Derivation
@@ -248,10 +249,16 @@ def _all(equation: int | None, form: str, as_json: bool) -> Answer:
         raise UsageError("'all' has no single equation: leave out 'all' or --equation.")
     if form in ("latex", "mathml") and not as_json:
         made = catalogue.everything()
+        steps = [step for each in made for step in each.steps]
+        with Progress("derivations") as live:
+            for done, step in enumerate(steps, start=1):
+                step.verify()
+                live.report(done / len(steps))
         if form == "latex":
             return Answer({}, rendering.document(*made))
         return Answer({}, "\n".join(rendering.mathml(each) for each in made))
-    found = judgement.report()
+    with Progress("equations", quiet=as_json) as live:
+        found = judgement.report(progress=live.report)
     payload = {"equations": [each.record() for each in found.judgements],
                "failures": list(found.failures), "seconds": round(found.seconds, 3)}  # fmt: skip
     code = int(bool(found.failures))

@@ -18,6 +18,7 @@ import sympy as sp
 import fronts as fr
 from derivations import catalogue, judgement
 from derivations.algebra import rendering
+from derivations.cell import steps
 from fronts.cli import main
 from fronts.commands import derive
 from fronts.commands.derive import _verdict_lines
@@ -346,6 +347,20 @@ def test_a_step_that_fails_its_check_changes_the_exit_code_of_its_equation(capsy
 def test_the_page_of_verdicts_is_what_the_code_finds(capsys):
     written = Path(__file__).parents[1] / "docs" / "derivations.md"
     assert run(capsys, "all", "--format", "markdown")[1] == written.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("more", "times"), [([], 1), (["--order", "2"], 1), (["--no-front"], 0)])
+def test_the_front_of_a_cell_is_derived_once(more, times, capsys, monkeypatch):
+    derived, made = [], steps._front
+    monkeypatch.setattr(
+        steps, "_front", lambda *given, **named: derived.append(given) or made(*given, **named)
+    )
+    code, out, _ = run(capsys, "cell", "--damping", "1 - 4*y**2 + y**4/2", "--json", *more)
+    assert code == 0
+    assert len(derived) == times
+    names = [step["name"] for step in json.loads(out)["steps"]]
+    assert names.count("kinetic relation of the cell") == times
+    assert any("second order" in name for name in names) == ("--order" in more)
 
 
 def test_a_model_whose_cells_never_have_two_cycles_is_refused_for_the_front(capsys):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import sympy as sp
 
@@ -40,18 +41,24 @@ class Envelope:
     ----------
     model : ChainModel
         The model that was averaged.
+    order : {1, 2}
+        The order in epsilon to which it was averaged.
+    front : bool
+        Whether the front of a bistable cell is derived too, if cells are coupled.
     """
 
     model: ChainModel
+    order: int = 1
+    front: bool = True
 
-    def __getstate__(self) -> dict[str, ChainModel]:
-        """Return the model alone: what follows from it is derived anew after unpickling."""
-        return {"model": self.model}
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields alone: what follows from them is derived anew after unpickling."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @cached_property
     def derivation(self) -> Derivation:
-        """Its steps to first order, with the resulting front; each is computed on demand."""
-        return derive(self.model)
+        """Its steps, each computed on demand."""
+        return derive(self.model, self.order, front=self.front)
 
     @property
     def symbols(self) -> tuple[sp.Symbol, ...]:
@@ -153,7 +160,7 @@ class Envelope:
         DerivationInputError
             If a value belongs to no letter, or is not a finite number.
         """
-        return Envelope(self.model.with_values(values_of(given, self.symbols)))
+        return replace(self, model=self.model.with_values(values_of(given, self.symbols)))
 
 
 def derive_envelope(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Literal
@@ -287,13 +287,11 @@ def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool)
         raise UsageError(f"--order {order} is not allowed: it must be 1 or 2.")
     from derivations.algebra.errors import DerivationInputError
     from derivations.cell.envelope import derive_envelope
-    from derivations.cell.steps import derive
     from fronts.checking import DerivedCell
 
     begin = perf_counter()
-    envelope = derive_envelope(cell.damping, cell.stiffness, cell.coupling or "c")
-    envelope = envelope.with_values(cell.numbers)
-    answer = _shown(derive(envelope.model, order, front=front), form)
+    averaged = derive_envelope(cell.damping, cell.stiffness, cell.coupling or "c")
+    envelope = replace(averaged.with_values(cell.numbers), order=order, front=front)
     if front:
         try:
             envelope.kinetic_relation()
@@ -302,6 +300,7 @@ def _cell(cell: _Cell, order: int, equation: int | None, form: str, front: bool)
             raise DerivationInputError(
                 error.quantity, error.value, error.allowed, remedy
             ) from None  # fmt: skip
+    answer = _shown(envelope.derivation, form)
     found = DerivedCell(envelope=envelope, seconds=perf_counter() - begin)
     payload = {**answer.payload, **found.to_dict()}
     text = json.dumps(payload) if form == "json" else answer.text

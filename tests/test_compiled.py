@@ -24,6 +24,7 @@ from numba.core import config, types
 from numba.core.dispatcher import Dispatcher
 
 import verification
+from theory.compiled_code import FOLDER
 from verification.execution import compiled
 from verification.execution.compiled import files_with_compiled_functions, inner, outer
 from verification.steppers.specialise import pointer
@@ -261,7 +262,7 @@ def test_compiled_code_is_kept_on_disk(
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    monkeypatch.setattr(config, compiled._OPTION, str(cache))
+    monkeypatch.setattr(config, FOLDER, str(cache))
     assert outer(unrolled=unrolled, cache=True)(module.twice)(1.5) == 3.0
     assert len(list(cache.rglob("*.nbc"))) == 1
 
@@ -351,7 +352,7 @@ def test_compiled_code_of_other_sources_is_kept_for_a_week(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(compiled, "_places", lambda: iter([tmp_path]))
-    monkeypatch.setattr(config, compiled._OPTION, getattr(config, compiled._OPTION))
+    monkeypatch.setattr(config, FOLDER, getattr(config, FOLDER))
     day = 86400.0
     for days, name in ((6.0, "new"), (8.0, "old")):
         folder = tmp_path / f"{compiled._PREFIX}{name}"
@@ -360,7 +361,7 @@ def test_compiled_code_of_other_sources_is_kept_for_a_week(
     (tmp_path / "other").mkdir()
     os.utime(tmp_path / "other", (0.0, 0.0))
     folder = compiled.keep_compiled_code()
-    assert getattr(config, compiled._OPTION) == str(folder)
+    assert getattr(config, FOLDER) == str(folder)
     assert folder.parent == tmp_path
     assert {each.name for each in tmp_path.iterdir()} == {f"{compiled._PREFIX}new", "other"}
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import inspect
 import math
+import os
 import re
 import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -350,6 +352,35 @@ def test_compiled_rules_are_kept_beside_the_source_whatever_else_uses_numba(
     rules: Any = compiled.compiled_rules.__wrapped__()
     folder = Path(rules.block_values.stats.cache_path)
     assert folder == Path(compiled.__file__).parent / "__pycache__"
+
+
+def test_compiled_rules_of_other_sources_are_kept_for_a_week(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    rules: Any = compiled.compiled_rules.__wrapped__()
+    folder, state = Path(rules.exponentials.stats.cache_path), compiled._state_of_sources()
+    folder.mkdir(parents=True, exist_ok=True)
+    names = {
+        days: [f"blocks.exponentials_{days:012x}-3.py312{ending}" for ending in (".nbi", ".1.nbc")]
+        for days in (6, 8)
+    }
+    others = ["blocks.cpython-312.pyc", "other.function-3.py312.nbi", f"a_{8:012x}-3.py312.pyc"]
+    for days, name in [*((n, each) for n in names for each in names[n]), *((8, n) for n in others)]:
+        (folder / name).touch()
+        os.utime(folder / name, (time.time() - days * 86400.0,) * 2)
+    compiled.compiled_rules.__wrapped__()
+    assert {each.name for each in folder.iterdir()} == {*names[6], *others}
+    # Files of numba itself have such names; where those of these sources are, nothing is looked at.
+    rules.exponentials(np.ones((3, 1)))
+    made = [each for each in folder.iterdir() if state in each.name]
+    assert len(made) == 2
+    for each in made:
+        assert compiled._OF_RULES.search(each.name)
+    (folder / names[8][0]).touch()
+    os.utime(folder / names[8][0], (0.0, 0.0))
+    compiled.compiled_rules.__wrapped__()
+    assert (folder / names[8][0]).exists()
 
 
 @pytest.mark.usefixtures("interruptible")

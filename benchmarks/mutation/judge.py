@@ -21,6 +21,7 @@ from benchmarks.mutation.children import Answer
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.put import fits, names_bound, put_statement
 from benchmarks.mutation.session import OPTIONS, Failures, Session, dotted
+from theory.compiled_code import FOLDER
 
 if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
@@ -102,7 +103,7 @@ class Judge:
             if compiled:  # callers of the function would come unchanged from the cache
                 from numba.core import config
 
-                vars(config)["CACHE_DIR"] = base
+                vars(config)[FOLDER] = base
             options = [*OPTIONS, "-x", f"--basetemp={base}/pytest"]
             code_ = pytest.main([*options, *sorted(files)], plugins=[failures])
         return failures.first or (None if code_ in (0, 5) else f"exit code {int(code_)}")

@@ -20,7 +20,6 @@ import os
 import re
 import shutil
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -33,6 +32,7 @@ from numba.core.bytecode import FunctionIdentity
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 
+from theory.compiled_code import FOLDER, remove_unused
 from theory.interruption import compile_uninterrupted
 from verification.execution.digest import digest_of_files
 
@@ -41,8 +41,7 @@ __all__ = ["COUNTED", "DISTINCT_NAMES", "UNCOUNTED", "OuterCompiler", "inner", "
 logger = logging.getLogger(__name__)
 
 _HOME = Path(__file__).parents[1]
-_PREFIX, _OPTION = "compiled-", "CACHE_DIR"
-_WEEK = 7 * 86400.0
+_PREFIX = "compiled-"
 _SKIPPED = {
     "with_lifting",
     "inline_closure_likes",
@@ -254,17 +253,14 @@ def keep_compiled_code() -> Path:
     folder = base / f"{_PREFIX}{source_digest(_HOME)}"
     if not folder.exists():
         logger.info("compiling the steppers: some seconds, once")
-        for old in base.glob(f"{_PREFIX}*"):
-            with suppress(OSError):  # another process may be removing it as well
-                if old.stat().st_mtime < time.time() - _WEEK:
-                    shutil.rmtree(old)
-    setattr(config, _OPTION, str(folder))
+        remove_unused(base.glob(f"{_PREFIX}*"))
+    setattr(config, FOLDER, str(folder))
     return folder
 
 
 def _places() -> Iterator[Path]:
     """Yield possible folders for compiled code; the last one exists until this process ends."""
-    given = getattr(config, _OPTION)
+    given = getattr(config, FOLDER)
     if given:
         yield Path(given)
     yield _HOME / "__pycache__"
@@ -273,7 +269,7 @@ def _places() -> Iterator[Path]:
     # A folder of known name in a world-writable place could have been prepared by somebody else.
     temporary = tempfile.mkdtemp(prefix="fronts-")
     atexit.register(shutil.rmtree, temporary, ignore_errors=True)
-    os.environ["NUMBA_CACHE_DIR"] = temporary  # for worker processes
+    os.environ[f"NUMBA_{FOLDER}"] = temporary  # for worker processes
     logger.info("no folder for compiled code can be written; it is compiled for this run only")
     yield Path(temporary)
 

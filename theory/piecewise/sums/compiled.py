@@ -10,7 +10,7 @@ takes half a second, they are faster where only few values are needed.
 
 from __future__ import annotations
 
-import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import lru_cache
@@ -20,10 +20,13 @@ from types import FunctionType
 from typing import Any
 
 from theory.arrays import FloatArray
+from theory.compiled_code import kept_where_numba_would, remove_unused
 from theory.interruption import compile_uninterrupted
 from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, poles, segments
 
 _MODULES = (arithmetic, axis, poles, segments, corrected_axis, blocks)
+_OF_RULES = re.compile(r"_[0-9a-f]{12}-")
+"""Part of the name of a file with compiled rules: the state of their sources, and what follows."""
 _WITHOUT_BRANCHES = {
     "quotient": "quotient_without_branches",
     "modulus": "modulus_without_branches",
@@ -37,8 +40,6 @@ _WITHIN_LOOPS = (
     "segment_errors", "phase_rate", "_node", "side_of", "twice_arcsine",
 )  # fmt: skip
 """Functions that are inlined, because a call would prevent a loop from being vectorised."""
-_FOLDER = "CACHE_DIR"
-"""Setting of numba for the folder of compiled code; empty for a folder beside the source."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,24 +83,28 @@ def _state_of_sources() -> str:
 @lru_cache(maxsize=1)
 def compiled_rules() -> CompiledRules:
     """Return the compiled rules; they are kept where numba would, whatever else uses numba."""
-    from numba.core import config
-
     compile_uninterrupted()
-    set_by_others: Any = getattr(config, _FOLDER)
-    setattr(config, _FOLDER, os.environ.get(f"NUMBA_{_FOLDER}", ""))
-    try:
-        return _compile()
-    finally:
-        setattr(config, _FOLDER, set_by_others)
+    state = _state_of_sources()
+    with kept_where_numba_would():
+        rules = _compile(state)
+    first: Any = rules.block_values
+    _remove_older(Path(first.stats.cache_path), state)
+    return rules
 
 
-def _compile() -> CompiledRules:
+def _remove_older(folder: Path, state: str) -> None:
+    """Remove rules of other sources from the folder when rules of these first come into it."""
+    if not any(folder.glob(f"*_{state}-*")):
+        remove_unused(path for path in folder.glob("*.nb[ci]") if _OF_RULES.search(path.name))
+
+
+def _compile(state: str) -> CompiledRules:
     import numba
 
     njit: Any = numba.njit
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
     inner: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    state, called = _state_of_sources(), [each.name for each in fields(CompiledRules)]
+    called = [each.name for each in fields(CompiledRules)]
     namespace: dict[str, Any] = {}
     for module in _MODULES:
         namespace |= vars(module)

@@ -381,6 +381,51 @@ def test_a_stiff_run_is_not_refused_for_steps_that_soon_become_longer(
     assert run.samples[0, 0, 0] == pytest.approx(math.sqrt(1.0 / 20.0), rel=0.02)
 
 
+_UNREFUSED_END = 412.75
+"""End at which 0.4 of the steps ahead, of 1.25e-6 each from t = 100.25, are exactly 1e8."""
+
+
+@pytest.mark.parametrize(
+    ("end", "now", "refused"),
+    [
+        (_UNREFUSED_END + 0.01, (200_000, 100.25, -10.0), True),
+        (_UNREFUSED_END, (200_000, 100.25, -10.0), False),
+        (1e6, (99_999, 100.25, -10.0), False),  # too few for a pace
+        (1e6, (100_000, 100.25, -10.0), True),
+        (1e6, (200_000, 100.25, -10.001), True),  # by a fifth at t = 600
+        (1e6, (200_000, 100.25, -10.002), False),  # at t = 350
+        (1e6, (200_000, 100.25, -9.998), False),
+        (1e8, (200_000, 200.0, -10.0), False),  # steps of 5e-4
+        (100.0, (200_000, 100.0004, -10.0), False),  # beyond the end by rounding
+    ],
+)
+@pytest.mark.parametrize("kind", ["free", "fixed", "watched"])
+def test_a_run_is_refused_for_the_steps_that_it_still_needs_at_its_present_pace(
+    end: float, now: tuple[int, float, float], refused: bool, kind: str
+) -> None:
+    """The steps are counted, and the time and size compared, since the pace was last measured.
+
+    Never is one of given steps refused, nor one that a condition may end at any time.
+    """
+    taken, reached, size = now
+    chain = OscillatorChain(damping=0, stiffness="y", overdamped=True, c=0.0, sites=2)
+    step = 1e-6 if kind == "fixed" else None
+    run = SmoothIntegration(chain, [[1.0, 0.0], [0.0, 0.0]], np.array([end]), level=1.0, step=step)
+    run._watch = smooth.loop if kind == "watched" else None
+    run._measured = (500_000, 100.0, 10.0)
+    run._run.counters[smooth.STEPS] = 500_000 + taken
+    run._run.clock[0] = reached
+    run.state[0, 0] = size
+    pace = f"{(reached - 100.0) / taken:.2g}"
+    if refused and kind == "free":
+        with pytest.raises(StandstillError, match=f"steps of some {pace}: start"):
+            run.check_pace()
+    else:
+        run.check_pace()
+    measured = kind == "free" and taken >= 100_000
+    assert run._measured == ((500_000 + taken, reached, -size) if measured else (500_000, 100, 10))
+
+
 @pytest.mark.parametrize("parity", [1, -1])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_parity_of_an_orbit_is_read_from_places_and_velocities(

@@ -119,6 +119,44 @@ def test_the_error_of_a_chaotic_run_does_not_depend_on_its_samples(
     assert few.error == pytest.approx(many.error, rel=0.5)  # of maxima over other times
 
 
+def test_the_error_of_a_run_that_dies_away_is_the_largest_on_the_way_at_two_samples_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=0.1, sites=3, eps=0.05)
+    start = excite(chain, [1], 0.5)
+    few, many = (simulate(chain, start, 400.0, samples=count).error for count in (2, 301))
+    assert few == pytest.approx(many, rel=0.05)
+    monkeypatch.setattr(simulate_module, "_COMPARED", 0)
+    at_the_ends = simulate(chain, start, 400.0, samples=2).error
+    assert None not in (few, at_the_ends)
+    assert at_the_ends < 0.5 * few  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(
+    ("asked", "sites", "count"),
+    [
+        ([0.0, 3.0, 10.0], 3, 200),
+        ([3.0, 3.0, 10.0], 500, 200),
+        ([0.0, 3.0, 10.0], 501, 199),  # of 100 000 numbers
+        ([0.0, 3.0, 10.0], 1000, 100),
+        (np.linspace(0.0, 10.0, 99), 1000, 100),
+        (np.linspace(0.0, 10.0, 100), 1000, 100),
+        (np.linspace(0.0, 10.0, 101), 1000, 101),
+    ],
+)
+def test_runs_are_also_compared_in_the_middle_of_equal_parts_of_their_time(
+    asked: list[float], sites: int, count: int
+) -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
+    times, places = simulate_module._with_comparisons(np.array(asked), chain)
+    parts = count - len(asked)
+    middles = [10.0 * (2 * part + 1) / (2 * parts) for part in range(parts)]
+    assert times.tolist() == pytest.approx(sorted([*asked, *middles]))
+    shown = times if places is None else times[places]
+    assert shown.tolist() == list(asked)
+    assert places is None or len(set(places)) == len(asked)
+
+
 def test_a_run_that_is_not_compared_takes_the_samples_alone() -> None:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=3)
     found = simulate(chain, excite(chain, [1]), 20.0, times=[3.0, 3.0, 7.0], estimate_error=False)

@@ -185,7 +185,7 @@ def _examples(command: Command, model: str, required: str = "") -> str:
     own = [each for each in every if named[each] in shown]
     notes = f"\n\n{command.notes}" if command.notes else ""
     if command.default and model == command.default:
-        name = required.split(maxsplit=1)[0]
+        name = required.partition(" ")[0]
         others = [f"\n  fronts {name} {each} --help" for each in command.calls if each != model]
         notes += f"\n\nThe model is {model} unless another one is named:{''.join(others)}"
     return "\n  fronts ".join(["examples:", *(own or [required])]) + notes

@@ -207,7 +207,8 @@ def _rows(value: Any) -> list[dict[str, Any]]:
     """Return the rows of a value that is a table: a list of mappings, or mappings by name."""
     if isinstance(value, dict) and all(isinstance(each, dict) for each in value.values()):
         return [
-            each if name in each.values() else {"": name, **each} for name, each in value.items()
+            each if name in each.values() else {"name": name, **each}
+            for name, each in value.items()
         ]
     rows = isinstance(value, list) and all(isinstance(each, dict) for each in value)
     return value if rows else []

@@ -16,10 +16,12 @@ from fronts import bound, cli, curves, derived
 from fronts.answer import UsageError
 from fronts.arguments import is_range
 from fronts.bound import BoundCall, located
+from fronts.branches import follow_breather
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.initial_state import prepared
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
+from fronts.piecewise.sigma import sigma
 from fronts.signatures import described
 from theory import chains
 from theory.cells.friction import FrictionCell
@@ -31,6 +33,7 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
+from verification.fronts.switchings import front_by_switchings
 from verification.runs import simulate
 from verification.runs.excite import as_psi
 from verification.thresholds import threshold as thresholds
@@ -163,6 +166,54 @@ def test_of_the_files_a_map_gets_the_one_that_can_be_resumed(called, tmp_path):
 def test_a_map_gets_the_nucleus_that_is_named_and_else_that_of_the_figure(called):
     assert "nucleus" not in called("map friction --c 0.01:0.05:3")[1]
     assert called("map friction --c 0.01:0.05:3 --nucleus 3")[1]["nucleus"].size == 3
+
+
+@pytest.mark.parametrize(
+    ("function", "name", "choices"),
+    [
+        (sigma, "method", ("integral", "series", "bessel", "quadrature", "certified")),
+        (follow_breather, "method", ("orbit", "envelope")),  # not what is optional besides
+        (front_by_switchings, "start", ("moving", "resting", "step")),
+        (sigma, "v", ()),
+    ],
+)
+def test_words_that_a_docstring_lists_are_the_choices_of_an_option(function, name, choices):
+    (found,) = (each for each in described(function) if each.name == name)
+    assert (found.kind == "choice", found.choices) == (bool(choices), choices)
+
+
+_RUNS = {"chain.a": 2.5, "chain.b": 0.5, "chain.c": 0.1, "t_end": 2000.0}
+_MAPS = {"chain.sites": 16, "eta": (0.01, 0.14, 14), "c": (0.05, 1.0, 20)}
+_BREATHERS = {"chain.a": 2.5, "chain.b": 0.5, "chain.c": 0.1}
+_FIG_7 = {"chain.a": 2.5, "chain.b": 0.5}
+OF_THE_FIGURES = {
+    "front vdp": {"chain.sites": 32},
+    "front averaged": {"chain.sites": 32},
+    "front friction": {"chain.sites": 101},
+    "simulate vdp": _RUNS,  # _VDP_RUN
+    "simulate averaged": _RUNS,
+    "simulate friction": {"chain.c": 0.02, "t_end": 1000.0},
+    "simulate *": {"t_end": 1000.0},
+    "cell vdp": _FIG_7,  # _VDP_CELL
+    "cell averaged": _FIG_7,
+    "map vdp": _MAPS,  # _VDP_MAP
+    "map averaged": _MAPS,
+    "map friction": {"c": (0.0, 0.1, 21), "v_d": (1.0, 2.0, 21)},
+    "breather vdp": _BREATHERS,  # _VDP_BREATHER
+    "breather averaged": _BREATHERS,
+    "threshold vdp": _FIG_7,  # _VDP_THRESHOLD
+    "threshold averaged": _FIG_7,
+}
+"""What the calls of a command take where nothing is said, by command and model."""
+
+
+def test_a_command_takes_what_the_figures_have_where_nothing_is_said():
+    found = {
+        f"{name} {model}": {**call.presets, **getattr(call, "axes", {})}
+        for name, command in COMMANDS.items()
+        for model, call in command.calls.items()
+    }
+    assert {name: said for name, said in found.items() if said} == OF_THE_FIGURES
 
 
 def test_a_curve_gets_the_number_of_processes(called):

@@ -14,7 +14,7 @@ import re
 import shlex
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from html import escape
@@ -36,6 +36,7 @@ from fronts.curves import Curve, Refusal
 from fronts.files import Listing
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help
+from fronts.piecewise.kinetic_relation import KineticCurve
 from fronts.wording import WIDTH, in_words, table_lines
 from paper_checks.claims import fig05
 from theory.cells.vdp import eta_from_damping
@@ -353,18 +354,21 @@ def test_what_argparse_says_of_no_single_option_is_said(monkeypatch: pytest.Monk
         parser.read([])
 
 
+@pytest.mark.parametrize(
+    "begin", [cli._announce_compilation, lambda: main(["sum", "--v", "1", "--c", "0.5"])]
+)
 def test_a_terminal_is_told_that_the_first_run_compiles(
-    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    begin: Callable[[], object], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     logger = logging.getLogger("verification.execution.compiled")
     monkeypatch.setattr(logger, "handlers", [])
     level = logger.level
-    assert main(["sum", "--v", "1", "--c", "0.5"]) == 0
+    begin()
     assert not logger.handlers
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     try:
         for _ in range(2):  # once is enough
-            assert main(["sum", "--v", "1", "--c", "0.5"]) == 0
+            begin()
         capsys.readouterr()
         logger.info("compiling")
     finally:
@@ -383,6 +387,37 @@ class _Value(Result):
     why: str | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Several(Result):
+    one: _Value
+    ways: Mapping[str, _Value]
+    rows: tuple[_Value, ...]
+    growth: float
+    growth_error: float
+
+
+@pytest.mark.parametrize(
+    ("error", "of_a_value", "of_none", "beside"),
+    [
+        (1e-3, "0.500 1.0e-03", "- 1.0e-03", "0.500, uncertain by 1.0e-03"),
+        (math.inf, "0.5 inf", "- -", "0.5 (error unknown)"),
+    ],
+)
+def test_an_error_that_is_not_known_is_said_wherever_its_number_stands(
+    error: float, of_a_value: str, of_none: str, beside: str
+) -> None:
+    """In a result within another one, in a table by name or in order, and by itself."""
+    value, none = _Value(v=0.5, error=error), _Value(v=None, error=error)
+    several = _Several(one=value, ways={"a": value, "b": none}, rows=(value, none), growth=0.5,
+                       growth_error=error)  # fmt: skip
+    assert [" ".join(line.split()) for line in in_words(several).splitlines()] == [
+        f"one v 0.5, error {error:.1e}, known yes",
+        *("ways:", "name v error known", f"a {of_a_value} yes", f"b {of_none} yes"),
+        *("rows:", "v error known", f"{of_a_value} yes", f"{of_none} yes"),
+        f"growth {beside}",
+    ]
+
+
 def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
     """Of a number that its rows are not about at most eight, as many as its error allows."""
     for number in (123.4567890123, 0.001234567890123):
@@ -395,6 +430,7 @@ def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
 
 
 def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> None:
+    assert KineticCurve.is_curve  # one table of all its points
     single = in_words(fr.kinetic_relation(c=1e4, eta=0.03))
     assert single.count("not decided") == 1
     curve = in_words(fr.kinetic_relation(c=[1e4, 0.5], eta=0.03, stability=True))
@@ -445,6 +481,10 @@ def test_lists_and_mappings_have_no_column_and_numbers_beside_them_do() -> None:
     head, *lines = table_lines(rows)
     assert head.split() == ["c"]
     assert Listing(payload={}, listed=()).columns() == {}
+    written = Listing(payload={}, listed=[{"name": "x", **row} for row in rows]).columns()
+    assert {name: column.tolist() for name, column in written.items()} == {
+        "name": ["x", "x"], "c": [0.1, 0.2], "held": ["[1, 2]", None], "of": ['{"a": 1}', "{}"],
+    }  # fmt: skip
     assert [line.split() for line in lines] == [["0.1"], ["0.2"]]
 
 
@@ -820,20 +860,29 @@ def test_progress_is_told_of_a_claim_before_and_after_it_is_judged(
     assert [entry.claim.key for entry in told[1]] == ["fig16-admissible"]
 
 
-def test_progress_says_of_a_stored_finding_whether_it_is_stale() -> None:
+@pytest.mark.parametrize(
+    ("stored", "stale", "changed", "notes"),
+    [
+        (True, False, False, ", stored"),
+        (True, True, False, ", stored, stale"),
+        (False, False, False, ""),
+        (False, False, True, ", not as recorded"),
+    ],
+)
+def test_progress_says_of_a_finding_whether_it_is_stored_stale_or_not_as_recorded(
+    stored: bool, stale: bool, changed: bool, notes: str
+) -> None:
     from fronts.commands.check import _tell
 
-    said: list[str] = []
-    shown: Any = SimpleNamespace(end=lambda key, words, computed: said.append(words))
-    for stored, stale in ((True, False), (True, True), (False, False)):
-        judgement = SimpleNamespace(seconds=0.5, stored=stored, stale=stale)
-        claim = SimpleNamespace(key="fig01-x")
-        outcome: Any = SimpleNamespace(
-            judgement=judgement, changed=False, claim=claim, status="reproduced"
-        )
-        _tell(shown, outcome)
-    assert [words.count("stored") for words in said] == [1, 1, 0]
-    assert [words.count("stale") for words in said] == [0, 1, 0]
+    said: list[Any] = []
+    shown: Any = SimpleNamespace(end=lambda *given, computed: said.append((*given, computed)))
+    judgement = SimpleNamespace(seconds=0.5, stored=stored, stale=stale)
+    claim = SimpleNamespace(key="fig01-x")
+    outcome: Any = SimpleNamespace(
+        judgement=judgement, changed=changed, claim=claim, status="reproduced"
+    )
+    _tell(shown, outcome)
+    assert said == [("fig01-x", f"reproduced (0.50 s{notes})", not stored)]
 
 
 def test_what_was_recorded_is_named_claim_by_claim(tmp_path: Path) -> None:
@@ -964,6 +1013,21 @@ def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
         asked.clear()
         assert main(["bench", *words]) == 0
         assert asked == [expected]
+
+
+def test_the_list_of_benchmarks_has_their_problems_and_growth_where_it_is_meant() -> None:
+    from benchmarks.registry import all_benchmarks
+    from fronts.commands.bench import _list
+
+    one = tuple(each for each in all_benchmarks() if each.name == "sum")
+    answer = _list(one, growth=True)
+    (row,) = answer.payload["quantities"]
+    lines = answer.text.splitlines()
+    assert lines == [*_list(one, growth=False).text.splitlines(), lines[-1]]
+    assert lines[0].split(maxsplit=1) == ["sum", f"{row['what']}; by default: {row['default']}"]
+    assert lines[1].strip() == f"test problems: {'; '.join(row['problems'])}"
+    assert lines[2].split()[0] == "growth"
+    assert row["default"] in row["methods"]
 
 
 @pytest.mark.parametrize(

@@ -209,6 +209,8 @@ def test_a_port_that_is_none_is_refused(port, capsys):
 def test_what_is_refused_stands_in_the_program_as_a_comment(settings):
     text = script(settings)
     compile(text, "script", "exec")
+    for name in ("chain", "around"):  # what has a name is called by it
+        assert (f"\n{name} = " in text) is (f"({name}," in text)
     for name, call in calls(settings).items():
         refused = name != "states" and isinstance(outcome(call), str)
         assert (f"\n# {name}: " in text) is refused

@@ -509,7 +509,7 @@ def test_every_picture_names_its_axes_its_colours_and_what_is_in_it() -> None:
         assert len(axes.lines) + len(axes.images) > 0, name
         legend = axes.get_legend()
         shown = [text.get_text() for text in legend.get_texts()] if legend else []
-        assert shown == axes.get_legend_handles_labels()[1] or name == "KineticRelation", name
+        assert shown == axes.get_legend_handles_labels()[1], name
         assert len(axes.get_legend_handles_labels()[1]) >= least, name
         beside = [each.get_ylabel() for each in axes.figure.axes[1:]]
         assert beside == ["amplitude"] * len(axes.images), name
@@ -651,6 +651,11 @@ def test_the_explorer_draws_modulus_real_and_imaginary_part_of_the_profile() -> 
     assert np.array_equal(shape["x"], front.zeta)
     assert np.allclose(np.hypot(shape["re"], shape["im"]), shape["modulus"])
     assert np.array_equal(shape["re"] + 1j * shape["im"], front.phi)
+    said = f"v = {front.v:.6g}, admissible; "
+    assert picture.caption.text.startswith(said)
+    assert picture.threshold.location == front.threshold
+    picture.show(Settings(), {"profile": replace(front, admissible=False)})
+    assert picture.caption.text.startswith(said.replace("adm", "not adm"))
 
 
 def _frame(nucleus: int, breather: Any) -> Any:
@@ -710,6 +715,8 @@ def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None
     assert np.allclose(np.hypot(circle["x"], circle["y"]), 1.0)
     assert circle["x"][0] == pytest.approx(circle["x"][-1])
     assert np.ptp(np.unwrap(np.arctan2(circle["y"], circle["x"]))) == pytest.approx(2 * np.pi)
+    for span in (picture.figure.x_range, picture.figure.y_range):  # with the whole circle
+        assert (span.start < -1.0, span.end > 1.0) == (True, True)
 
 
 def test_panels_stand_side_by_side_and_then_below_in_a_column_or_a_page() -> None:
@@ -742,6 +749,24 @@ def test_the_explorer_leaves_no_amplitude_of_the_chain_out() -> None:
     assert up.start == 0.0
     assert SITES - 1.0 < up.end < 2.0 * SITES
     assert list(picture.chain.data["x"]) == list(range(1, SITES + 1))
+
+
+@needs_explorer
+def test_the_explorer_colours_the_largest_amplitude_at_first_and_that_of_the_cycle() -> None:
+    from fronts.explore.calls import SITES, Settings
+    from fronts.explore.pictures import RunPicture
+
+    for cycle, largest in ((2.0, 3.0), (4.0, 4.0)):
+        amplitude = np.full((5, SITES), 3.0)
+        run = SimpleNamespace(amplitude=amplitude, arrivals=np.array([0.0, np.nan, 7.0]),
+                              chain=SimpleNamespace(stable_amplitude=cycle))  # fmt: skip
+        picture = RunPicture()
+        picture.show(Settings(), {"run": run})
+        assert picture.colours.low == 0.0
+        assert largest < picture.colours.high < 1.1 * largest
+        (image,) = picture.image.data["image"]
+        assert np.array_equal(image, amplitude.T)
+        assert picture.caption.text.startswith(f"2 of {SITES} sites ")
 
 
 @needs_explorer
@@ -800,6 +825,11 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     monkeypatch.setattr(ExplorerPage, "_work", lambda _, settings: asked.append(settings))
     with set_curdoc(Document()):
         page = ExplorerPage()
+    view: Any = page.view()
+    title, first, code, (*cards,) = view
+    assert (title.object, code) == ("<h1>Excitation fronts</h1>", page.code)
+    assert list(first)[: len(page.controls.all)] == list(page.controls.all)
+    assert [card[2].object for card in cards] == [each.figure for each in page.pictures]
     page.controls.c.value = 0.75
     page.follow()
     page.worker.submit(lambda: None).result()  # after all before it
@@ -817,6 +847,30 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     assert len(page.document.session_callbacks) == 1
     with pytest.raises(RuntimeError, match="after shutdown"):
         page.controls.c.value = 0.25
+
+
+@needs_explorer
+def test_the_page_shows_its_program_or_in_its_place_a_defect(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Both as text, whatever signs of HTML are in it."""
+    from fronts.explore import page as module
+    from fronts.explore.calls import Settings
+
+    def shown(failing: Any) -> list[dict[str, str]]:
+        said: list[dict[str, str]] = []
+        pane = SimpleNamespace(param=SimpleNamespace(update=lambda **new: said.append(new)))
+        settings = Settings()
+        page: Any = SimpleNamespace(current=settings, code=pane, status=pane,
+                                    _later=lambda do: do())  # fmt: skip
+        monkeypatch.setattr(module, "calls", failing)
+        monkeypatch.setattr(module, "script", lambda _: "1 < 2")
+        module.ExplorerPage._work(page, settings)
+        return said
+
+    assert shown(lambda _: {}) == [{"object": "<pre>1 &lt; 2</pre>"}]
+    defect = Mock(side_effect=ZeroDivisionError("a < b"))
+    assert shown(defect) == [{"object": "a defect of this toolkit: ZeroDivisionError: a &lt; b"}]
 
 
 @needs_explorer

@@ -227,8 +227,9 @@ def test_a_folder_that_takes_no_files_is_refused_before_any_work(tmp_path, monke
         raise OSError(30, "Read-only file system")
 
     monkeypatch.setattr("fronts.commands.check.tempfile.TemporaryFile", refuse)
-    assert main(["check", "--out", str(tmp_path / "report")]) == 2
-    assert "cannot be written: Read-only file system." in capsys.readouterr().err
+    for _ in range(2):  # the folders are made, and then they exist
+        assert main(["check", "--out", str(tmp_path / "new" / "report")]) == 2
+        assert "cannot be written: Read-only file system." in capsys.readouterr().err
     assert judged(tmp_path) == []
 
 

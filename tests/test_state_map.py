@@ -34,7 +34,7 @@ from verification.maps.friction_rules import find_friction_state
 from verification.maps.rules import RULES, StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import FoundState, Reason, State
-from verification.maps.state_map import compare, state_map
+from verification.maps.state_map import boundary_path, compare, state_map
 from verification.maps.state_run import LONGEST, at_rest_for_ever, run_to_state
 from verification.maps.task import StateTask, state_points
 from verification.maps.vdp_rules import (
@@ -700,6 +700,26 @@ def test_a_store_of_other_parameters_stops_the_command(
     assert main(shlex.split(line + " --resume --json")) == 0
     assert json.loads(capsys.readouterr().out)["resumed"] == 2
     assert not part_path(out).exists()
+
+
+def test_what_is_left_of_a_boundary_is_resumed_and_never_overwritten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Here the map itself was complete when the run was interrupted."""
+
+    def stopped(*_: object, resume: bool, **options: object) -> None:
+        assert (resume, options["out"]) == (True, out)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fronts.maps.state_map", stopped)
+    out = tmp_path / "map.csv"
+    part = part_path(boundary_path(out))
+    part.touch()
+    line = f"map vdp --eta 0.05 --c 0.1:0.3:3 --model envelope --out {out}"
+    assert main(shlex.split(line)) == 2
+    said = capsys.readouterr().err
+    assert said == f"fronts: {part} was left by an interrupted run: give --resume, or remove it.\n"
+    assert main(shlex.split(line + " --resume")) == 130
 
 
 @pytest.mark.usefixtures("nothing_computed")

@@ -178,4 +178,4 @@ def _growth(
 
 
 def _report(text: str) -> None:
-    print(f"{text} ...", file=sys.stderr, flush=True)
+    print(f"{text} ...", file=sys.stderr)

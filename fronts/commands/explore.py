@@ -37,7 +37,7 @@ def explore(*, port: int = 0, no_browser: bool = False) -> Answer:
 
     def ready(address: str) -> None:
         served.append(address)
-        print(f"{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+        print(f"{address} (Ctrl-C ends it)", file=sys.stderr)
 
     with suppress(KeyboardInterrupt):
         serve(port, ready, show=not no_browser)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import os
-import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from time import perf_counter
@@ -252,4 +251,3 @@ def serve(port: int, ready: Callable[[str], None], *, show: bool) -> None:
         server.io_loop.start()
     finally:
         server.stop()
-        sys.stdout.flush()

@@ -2,7 +2,8 @@
 
 Left out are modules without a doctest: importing them all, with those that an optional extra needs,
 took a sixth of collecting. Collecting makes millions of objects that live to the end: looking
-through them took a third of it, and time in every test after.
+through them took a third of it, and time in every test after. Each process begins with another file
+of tests, and finds on disk what others have rewritten of those that they began with.
 Where several processes test, each takes whole files; those that ask for the derivations of the
 paper go to one of them, since deriving and checking all takes ten seconds a process. Files that
 take long are taken first, so that no process is left with one when the others have ended. The
@@ -40,6 +41,23 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)  # a twentieth of the time of computer algebra
     gc.enable()
+
+
+class _FromAnotherFile(pytest.Dir):
+    """A folder whose files are read in a circle, from a place that differs between processes."""
+
+    def collect(self) -> list[pytest.Item | pytest.Collector]:
+        """Return the files in the order in which they are read."""
+        files = list(super().collect())
+        worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+        first = worker * len(files) // int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+        return [*files[first:], *files[:first]]
+
+
+def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Read the tests, whose assertions are rewritten where that is not yet done, in a circle."""
+    tests = path == parent.config.rootpath / "tests"
+    return _FromAnotherFile.from_parent(parent, path=path) if tests else None
 
 
 @pytest.fixture
@@ -86,7 +104,9 @@ def _scope(name: str) -> str:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files that take long first."""
+    """Put the files that take long first, and the others in one order in all processes."""
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        items.sort(key=lambda item: item.path)
     places = {scope: place for place, scope in enumerate(LONG)}
     items.sort(key=lambda item: places.get(_scope(item.path.stem), len(LONG)))
 

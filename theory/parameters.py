@@ -266,8 +266,8 @@ def within(
     ParameterError
         If it is not a number, not finite, or outside the range.
     """
-    if type(value) is float and low <= value <= high:  # fast path, since the check below is costly
-        return value
+    if isinstance(value, float) and low <= value <= high:  # the check below is costly
+        return float(value)
     return _checked(
         quantity,
         value,
@@ -285,6 +285,8 @@ def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str)
     ParameterError
         If it is not a number, not finite, or below ``low``.
     """
+    if isinstance(value, float) and low <= value < math.inf:  # the check below is costly
+        return float(value)
     allowed = f"finite and at least {as_text(low)}"
     return _checked(quantity, value, allowed, remedy, lambda x: x >= low)
 

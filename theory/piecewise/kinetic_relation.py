@@ -451,25 +451,29 @@ def _branches(
     """Return the branch of each solution, given its coupling, η and threshold."""
     direction = -1.0 if retreating else 1.0
     v = direction * found.v
-    by_eta = 2.0 * np.array([threshold_ratio_slope(value) for value in eta.tolist()])
     verdicts = check_fronts(v, c, r) if admissibility else [None] * v.size
-    steep = found.slope != 0.0
-    inverse = np.where(steep, direction / np.where(steep, found.slope, 1.0), math.inf)
-    columns = {
-        "v": v,
-        "error": found.error,
-        "slope": np.sign(found.slope).astype(int),
-        "by_c": -inverse * found.by_coupling,
-        "by_eta": inverse * by_eta,
-        "by_c_error": found.error_along_coupling,
-        "by_eta_error": by_eta * (found.error_along_target + 1e-15 * np.abs(inverse)),
-    }
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    return [
-        KineticBranch(
-            **dict(zip(columns, row, strict=True)),
-            admissible=verdict.admissible if verdict else None,
-            fails_at=verdict.fails_at if verdict else None,
+    columns = (
+        v, found.error, found.slope, found.by_coupling, found.error_along_coupling,
+        found.error_along_target, eta,
+    )  # fmt: skip
+    branches = []
+    for row, verdict in zip(
+        zip(*(column.tolist() for column in columns), strict=True), verdicts, strict=True
+    ):
+        v_, error, slope, by_coupling, along_coupling, along_target, eta_ = row
+        inverse = direction / slope if slope else math.inf
+        by_eta = 2.0 * threshold_ratio_slope(eta_)
+        branches.append(
+            KineticBranch(
+                v=v_,
+                error=error,
+                slope=(slope > 0.0) - (slope < 0.0),
+                by_c=-inverse * by_coupling,
+                by_eta=inverse * by_eta,
+                by_c_error=along_coupling,
+                by_eta_error=by_eta * (along_target + 1e-15 * abs(inverse)),
+                admissible=verdict.admissible if verdict else None,
+                fails_at=verdict.fails_at if verdict else None,
+            )
         )
-        for row, verdict in zip(rows, verdicts, strict=True)
-    ]
+    return branches

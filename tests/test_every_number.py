@@ -39,6 +39,8 @@ from theory.piecewise.sums.series import sum_by_roots
 from theory.result import Result
 from verification.execution import time_limit as time_limit_module
 from verification.execution.time_limit import TimeIsUpError, time_limit
+from verification.fronts.resting import StaticFold
+from verification.piecewise.run import FrontRun
 from verification.quantities.registry import all_computations
 
 REFUSALS = (ParameterError, PrecisionError, RunError, MissingPackageError)
@@ -351,6 +353,11 @@ WITHOUT_ITS_OWN_ERROR = {
     "FrontWave": {
         "c": GIVEN, "eta": GIVEN, "r": UNKNOWN, "continuum": ROUNDING, "trivial": MEASURE,
     },
+    "FrontRun": {
+        "coupling": GIVEN, "threshold": ROUNDING, "period_spread": MEASURE, "truncation": MEASURE,
+        "events_per_site": GIVEN, "margin": UNKNOWN, "crossing_times": UNKNOWN,
+    },
+    "StaticFold": {"c": (MAIN, "error"), "r": UNKNOWN},
     "FoundState": {"time": CLOCK, "amplitude": UNKNOWN},
     "StateMap": {"map_seconds": CLOCK},
     "AveragingError": {"slow_time": GIVEN, "eps": GIVEN, "distances": (MAIN, "errors")},
@@ -384,13 +391,15 @@ def every_result():
     while left:
         left += (below := left.pop().__subclasses__())
         found += [each for each in below if not each.__module__.startswith(("test", "conftest"))]
-    return list(dict.fromkeys(found))
+    return [*dict.fromkeys(found), FrontRun, StaticFold]  # these two appear within a `Front`
 
 
 def numbers_of(kind):
     """Names of the entries of a result that are or contain numbers other than counts and errors."""
     kinds = {each.name: str(each.type) for each in dataclasses.fields(kind)}
-    for name in getattr(kind, "derived", ()):
+    for name in (*getattr(kind, "derived", ()), *getattr(kind, "shown", ())):
+        if name in kinds:
+            continue
         value = inspect.getattr_static(kind, name)
         getter = value.fget if isinstance(value, property) else value.func
         kinds[name] = str(getter.__annotations__["return"])
@@ -406,7 +415,8 @@ def test_every_number_of_every_result_has_an_error_or_says_why_not():
     assert {"Front", "Breather", "KineticRelation", "Trajectory"} <= {k.__name__ for k in kinds}
     used = set()
     for kind in kinds:
-        entries = {each.name for each in dataclasses.fields(kind)} | {*getattr(kind, "derived", ())}
+        entries = {each.name for each in dataclasses.fields(kind)}
+        entries |= {*getattr(kind, "derived", ()), *getattr(kind, "shown", ())}
         reasons = {}
         for base in reversed(kind.__mro__):
             reasons |= WITHOUT_ITS_OWN_ERROR.get(base.__name__, {})
@@ -424,7 +434,7 @@ def test_every_number_of_every_result_has_an_error_or_says_why_not():
             if reason in {ROUNDING, UNKNOWN}:
                 attribute = inspect.getattr_static(kind, name, None)
                 doc = inspect.getdoc(attribute) if isinstance(attribute, property) else None
-                text = doc or re.search(rf"(?m)^{name}\b.*\n((    .*\n?)+)", said)[0]
+                text = doc or re.search(rf"(?m)^(?:\w+, )*{name}\b.*\n((    .*\n?)+)", said)[0]
                 assert reason in re.sub(r"\s+", " ", text).lower(), f"{where}: {text}"
     listed = {f"{kind}.{name}" for kind, names in WITHOUT_ITS_OWN_ERROR.items() for name in names}
     assert listed <= used

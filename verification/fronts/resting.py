@@ -54,10 +54,10 @@ class StaticFold:
     slope, slope_error : float
         dc_pin/dη, and its error.
     r : ndarray of float, shape (N,)
-        √a times the amplitudes of the sites at the fold.
+        √a times the amplitudes of the sites at the fold; no error is known.
     """
 
-    shown: ClassVar[tuple[str, ...]] = ("c_pin",)
+    shown: ClassVar[tuple[str, ...]] = ("c_pin", "c_pin_error")
 
     c: float
     error: float
@@ -71,6 +71,11 @@ class StaticFold:
     def c_pin(self) -> float:
         """Alias of ``c``: the name used when it is listed beside a front."""
         return self.c
+
+    @property
+    def c_pin_error(self) -> float:
+        """Alias of ``error``, for the same reason."""
+        return self.error
 
 
 def amplitudes_of(c: float, eta: float) -> Amplitudes:

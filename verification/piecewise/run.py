@@ -19,7 +19,7 @@ class FrontRun:
     Attributes
     ----------
     coupling, threshold : float
-        c and r.
+        c, and r to rounding.
     v : float or None
         Velocity in sites per unit T: negative if the front retreats, 0 if pinned, a mean (over
         whole repetition periods, or over the second half) if unsteady, None if marginal.
@@ -43,7 +43,8 @@ class FrontRun:
         Number of sites after which an unsteady motion repeats itself to 1e-9; None if it does not
         do so within 60.
     margin : float or None
-        For a run at rest: the distance from the threshold that remains after linear relaxation.
+        For a run at rest: the distance from the threshold that remains after linear relaxation; no
+        error is known.
     window : int
         Number of sites in the window.
     truncation : float
@@ -51,7 +52,8 @@ class FrontRun:
     seconds : float
         Wall-clock time.
     crossing_times : ndarray
-        Slow times at which further sites were gained (or lost), permanently or for the first time.
+        Slow times at which further sites were gained (or lost), permanently or for the first time;
+        no error is known.
     final : ChainState
         Final state, from which another run may continue.
     method : str

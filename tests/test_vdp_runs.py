@@ -335,11 +335,27 @@ def test_a_start_too_far_for_the_implicit_method_is_refused(displacement: float)
         simulate(VdpChain(a=4, b=0.5, c=0.6, sites=5), start, 3.0)
 
 
+def test_excited_sites_may_be_whole_numbers_of_any_kind() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=5)
+    expected = excite(chain, [2, 4])
+    assert np.count_nonzero(expected) == 2
+    for sites in ([2.0, 4.0], np.array([2.0, 4.0]), np.array([2, 4]), (2, 4.0)):
+        assert np.array_equal(excite(chain, sites), expected)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
         ({"samples": 2.5}, "number of samples = 2.5 .* whole"),
         ({"end": 2.0}, "option = end .* beside t_end"),
+        ({"trailing_sites": 2.5}, "trailing sites = 2.5 .* whole"),
+        ({"step": -0.1}, "step = -0.1 .* positive"),
+        ({"longest_step": "1"}, "longest step = '1' .* a number"),
+        ({"shortest_step": -1.0}, "shortest step = -1.0 .* from 0"),
+        ({"drift": 0.1}, "drift = float .* Mapping"),
+        ({"drift": {"d": 0.1}}, "drift = d .* one of a, b, c, eps"),
+        ({"drift": {"sites": 0.1}}, "drift = sites .* one of a, b, c, eps"),
+        ({"drift": {"c": "1"}}, "drift of c = '1' .* a number"),
     ],
 )
 def test_options_of_a_run_are_not_rounded_or_replaced(options: Any, words: str) -> None:

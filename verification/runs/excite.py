@@ -98,8 +98,8 @@ def excite(
         )
     if not len(sites):
         raise ParameterError("excited sites", "none", "at least one", "name a site from 1 to n")
-    for site in sites:
-        count_within("excited site", site, 1, count, "name a site of the chain")
+    remedy = "name a site of the chain"
+    places = [count_within("excited site", site, 1, count, remedy) - 1 for site in sites]
     if displacement is not None:
         displacement = within("displacement", displacement, *DISPLACEMENTS)
     turns = [0] * len(sites) if quarter_turns is None else quarter_turns
@@ -108,8 +108,8 @@ def excite(
     turns = [count_within("quarter turns", each, -(10**9), 10**9) for each in turns]
     start = np.empty((2, count))
     start[:] = np.array(chain.rest_state)[:, None]
-    for site, turn in zip(sites, turns, strict=True):
-        start[:, site - 1] = _excited(chain, displacement, turn, StartPoint(point))
+    for place, turn in zip(places, turns, strict=True):
+        start[:, place] = _excited(chain, displacement, turn, StartPoint(point))
     return start
 
 

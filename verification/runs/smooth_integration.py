@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from theory.arrays import AnyArray, FloatArray
-from theory.chains.chain import SmoothChain
+from theory.chains.chain import MAX_SITES, SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, at_least, truth
+from theory.parameters import (
+    ParameterError,
+    count_within,
+    need_instance,
+    positive,
+    real_number,
+    truth,
+    word,
+)
 from verification.execution.digest import digest_of_arrays
 from verification.runs.integration import (
     Integration,
@@ -116,12 +125,18 @@ class SmoothIntegration(Integration):
     ) -> None:
         state = checked_state(chain, start)
         wave = truth("left_boundary_wave", left_boundary_wave)
-        first = _beyond_first_site(chain, trailing_sites, wave)
+        trailing = count_within("trailing sites", trailing_sites, 0, MAX_SITES)
+        first = _beyond_first_site(chain, trailing, wave)
+        if step is not None:
+            positive("step", step, "give the length of the steps in kernel time")
+        for name, limit in (("shortest step", shortest_step), ("longest step", longest_step)):
+            if limit != math.inf:
+                real_number(name, limit, 0.0, 1e300, "give a length in kernel time")
         self.chain, self.tolerance = chain, tolerance
         self.times = np.asarray(times, dtype=float)
         self.end = float(self.times[-1]) if end is None else end
         self.level = chain.unstable_amplitude if level is None else level
-        self.trailing_sites = int(at_least("trailing sites", trailing_sites, 0, "give a number"))
+        self.trailing_sites = trailing
         self._rate = chain.kernel_rate
         self._stiff = isinstance(chain, VdpChain) and step is None and watch is None
         self._start = state.copy()
@@ -138,7 +153,7 @@ class SmoothIntegration(Integration):
             self._run.counters[smooth.HI] = chain.sites
         self._task = smooth.LoopTask(
             parameters=np.array(chain.kernel_parameters()),
-            drift=self._drift(drift or {}),
+            drift=self._drift({} if drift is None else drift),
             first=first,
             end=self.end * self._rate,
             tolerance=0.0 if step is not None else tolerance,
@@ -158,7 +173,11 @@ class SmoothIntegration(Integration):
         """Return the rates of change of the kernel's parameters, per unit of kernel time."""
         p = np.array(self.chain.kernel_parameters())
         found = np.zeros(p.size)
+        need_instance("drift", rates, (Mapping,), 'give rates by parameter, as {"c": 1e-5}')
+        known = [each.name for each in fields(self.chain) if each.type == "float"]
         for name, rate in rates.items():
+            word("drift", name, known)
+            real_number(f"drift of {name}", rate, -1e300, 1e300, "give a rate")
             # The kernel's parameters are affine in each chain parameter that may drift.
             ahead = self.chain.replace(**{name: getattr(self.chain, name) + 1.0})
             found += rate * (np.array(ahead.kernel_parameters()) - p)

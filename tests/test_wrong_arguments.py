@@ -14,8 +14,23 @@ import pytest
 import fronts as fr
 from theory.parameters import refuse_unread
 from verification.breathers import breather as breathers
+from verification.breathers.outcome import follow_nucleus
+from verification.cells.diagram import bifurcation
+from verification.cells.friction import friction_cell
+from verification.cells.oscillator import oscillator_cell
+from verification.cells.vdp import vdp_cell
+from verification.maps.friction_rules import WINDOW, find_friction_state
+from verification.maps.smooth_rules import find_smooth_state
 from verification.maps.task import StateTask
+from verification.maps.vdp_rules import find_vdp_state
+from verification.piecewise.simulation import simulate_front
+from verification.references.friction_events import run_events
+from verification.references.switch_model import run_switch
 from verification.thresholds import threshold as thresholds
+from verification.thresholds.escape import escape_range
+from verification.thresholds.preparation import NucleusPreparation
+from verification.thresholds.slow_sweep import sweep_envelope
+from verification.thresholds.spreading import Spreading, spreading_threshold
 
 CHAINS = {
     "vdp": fr.VdpChain(a=4, b=0.5, c=0.05, sites=7),
@@ -303,6 +318,90 @@ NUMBERS: dict[str, Callable[[Any], object]] = {
     "seed": lambda one: fr.robustness("c-pin", points=40, seed=one),
     "extent": lambda one: fr.roots(0.3, 0.5, extent=one),
 }
+
+
+AVERAGED, FRICTION, PREPARED = CHAINS["averaged"], CHAINS["friction"], NucleusPreparation(1)
+REST = np.zeros((2, 7))
+OUTSIDE: list[tuple[str, Callable[[Any], object], tuple[float, ...]]] = [
+    ("nucleus size", lambda one: follow_nucleus(AVERAGED, one), (0, 8)),
+    ("slow time", lambda one: follow_nucleus(AVERAGED, slow_time=one), (0.0, -1.0)),
+    ("perturbation", lambda one: follow_nucleus(AVERAGED, perturbation=one), (-1e-9, 1.001)),
+    ("number of velocities", lambda one: bifurcation([], "v_d", [0.1] * one), (1, 2001)),
+    ("tolerance", lambda one: friction_cell(fr.FrictionCell(), one), (9e-15, 1.1e-4)),
+    ("belt velocity", lambda one: friction_cell(fr.FrictionCell(v_d=one)), (9e-10,)),
+    ("tolerance", lambda one: oscillator_cell(CHAINS["own"], one), (9e-14, 1.1e-6)),
+    ("tolerance", lambda one: vdp_cell(4.0, 0.5, 0.1, one), (9e-14, 1.1e-6)),
+    ("small parameter", lambda one: vdp_cell(4.0, 0.5, one, 1e-9), (9e-5, 1.1)),
+    (
+        "end time tau",
+        lambda one: find_friction_state(FRICTION, REST, end=one),
+        (8.0 * WINDOW - 0.01, 1.001e7),
+    ),
+    ("tolerance", lambda one: find_friction_state(FRICTION, REST, tolerance=one), (9e-13, 1.1e-4)),
+    (
+        "tolerance",
+        lambda one: find_smooth_state(CHAINS["own"], REST, tolerance=one),
+        (9e-14, 1.1e-3),
+    ),
+    ("tolerance", lambda one: find_vdp_state(AVERAGED, REST, tolerance=one), (9e-14, 1.1e-3)),
+    ("end time", lambda one: find_vdp_state(AVERAGED, REST, end=one), (0.0, -1.0)),
+    ("end time", lambda one: StateTask(chain=AVERAGED, end=one), (0.0, 1e12)),
+    ("tolerance", lambda one: StateTask(chain=AVERAGED, tolerance=one), (9e-14, 1.1e-3)),
+    ("perturbation", lambda one: StateTask(chain=AVERAGED, perturbation=one), (-1e-9, 0.0101)),
+    ("displacement", lambda one: StateTask(chain=AVERAGED, displacement=one), (-0.1, 100.1)),
+    ("accuracy", lambda one: simulate_front(0.5, 0.03125, accuracy=one), (9e-14, 0.011)),
+    ("end time tau", lambda one: run_events(FRICTION, REST, one), (0.0, -1.0)),
+    ("longest step", lambda one: run_events(FRICTION, REST, 1.0, longest_step=one), (0.0, -1.0)),
+    ("tolerance", lambda one: run_events(FRICTION, REST, 1.0, tolerance=one), (2.2e-14, 0.011)),
+    ("end time tau", lambda one: run_switch(FRICTION, REST, one), (0.0, -1.0)),
+    ("stick band", lambda one: run_switch(FRICTION, REST, 1.0, band=one), (0.0, -1.0)),
+    (
+        "relative tolerance",
+        lambda one: run_switch(FRICTION, REST, 1.0, relative=one),
+        (9e-14, 0.11),
+    ),
+    ("absolute tolerance", lambda one: run_switch(FRICTION, REST, 1.0, absolute=one), (0.0, -1.0)),
+    ("number of samples", lambda one: run_switch(FRICTION, REST, 1.0, samples=one), (1, 1_000_001)),
+    ("duration", lambda one: escape_range(AVERAGED, PREPARED, one), (0.0, -1.0)),
+    ("tolerance", lambda one: escape_range(AVERAGED, PREPARED, tolerance=one), (0.0, -1.0)),
+    ("number of seeds", lambda one: escape_range(AVERAGED, PREPARED, seeds=one), (0, 101)),
+    ("sweep rate", lambda one: sweep_envelope(AVERAGED, PREPARED, one), (0.0, -1.0)),
+    ("nucleus size", Spreading, (0, 100_001)),
+    ("final time", lambda one: Spreading(final_time=one), (0.99, 1.01e6)),
+    ("tolerance", lambda one: Spreading(tolerance=one), (9e-13, 1.1e-4)),
+    (
+        "lowest coupling",
+        lambda one: spreading_threshold(FRICTION, Spreading(), lowest=one),
+        (0.0, -1.0),
+    ),
+    (
+        "highest coupling",
+        lambda one: spreading_threshold(FRICTION, Spreading(), lowest=0.1, highest=one),
+        (0.1009, 1.1e6),
+    ),
+    (
+        "accuracy",
+        lambda one: spreading_threshold(FRICTION, Spreading(), accuracy=one),
+        (9e-13, 0.11),
+    ),
+    ("tolerance", lambda one: spreading_threshold(FRICTION, Spreading(tolerance=one)), (1.01e-6,)),
+    (
+        "tests of monotonicity",
+        lambda one: spreading_threshold(FRICTION, Spreading(), tests=one),
+        (-1, 10_001),
+    ),
+]  # fmt: skip
+"""Numbers below and above a range."""
+
+
+@pytest.mark.parametrize(
+    ("quantity", "ask", "one"), [(name, ask, one) for name, ask, all_ in OUTSIDE for one in all_]
+)
+def test_a_number_outside_its_range_is_refused(
+    quantity: str, ask: Callable[[Any], object], one: float
+) -> None:
+    with pytest.raises(fr.ParameterError, match=f"^{quantity}.* = .* is not allowed: it must be"):
+        ask(one)
 
 
 @pytest.mark.parametrize("one", [True, np.True_, np.array(True), np.array([True])])

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
-from scipy.integrate import RK45
+from scipy.integrate import RK45, solve_ivp
 
 from paper_checks.claims import (
     _friction,
@@ -109,6 +109,20 @@ def test_the_phases_are_followed_up_to_the_end_at_which_they_are_judged() -> Non
 def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:
     for module in (fig13, fig17, text_simplified):
         assert eta_from_damping(module.A, module.B) == module.ETA == 1.0 / 32.0
+
+
+def test_one_site_of_the_simplified_chain_goes_where_an_integration_of_it_goes() -> None:
+    found = text_simplified.equilibria()
+    root = math.sqrt(1.0 - 8.0 * text_simplified.ETA)
+    cycle, edge = (
+        math.sqrt(text_simplified.A / text_simplified.B * (1.0 + sign * root)) for sign in (1, -1)
+    )
+    for goal, side, rest in ((0.0, 0.999, found.rest), (cycle, 1.001, found.cycle)):
+        run = solve_ivp(
+            lambda _, left: -0.5 * left, (0.0, 40.0), [side * edge - goal], rtol=1e-10, atol=1e-16
+        )
+        assert abs(run.y[0, -1]) / cycle == pytest.approx(rest, rel=1e-6)
+    assert found.rates == pytest.approx((0.5, 0.5))
 
 
 # ------------------------------------------------------------------------- what the texts say of it
@@ -906,6 +920,7 @@ def test_the_breather_of_a_run_is_its_first_harmonic_and_its_error_that_of_the_o
         if not clock[0]:
             # From one site, on the cycle of the averaged cell, until all else has decayed.
             assert np.flatnonzero(state).tolist() == [fig07.SITES + fig07.CENTRE]
+            assert state.shape == (2 * fig07.SITES,)
             assert duration * fig07.EPS > 30.0
         assert c == fig07.C
         clock[0] += duration

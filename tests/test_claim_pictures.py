@@ -146,6 +146,9 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Panel]]:
         legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes)]
         shown = {text.get_text() for each in legends if each for text in each.get_texts()}
         assert shown >= {x for axes in figure.axes for x in axes.get_legend_handles_labels()[1]}
+        for line in (each for axes in figure.axes for each in axes.get_lines()):
+            inside = line.get_marker() not in ("x", "+") and line.get_markerfacecolor() != "none"
+            assert inside or line.get_markeredgecolor() != "none", line.get_label()
         marks = {tuple(map(float, at)) for axes in figure.axes for each in axes.collections
                  for at in each.get_offsets()}  # fmt: skip
         for panel in panels:
@@ -164,6 +167,9 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Panel]]:
         figure(evidence)
         assert without == "title" or any(panel.title for panel in panels)
         assert not {side for panel in panels for side in panel.nameless} - {without}
+        for panel in panels:  # nothing is wholly out of view
+            for name, line in panel.lines.items():
+                assert not line or any(panel.reaches([x], [y]) for x, y in line), name
         return list(panels)
 
     return draw
@@ -274,7 +280,7 @@ def test_thresholds_are_drawn_over_the_size_of_the_nucleus(drawn: Any) -> None:
 
 
 def labelled(across: str, up: str) -> Any:
-    x, y = (each.ravel() for each in np.meshgrid([0.1, 0.2, 0.3], [1.25, 1.5]))
+    x, y = (each.ravel() for each in np.meshgrid([0.03, 0.06, 0.09], [1.25, 1.5]))
     label = np.array(["front", "breather", "fixed point", "undecided", "front", "breather"])
     states = Table(arrays={across: x, up: y, "label": label})
     return states, {name: points(x[label == name], y[label == name]) for name in set(label)}
@@ -349,8 +355,11 @@ def test_a_breather_is_drawn_by_site_beside_its_run_and_one_exponential(drawn: A
 
 def test_phase_steps_are_drawn_below_the_shapes_of_their_nuclei(drawn: Any) -> None:
     times = np.linspace(0.0, 10.0, 5)
-    steps = {(n, noise): np.arange(5.0 * (n - 1)).reshape(5, n - 1) + n + (noise > 0.0) / 4
-             for n in fig10.SIZES for noise in (0.0, fig10.NOISE)}  # fmt: skip
+    steps = {
+        (n, noise): 0.01 * (np.arange(5.0 * (n - 1)).reshape(5, n - 1) + n + 0.25 * (noise > 0.0))
+        for n in fig10.SIZES
+        for noise in (0.0, fig10.NOISE)
+    }
     shapes = {n: n + 1.0 / (1.0 + np.arange(31.0)) for n in fig10.SIZES}
     panels = drawn(fig10.draw, known(fig10.InPhase, times=times, steps=steps, shapes=shapes))
     (picture,) = fig10.draw(known(fig10.InPhase, times=times, steps=steps, shapes=shapes))
@@ -415,7 +424,8 @@ def test_assumptions_are_drawn_over_epsilon(drawn: Any) -> None:
     assert needed == points(fig08.EPSILONS, share / 0.25)
     assert right.lines[r"$|k_2+\pi/2|$"] == points(fig08.EPSILONS, np.abs(turns))
     assert stated(left.title) == {"A": fig08.A, "B": fig08.B, "C": fig08.C}
-    assert all(panel.reaches(fig08.EPSILONS) for panel in (left, right))
+    assert left.reaches(fig08.EPSILONS, (0.0, fig08.SMALL, *share))
+    assert right.reaches(fig08.EPSILONS, (0.0, *np.abs(turns)))
     assert left.levels == {"“small”: 0.1": fig08.SMALL}
 
 
@@ -440,7 +450,7 @@ def test_amplitudes_are_drawn_over_coupling_beside_the_closed_form(
 
 def test_multipliers_are_drawn_over_coupling_in_both_panels(drawn: Any) -> None:
     c, exact_c = (0.1, 0.195), (0.1, 0.15, 0.19)
-    rows, exact = ((0.9, 1.0), (0.95, 1.01)), ((0.8, 1.0), (0.85, 1.0), (0.99, 1.0))
+    rows, exact = ((0.9, 1.0), (0.995, 1.001)), ((0.8, 1.0), (0.85, 1.0), (0.993, 1.0))
     panels = drawn(fig09.draw, known(
         fig09.Multipliers, couplings=c, along=rows, exact_couplings=exact_c, exact=exact,
         true_odd=0.191))  # fmt: skip
@@ -611,14 +621,15 @@ def test_every_solution_is_drawn_beside_runs_and_thresholds(drawn: Any) -> None:
 
 
 def test_velocities_are_drawn_over_eta_beside_the_averaged_chain(drawn: Any) -> None:
-    runs = tuple((eta, steady(eta, 2.0 + k)) for k, eta in enumerate(fig18.ETAS))
-    averaged = np.arange(5.0, 5.0 + len(fig18.ETAS))
+    runs = tuple((eta, steady(eta, 1.0 + 0.1 * k)) for k, eta in enumerate(fig18.ETAS))
+    averaged = 0.1 * np.arange(1.0, 1.0 + len(fig18.ETAS))
     moving = tuple(float(k) for k in range(len(fig18.CROSSING)))
+    every, near = curve((0.02, 1.0, True), (0.02, 1.2, False)), curve((0.0208, 0.2, True))
     left, right = drawn(fig18.draw, known(
-        fig18.VelocityAgreement, solutions=ALL, near=NEAR, runs=runs, averaged=averaged,
+        fig18.VelocityAgreement, solutions=every, near=near, runs=runs, averaged=averaged,
         moving=moving, resting=(None,) * len(moving), fold=0.021, pin=0.02))  # fmt: skip
-    shows_solutions(left, ALL)
-    shows_solutions(right, NEAR)
+    shows_solutions(left, every)
+    shows_solutions(right, near)
     assert left.lines["chain (44)"] == [(eta, run.v) for eta, run in runs]
     assert left.lines["averaged chain (43), Fig. 14"] == points(fig18.ETAS, averaged)
     assert right.lines["chain, moving start"] == points(fig18.CROSSING, moving)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from paper_checks import prose, run, shipped
-from paper_checks.claim import Claim, Method, Verdict
+from paper_checks.claim import Claim, Method, Repeat, Verdict
 from paper_checks.discover import Entry, find_entries
 from paper_checks.finding import Finding, Picture
 from paper_checks.outcome import JudgedClaim, Judgement, Provenance, slug
@@ -260,6 +260,21 @@ def test_the_list_of_claims_has_a_line_for_each_and_is_never_too_narrow_to_read(
     assert entries_as_text(entries, 10) == entries_as_text(entries, NARROWEST)
 
 
+def test_a_claim_as_text_has_everything_that_was_found_in_this_order() -> None:
+    found = replace(FINDING, remarks=("elsewhere too",), explanation="It is.\n\nSo.")
+    repeats = (Repeat("Fig. 9", "It holds there."),)
+    text = report_as_text(report_of(outcome("a", found, printed="x = 1", repeats=repeats)), 100)
+    assert text.split("\n\n")[1].splitlines() == [
+        "a (Fig. 16): partial (changed)", "  The paper: “It holds everywhere.”",
+        "  Judged: It holds.", "  Because It is off.", "  Printed: x = 1",
+        "  The part that fails: “everywhere”", "  Ours: 1", "  Error: 0",
+        "  By: one [theory.cells.vdp:f]", "  There is no second method.", "  Tolerance: none",
+        "  It is.", "  So.", "  Remark: elsewhere too",
+        "  Repeated in Fig. 9: “It holds there.”", "  Figure: fig16-speed",
+        "  Reproduce with: true",
+    ]  # fmt: skip
+
+
 def test_a_claim_as_text_has_its_mark_its_part_and_its_figure_on_lines_of_their_own() -> None:
     width = 60
     long = replace(FINDING, explanation="Many words. " * 30)
@@ -375,6 +390,18 @@ def test_sections_have_an_address_a_title_and_a_lead(monkeypatch: pytest.MonkeyP
         assert section.title[0].isupper()
         assert not section.title.endswith(".")
         assert section.lead.endswith(".")
+
+
+def test_a_diagram_without_its_numbers_is_shown_and_numbers_without_one_are_not(
+    tmp_path: Path,
+) -> None:
+    assert measurements._diagram("sum", {}, tmp_path) is None
+    (tmp_path / "sum.svg").write_text("<svg/>", encoding="utf-8")
+    for data in ("", "c,v\n1,2\n"):
+        found = measurements._diagram("sum", {}, tmp_path)
+        assert found is not None
+        assert (found.svg, found.data) == ("<svg/>", data)
+        (tmp_path / "sum.csv").write_text("c,v\n1,2\n", encoding="utf-8")
 
 
 # ------------------------------------------------------------------------- pictures and equations

@@ -36,8 +36,8 @@ SETTINGS = frozenset(
 
 LOOKS = frozenset(
     {
-        "alpha", "clip_on", "columnspacing", "dpi", "fontsize", "lw", "ms", "ncols", "weight",
-        "zorder",
+        "alpha", "bbox_to_anchor", "clip_on", "columnspacing", "dpi", "fontsize", "lw", "ms",
+        "ncols", "weight", "xticks", "yticks", "zorder",
     }
 )  # fmt: skip
 """Keyword arguments for the looks of pictures, and for the order of claims in a report."""

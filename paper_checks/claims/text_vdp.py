@@ -12,6 +12,7 @@ import numpy as np
 from paper_checks.claim import Claim, Ruling
 from paper_checks.claims._breathers import EPS, A, B
 from paper_checks.claims._closed_form import solutions
+from paper_checks.claims._required import required
 from paper_checks.ruling import corrected, fails, holds, partly
 from theory.arrays import FloatArray
 
@@ -231,10 +232,11 @@ def extraction() -> Extraction:
         solutions(site, 0.1, generator.uniform((1.0, 0.02), (3.5, 0.95), (150, 2)))
         for site in (0, 1)
     ]
-    if closed.alpha_0 is None or closed.decay is None:
-        raise ArithmeticError("no solution at n = 1")
     return Extraction(
-        alpha=closed.alpha_0, decay=closed.decay, centre=len(hits[0]), found=tuple(hits[1])
+        alpha=required(closed.alpha_0, "solution at n = 1"),
+        decay=required(closed.decay, "solution at n = 1"),
+        centre=len(hits[0]),
+        found=tuple(hits[1]),
     )
 
 

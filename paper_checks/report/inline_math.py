@@ -97,8 +97,8 @@ def _latex(plain: str) -> str:
 
     Examples
     --------
-    >>> _latex("mu_st"), _latex("e^(k_1)"), _latex("A_nn"), _latex("A*"), _latex("A^*")
-    ('\\mu _{\\mathrm{st}}', 'e^{k_1}', 'A_{nn}', 'A^*', 'A^*')
+    >>> _latex("mu_st"), _latex("e^(k_1)"), _latex("A_nn"), _latex("mu*"), _latex("A^*")
+    ('\\mu _{\\mathrm{st}}', 'e^{k_1}', 'A_{nn}', '\\mu ^*', 'A^*')
     """
 
     def index(letters: str) -> str:

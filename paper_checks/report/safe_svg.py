@@ -114,9 +114,9 @@ def _written(element: ET.Element) -> Iterator[str]:
             yield f' xlink:href="{value}"'
         elif attribute in ATTRIBUTES and _harmless(value):
             yield f' {attribute}="{escape(value)}"'
-    inner = [escape(text, quote=False)]
+    inner = [escape(text)]
     for child in element:
-        inner += [*_written(child), escape(child.tail or "", quote=False)]
+        inner += [*_written(child), escape(child.tail or "")]
     content = "".join(inner)
     yield f">{content}</{name}>" if content else "/>"
 

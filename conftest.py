@@ -7,7 +7,8 @@ of tests, and finds on disk what others have rewritten of those that they began 
 Where several processes test, each takes whole files; those that ask for the derivations of the
 paper go to one of them, since deriving and checking all takes ten seconds a process. Files that
 take long are taken first, so that no process is left with one when the others have ended. The
-first two compile different functions, twenty seconds each, which every process then finds on disk.
+first ones compile different functions, ten to twenty seconds each, as soon as they begin: what two
+processes need at the same time both compile, and only later does every process find it on disk.
 """
 
 import gc
@@ -89,12 +90,14 @@ DERIVING = (
 OF_OTHER_MODELS = ("test_derivations_front_models", "test_derivations_other_models")
 """Those among them that ask for so many of other chains that the paper's would be forgotten."""
 LONG = (
-    "test_theory_sum_rules", "test_robustness", DERIVING[0], "test_own_compiled", *OF_OTHER_MODELS,
-    "test_sweep", "test_benchmarks", "test_theory_stability", "test_state_map", "test_mutation",
-    "test_command_line", "test_front_wave", "test_vdp_runs", "test_vdp_fronts", "test_own_cells",
-    "test_theory_sums", "test_report",
+    "test_theory_sum_rules", "test_robustness", "test_friction_laws", DERIVING[0],
+    "test_own_compiled", *OF_OTHER_MODELS, "test_sweep", "test_benchmarks",
+    "test_theory_stability", "test_state_map", "test_mutation", "test_command_line",
+    "test_front_wave", "test_vdp_runs", "test_vdp_fronts", "test_own_cells", "test_theory_sums",
+    "test_report",
 )  # fmt: skip
-"""Files of ten seconds and more, in the order in which they are handed out."""
+"""Files of ten seconds and more, in the order in which they are handed out, and one that compiles
+what other files on friction need."""
 
 
 def _scope(name: str) -> str:

@@ -23,7 +23,7 @@ from verification.breathers.envelope import RotatingWaves, solve_envelope_breath
 from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
-from verification.continuation.branch import Fold, StepControl
+from verification.continuation.branch import Fold, FoldShift, StepControl
 from verification.continuation.newton import BranchPoint, NotConvergedError
 from verification.steppers.variational import Flow
 
@@ -129,7 +129,7 @@ def test_where_the_chain_itself_has_no_breather_the_error_of_another_is_unknown(
 def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Its multipliers by what twice the steps change of the matrix, and what that step does."""
+    """Twice that step; its multipliers by what either twice the steps or that step change of it."""
     state, period = np.array([0.1, 2.0, 0.1, 0.3, 0.5, 0.3]), 6.0
     step = np.array([0.0, 1e-4, 0.0, 0.0, 0.0, -3e-4, 2e-4])
     flows: list[tuple[float, list[float], float, int]] = []
@@ -172,9 +172,9 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
         (0.2, state.tolist(), period, 64),
         (0.2, nearer, pytest.approx(period - 2e-4), 30),
     ]
-    assert found.error == pytest.approx(3e-4 + 5e-5)
+    assert found.error == pytest.approx(2.0 * 3e-4)
     assert found.frequency == pytest.approx(2.0 * math.pi / period)
-    assert found.frequency_error == pytest.approx(2.0 * math.pi / period**2 * (3e-4 + 5e-5))
+    assert found.frequency_error == pytest.approx(2.0 * math.pi / period**2 * 6e-4)
     assert found.residual == pytest.approx(1e-5)
     assert found.chain.c == 0.2
     assert asked[0][:2] == (period, CHAIN.eps)
@@ -188,8 +188,9 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert [each[2]["parity"] for each in asked] == [1, 1, 0, 0]
     assert len(parities) == 2
     assert (found.fold, found.fold_error) == (None, None)
+    monkeypatch.setattr(Made, "step_error", lambda *_: FoldShift(3e-7, 0.0))
     folded = family.measured(point, 0.0, Fold(0.3, 1e-7, point.u))
-    assert (folded.fold, folded.fold_error) == (0.3, 1e-7)
+    assert (folded.fold, folded.fold_error) == (0.3, pytest.approx(4e-7))
     flows.clear()
     Made(family.chain, family.nucleus, 45).measured(point, 0.0)
     assert [steps for _, _, _, steps in flows] == [45, 90, 45]
@@ -273,13 +274,13 @@ def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
     class Made(Orbits):
         def system(self, refinement: int = 1, centre: int | None = None) -> Any:
             def system(u: Any, c: float) -> Any:
-                assert (u.tolist(), c, refinement) == ([1.0, 2.0, 3.0], 0.2, 2)
-                return off * by_c, np.eye(3), by_c
+                assert (u.tolist(), c) == ([1.0, 2.0, 3.0], 0.2)
+                return (off if refinement == 2 else 0.0) * by_c, np.diag([1.0, 2.0, 0.0]), by_c
 
             return system
 
-    fold = Fold(0.2, 1e-12, np.array([1.0, 2.0, 3.0]))
-    assert Made(CHAIN, Nucleus(1)).step_error(fold) == pytest.approx(abs(off))
+    fold = Fold(0.2, 1e-12, np.array([1.0, 2.0, 3.0]), tangent=np.array([0.0, 0.0, 1.0]))
+    assert Made(CHAIN, Nucleus(1)).step_error(fold).parameter == pytest.approx(abs(off))
 
 
 def test_a_multiplier_has_its_rate_and_its_frequency_in_slow_time() -> None:
@@ -377,7 +378,9 @@ def test_the_error_of_an_averaged_breather_holds_rounding_where_the_cycles_meet(
 
 
 @pytest.mark.parametrize("eps", [0.01, 1.0])
-def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(eps: float) -> None:
+def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
+    eps: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of Newton's method nothing is left: by the roundings of φ, relative to it, and by its own."""
     chain = AveragedChain(a=1.0, b=0.125 * (1.0 - 1e-6), c=0.001, eps=eps, sites=5)
     family = RotatingWaves(chain, Nucleus(1))
@@ -387,6 +390,7 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(eps: fl
     seen: list[float] = []
     assert family.reported_monitor(seen.append)(u, chain.c) == family.monitor(u, chain.c)
     assert seen == [1.0]  # one solution more
+    monkeypatch.setattr(envelope, "solution_error", lambda *_: 0.0)
     found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1), 0.0)
     assert found.error is not None
     share = found.error / np.abs(found.waves).max()
@@ -552,7 +556,11 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
         return SimpleNamespace(folds=(), fold=None, points=())
 
     along = StepControl(length=0.7)
-    family = SimpleNamespace(system=lambda: "system", start=start, steps_along=along)
+    family = SimpleNamespace(
+        system=lambda: "system",
+        start=start,
+        step_control=lambda folds: replace(along, folds=folds),
+    )
     monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
     monkeypatch.setattr(follow, "solutions_at", lambda *_: [])

@@ -28,7 +28,7 @@ from verification.breathers.envelope import (
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.follow import _described, follow
 from verification.breathers.orbits import STARTS, Orbits, solve_orbit
-from verification.continuation.branch import Fold, trace
+from verification.continuation.branch import Fold, FoldShift, trace
 from verification.continuation.newton import NotConvergedError
 from verification.references.equations import (
     averaged_damping,
@@ -37,7 +37,7 @@ from verification.references.equations import (
     pull,
     variational_rate,
 )
-from verification.references.precise_breather import locked_fold
+from verification.references.precise_breather import locked_fold, locked_state
 from verification.steppers.variational import integrate_chain, integrate_variations
 from verification.thresholds.threshold import threshold
 
@@ -272,7 +272,15 @@ def test_the_orbits_fold_tends_to_the_averaged_fold_at_first_order() -> None:
 
 @pytest.mark.parametrize(
     ("eta", "sites"),
-    [(0.03125, 3), (0.05, 3), (0.00118, 3), (0.00209, 9), (0.01, 5), (0.1, 7), (0.1174, 5)],
+    [
+        (0.03125, 3),
+        (0.05, 3),
+        (0.00118, 3),
+        (0.00209, 9),
+        (0.01, 5),
+        (0.1, 7),
+        (0.1174, 5),
+    ],
 )
 def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, sites: int) -> None:
     """Its coupling is known to the square of what its amplitude is; neither error is far larger.
@@ -297,6 +305,41 @@ def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, si
     # Differences leave an error of some 1e-10 in the state of the reference.
     assert abs(fold.height - true) <= fold.height_error + 1e-10
     assert fold.height_error < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("eta", "nucleus", "before"),
+    [
+        (0.1248, Nucleus(1), 1.571e-6),
+        (0.0388, Nucleus(2, "+"), 2.27e-6),
+        (0.1, Nucleus(1), 1e-10),
+        (0.08, Nucleus(3, "-+"), 4e-14),
+    ],
+)
+def test_close_to_its_fold_a_breather_errs_by_no_more_than_it_states(
+    eta: float, nucleus: Nucleus, before: float
+) -> None:
+    chain = AveragedChain(a=1.0, b=eta, c=1e3, sites=nucleus.size + 6)
+    fold = solve_envelope_breather(chain, nucleus).fold
+    assert fold is not None
+    near = chain.replace(c=fold * (1.0 - before))
+    found = solve_envelope_breather(near, nucleus)
+    exact = locked_state(eta, near.c, found.waves, float(found.unknowns[-1]))
+    waves = exact.value[: near.sites] + 1j * exact.value[near.sites : -1]
+    assert found.error is not None
+    assert np.abs(np.abs(waves) - found.amplitudes).max() <= found.error < 1e-3
+
+
+def test_where_the_cycles_nearly_meet_a_fold_errs_by_the_rounding_of_the_damping() -> None:
+    a = 1.3629350220887508
+    chain = AveragedChain(a=a, b=0.12499423213870642 * a**2, c=1e3, sites=7)
+    found = solve_envelope_breather(chain, Nucleus(1))
+    assert found.fold is not None
+    assert found.fold_error is not None
+    near = solve_envelope_breather(chain.replace(c=found.fold * (1.0 - 1e-6)), Nucleus(1))
+    eta: Any = np.longdouble(chain.b) / np.longdouble(a) ** 2
+    exact = locked_fold(eta, found.fold, math.sqrt(a) * near.waves, float(near.unknowns[-1]))
+    assert abs(found.fold - float(exact.value[-1])) <= found.fold_error < 1e-12
 
 
 @pytest.mark.parametrize(("eta", "folds"), [(0.1, 0), (0.1017, 0), (0.11, 1)])
@@ -357,7 +400,7 @@ def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be()
 
     family: Any = SimpleNamespace(
         nucleus=Nucleus(1), chain=VdpChain(a=2.5, b=0.5, c=0.1, sites=2), unit=unit,
-        amplitudes=lambda u, _: np.full(2, amplitude(u)), step_error=lambda _: 0.0,
+        amplitudes=lambda u, _: np.full(2, amplitude(u)), step_error=lambda _: FoldShift(0.0, 0.0),
     )  # fmt: skip
     fold = Fold(0.2, 1e-12, np.array([0.5, 0.5]), away=np.zeros(2), aside=aside)
     found = _described(family, fold, 1)

@@ -24,6 +24,7 @@ from verification.continuation.newton import (
     PARAMETER_WEIGHT,
     BranchPoint,
     NotConvergedError,
+    solution_error,
     solve_at,
     step_along,
 )
@@ -169,11 +170,72 @@ def test_a_step_that_ends_far_beside_its_tangent_is_halved(apart: float, same: b
         return u - (0.0 if c < 0.05 else apart), np.eye(1), np.zeros(1)
 
     start = solve_at(two_lines, np.zeros(1), 0.0)
-    new, length = branches._next(two_lines, start, 1.0, 1e-11)
+    new, length = branches._next(two_lines, start, 1.0, StepControl())
     assert (new.u[0], length) == ((apart, 1.0) if same else (0.0, 0.25))
 
 
+@pytest.mark.parametrize("c", [1.0, 1e-6, 1e-12])
+@pytest.mark.parametrize("off", [1e-16, 1e-13, 1e-9])
+def test_a_solution_beside_a_fold_errs_by_no_more_than_is_stated(c: float, off: float) -> None:
+    """u² = c, where F may be wrong by δ: the root of c ± δ, or of 0."""
+
+    def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 - c, np.diag(2.0 * u), np.array([-1.0])
+
+    stated = solution_error(parabola, np.array([math.sqrt(c)]), c, off)
+    aside = solution_error(parabola, np.array([math.sqrt(c)]), c, 0.0, off)
+    for true in (max(c - off, 0.0), c + off):
+        assert abs(math.sqrt(true) - math.sqrt(c)) <= min(stated, aside)
+    least = off + 1e-15 * c
+    assert max(stated, aside) <= 4.0 * least / max(math.sqrt(c), math.sqrt(least))
+
+
 # ------------------------------------------------------------------------------- branches, folds
+
+
+def test_where_two_branches_nearly_cross_the_one_that_is_followed_is_not_left() -> None:
+    """(u - c)(u + c) + δ = 0 turns back at c = √δ if followed from u = c < 0."""
+
+    def crossing(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 - c**2 + 1e-6, np.diag(2.0 * u), np.array([-2.0 * c])
+
+    start = solve_at(crossing, np.array([-1.0]), -1.0)
+    along = StepControl(length=0.3)
+    jumped, kept = (
+        trace(crossing, start, 1.0, None, replace(along, generic=generic))
+        for generic in (False, True)
+    )
+    assert jumped.folds == ()  # it goes on along u = c
+    assert kept.fold is not None
+    assert abs(kept.fold.parameter + 1e-3) <= kept.fold.error < 1e-9
+
+
+def test_of_two_folds_within_one_step_the_first_is_found() -> None:
+    """A branch that turns at u = 0.4, back at 0.5 and again at 0.6."""
+
+    def course(u: Any, c: float) -> tuple[Any, Any, Any]:
+        s = u[0] - 0.5
+        return (
+            np.array([s * (s**2 - 0.02) * s / 4.0 + c]),
+            np.array([[s**3 - 0.01 * s]]),
+            np.ones(1),
+        )
+
+    start = solve_at(course, np.array([0.3]), -0.0002)
+    branch = trace(course, start, 1.0, None, StepControl(length=0.6))
+    assert branch.fold is not None
+    assert branch.fold.u[0] == pytest.approx(0.4, abs=1e-3)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(side: float) -> None:
+    def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 + c, np.diag(2.0 * u), np.array([1.0])
+
+    fold = Fold(0.0, 0.0, np.zeros(1), tangent=np.ones(1))
+    for begun in (-0.1, 0.1):
+        found = solve_at(parabola, np.array([begun]), -0.01)
+        assert branches._on_side(parabola, found, fold, side).u[0] == pytest.approx(0.1 * side)
 
 
 def test_continuation_finds_the_fold_of_a_circle() -> None:
@@ -408,7 +470,8 @@ def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
 @pytest.mark.parametrize("after", [False, True])
 def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
     """u² = c at a fold at 0: three quarters of the way to it in c are half of it in u."""
-    point = BranchPoint(np.array([1.0]), 1.0, np.ones(2), 0.0, 0.0, 1)
+    side = 1.0 if after else -1.0
+    point = BranchPoint(np.array([1.0]), 1.0, np.ones(2), 0.0, 0.0, 1, orientation=side)
     other = replace(point, u=np.array([-1.0]))
     fold = Fold(0.0, 0.0, np.zeros(1), place=1)
     begun: list[float] = []

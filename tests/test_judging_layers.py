@@ -1136,17 +1136,19 @@ def test_a_cycle_is_too_stiff_by_its_largest_damping(eta: float) -> None:
         shooting._check_stiffness(cell, 1.001 * limit, cell.cycles[1])
 
 
-def test_halved_steps_shift_a_fold_by_their_residual_over_the_largest_slope(
+def test_halved_steps_shift_a_fold_by_what_no_change_of_the_state_makes_up_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def system(_: object, refinement: int) -> Any:
+    """The second equation, c = 0.2 + (residual)/1.5, contains no unknown."""
+
+    def system(_: object, refinement: int = 1) -> Any:
         residual = np.array([1e-6, -3e-6]) if refinement == 2 else np.zeros(2)
-        return lambda u, c: (residual, None, np.array([0.5, -1.5]))
+        return lambda u, c: (residual, np.array([[1.0, 2.0], [0.0, 0.0]]), np.array([5.0, -1.5]))
 
     monkeypatch.setattr(Orbits, "system", system)
-    chain, fold = AveragedChain(a=4, b=0.5, c=0.2), Fold(0.2, 0.0, np.zeros(2))
-    assert Orbits(chain.full(), Nucleus(1)).step_error(fold) == pytest.approx(2e-6)
-    assert RotatingWaves(chain, Nucleus(1)).step_error(fold) == 0.0
+    chain = AveragedChain(a=4, b=0.5, c=0.2)
+    fold = Fold(0.2, 0.0, np.zeros(2), tangent=np.array([2.0, -1.0]))
+    assert Orbits(chain.full(), Nucleus(1)).step_error(fold).parameter == pytest.approx(2e-6)
 
 
 def test_the_bracket_of_an_escape_holds_the_coupling_at_which_runs_begin_to(

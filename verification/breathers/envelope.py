@@ -31,8 +31,20 @@ from theory.parameters import ParameterError, at_least
 from verification.breathers.exponents import BreatherStability, exponents, rotating_jacobian, unpack
 from verification.breathers.family import BreatherFamily, ReportCallback, silent
 from verification.breathers.result import Breather, BreatherMethod, wave_error_of
-from verification.continuation.branch import ContinuationBranch, Fold, trace
-from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
+from verification.continuation.branch import (
+    ContinuationBranch,
+    Fold,
+    FoldShift,
+    fold_shift,
+    trace,
+)
+from verification.continuation.newton import (
+    BranchPoint,
+    NotConvergedError,
+    System,
+    solution_error,
+    solve_at,
+)
 
 START = 0.01
 """Coupling at which branches leave the anticontinuum limit, unless their fold is close to it."""
@@ -162,17 +174,36 @@ class RotatingWaves(BreatherFamily):
         here = replace(self.chain, c=c)
         return exponents(*self.unpack(u), here, mirrored, error=math.inf)
 
+    def step_error(self, fold: Fold) -> FoldShift:
+        """Return by how much the rounding of F shifts a fold."""
+        phi, omega = self.unpack(fold.u)
+        return fold_shift(self.system(), fold, self._off(phi, omega, fold.parameter))
+
     def amplitudes(self, u: FloatArray, c: float) -> FloatArray:
         """Return |φ| of every site."""
         found: FloatArray = np.abs(self.unpack(u)[0])
         return found
 
+    def _off(self, phi: ComplexArray, omega: float, c: float) -> FloatArray:
+        """Return the rounding error of F in `system`, from the sizes of its terms."""
+        chain = self.chain
+        square = np.abs(phi) ** 2
+        rates = 0.5 + chain.a * square / 8.0 + chain.b * square**2 / 16.0
+        springs = 0.5 * c * np.abs(coupling_matrix(chain.sites, chain.ends))
+        turns = springs + abs(omega) * np.eye(chain.sites)
+        x, y = np.abs(phi.real), np.abs(phi.imag)
+        terms = np.concatenate([rates * x + turns @ y, rates * y + turns @ x, [0.0]])
+        return 4.0 * float(np.finfo(float).eps) * terms / (self.unit * self.rate_unit)
+
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
-        """Return a solution; its error is the next Newton step plus rounding."""
+        """Return a solution; its error is that of Newton's method plus rounding."""
         here = replace(self.chain, c=point.parameter)
         phi, omega = self.unpack(point.u)
         frequency = 1.0 + here.eps * omega
-        left, rounding = 2.0 * point.correction, _rounding(phi, here)
+        rounding = _rounding(phi, here)
+        off, aside = self._off(phi, omega, here.c), self.aside(here.c, fold)
+        left = solution_error(self.system(), point.u, here.c, off, aside)
+        left = max(left, 2.0 * point.correction)
         # Ω is dimensionless: its rounding is the relative one of φ, and also that of the frequency.
         relative = left + rounding / float(np.abs(phi).max())
         error = left * self.unit + rounding
@@ -192,7 +223,7 @@ class RotatingWaves(BreatherFamily):
             wave_error=wave_error_of(error, phi, self.nucleus.outward(here.sites)),
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
-            fold_error=None if fold is None else fold.error,
+            fold_error=None if fold is None else self.fold_error(fold),
             unknowns=np.append(self.unit * point.u[:-1], omega),
             stability=stability,
             seconds=time.perf_counter() - started,

@@ -15,7 +15,7 @@ import math
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeAlias
 
 from theory.arrays import FloatArray
@@ -27,6 +27,7 @@ from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.branch import (
     ContinuationBranch,
     Fold,
+    FoldShift,
     Monitor,
     StepControl,
     arrive,
@@ -108,9 +109,26 @@ class BreatherFamily(ABC):
         """Return the same breathers with twice the integration steps, if there are any."""
         return self
 
-    def step_error(self, fold: Fold) -> float:
-        """Return by how much the integration steps, if there are any, shift a fold."""
-        return 0.0
+    @abstractmethod
+    def step_error(self, fold: Fold) -> FoldShift:
+        """Return by how much integration steps, or rounding in F, shift a fold."""
+
+    def fold_error(self, fold: Fold) -> float:
+        """Return the error of the coupling of a fold."""
+        return fold.error + self.step_error(fold).parameter
+
+    def step_control(self, folds: int = 0) -> StepControl:
+        """Return how a branch is followed through a number of folds.
+
+        Branches of a mirror-symmetric nucleus are crossed by those that break the symmetry.
+        """
+        generic = not self.nucleus.mirrored(self.chain.sites)
+        return replace(self.steps_along, folds=folds, generic=generic)
+
+    def aside(self, c: float, fold: Fold | None) -> float:
+        """Return the error of a fold if a coupling is within it; otherwise 0."""
+        error = 0.0 if fold is None else self.fold_error(fold)
+        return error if fold is not None and abs(fold.parameter - c) <= error else 0.0
 
     def monitor(self, u: FloatArray, c: float) -> tuple[float, float, float]:
         """Return the growth of all modes, of those with the breather's parity, and of the others.
@@ -150,7 +168,7 @@ class BreatherFamily(ABC):
         """
         monitor = self.reported_monitor(report) if monitored else None
         start = self.start(c_end, report=report)
-        return trace(self.system(), start, c_end, monitor, self.steps_along)
+        return trace(self.system(), start, c_end, monitor, self.step_control())
 
     def solve(self) -> Breather:
         """Solve for the breather at the coupling of the chain.
@@ -174,7 +192,7 @@ class BreatherFamily(ABC):
                 method=self.method,
                 status=BreatherStatus.NONE,
                 fold=branch.fold.parameter,
-                fold_error=branch.fold.error,
+                fold_error=self.fold_error(branch.fold),
                 seconds=time.perf_counter() - started,
             )
         return self.measured(arrive(self.system(), branch, c), started, branch.fold)

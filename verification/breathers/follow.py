@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
@@ -93,7 +93,7 @@ def follow(
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
-    branch = trace(system, start, furthest, None, replace(family.steps_along, folds=folds))
+    branch = trace(system, start, furthest, None, family.step_control(folds))
     points, folds_passed = [], []
     for point, passed in solutions_at(system, branch, required):
         points.append(family.measured(point, started))
@@ -104,15 +104,15 @@ def follow(
         place = sum(each <= number for each in folds_passed)
         turned.append(_described(family, fold, place))
     reached = {point.chain.c for point in points}
-    end = (branch.fold.parameter, branch.fold.error) if branch.fold is not None else (None, None)
+    first = branch.fold
     points += [
         Breather(
             chain=chain.replace(c=c),
             nucleus=nucleus,
             method=own_method(chain),
             status=BreatherStatus.NONE,
-            fold=end[0],
-            fold_error=end[1],
+            fold=None if first is None else first.parameter,
+            fold_error=None if first is None else family.fold_error(first),
             seconds=0.0,
         )
         for c in required
@@ -125,7 +125,7 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BreatherFold:
     """Return a fold with the errors of its coupling and of its amplitude.
 
     Its coupling is known to the square of its distance along the branch, its amplitude only to this
-    distance. Breathers stated at the fold have errors that do not hold, since ∂F/∂u is singular.
+    distance.
     """
     site, moved = family.nucleus.outward(family.chain.sites), family.step_error(fold)
     height, beside = (
@@ -134,10 +134,10 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BreatherFold:
     # Across the branch, amplitudes change no faster than the state, of which they have two parts.
     return BreatherFold(
         c=float(fold.parameter),
-        c_error=fold.error + moved,
+        c_error=fold.error + moved.parameter,
         height=height,
         height_error=abs(height - beside)
-        + 2.0 * family.unit * (fold.aside + moved)
+        + 2.0 * family.unit * (fold.aside + moved.solution)
         + 1e-14 * height,
         place=place,
     )

@@ -27,8 +27,14 @@ from verification.breathers.family import BreatherFamily, ReportCallback, silent
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.periodic_motion import SAMPLES, first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod, wave_error_of
-from verification.continuation.branch import Fold, StepControl, trace
-from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
+from verification.continuation.branch import Fold, FoldShift, StepControl, fold_shift, trace
+from verification.continuation.newton import (
+    BranchPoint,
+    NotConvergedError,
+    System,
+    solution_error,
+    solve_at,
+)
 from verification.steppers.variational import STEPS, Flow, integrate_variations
 
 STARTS = (0.05, 0.1, 0.15)
@@ -189,7 +195,7 @@ class Orbits(BreatherFamily):
             parity=self._parity(state) if split else 0,
             error=float(sum(changes)),
         )
-        error = float(np.abs(step).max()) + point.correction
+        error = solution_error(self.system(2), point.u, c, aside=self.aside(c, fold))
         frequency = 2.0 * math.pi / period
         waves = first_harmonics(fine.samples)
         turned = self.nucleus.outward(self.chain.sites)
@@ -207,7 +213,7 @@ class Orbits(BreatherFamily):
             wave_error=wave_error_of(error * max(1.0, 1.0 / frequency), waves, turned),
             residual=float(np.abs(coarse.state - state).max()),
             fold=None if fold is None else fold.parameter,
-            fold_error=None if fold is None else fold.error,
+            fold_error=None if fold is None else self.fold_error(fold),
             unknowns=point.u,
             stability=stability,
             seconds=time.perf_counter() - started,
@@ -217,10 +223,10 @@ class Orbits(BreatherFamily):
         """Return the same orbits with twice the integration steps."""
         return replace(self, steps=2 * self.count)
 
-    def step_error(self, fold: Fold) -> float:
-        """Return the shift of the fold when the step is halved: residual over |∂F/∂c|."""
-        value, _, by_c = self.system(2)(fold.u, fold.parameter)
-        return float(abs(value).max() / abs(by_c).max())
+    def step_error(self, fold: Fold) -> FoldShift:
+        """Return the shift of the fold when the step is halved."""
+        value = self.system(2)(fold.u, fold.parameter)[0]
+        return fold_shift(self.system(), fold, np.abs(value))
 
     def _parity(self, state: FloatArray) -> int:
         sites = self.chain.sites

@@ -7,6 +7,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -30,6 +31,8 @@ _CROSSING = 1e-11
 """Difference in the parameter between the two sides of a crossing at which its search stops."""
 _MAX_CROSSING = 200
 """Largest number of steps of that search; bisection alone takes about 40."""
+_PARTS = 0.5, 0.75, 0.9
+"""Parts of the way to a fold at which an earlier one would show."""
 _LEAST = 5e-324
 """Replaces zero as a value that is not yet positive; at an exact zero the search would stop on one
 side."""
@@ -57,6 +60,8 @@ class Fold:
     aside : float
         Largest error of ``u`` across the branch: that of ``parameter``, and ten times the last
         correction.
+    tangent : float array
+        Change of ``u`` along the branch at the fold.
     """
 
     parameter: float
@@ -65,6 +70,7 @@ class Fold:
     place: int = 0
     away: FloatArray = field(default_factory=lambda: np.empty(0))
     aside: float = math.inf
+    tangent: FloatArray = field(default_factory=lambda: np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -127,6 +133,9 @@ class StepControl:
         Shortfall of the parameter at which the search for a fold stops.
     folds : int
         Number of folds that are passed; the branch ends one step beyond the next one.
+    generic : bool
+        Whether branches do not cross, for lack of symmetry. Where two of them nearly do, steps are
+        then shortened until the branch is not left.
     """
 
     length: float = 0.1
@@ -135,6 +144,7 @@ class StepControl:
     max_steps: int = 200
     fold_tolerance: float = 1e-11
     folds: int = 0
+    generic: bool = False
 
 
 def trace(
@@ -168,12 +178,12 @@ def trace(
     watch = monitor or (lambda u, p: ())
     low, high = min(start.parameter, p_end), max(start.parameter, p_end)
     sense = math.copysign(1.0, start.tangent[-1] * (p_end - start.parameter))
-    point = replace(start, tangent=sense * start.tangent)
+    point = start if sense > 0.0 else start.reversed()
     points, seen, folds = [point], [watch(point.u, point.parameter)], []
     length = steps.length
     for _ in range(steps.max_steps):
         try:
-            new, length = _next(system, point, length, steps.tolerance)
+            new, length = _next(system, point, length, steps)
             turned = new.tangent[-1] * point.tangent[-1] <= 0.0
             if turned:
                 fold = _find_fold(system, point, new, length, steps)
@@ -202,23 +212,30 @@ def trace(
 
 
 def _next(
-    system: System, point: BranchPoint, length: float, tolerance: float
+    system: System, point: BranchPoint, length: float, steps: StepControl
 ) -> tuple[BranchPoint, float]:
     """Take a step of this length, halved until it continues along a smooth branch.
+
+    A step across a bifurcation is taken if that cannot be avoided, or need not be.
 
     Raises
     ------
     NotConvergedError
         If the step becomes too short.
     """
+    across: tuple[BranchPoint, float] | None = None
     while length >= _SHORTEST:
         with contextlib.suppress(NotConvergedError, np.linalg.LinAlgError):
-            new = step_along(system, point, length, tolerance)
+            new = step_along(system, point, length, steps.tolerance)
             # A turn or a correction too large for a smooth branch may mean a jump to another
             # branch.
             if float(new.tangent @ point.tangent) >= 0.9 and _aside(point, new, length) <= 0.3:
-                return new, length
+                if not steps.generic or new.orientation == point.orientation:
+                    return new, length
+                across = across or (new, length)
         length *= 0.5
+    if across is not None:
+        return across
     raise NotConvergedError(
         f"the branch could not be followed past c = {point.parameter:.6g}: take a smaller eps, or "
         "an eta farther from 1/8.",
@@ -236,10 +253,12 @@ def solutions_at(
     NotConvergedError
         If Newton's method fails from the interpolated start.
     """
-    nodes = [(point.u, point.parameter, False) for point in branch.points]
+    nodes: list[tuple[FloatArray, float, Fold | None]] = [
+        (point.u, point.parameter, None) for point in branch.points
+    ]
     passed = 0
     for fold in reversed(branch.folds):
-        nodes.insert(fold.place, (fold.u, fold.parameter, True))
+        nodes.insert(fold.place, (fold.u, fold.parameter, fold))
     required = np.unique(np.asarray(values, dtype=float))
     for place, ((u, p, from_fold), (v, d, to_fold)) in enumerate(itertools.pairwise(nodes)):
         inside = required[
@@ -248,12 +267,30 @@ def solutions_at(
         for value in (inside if d > p else inside[::-1]).tolist():
             share = (value - p) / (d - p)
             # Across a fold u varies like the square root of the distance from it.
-            if to_fold:
+            if to_fold is not None:
                 share = 1.0 - math.sqrt(1.0 - share)
-            elif from_fold:
+            elif from_fold is not None:
                 share = math.sqrt(share)
-            yield solve_at(system, u + share * (v - u), value), passed
-        passed += to_fold
+            found = solve_at(system, u + share * (v - u), value)
+            for near, side in ((from_fold, 1.0), (to_fold, -1.0)):
+                if near is not None:
+                    found = _on_side(system, found, near, side)
+            yield found, passed
+        passed += to_fold is not None
+
+
+def _on_side(system: System, found: BranchPoint, fold: Fold, side: float) -> BranchPoint:
+    """Return the solution before (-1) or after (1) a fold from one on either side of it.
+
+    Close to a fold Newton's method may end on the other side. The solution sought is then about as
+    far from the fold in the opposite direction.
+    """
+    along = fold.tangent
+    if side * float(along @ (found.u - fold.u)) < 0.0:
+        with contextlib.suppress(NotConvergedError):
+            other = solve_at(system, 2.0 * fold.u - found.u, found.parameter)
+            return other if side * float(along @ (other.u - fold.u)) > 0.0 else found
+    return found
 
 
 @dataclass
@@ -285,7 +322,8 @@ def _find_fold(
     """Find where dp/ds vanishes on a step of this length from ``before`` to ``beyond``.
 
     dp/ds is linear across a fold, so the bracketed secant method (Illinois) needs few evaluations;
-    the error of p is of second order in that of the position.
+    the error of p is of second order in that of the position. Where two folds are close to each
+    other dp/ds may vanish three times, and the first of these places is sought.
     """
     bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
     best, missing, away = beyond, np.inf, np.inf
@@ -298,8 +336,12 @@ def _find_fold(
         away = value / bend
         missing = value**2 / (2.0 * PARAMETER_WEIGHT * abs(bend))
         if missing < steps.fold_tolerance:
-            break
-        bracket.shrink(place, value)
+            earlier = _earlier(system, before, place, steps)
+            if earlier is None:
+                break
+            bracket = _Bracket(0.0, earlier[0], float(before.tangent[-1]), earlier[1])
+        else:
+            bracket.shrink(place, value)
     left = _displaced(system, best)
     return Fold(
         parameter=best.parameter,
@@ -307,7 +349,19 @@ def _find_fold(
         u=best.u,
         away=4.0 * away * best.tangent[:-1],
         aside=left + 10.0 * best.correction,
+        tangent=best.tangent[:-1],
     )
+
+
+def _earlier(
+    system: System, before: BranchPoint, place: float, steps: StepControl
+) -> tuple[float, float] | None:
+    """Return a place before a fold at which the branch has turned already, and dp/ds there."""
+    for part in _PARTS:
+        turned = float(step_along(system, before, part * place, steps.tolerance).tangent[-1])
+        if turned * before.tangent[-1] < 0.0:
+            return part * place, turned
+    return None
 
 
 def _displaced(system: System, at: BranchPoint) -> float:
@@ -322,6 +376,33 @@ def _displaced(system: System, at: BranchPoint) -> float:
     off = np.abs(value) + float(np.finfo(float).eps) * (np.abs(slope) @ np.abs(at.u))
     displaced = 2.0 * float(np.abs(inverse[-1, :-1]) @ off) / PARAMETER_WEIGHT
     return max(displaced, 10.0 * at.residual)
+
+
+class FoldShift(NamedTuple):
+    """Largest shifts of a fold by errors of F: in its parameter, and of u across the branch."""
+
+    parameter: float
+    solution: float
+
+
+def fold_shift(system: System, fold: Fold, off: FloatArray) -> FoldShift:
+    """Return the largest shifts of a fold that errors of F can cause.
+
+    Parameters
+    ----------
+    system : System
+        The equations.
+    fold : Fold
+        The fold.
+    off : float array
+        Bounds on the errors of F.
+    """
+    _, slope, by_p = system(fold.u, fold.parameter)
+    inverse = np.linalg.inv(
+        np.vstack([np.column_stack([slope, by_p]), np.append(fold.tangent, 0.0)])
+    )
+    shifts = np.abs(inverse[:, :-1]) @ off
+    return FoldShift(float(shifts[-1]), float(shifts[:-1].max()))
 
 
 def first_crossing(

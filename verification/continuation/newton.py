@@ -8,7 +8,7 @@ The parameter p is the coupling c for most branches, and η for fronts followed 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,8 @@ System = Callable[[FloatArray, float], tuple[FloatArray, FloatArray, FloatArray]
 
 PARAMETER_WEIGHT = 10.0
 MAX_NEWTON = 20
+_BESIDE = 1e-7, 1e-3
+"""Range of the step, in u, of the difference that gives the second derivative of F."""
 
 
 class NotConvergedError(RunError):
@@ -55,6 +57,9 @@ class BranchPoint:
         Size of the next Newton step: an estimate of the error of u.
     iterations : int
         Number of evaluations of the system.
+    orientation : float
+        Sign of det(∂F/∂u) times the last entry of the tangent. It is constant along a branch, so
+        that a step after which it differs has passed a bifurcation or led to another branch.
     """
 
     u: FloatArray
@@ -63,6 +68,11 @@ class BranchPoint:
     residual: float
     correction: float
     iterations: int
+    orientation: float = 1.0
+
+    def reversed(self) -> BranchPoint:
+        """Return the same solution with the tangent in the other direction."""
+        return replace(self, tangent=-self.tangent, orientation=-self.orientation)
 
 
 def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-11) -> BranchPoint:
@@ -90,7 +100,9 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
         # One more step when the residual is already small costs little and squares the error.
         if residual < tolerance and correction < np.sqrt(tolerance):
             left = float(np.abs(np.linalg.solve(slope, value)).max())
-            return BranchPoint(u, p, _tangent(slope, by_p, None), residual, left, iteration)
+            tangent = _tangent(slope, by_p, None)
+            side = _orientation(slope, tangent)
+            return BranchPoint(u, p, tangent, residual, left, iteration, side)
         try:
             change = np.linalg.solve(slope, value)
         except np.linalg.LinAlgError:
@@ -110,6 +122,52 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
     raise NotConvergedError(
         f"no solution was found at c = {p:.6g}: take a smaller coupling, or a smaller eps.", p
     )
+
+
+def solution_error(
+    system: System, u: FloatArray, p: float, rounding: FloatArray | float = 0.0, aside: float = 0.0
+) -> float:
+    """Return a bound on the distance of an approximate solution from the exact one.
+
+    With y the largest Newton step for any F within twice the computed one plus its rounding, and K
+    the second derivative of F along this step, in units of ∂F/∂u, the distance e obeys e ≤ y + ½Ke²
+    (Kantorovich). The smaller root bounds it where there are two. There are none close to a fold:
+    the exact solutions, of which there may be two, are then within the root of ½Ke² = e + y.
+
+    Parameters
+    ----------
+    system : System
+        The equations.
+    u : float array
+        A solution of `solve_at`.
+    p : float
+        Value of the parameter.
+    rounding : float array or float
+        Bound on the errors of F, besides those that relative errors of u in the last place cause.
+    aside : float
+        Error of the parameter: close to a fold, that of the fold, within which the two solutions
+        that meet there are not distinguished.
+    """
+    value, slope, by_p = system(u, p)
+    off = 2.0 * np.abs(value) + float(np.finfo(float).eps) * (np.abs(slope) @ np.abs(u)) + rounding
+    off += aside * np.abs(by_p)
+    try:
+        inverse = np.linalg.inv(slope)
+    except np.linalg.LinAlgError:
+        return np.inf
+    steps = np.abs(inverse) @ off
+    largest = float(steps.max())
+    if not 0.0 < largest < np.inf:
+        return largest
+    worst = inverse @ np.copysign(off, inverse[int(steps.argmax())])
+    # Near the size of the error, since F'' may be much larger elsewhere.
+    beside = worst * (float(np.clip(10.0 * largest, *_BESIDE)) / largest)
+    bend = inverse @ ((system(u + beside, p)[1] - slope) @ beside)
+    curvature = float(np.abs(bend).max()) / float(np.abs(beside).max()) ** 2
+    twice = 2.0 * curvature * largest
+    if twice <= 1.0:
+        return 2.0 * largest / (1.0 + float(np.sqrt(1.0 - twice)))
+    return (1.0 + float(np.sqrt(1.0 + twice))) / curvature
 
 
 def step_along(
@@ -139,7 +197,9 @@ def step_along(
         change = np.linalg.solve(bordered(slope, by_p, across), np.append(value, plane))
         if residual < tolerance and correction < np.sqrt(tolerance):
             left = float(np.abs(change).max())
-            return BranchPoint(u, p, _tangent(slope, by_p, across), residual, left, iteration)
+            tangent = _tangent(slope, by_p, across)
+            side = _orientation(slope, tangent)
+            return BranchPoint(u, p, tangent, residual, left, iteration, side)
         correction = float(np.abs(change).max())
         u = u - change[:-1]
         p -= float(change[-1]) / PARAMETER_WEIGHT
@@ -148,6 +208,10 @@ def step_along(
         "coupling.",
         start.parameter,
     )
+
+
+def _orientation(slope: FloatArray, tangent: FloatArray) -> float:
+    return float(np.linalg.slogdet(slope)[0] * np.sign(tangent[-1]))
 
 
 def bordered(slope: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArray:

@@ -32,6 +32,11 @@ from verification.thresholds.result import BranchThreshold, Definition, Mechanis
 EXTRA = 3
 """Number of sites added on each side to measure the effect of the finite chain on a threshold."""
 
+_REMAINDER = 2.0
+"""Bound on the effect of all sites beyond the margin, relative to that of the first `EXTRA` ones.
+Amplitudes at rest fall by a fifth or more per site up to c = 2, so that those farther out have less
+than half the effect of these."""
+
 _SOLUTIONS = 40
 """Usual number of solutions whose growth is computed: 10 on each branch, and 10 to locate each loss
 of stability."""
@@ -98,7 +103,7 @@ def breather_threshold(
         if other.fold is not None
         else branch.fold.parameter
     )
-    error = branch.fold.error + finite + family.step_error(branch.fold)
+    error = family.fold_error(branch.fold) + _REMAINDER * finite
     crossing = _before(
         branch.fold, first_crossing(family.system(), branch, family.reported_monitor(report), 0)
     )
@@ -113,7 +118,7 @@ def breather_threshold(
     error_stable = None
     if c_stable is not None:
         own = error if crossing is None else _crossing_error(family, crossing)
-        error_stable = own + abs(c_stable - (c_stable_longer or 0.0))
+        error_stable = own + _REMAINDER * abs(c_stable - (c_stable_longer or 0.0))
     return BranchThreshold(
         c_crit=branch.fold.parameter,
         error=error,

@@ -195,7 +195,8 @@ class Orbits(BreatherFamily):
             parity=self._parity(state) if split else 0,
             error=float(sum(changes)),
         )
-        error = solution_error(self.system(2), point.u, c, aside=self.aside(c, fold))
+        near = solution_error(self.system(2), point.u, c, aside=self.aside(c, fold))
+        error = near + point.correction
         frequency = 2.0 * math.pi / period
         waves = first_harmonics(fine.samples)
         turned = self.nucleus.outward(self.chain.sites)

@@ -1204,7 +1204,8 @@ def test_the_error_of_a_loss_of_stability_has_what_a_longer_chain_changes_in_it(
     monkeypatch.setattr(continuation, "_mechanism", lambda *given: Mechanism.REAL_EXPONENT)
     found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=2)
     assert found.stable_to == 0.07
-    assert found.stable_to_error == pytest.approx(1e-6 + abs(0.07 - (longer or 0.0)), abs=1e-15)
+    apart = abs(0.07 - (longer or 0.0))
+    assert found.stable_to_error == pytest.approx(1e-6 + 2.0 * apart, abs=1e-15)
 
 
 def test_a_search_along_a_branch_reports_how_far_it_is() -> None:
@@ -1234,7 +1235,7 @@ def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_l
     monkeypatch.setattr(continuation, "own_family", of)
     found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=1)
     assert made == [3, 9]
-    assert found.c_crit <= found.error < 1.001 * found.c_crit
+    assert found.c_crit <= found.error < 2.001 * found.c_crit
 
 
 @pytest.mark.parametrize(

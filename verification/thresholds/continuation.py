@@ -25,7 +25,7 @@ from verification.continuation.branch import (
     arrive,
     first_crossing,
 )
-from verification.continuation.newton import NotConvergedError, solve_at
+from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
 from verification.execution.progress import ProgressCallback
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
@@ -110,7 +110,7 @@ def breather_threshold(
     beside = _before(
         other.fold, first_crossing(longer.system(), other, longer.reported_monitor(report), 0)
     )
-    half_way = arrive(family.system(), branch, 0.5 * branch.fold.parameter)
+    half_way = _before_fold(family.system(), branch, 0.5 * branch.fold.parameter)
     there: Any = family.measured(half_way, started).stability
     mirrored = nucleus.mirrored(here.sites)
     c_stable = _stable_to(crossing, branch.fold)
@@ -166,6 +166,14 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
         return chain.replace(sites=sites)
     kind = VdpChain if method is ThresholdMethod.ORBIT else AveragedChain
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
+
+
+def _before_fold(system: System, branch: ContinuationBranch, c: float) -> BranchPoint:
+    """Solve at a coupling below the fold, on the branch or just below its beginning."""
+    first = branch.points[0]
+    if c < first.parameter:
+        return solve_at(system, first.u, c)
+    return arrive(system, branch, c)
 
 
 def _before(fold: Fold | None, crossing: Crossing | None) -> Crossing | None:

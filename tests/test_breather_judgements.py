@@ -56,7 +56,8 @@ def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     assert (found.error, found.error_unknown) == (0.5 + 0.25 + 0.0625, "")
     assert found.frequency_error == 0.125 + 2.0**-5 + 2.0**-6
     # sites beyond count whole, and turn by the error of a centre that is 4.5 times smaller
-    assert found.wave_error == pytest.approx(9.0 + 0.125 + 2.0 * (1.0 + 4.5) * 0.0625)
+    gaps = np.array([9.0, 9.0, 9.0, 8.0, 0.0, abs(1.0 + 0.5 * side - 1.0), 9.0, 9.0, 9.0])
+    assert found.wave_error == pytest.approx(gaps + 0.125 + 2.0 * (1.0 + 4.5) * 0.0625)
 
 
 @pytest.mark.parametrize(
@@ -94,6 +95,20 @@ def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
         chain=replace(CHAIN, sites=3),
     )  # fmt: skip
     assert found.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0 / 6.0], rel=1e-12)
+    each = replace(found, wave_error=np.array([0.5, 7.0, 1.0]))
+    assert each.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0], rel=1e-12)
+
+
+@pytest.mark.parametrize("c", [0.02, 0.1])
+def test_phases_far_from_a_nucleus_are_known_as_well_as_those_in_it(c: float) -> None:
+    """Small waves turn with their neighbours; against a periodic orbit of the chain itself."""
+    chain = VdpChain(a=2.5, b=0.5, c=c, sites=15)
+    found = breathers.breather(chain, Nucleus(3), method="envelope")
+    assert found.phases_error[4:11].max() < 0.013
+    true = breathers.breather(chain, Nucleus(3), method="orbit")
+    apart = np.abs((true.phases - found.phases + 1.0) % 2.0 - 1.0)
+    assert np.all(apart <= found.phases_error + 1e-12)
+    assert apart[4] > 0.5 * found.phases_error[4]
 
 
 @pytest.mark.parametrize(("moved", "left"), [(0.29, False), (0.31, True)])
@@ -782,9 +797,11 @@ def test_waves_are_apart_by_those_of_the_sites_that_both_chains_have_whichever_i
         replace(_breather(of, waves=waves + 0j), chain=replace(CHAIN, sites=waves.size))
         for waves in (few, many)
     )
-    assert breathers._turned_gap(short, long) == pytest.approx(6.0)  # 2 and 8 at the centre
-    assert breathers._turned_gap(long, short) == pytest.approx(7.0)  # beyond the other chain
-    assert breathers._turned_gap(short, short) == 0.0
+    at = breathers._turned_gaps
+    assert at(short, long) == pytest.approx([4.0, 6.0, 1.75])  # 2 and 8 at the centre
+    beyond = [7.0, 0.5, 4.0, 6.0, 1.75, 1.0, 7.0]
+    assert at(long, short) == pytest.approx(beyond)  # beyond the other chain
+    assert at(short, short).tolist() == [0.0] * 3
 
 
 def test_the_phase_step_is_from_the_last_site_of_the_nucleus_to_the_next() -> None:

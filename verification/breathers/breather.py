@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple, overload
 
 import numpy as np
 
+from theory.arrays import FloatArray
 from theory.averaged.breather import (
     BreatherStatus,
     Reading,
@@ -314,13 +315,12 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
     count = min(exact.outward.size, found.outward.size)
     gap = float(np.abs(found.outward[:count] - exact.outward[:count]).max())
     apart = abs(found.frequency - exact.frequency)
-    turned = _turned_gap(found, exact)
     return replace(
         found,
         error=gap + exact.error + found.error,
         frequency_error=apart + (exact.frequency_error + found.frequency_error),
-        wave_error=turned
-        + (exact.wave_error or 0.0)
+        wave_error=_turned_gaps(found, exact)
+        + (0.0 if exact.wave_error is None else exact.wave_error)
         + wave_error_of(found.error, found.waves, found.nucleus.outward(found.chain.sites)),
         growth_error=_growth_apart(found, exact),
     )
@@ -333,19 +333,20 @@ def _growth_apart(found: Breather, exact: Breather) -> float | None:
     return abs(found.growth - exact.growth) + exact.growth_error + (found.growth_error or 0.0)
 
 
-def _turned_gap(found: Breather, exact: Breather) -> float:
-    """Return the largest distance between waves, both rotated to be real at the centre.
+def _turned_gaps(found: Breather, exact: Breather) -> FloatArray:
+    """Return the distance of each wave from the exact one, both rotated to be real at the centre.
 
-    Sites beyond the end of the shorter chain count with their whole amplitude.
+    Sites beyond the end of the exact chain count with their whole amplitude.
     """
     centre, other = (each.nucleus.outward(each.chain.sites) for each in (found, exact))
     left = min(centre, other)
     right = min(found.waves.size - centre, exact.waves.size - other)
     ours = found.waves / np.exp(1j * np.angle(found.waves[centre]))
     true = exact.waves / np.exp(1j * np.angle(exact.waves[other]))
-    gap = np.abs(ours[centre - left : centre + right] - true[other - left : other + right]).max()
-    beyond = np.abs(np.concatenate([ours[: centre - left], ours[centre + right :]]))
-    return float(max(gap, beyond.max(initial=0.0)))
+    gaps: FloatArray = np.abs(ours)
+    both = slice(centre - left, centre + right)
+    gaps[both] = np.abs(ours[both] - true[other - left : other + right])
+    return gaps
 
 
 def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:

@@ -75,9 +75,9 @@ class Breather(Result):
         latter; None if unknown, for the reason in `error_unknown`.
     frequency_error : float or None
         The same for the frequency.
-    wave_error : float or None
-        The same for the waves, rotated to be real at the centre; `phases_error` and
-        `phase_step_error` follow from it. None if unknown.
+    wave_error : float, float array of shape (N,), or None
+        The same for the waves, rotated to be real at the centre, of all sites or of each;
+        `phases_error` and `phase_step_error` follow from it. None if unknown.
     error_unknown : str
         Why an error is unknown; empty if all are known.
     residual : float or None
@@ -114,7 +114,7 @@ class Breather(Result):
     growth_error: float | None = None
     error: float | None = None
     frequency_error: float | None = None
-    wave_error: float | None = field(default=None, metadata={"json": None})
+    wave_error: float | FloatArray | None = field(default=None, metadata={"json": None})
     error_unknown: str = ""
     residual: float | None = None
     decay: float | None = None
@@ -217,7 +217,7 @@ class Breather(Result):
     def _turns(self) -> FloatArray:
         """Largest rotation of each wave that its error allows, in radians."""
         size = np.abs(self.waves)
-        error = self.wave_error or 0.0
+        error = np.broadcast_to(0.0 if self.wave_error is None else self.wave_error, size.shape)
         share = np.divide(error, size, out=np.ones_like(size), where=size > error)
         turns = np.where(size > error, np.arcsin(share), np.pi)
         return np.minimum(turns + 4.0 * float(np.finfo(float).eps), np.pi)

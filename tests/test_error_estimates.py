@@ -25,7 +25,7 @@ from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
 from verification.cells.friction import ROUND_OFF, _with_error
 from verification.cells.result import CellCycle
-from verification.fronts.network import _slope
+from verification.fronts.arrival_fit import velocity_of_arrivals
 from verification.fronts.preparation import Trial
 from verification.fronts.resting import pinning_eta, static_fold
 from verification.piecewise.chain import PiecewiseMotion, Rest
@@ -80,14 +80,15 @@ def test_a_cycle_is_no_better_than_rounding_of_its_period(period: float) -> None
     assert other.error == 0.5
 
 
-def test_a_velocity_of_a_network_is_uncertain_by_how_much_its_halves_differ() -> None:
+def test_a_velocity_of_a_network_is_uncertain_by_six_times_how_much_its_halves_differ() -> None:
     distance = np.arange(40.0)
-    v, error = _slope(distance, distance / 2.0)
+    v, error = velocity_of_arrivals(distance / 2.0, distance)
     assert (v, error) == pytest.approx((2.0, 0.0), abs=1e-9)  # rounding of forty times
     slower = np.where(distance < 30.0, distance / 2.0, 15.0 + (distance - 30.0))
-    v, error = _slope(distance, slower)
+    v, error = velocity_of_arrivals(slower, distance)
     # The outer half has times of 1/2 and then of 1 a site: the true velocity is either of these.
     assert max(abs(v - 1.0), abs(v - 2.0)) <= error
+    assert error == pytest.approx(6.0 * 0.5 * v**2, rel=1e-2)  # not explained by standard errors
 
 
 def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_reach() -> None:
@@ -101,6 +102,29 @@ def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_rea
         )  # fmt: skip
         assert found.v == pytest.approx(2.0, abs=1e-9)
         assert found.error == pytest.approx(0.25 * 1e-8 * 2.0, rel=1e-3)  # of its tolerance
+
+
+def test_distances_of_any_order_and_spacing_give_the_velocity_of_neighbouring_sites() -> None:
+    sites = np.arange(64)
+    arrivals = sites / 2.0 + 0.3 * np.exp(-sites / 20.0)
+    v, error = velocity_of_arrivals(arrivals[:40])  # too few for standard errors to be deducted
+    mixed = np.random.default_rng(2).permutation(40)
+    found = velocity_of_arrivals(arrivals[mixed], 3.0 * mixed)
+    assert found[0] == pytest.approx(3.0 * v, rel=1e-12)
+    assert found[1] >= 3.0 * error
+
+
+@pytest.mark.parametrize("radius", [17.0, 28.0])
+@pytest.mark.parametrize("curvature", [0.2, 1.0, 2.0])
+def test_the_error_along_a_ray_bounds_the_way_to_the_velocity_of_a_straight_front(
+    radius: float, curvature: float
+) -> None:
+    """dR/dt = 1 - curvature/R, at the sites within 1 of a row, which lag behind by their offset."""
+    along, offset = np.meshgrid(np.arange(4.0, radius), [-1.0, 0.0, 1.0])
+    r = np.hypot(along, offset).ravel()
+    arrivals = r + curvature * np.log(r - curvature)
+    v, error = velocity_of_arrivals(arrivals, along.ravel())
+    assert abs(v - 1.0) <= error <= 12.0 * abs(v - 1.0)
 
 
 @pytest.mark.parametrize(

@@ -1410,7 +1410,7 @@ def test_a_front_that_waves_overtake_is_no_surer_than_with_twice_as_many_sites_b
 ) -> None:
     asked = []
 
-    def prepare(_: object, request: Any, boundary: LeftBoundary) -> SimpleNamespace:
+    def prepare(_: object, request: Any, boundary: LeftBoundary, __: int = 1) -> SimpleNamespace:
         asked.append((request.excited, boundary))
         return SimpleNamespace(settled=lambda _: beside)
 
@@ -1465,7 +1465,7 @@ def test_the_left_end_of_a_smooth_chain_is_run_where_it_can_matter(
         def front(self, *given: Any) -> Any:
             return given
 
-    def prepare(_: object, request: Any, left: LeftBoundary) -> Prepared:
+    def prepare(_: object, request: Any, left: LeftBoundary, __: int = 1) -> Prepared:
         made.append("longer wave" if request.excited == 48 else left.value)
         return Prepared()
 

@@ -1,10 +1,10 @@
 """Velocity of a front from its arrival times: regression, transient, test for a steady front.
 
-The rule is the same for every chain:
+The rule is the same for every chain, lattice and network:
 
 * a site counts as reached once it or any site beyond it has been reached, since a front may skip
   sites and fill them in later;
-* the first half of the arrivals is regarded as transient and discarded;
+* the first half of the arrivals, in order of distance, is regarded as transient and discarded;
 * v is the slope of the regression line through the remaining arrivals;
 * its error is the largest of five quantities: three times the standard error of the slope; the
   difference between the slopes of the third and the fourth quarter of the arrivals; three times the
@@ -18,6 +18,9 @@ The rule is the same for every chain:
 * the slope of the middle half differs where the transient of the start at one end and the free end
   of the chain at the other change the arrivals alike, so that the quarters agree; three times the
   difference is enough if the middle half has at most two thirds of that change;
+* standard errors explain no difference where quarters have fewer than eight arrivals, or arrivals
+  have distances of their own, as those of a front that spreads from a centre: its velocity changes
+  with its curvature, like the inverse of the distance, and the arrivals scatter with its shape;
 * the front is steady if the error is below a stated fraction of v; otherwise the chain is
   lengthened.
 
@@ -34,6 +37,13 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 
 _NOISE, _DRIFT, _BEND = 3.0, 6.0, 3.0
+_FEWEST = 8
+"""Fewest arrivals of which a standard error explains a difference of slopes: of fewer, those of a
+front that changes its velocity are as far from a line as those with noise."""
+_BESIDE, _LEAST = 3.0, 0.25
+"""Multiple of the difference from the run at the coarser tolerance, and part of the tolerance, to
+which the relative error of a velocity is stated at least. The errors of a run are not proportional
+to the tolerance, since steps change at intervals only, so that both runs can err alike."""
 _AT_ONCE = 1e-12
 """Relative difference of arrival times that may be a rounding error."""
 
@@ -51,46 +61,63 @@ def leading(arrivals: FloatArray) -> FloatArray:
     return first[np.isfinite(first)]
 
 
-def velocity_of_arrivals(arrivals: FloatArray) -> tuple[float, float]:
-    """Return v and its uncertainty from the second half of the arrival times.
+def velocity_of_arrivals(
+    arrivals: FloatArray, distances: FloatArray | None = None
+) -> tuple[float, float]:
+    """Return v and its uncertainty from the farther half of the arrival times.
 
     Both are infinite if those sites were reached at once, as by a force that acts on all of them.
 
     Parameters
     ----------
     arrivals : ndarray, shape (m,)
-        Times at neighbouring sites, not decreasing; m at least 16.
+        Arrival times, m at least 11.
+    distances : ndarray, shape (m,), optional
+        Distances of the sites, in any order; by default those of neighbouring sites, 1 apart.
 
     Examples
     --------
     >>> velocity_of_arrivals(np.arange(32) / 2.0)
     (2.0, 0.0)
     """
-    late = arrivals[arrivals.size // 2 :]
-    site = np.arange(late.size)
-    slope, noise = line(site, late)
-    if at_once(slope, late):
+    away = np.arange(arrivals.size) if distances is None else distances
+    farther = np.argsort(away, kind="stable")[arrivals.size // 2 :]
+    place, late = away[farther], arrivals[farther]
+    slope, noise = line(place, late)
+    trusted = distances is None and late.size >= 2 * _FEWEST
+    if slope * (place[-1] - place[0]) <= _AT_ONCE * float(late.max()):
         return math.inf, math.inf
     half = late.size // 2
-    first, first_noise = line(site[:half], late[:half])
-    second, second_noise = line(site[half:], late[half:])
+    first, first_noise = line(place[:half], late[:half])
+    second, second_noise = line(place[half:], late[half:])
     apart = abs(first - second)
-    drift = _DRIFT * (apart - 2.0 * math.hypot(first_noise, second_noise))
+    drift = _DRIFT * (apart - trusted * 2.0 * math.hypot(first_noise, second_noise))
     outer = late.size // 4
-    middle, middle_noise = line(site[outer:-outer], late[outer:-outer])
-    bend = _BEND * (abs(slope - middle) - _NOISE * middle_noise)
+    middle, middle_noise = line(place[outer:-outer], late[outer:-outer])
+    bend = _BEND * (abs(slope - middle) - trusted * _NOISE * middle_noise)
     return 1.0 / slope, max(_NOISE * noise, apart, drift, bend) / slope**2
 
 
-def at_once(slope: float, times: FloatArray) -> bool:
-    """Return whether arrival times do not increase with the distance by more than rounding.
+def error_beside(v: float, error: float, coarser: float | None, tolerance: float) -> float:
+    """Return the error of a velocity, given that from a run at a coarser tolerance.
+
+    Parameters
+    ----------
+    v, error : float
+        Velocity, and its uncertainty from the arrival times.
+    coarser : float or None
+        Velocity in the second run; None if the front stopped in that run.
+    tolerance : float
+        Tolerance of the first run.
 
     Examples
     --------
-    >>> at_once(1e-17, np.full(16, 0.1)), at_once(0.5, np.arange(16) / 2.0)
-    (True, False)
+    >>> error_beside(2.0, 1e-6, 2.0, 1e-3), error_beside(2.0, 1e-6, None, 1e-3)
+    (0.0005, 2.0)
     """
-    return slope * times.size <= _AT_ONCE * float(times.max())
+    if coarser is None or math.isinf(v):
+        return max(error, v)
+    return max(error, _LEAST * tolerance * v, _BESIDE * abs(v - coarser))
 
 
 def line(x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[float, float]:

@@ -103,7 +103,8 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         for the friction chain {friction_tolerance}, by default {usual_friction_tolerance}.
     excited : int, optional
         Number of sites excited at the start. Smooth chain: {smooth_excited}, by default
-        {usual_smooth_excited}; as many sites are kept behind a front that outruns its waves.
+        {usual_smooth_excited}; as many sites are kept behind a front that outruns its waves, and
+        more behind a wide one, for which by default more are excited.
         Friction chain: {friction_excited}, by default {usual_friction_excited}.
         Lattice: the number of rows, by default {usual_rows}. Lattice with ``directions``, or
         network: the number of sites nearest to its centre, by default {usual_network_excited}.

@@ -1,8 +1,10 @@
 """Fronts on lattices and networks: arrival times against the distance from the excited sites.
 
 A lattice or network cannot be lengthened. The sites nearest to its centre are excited, the run
-continues until every site has been reached or none has been for a long time, and v is the slope of
-distance over arrival time in the outer half of the distances. On a lattice, distances are measured
+continues until every site has been reached or none has been for a long time, and v is fitted to the
+arrival times in the outer half of the distances, with an error by the same rule as in a chain
+(``arrival_fit``). A front from a centre is slower the more it is curved, and its error includes the
+way to the velocity of a straight one. On a lattice, distances are measured
 in the plane and v along rays. The shape of an expanding front is governed by its slowest directions
 (Wulff's construction), so that along a ray it is at most as fast as a planar front. On any other
 network the distance is the number of links.
@@ -22,11 +24,11 @@ from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, Range, count_within
 from theory.result import Result
 from verification.execution.progress import ProgressCallback
-from verification.fronts.arrival_fit import at_once, line
+from verification.fronts.arrival_fit import error_beside, velocity_of_arrivals
 from verification.fronts.request import TOLERANCE, Option, Request, stall_time
 from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import Stall
+from verification.fronts.watch import MARGIN, Stall
 from verification.runs.comparison import COARSER
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -36,7 +38,7 @@ EXCITED = 37
 HALF_WIDTH = 1.0
 """Distance from a ray within which a site belongs to its direction."""
 LEAST = 6
-"""Smallest number of arrivals to which a velocity is fitted."""
+"""Smallest number of arrivals to which a velocity is fitted; as many before them are left out."""
 EDGE = 2.0
 """Distance from a free side within which sites are not used, because the front is faster there."""
 MEETING = 4
@@ -177,8 +179,8 @@ def _measured(
 ) -> SpreadRun:
     """Run until all sites at a finite distance are reached, and fit velocities to the arrivals.
 
-    Their error is at least the difference from a second run at a coarser tolerance, and equals the
-    velocity itself if the motion stopped in that run only.
+    Their error includes the difference from a second run at a coarser tolerance, and is at least
+    the velocity itself if the motion stopped in that run only.
     """
     within_reach = np.isfinite(distances)
     run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
@@ -188,9 +190,9 @@ def _measured(
     if stopped is None:
         other = SmoothIntegration(chain, start, [_NEVER], tolerance=COARSER * tolerance)
         arrived = _follow(other, stall, within_reach, progress) is None
-        coarser = fit(other.arrivals)[1] if arrived else np.zeros(v.size)
-        with np.errstate(invalid="ignore"):  # both may be infinite
-            error = np.fmax(error, np.abs(v - coarser))
+        coarser = fit(other.arrivals)[1] if arrived else [None] * v.size
+        pairs = zip(v, error, coarser, strict=True)
+        error = np.array([error_beside(*each, tolerance) for each in pairs])
         steps += other.counts["steps"]
     found = Spread(
         angles=angles,
@@ -236,8 +238,8 @@ def _fitted(
     positions = chain.links.positions
     first = np.sort(away)[excited - 1]
     if positions is None:
-        shells = _shells(away, arrivals, first)
-        v, error = _slope(*shells)
+        levels, times = _shells(away, arrivals, first)
+        v, error = _velocity(times, levels)
         return np.zeros(1), np.array([v]), np.array([error])
     inside = np.linalg.norm(positions - positions[middle], axis=1) <= _radius(chain, middle)
     angles = 2.0 * math.pi * np.arange(directions) / directions
@@ -246,7 +248,7 @@ def _fitted(
         offset = positions - positions[middle]
         near = np.abs(_along(offset, angle + 0.5 * math.pi)) <= HALF_WIDTH
         ray = inside & near & (_along(offset, angle) > first) & ~np.isnan(arrivals)
-        found.append(_slope(_along(offset, angle)[ray], arrivals[ray]))
+        found.append(_velocity(arrivals[ray], _along(offset, angle)[ray]))
     v, error = np.array(found).T
     return angles, v, error
 
@@ -269,25 +271,25 @@ def _radius(chain: OwnChain, middle: int) -> float:
 
 
 def _shells(away: FloatArray, arrivals: FloatArray, first: float) -> tuple[FloatArray, FloatArray]:
-    """Return the distances in links beyond the excited sites, and the mean arrival time at each."""
+    """Return the distances in links beyond the excited sites, and the mean arrival time at each.
+
+    Beyond the distance at which there are most sites, those that are left may lie in corners, which
+    a front reaches at another velocity; these distances are used only if there are too few others.
+    """
     reached = ~np.isnan(arrivals) & np.isfinite(away) & (away > first)
-    levels = np.unique(away[reached])[:-MEETING]
+    levels, counts = np.unique(away[reached], return_counts=True)
+    levels, most = levels[:-MEETING], np.flatnonzero(counts == counts.max(initial=0))
+    if most.size and most[-1] + 1 >= 2 * LEAST:
+        levels = levels[: most[-1] + 1]
     times = [float(arrivals[reached & (away == level)].mean()) for level in levels]
     return levels, np.array(times)
 
 
-def _slope(distance: FloatArray, times: FloatArray) -> tuple[float, float]:
-    """Return v and its uncertainty from the outer half of the distances."""
-    order = np.argsort(distance, kind="stable")
-    outer = order[order.size // 2 :]
-    if outer.size < LEAST:
+def _velocity(arrivals: FloatArray, distances: FloatArray | None = None) -> tuple[float, float]:
+    """Return v and its uncertainty; nan if there are too few arrivals."""
+    if arrivals.size < 2 * LEAST:
         return math.nan, math.nan
-    slope, noise = line(distance[outer], times[outer])
-    half = outer.size // 2
-    halves = [line(distance[part], times[part])[0] for part in (outer[:half], outer[half:])]
-    if at_once(slope, times[outer]):
-        return math.inf, math.inf
-    return 1.0 / slope, max(3.0 * noise, abs(halves[0] - halves[1])) / slope**2
+    return velocity_of_arrivals(arrivals, distances)
 
 
 def planar(
@@ -299,6 +301,11 @@ def planar(
     progress: ProgressCallback | None = None,
 ) -> SpreadRun:
     """Excite the first rows of a lattice and record when each further row is reached.
+
+    Rows are timed in their middle. Sides that cut links in other directions than along the rows and
+    across them slow the front down beside them, and in time everywhere; on a hexagonal lattice,
+    whose sides are slanted, they also turn it. Its error is at least the difference from the
+    velocities at the sides.
 
     Parameters
     ----------
@@ -316,10 +323,11 @@ def planar(
     """
     assert chain.shape is not None
     rows, columns = chain.shape
-    most = rows - 2 * LEAST
+    edge = math.ceil(EDGE)
+    most = rows - edge - 2 * LEAST
     if most < 1:
         raise ParameterError(
-            "number of rows", rows, f"at least {2 * LEAST + 1} for a front across them",
+            "number of rows", rows, f"at least {rows - most + 1} for a front across them",
             "take more rows, or turn the lattice",
         )  # fmt: skip
     excited = count_within("excited rows", excited, 1, most)
@@ -327,11 +335,15 @@ def planar(
     sites = np.flatnonzero(row < excited)
     turns = [chain.front_phase_step * int(row[n]) for n in sites]
     start = excite(chain, (sites + 1).tolist(), quarter_turns=turns)
-    used = (row >= excited) & (row < rows - math.ceil(EDGE))
+    used = slice(excited, rows - max(edge, min(MARGIN, rows - excited - 2 * LEAST)))
+    centre = np.abs(np.arange(columns) - 0.5 * (columns - 1)) <= HALF_WIDTH
 
     def fit(arrivals: FloatArray) -> _Fit:
-        part = used & ~np.isnan(arrivals)
-        v, error = _slope(row[part].astype(float), arrivals[part])
+        times = arrivals.reshape(rows, columns)[used]
+        v, error = _velocity(times[:, centre].mean(axis=1))
+        sides = [_velocity(times[:, side])[0] for side in (0, -1)]
+        # A front that is not straight has not settled; velocities may all be infinite.
+        error = max(error, *(0.0 if each == v else abs(v - each) for each in sides))
         return np.full(1, 0.5 * math.pi), np.full(1, v), np.full(1, error)
 
     away = row.astype(float)

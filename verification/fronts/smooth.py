@@ -7,10 +7,15 @@ of sites behind it is integrated. A front with v̂ < c is overtaken by the waves
 which changes its velocity; then all sites are integrated (``LeftBoundary``). If the longest chain
 allowed is too short for the waves to arrive, the stated error is at least the difference from the
 velocity of the front that has a wave behind it.
+
+A front of cells without waves and oscillations can be so wide that a site is still changing when it
+is left out behind it. The state in which sites are left out shows this; the numbers of sites
+behind the front, ahead of it and on the shortest chain are then doubled, until it is settled.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +23,7 @@ import numpy as np
 from theory.chains.chain import SmoothChain
 from theory.chains.ends import Ends
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError, Range, count_within
+from theory.parameters import ParameterError, Range, RunError, count_within
 from verification.fronts.network import spreading_front
 from verification.fronts.preparation import FrontPreparation, Settled
 from verification.fronts.request import (
@@ -31,6 +36,7 @@ from verification.fronts.request import (
 )
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
+from verification.fronts.watch import MARGIN
 from verification.runs.excite import excite_edge
 from verification.runs.integration import Integration
 from verification.runs.smooth_integration import SmoothIntegration
@@ -50,8 +56,7 @@ def smooth_front(chain: SmoothChain, request: Request) -> Front:
     """Measure a front that begins at the first sites, with a wave or a free end behind it."""
     request.reads(*RUN, "left_boundary", where="for a chain of a smooth cell")
     waves = chain.trailing_wave_velocity
-    wave = _prepare_smooth(chain, request, LeftBoundary.WAVE)
-    found = wave.settled(request.progress)
+    wave, found = _widened(chain, request)
     outruns = found.v is not None and found.v > OUTRUNS * waves
     stands = found.v is None or found.v == 0.0
     if request.left_boundary is LeftBoundary.WAVE and not (outruns or stands):
@@ -62,6 +67,29 @@ def smooth_front(chain: SmoothChain, request: Request) -> Front:
     slower = free.settled(request.progress)
     both = replace(slower, counts=found.counts + slower.counts)
     return free.front(both, request.left_boundary, False)
+
+
+def _widened(chain: SmoothChain, request: Request) -> tuple[FrontPreparation, Settled]:
+    """Return a front with a wave behind it, with so many sites behind it that the last is settled.
+
+    Raises
+    ------
+    RunError
+        If the longest chain allowed is too short for so many sites.
+    """
+    widening, earlier = 1, Counter[str]()
+    while True:
+        wave = _prepare_smooth(chain, request, LeftBoundary.WAVE, widening)
+        found = wave.settled(request.progress)
+        if not found.wide:
+            return wave, replace(found, counts=earlier + found.counts) if earlier else found
+        earlier += found.counts
+        if 2 * widening * _SHORTEST > wave.max_sites:
+            raise RunError(
+                f"the front is too wide for chains of max_sites = {wave.max_sites} sites: take a "
+                "smaller coupling, or more max_sites."
+            )
+        widening *= 2
 
 
 def _beside_longer_wave(
@@ -110,9 +138,15 @@ def own_front(chain: OwnChain, request: Request) -> Front:
 
 
 def _prepare_smooth(
-    chain: SmoothChain, request: Request, boundary: LeftBoundary
+    chain: SmoothChain, request: Request, boundary: LeftBoundary, widening: int = 1
 ) -> FrontPreparation:
-    excited = EXCITED.count(request.excited)
+    """Return the measurement of a front.
+
+    ``widening`` multiplies the numbers of sites behind the front, ahead of it, of the shortest
+    chain and, unless it is given, of those excited.
+    """
+    trailing = widening * EXCITED.count(request.excited)
+    excited = trailing if request.excited is None else EXCITED.count(request.excited)
     max_sites = MAX_SITES.count(request.max_sites)
     first = count_within(
         "number of sites n", chain.sites, 2, max_sites, "take a shorter chain, or more max_sites"
@@ -133,7 +167,7 @@ def _prepare_smooth(
             excite_edge(longer, excited),
             [0.0, end],
             tolerance=tolerance,
-            trailing_sites=excited if on else 0,
+            trailing_sites=trailing if on else 0,
             left_boundary_wave=on,
         )
 
@@ -152,7 +186,7 @@ def _prepare_smooth(
         sized=sized,
         begin=begin,
         excited=excited,
-        sites=max(first, _SHORTEST),
+        sites=max(first, widening * _SHORTEST),
         max_sites=max_sites,
         accuracy=ACCURACY.number(request.accuracy),
         tolerance=TOLERANCE.number(request.tolerance),
@@ -160,4 +194,23 @@ def _prepare_smooth(
         settling_tolerance=1e-3 * chain.stable_amplitude,
         kind=SmoothIntegration,
         long_enough=long_enough,
+        margin=widening * MARGIN,
+        unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
     )
+
+
+def _unsettled(run: Integration) -> float:
+    """Return by what part of its amplitude a site was away from the stable state when left out.
+
+    It is the mean over the later half of such sites, since the first of them are left out while the
+    front forms; 0 as long as there are none.
+    """
+    assert isinstance(run, SmoothIntegration)
+    left = run.left_behind
+    later = left[left.size // 2 :]
+    return float(abs(1.0 - later / run.chain.stable_amplitude).mean()) if later.size else 0.0
+
+
+def _not_measured(_: Integration) -> float:
+    """Return 0: where waves travel or cells oscillate, amplitudes vary for other reasons."""
+    return 0.0

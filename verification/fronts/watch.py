@@ -135,6 +135,7 @@ def follow(
     *,
     stall_time: float,
     settling_tolerance: float,
+    margin: int = MARGIN,
     progress: ProgressCallback | None = None,
 ) -> FrontStatus | None:
     """Step until the far end is reached (None), or until the front has stopped.
@@ -145,6 +146,8 @@ def follow(
         The run of the front.
     stall_time, settling_tolerance : float
         As in :class:`Stall`.
+    margin : int
+        Number of sites at the far end that need not be reached.
     progress : callable, optional
         Called at intervals with the fraction of the chain that has been reached or, if larger, the
         elapsed fraction of the time after which a front counts as stopped.
@@ -158,7 +161,7 @@ def follow(
             budget *= 2
         before = run.time
         reached = int(np.flatnonzero(~np.isnan(run.arrivals)).max(initial=0))
-        if reached >= sites - MARGIN - 1:
+        if reached >= sites - margin - 1:
             return None
         stall.note(reached)
         if progress is not None:

@@ -262,6 +262,12 @@ class SmoothIntegration(Integration):
         return amplitude
 
     @property
+    def left_behind(self) -> FloatArray:
+        """√(y² + w²) of the sites left out behind a front, at the time when each was left out."""
+        first = int(self._run.counters[smooth.LO]) if self.trailing_sites else 0
+        return self.amplitude[:first]
+
+    @property
     def samples(self) -> FloatArray:
         """(y, w) at ``times``, shape (M, 2, N)."""
         return self._run.samples

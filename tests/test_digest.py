@@ -4,6 +4,7 @@ import ast
 import bisect
 import math
 import sys
+from dataclasses import dataclass
 from functools import partial, wraps
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -184,6 +185,41 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
     ).with_name("__init__.py")
     assert source_of("no_such_module_anywhere") is source_of("__main__") is None
     assert source_of("bisect.bisect") is None  # a module has none below it
+
+
+@dataclass(frozen=True, slots=True)
+class Slotted:
+    k: float
+
+    def value(self):
+        return self.k
+
+    @classmethod
+    def made(cls):
+        return cls(1.0)
+
+
+class Plain:
+    def __init__(self, k):
+        self.k = k
+
+    value = Slotted.value
+
+
+def test_a_method_is_a_task_with_what_its_object_is_and_holds():
+    name = f"{__name__}.Slotted"
+    slotted = {"is": name, "k": 2.0}
+    assert parameters_of(Slotted(2.0).value) == {"is": f"{name}.value", "self": slotted}
+    assert parameters_of(Slotted.made) == {"is": f"{name}.made", "self": name}
+    assert parameters_of(Plain(2.0).value) == {"is": f"{name}.value", "self": {"k": 2.0}}
+
+
+def test_an_array_of_objects_is_no_parameter():
+    """Its bytes are addresses, which differ from process to process."""
+    numbers = np.array([1.0, 2.0])
+    assert parameters_of(numbers) == {"array": digest_of_arrays({"": numbers})}
+    with pytest.raises(ParameterError, match="one that holds a ndarray"):
+        parameters_of(numbers.astype(object))
 
 
 def test_a_class_is_a_task_by_its_name():

@@ -196,6 +196,14 @@ def test_sites_reached_at_once_have_no_velocity() -> None:
     assert velocity_of_arrivals(apart)[0] == pytest.approx(16e12, rel=1e-2)
 
 
+def test_a_front_whose_sites_are_reached_at_once_is_unsteady_with_their_arrivals() -> None:
+    trial = Trial(stopped=None, arrivals=np.full(40, 2.0), coarser=np.full(40, 2.0), steps=7)
+    found = settle(lambda _: trial, sites=32, max_sites=40)
+    assert (found.status, found.v, found.error) == (FrontStatus.UNSTEADY, None, None)
+    assert found.arrivals.tolist() == [2.0] * 40
+    assert (found.sites, found.steps) == (32, 7)
+
+
 def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:
     arrivals = np.arange(40.0)
     late = arrivals.copy()

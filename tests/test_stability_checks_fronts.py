@@ -627,7 +627,7 @@ def test_a_stiff_run_is_followed_on_few_sites_first_and_on_more_where_they_move(
 
     monkeypatch.setattr(runs, "last_state", made)
     chain = VdpChain(a=1.0, b=0.05, c=0.1, eps=0.01, sites=300)
-    for moving, parts in ((20, {30}), (70, {30, 60, 120})):
+    for moving, parts in ((20, {30}), (28, {30}), (29, {30, 60}), (70, {30, 60, 120})):
         followed.clear()
         true = np.where(np.arange(300) < moving, 1.0 + 1.0j, 0.0)
         stated = StatedValue(value=true + 1e-3, error=0.0, extra=np.eye(300)[0] * 2.0 + 0j)

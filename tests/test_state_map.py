@@ -371,6 +371,20 @@ def test_a_prediction_saves_runs_and_decides_nothing(shift: float, third: float)
         assert led["runs"] == (4 if third else 2)
 
 
+@pytest.mark.parametrize("at", [2e-4, 1.0 - 2e-4])
+def test_a_prediction_near_an_end_asks_for_nothing_beyond_it(at: float) -> None:
+    """There the map ends, and so may the range of a parameter."""
+
+    def task(point: Point) -> dict[str, str]:
+        x = point.number("x")
+        assert 0.0 <= x <= 1.0
+        return {"label": "a" if x < at else "c"}
+
+    line = Point(x=0.0, along="x", until=1.0, label_low="a", label_high="c")
+    found = Bisection(task, 1e-3, predictor=task)(line)
+    assert found["low"] < at <= found["high"] <= found["low"] + 1e-3  # type: ignore[operator]
+
+
 def test_lines_of_a_grid_of_any_number_of_axes_are_along_what_changes() -> None:
     def task(point: Point) -> dict[str, str]:
         return {"label": "in" if point.number("y") < 0.5 else "out"}

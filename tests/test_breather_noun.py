@@ -19,6 +19,7 @@ from theory.chains.nucleus import Nucleus, Place
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
+from verification.breathers import breather as breathers
 from verification.breathers.breather import breather
 from verification.breathers.envelope import solve_envelope_breather
 from verification.breathers.exponents import exponents
@@ -379,3 +380,16 @@ def test_the_averaged_cell_has_the_roots_of_its_amplitude_equation() -> None:
     assert found.stable_cycle.max**2 == pytest.approx(high, rel=1e-14)
     assert found.basin == (-found.unstable_cycle.max, found.unstable_cycle.max)
     assert cell(AveragedChain(a=1.0, b=0.2, c=0.0)).status is CellStatus.REST
+
+
+def test_the_error_of_the_closed_form_is_in_units_of_y(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a·s² and b·s⁴ for a and b all displacements are s times smaller."""
+    monkeypatch.setattr(breathers, "approximate_multipliers", lambda *_: None)  # takes seconds
+    monkeypatch.setattr(breathers, "_compared", lambda own, _: own)
+    first, second = (
+        breather(VdpChain(a=2.5 * s**2, b=0.5 * s**4, c=0.1, sites=15), method="closed-form")
+        for s in (1.0, 4.0)
+    )
+    assert second.amplitudes == pytest.approx(first.amplitudes / 4.0, rel=1e-9)
+    assert first.error / second.error == pytest.approx(4.0, rel=0.5)  # both are of rounding
+    assert 1e-16 < first.error / first.amplitudes.max() < 1e-12

@@ -21,6 +21,7 @@ from verification.breathers.breather import breather
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
 from verification.runs.envelope_run import run_envelope
+from verification.thresholds import continuation
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
 from verification.thresholds.preparation import NucleusPreparation, hold, phase_steps
@@ -395,3 +396,11 @@ def test_a_breather_that_is_stable_up_to_its_fold_is_lost_by_the_fold(b: float) 
     assert found.stable_to_error is not None
     assert found.stable_to_error < 1e-11
     assert breather(replace(chain, c=found.c_crit - 1e-7)).stable
+
+
+def test_progress_begins_at_nothing_and_never_reaches_the_end_before_it() -> None:
+    seen: list[float] = []
+    report = continuation._Report(seen.append)
+    for done in (0.5, 0.5, 38.0, 1.0, 10.0):
+        report(done)
+    assert seen == [0.5 / 40.0, 1.0 / 40.0, 39.0 / 40.0, 40.0 / 41.0, 50.0 / 51.0]

@@ -23,6 +23,7 @@ from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
+from verification.cells import shooting
 from verification.cells.friction import ROUND_OFF, _with_error
 from verification.cells.result import CellCycle
 from verification.fronts.arrival_fit import velocity_of_arrivals
@@ -448,6 +449,34 @@ def test_a_run_is_refused_for_the_steps_that_it_still_needs_at_its_present_pace(
         run.check_pace()
     measured = kind == "free" and taken >= 100_000
     assert run._measured == ((500_000 + taken, reached, -size) if measured else (500_000, 100, 10))
+
+
+@pytest.mark.parametrize(
+    ("exponents", "others", "found", "error"),
+    [
+        ([0.1, 0.2, 0.3], [], math.exp(0.1), math.exp(0.3) - math.exp(0.1)),
+        ([0.1, 0.1], [[0.4], [0.0]], math.exp(0.1), math.exp(0.4) - math.exp(0.1)),
+        ([-0.5, -0.7], [[-0.4]], math.exp(-0.5), math.exp(-0.5) - math.exp(-0.7)),
+        ([-800.0, -1.0], [], 0.0, math.exp(-1.0)),
+        ([1.0, 800.0], [], math.e, math.inf),
+        ([800.0, 1.0], [], None, None),
+    ],
+)
+def test_a_multiplier_is_that_of_the_first_turn_and_as_uncertain_as_the_others_are_apart(
+    exponents: list[float], others: list[list[float]], found: float | None, error: float | None
+) -> None:
+    value, off = shooting._multiplier(np.array(exponents), *map(np.array, others))
+    if found is None:
+        assert value is off is None
+    else:
+        assert (value, off) == (pytest.approx(found, rel=1e-15), pytest.approx(error, rel=1e-12))
+
+
+def test_a_multiplier_of_turns_that_agree_is_known_to_rounding() -> None:
+    """Of the exponent and of its exponential."""
+    for exponent in (2.0, -2.0):
+        _, off = shooting._multiplier(np.array([exponent, exponent]))
+        assert off / (shooting.ROUNDING * math.exp(exponent)) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("parity", [1, -1])

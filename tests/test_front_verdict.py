@@ -313,6 +313,24 @@ def test_a_front_is_as_broad_as_the_sites_from_the_first_off_to_the_last_on() ->
     assert history.zone == 33 - 25 + 1
 
 
+def test_of_sites_that_cross_within_one_interval_the_first_is_switched() -> None:
+    """Of a later interval none is looked at, though its site crosses sooner in its interval."""
+    chain: Any = PiecewiseMotion(0.1, 0.4, ChainState(np.where(np.arange(64) < 32, 1.0 + 0j, 0j)))
+    step = chain._sampling_step()[0]
+    parts = {(2, 10): 0.9, (2, 30): 0.2, (2, 31): 0.3, (3, 40): 0.1}
+
+    def suspects(gap: np.ndarray, *_: object) -> np.ndarray:
+        found = np.zeros(gap.shape, dtype=bool)
+        found[tuple(zip(*parts, strict=True))] = True
+        return found
+
+    sites = {site: part for (_, site), part in parts.items()}
+    chain._suspects = suspects
+    chain._first_crossing = lambda _, __, site, ___, ____: sites[site] * step
+    chain._switch = lambda site, time, waited: (site, time, waited)
+    assert chain.advance(10.0) == (30, pytest.approx(2.2 * step), 0.0)
+
+
 def _judged(
     spreads: npt.NDArray[np.float64], *, total: int = 100, events: int = 100, steady: bool = False
 ) -> bool:

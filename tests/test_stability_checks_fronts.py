@@ -621,9 +621,12 @@ def test_a_stiff_run_is_followed_on_few_sites_first_and_on_more_where_they_move(
     followed: list[int] = []
 
     def made(_: object, __: float, start: np.ndarray, **___: object) -> np.ndarray:
-        """Return a state of which as many sites move as there are, up to seventy."""
+        """Return a state of which as many sites move as there are, up to seventy.
+
+        The others are at rest within a part of the displacement, which is 2.
+        """
         followed.append(start.size // 2)
-        return np.tile(np.where(np.arange(start.size // 2) < moving, 1.0, 0.0), 2)
+        return np.tile(np.where(np.arange(start.size // 2) < moving, 1.0, runs.REST), 2)
 
     monkeypatch.setattr(runs, "last_state", made)
     chain = VdpChain(a=1.0, b=0.05, c=0.1, eps=0.01, sites=300)

@@ -34,6 +34,7 @@ from verification.execution import sweep as sweeping
 from verification.execution import table as tables
 from verification.execution.columns import column_of, on_disk, python_rows
 from verification.execution.files import FileError
+from verification.execution.metadata import COMMAND_LINE
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
 from verification.execution.store import Store
@@ -966,3 +967,19 @@ def test_words_of_a_store_are_words_and_axes_are_coordinates(tmp_path):
     assert found["state"].tolist() == words.tolist()
     cube = Table(arrays=found, axes=("c",)).to_xarray()
     assert (set(cube.data_vars), set(cube.coords)) == ({"state"}, {"c"})
+
+
+def _square(point: Point) -> float:
+    return point.number("x") ** 2
+
+
+@pytest.mark.parametrize("line", ["", "fronts sweep"])
+@pytest.mark.parametrize("given", ["", "mine"])
+def test_a_record_without_a_command_names_the_call(given: str, line: str) -> None:
+    token = COMMAND_LINE.set(line)
+    try:
+        found = sweep(_square, {"x": [1.0]}, workers=1, command=given).metadata
+    finally:
+        COMMAND_LINE.reset(token)
+    assert found is not None
+    assert found.command == (given or line or f"sweep({__name__}._square, ...)")

@@ -259,5 +259,5 @@ def parity_basis(sites: int, parity: int) -> FloatArray:
 
 def unpack(u: FloatArray) -> tuple[ComplexArray, float]:
     """Return φ and Ω from the unknowns of a breather of (43)."""
-    sites = (len(u) - 1) // 2
+    sites = len(u) // 2  # Ω is the last
     return u[:sites] + 1j * u[sites:-1], float(u[-1])

@@ -251,7 +251,7 @@ def _header(box: zipfile.ZipFile) -> dict[str, Any]:
     with box.open("header.json") as entry:
         text = entry.read(_MAX_HEADER)
     header = json.loads(text)
-    if not isinstance(header, dict) or not isinstance(header["metadata"], dict):
+    if not isinstance(header["metadata"], dict):
         raise TypeError("header")
     seconds = header["seconds"]
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):

@@ -11,6 +11,9 @@ from derivations.algebra.equations import equation
 from derivations.algebra.steps import Step
 from derivations.algebra.sums import SumOver
 
+Changed = tuple[str, sp.Basic, sp.Basic]
+"""What kind of change it is, of which part, and the expression with it."""
+
 MAX_OF_A_KIND = 3
 """Perturbations of each kind a step; long equations are sampled evenly to keep the run short."""
 FACTOR = sp.Rational(101, 100)
@@ -31,7 +34,7 @@ EVEN = (sp.Abs, sp.cos, sp.cosh)
 SCALE_FREE = (sp.sign, sp.Heaviside)
 
 
-def perturbed(expression: sp.Basic, by: sp.Expr = FACTOR) -> Iterator[tuple[str, sp.Basic]]:
+def perturbed(expression: sp.Basic, by: sp.Expr = FACTOR) -> Iterator[Changed]:
     """The expression with one thing changed, a factor by `by`, and what was changed."""
     if isinstance(expression, (AppliedUndef, sp.Derivative)) or not expression.args:
         return
@@ -44,14 +47,14 @@ def perturbed(expression: sp.Basic, by: sp.Expr = FACTOR) -> Iterator[tuple[str,
 
         factors = factors_for(expression, place, by)
         for name, factor in factors:
-            yield f"{name} of {part}", rebuilt(factor * part)
+            yield name, part, rebuilt(factor * part)
         if isinstance(expression, sp.Pow) and place == 1 and part.is_Integer and part > 1:
-            yield f"exponent {part}", rebuilt(part + 1)
+            yield "exponent", part, rebuilt(part + 1)
         if isinstance(expression, sp.Equality) and (place, part) == (1, 0):
             named = expression.args[0].is_Symbol
-            yield from [("zero", rebuilt(sp.Integer(1)))] if named else []
-        for name, inner in perturbed(part, by):
-            yield name, rebuilt(inner)
+            yield from [("zero", part, rebuilt(sp.Integer(1)))] if named else []
+        for name, of, inner in perturbed(part, by):
+            yield name, of, rebuilt(inner)
     if isinstance(expression, (sp.Equality, sp.Tuple)):
         yield from misplaced(expression)
 
@@ -109,7 +112,7 @@ def rebuild(expression: sp.Basic, place: int, new: sp.Basic) -> sp.Basic:
     return expression.func(*arguments)
 
 
-def misplaced(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
+def misplaced(expression: sp.Basic) -> Iterator[Changed]:
     """A right neighbour written for a left one."""
     for own in sorted(expression.atoms(AppliedUndef), key=str):
         place = own.args[0]
@@ -117,21 +120,20 @@ def misplaced(expression: sp.Basic) -> Iterator[tuple[str, sp.Basic]]:
             continue
         twin = own.func(place - 2, *own.args[1:])
         if expression.has(twin):
-            yield f"index of {own}", expression.xreplace({own: twin})
+            yield "index", own, expression.xreplace({own: twin})
 
 
 @cache
 def sampled(step: Step) -> list[tuple[str, sp.Basic]]:
     by = sp.Integer(2) if step.name in COARSE else FACTOR
-    kinds: dict[str, list[tuple[str, sp.Basic]]] = {}
-    kinds["tautology"] = [("tautology", tautology(step.result))]
-    kinds["tautology"] *= kinds["tautology"][0][1] != step.result
-    kinds["shape"] = list(misshapen(step.result))
-    for name, changed in perturbed(step.result, by):
-        if changed != step.result:
-            kinds.setdefault(name.split()[0], []).append((name, changed))
-    kept = []
+    says_nothing = tautology(step.result)
+    kept = [("tautology", says_nothing)] if says_nothing != step.result else []
+    kept += misshapen(step.result)
+    kinds: dict[str, list[Changed]] = {}
+    for changed in perturbed(step.result, by):
+        if changed[-1] != step.result:
+            kinds.setdefault(changed[0], []).append(changed)
     for found in kinds.values():
         stride = max(1, -(-len(found) // MAX_OF_A_KIND))
-        kept += found[::stride]
+        kept += [(f"{kind} of {part}", new) for kind, part, new in found[::stride]]
     return kept

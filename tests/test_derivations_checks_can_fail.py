@@ -22,11 +22,6 @@ PARTS = 12
 """Tests a derivation; nothing is derived before they run."""
 
 EQUIVALENT = {
-    # A velocity differs from zero with either sign.
-    "friction law": Counter(["sign of v_rel"]),
-    "dimensionless law": Counter([r"sign of \tilde{v}_{rel}"]),
-    # The second branch is asked only where the first does not hold.
-    "two lines": Counter(["sign of Abs(varphi_us)", "factor of varphi(n, t)"]),
     # A modulus.
     "kinetic relation": Counter(["sign of 1/(L_k*k)"]),
     "relation by the ratio": Counter(["sign of 1/(L_k*k)"]),

@@ -12,6 +12,7 @@ import pytest
 from benchmarks.steppers.fixed import fixed_steps
 from fronts.cli import main
 from tests.reference_runs import overdamped_rate, states_by_scipy
+from theory.arrays import FloatArray
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
@@ -34,17 +35,25 @@ def driven(**changes: Any) -> OscillatorChain:
     return OscillatorChain(**{**PAPER, "c": 2.0, "eps": 0.05, "sites": 9, "drive": DRIVE} | changes)
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
-def test_the_error_of_a_driven_run_bounds_its_distance_from_scipy(tolerance: float) -> None:
-    """From rest, where the state itself has no size to which an error could be relative."""
+@pytest.fixture(scope="module")
+def exact() -> FloatArray:
+    """The states of a driven chain from rest at five times up to 100, by scipy."""
     one, other = np.zeros(9), np.zeros(9)
     one[2], other[6:] = 0.3, 0.1
     rate = oscillator_rate(
         lambda y: y, lambda y, v: 1.0 - 4.0 * y**2 + 0.5 * y**4, pull_matrix(9), c=2.0, eps=0.05,
         force=lambda t: one * np.cos(1.1 * t) + other * np.cos(0.7 * t + 0.4),
     )  # fmt: skip
+    return states_by_scipy(rate, np.zeros(18), np.linspace(0.0, 100.0, 5))
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_the_error_of_a_driven_run_bounds_its_distance_from_scipy(
+    tolerance: float, exact: FloatArray
+) -> None:
+    """From rest, where the state itself has no size to which an error could be relative."""
     run = simulate(driven(), np.zeros((2, 9)), 100.0, samples=5, tolerance=tolerance)
-    exact = states_by_scipy(rate, np.zeros(18), run.times)
+    assert run.times == pytest.approx(np.linspace(0.0, 100.0, 5), rel=1e-15)
     assert run.status is RunStatus.RESOLVED
     assert run.error is not None
     assert not integration(driven(), np.zeros((2, 9)), [1.0]).going_to_rest()
@@ -124,7 +133,7 @@ def test_arrivals_and_velocity_of_a_driven_front_are_those_of_scipy() -> None:
     run = simulate(chain, start, 260.0, samples=2)
     assert run.arrivals[24:26] == pytest.approx(at, abs=1e-3)
     assert run.arrivals[30:100] == pytest.approx(late, abs=0.011)  # the samples are 0.01 apart
-    front = measure_front(chain)
+    front = measure_front(chain, accuracy=1e-2)
     assert front.v is not None
     assert front.error is not None
     v = np.polyfit(late, np.arange(70), 1)[0]

@@ -92,19 +92,6 @@ def test_a_velocity_of_a_network_is_uncertain_by_six_times_how_much_its_halves_d
     assert error == pytest.approx(6.0 * 0.5 * v**2, rel=1e-2)  # not explained by standard errors
 
 
-def test_a_run_beside_that_comes_less_far_is_compared_on_the_sites_that_both_reach() -> None:
-    """Both are at two sites a unit of time as far as they are timed together, then one is slow."""
-    both = np.arange(48) / 2.0
-    slow = np.append(both, both[-1] + np.arange(1.0, 17.0))
-    for one, other in ((slow, np.append(both, np.full(16, np.nan))), (both, slow)):
-        found = settle(
-            lambda _, one=one, other=other: Trial(None, one, other, Counter(steps=1)),  # type: ignore[misc]
-            sites=64, max_sites=64, accuracy=1e-3, pinned_error=0.0,
-        )  # fmt: skip
-        assert found.v == pytest.approx(2.0, abs=1e-9)
-        assert found.error == pytest.approx(0.25 * 1e-8 * 2.0, rel=1e-3)  # of its tolerance
-
-
 def test_distances_of_any_order_and_spacing_give_the_velocity_of_neighbouring_sites() -> None:
     sites = np.arange(64)
     arrivals = sites / 2.0 + 0.3 * np.exp(-sites / 20.0)

@@ -197,11 +197,13 @@ def test_sites_reached_at_once_have_no_velocity() -> None:
 
 
 def test_a_front_whose_sites_are_reached_at_once_is_unsteady_with_their_arrivals() -> None:
-    trial = Trial(stopped=None, arrivals=np.full(40, 2.0), coarser=np.full(40, 2.0), steps=7)
+    trial = Trial(
+        stopped=None, arrivals=np.full(40, 2.0), coarser=np.full(40, 2.0), counts=Counter(steps=7)
+    )
     found = settle(lambda _: trial, sites=32, max_sites=40)
     assert (found.status, found.v, found.error) == (FrontStatus.UNSTEADY, None, None)
     assert found.arrivals.tolist() == [2.0] * 40
-    assert (found.sites, found.steps) == (32, 7)
+    assert (found.sites, found.counts) == (32, Counter(steps=7))
 
 
 def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:
@@ -252,9 +254,7 @@ def test_chains_are_made_longer_until_velocity_and_companion_agree() -> None:
         asked.append(sites)
         times = np.arange(float(sites))
         # the run beside it is late by a time that matters less on a longer chain
-        return Trial(
-            None, times, np.append(times * (1.0 + 1.0 / (3.0 * sites)), np.nan), Counter(steps=1)
-        )
+        return Trial(None, times, times * (1.0 + 1.0 / (3.0 * sites)), Counter(steps=1))
 
     found = settle(trial, sites=32, max_sites=1000, accuracy=0.01, pinned_error=0.0)
     assert asked == [32, 64, 128]

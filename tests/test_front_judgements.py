@@ -176,11 +176,11 @@ def test_a_front_whose_sites_are_left_out_too_early_has_no_velocity(
     times = np.arange(64) / 2.0
 
     def trial(away: float) -> Trial:
-        return Trial(stopped, times, np.empty(0) if stopped else times, 3, away)
+        return Trial(stopped, times, np.empty(0) if stopped else times, Counter(steps=3), away)
 
     how: dict[str, Any] = {"sites": 64, "max_sites": 64, "accuracy": 1e-2}
     wide = settle(lambda _: trial(0.0101), **how)
-    assert (wide.v, wide.error, wide.wide, wide.steps) == (None, None, True, 3)
+    assert (wide.v, wide.error, wide.wide, wide.counts) == (None, None, True, Counter(steps=3))
     found = settle(lambda _: trial(0.0099), **how)
     assert not found.wide
     if stopped is None:
@@ -214,7 +214,10 @@ def test_a_wide_front_is_measured_with_twice_as_many_sites_until_its_chain_is_to
         made.append(prepared)
         narrow = len(made) == needed
         v = 0.5 if narrow else None
-        return Settled(FrontStatus.STEADY, v, v, np.arange(3.0), prepared.sites, 7, wide=not narrow)
+        counts = Counter(steps=7)
+        return Settled(
+            FrontStatus.STEADY, v, v, np.arange(3.0), prepared.sites, counts, wide=not narrow
+        )
 
     monkeypatch.setattr(FrontPreparation, "settled", settled)
     chain = OscillatorChain(

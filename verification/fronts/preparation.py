@@ -31,8 +31,9 @@ class Trial(NamedTuple):
     """A pair of runs on a chain of one length.
 
     ``stopped`` is why the front did not reach the end in the first run, None if it did. The arrival
-    times by site are nan where a site was not reached; those of the run at the coarser tolerance
-    are empty if the front did not reach the end in both runs. ``counts`` are those of both runs,
+    times by site are then those of ``leading``, so that none is missing; otherwise they are nan
+    where a site was not reached. Those of the run at the coarser tolerance are empty if the front
+    did not reach the end in both runs. ``counts`` are those of both runs,
     and ``unsettled`` is the result of ``FrontPreparation.unsettled`` in the first.
     """
 
@@ -137,10 +138,8 @@ class FrontPreparation:
                 pinned = runs.stopped is FrontStatus.PINNED
                 v, error = (0.0, 1.0 / self.stall_time) if pinned else (None, None)
                 return Settled(runs.stopped, v, error, arrivals, sites, counts)
-            reached, beside = leading(runs.arrivals), leading(runs.coarser)
-            both = min(reached.size, beside.size) or reached.size
-            v, error = velocity_of_arrivals(reached[:both])
-            other = velocity_of_arrivals(beside[:both])[0] if beside.size else None
+            v, error = velocity_of_arrivals(arrivals)
+            other = velocity_of_arrivals(runs.coarser)[0] if runs.coarser.size else None
             error = max(error_beside(v, error, other, self.tolerance), behind * v)
             long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites
             if longest and not long and self.other_velocity is not None:
@@ -165,13 +164,14 @@ class FrontPreparation:
         run = self.begin(chain, self.tolerance)
         stopped = follow(run, **how)
         used = slice(self.excited, run.state.shape[1] - self.margin)
-        counts, coarser = Counter(run.counts), np.empty(0)
+        arrivals, coarser, counts = run.arrivals, np.empty(0), Counter(run.counts)
         if stopped is None:
+            arrivals = leading(arrivals)
             other = self.begin(chain, COARSER * self.tolerance)
             if follow(other, **how) is None:
-                coarser = other.arrivals[used]
+                coarser = leading(other.arrivals)[used]
             counts += Counter(other.counts)
-        return Trial(stopped, run.arrivals[used], coarser, counts, self.unsettled(run))
+        return Trial(stopped, arrivals[used], coarser, counts, self.unsettled(run))
 
     def front(
         self,

@@ -250,7 +250,7 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
 def _header(box: zipfile.ZipFile) -> dict[str, Any]:
     with box.open("header.json") as entry:
         text = entry.read(_MAX_HEADER)
-    header = json.loads(text)
+    header: dict[str, Any] = json.loads(text)
     if not isinstance(header["metadata"], dict):
         raise TypeError("header")
     seconds = header["seconds"]

@@ -622,6 +622,37 @@ def test_what_grows_by_more_than_rounding_is_unstable(
     assert floquet.floquet_multipliers(growing, 6.0, 0.01).stable is stable
 
 
+@pytest.mark.parametrize(
+    ("growth", "error", "stable"),
+    [
+        (-2e-6, 1e-6, True),
+        (-0.9e-6, 1e-6, None),
+        (0.0, 1e-6, None),
+        (0.9e-6, 1e-6, None),
+        (2e-6, 1e-6, False),
+        (-1e-12, 1e-11, True),  # both count as zero
+        (0.5, math.inf, False),  # nothing is known of the error
+    ],
+)
+def test_stability_is_not_decided_where_the_growth_may_be_of_either_sign(
+    growth: float, error: float, stable: bool | None
+) -> None:
+    found = exponents(np.ones(2, complex), 0.1, AVERAGED.replace(sites=2))
+    assert replace(found, growth=growth, growth_error=error).stable is stable
+
+
+def test_beside_its_fold_the_stability_of_a_breather_is_not_decided() -> None:
+    """So close that the growth rate, which changes like a square root, is below its error."""
+    chain = AveragedChain(a=1.0, b=0.1, c=1e3, sites=7)
+    fold = solve_envelope_breather(chain, Nucleus(1)).fold
+    assert fold is not None
+    beside, below = (
+        solve_envelope_breather(chain.replace(c=fold * (1.0 - part)), Nucleus(1))
+        for part in (1e-13, 1e-3)
+    )
+    assert (beside.stable, below.stable) == (None, True)
+
+
 def test_exponents_err_by_what_the_error_of_an_amplitude_changes_however_large_it_is() -> None:
     """Of uncoupled cells, along their amplitude, at which growth is -1/2 + 3a|φ|²/8 - …"""
     chain, amplitude, off = AVERAGED.replace(a=4.0, b=1e-3, c=0.0, sites=2), 0.3, 0.0375

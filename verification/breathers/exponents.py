@@ -61,8 +61,10 @@ class BreatherStability:
     symmetric_error: float
 
     @property
-    def stable(self) -> bool:
-        """Whether no perturbation grows."""
+    def stable(self) -> bool | None:
+        """Whether no perturbation grows; None if the known error of the growth rate spans zero."""
+        if self.marginal < self.growth_error < math.inf and abs(self.growth) <= self.growth_error:
+            return None
         return self.growth <= self.marginal
 
 

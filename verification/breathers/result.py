@@ -150,7 +150,10 @@ class Breather(Result):
 
     @property
     def stable(self) -> bool | None:
-        """Whether no small perturbation grows; None where the method does not decide it."""
+        """Whether no small perturbation grows; None where the method does not decide it.
+
+        Close to a fold the error of the growth rate may be larger than the rate itself.
+        """
         if self.status is BreatherStatus.SETTLED:
             return True  # the run no longer depends on its initial noise
         return None if self.stability is None else self.stability.stable

@@ -95,11 +95,32 @@ def test_a_velocity_of_a_network_is_uncertain_by_six_times_how_much_its_halves_d
 def test_distances_of_any_order_and_spacing_give_the_velocity_of_neighbouring_sites() -> None:
     sites = np.arange(64)
     arrivals = sites / 2.0 + 0.3 * np.exp(-sites / 20.0)
-    v, error = velocity_of_arrivals(arrivals[:40])  # too few for standard errors to be deducted
+    v, error = velocity_of_arrivals(arrivals[:40])
     mixed = np.random.default_rng(2).permutation(40)
     found = velocity_of_arrivals(arrivals[mixed], 3.0 * mixed)
     assert found[0] == pytest.approx(3.0 * v, rel=1e-12)
     assert found[1] >= 3.0 * error
+
+
+def test_of_few_arrivals_no_change_of_velocity_is_explained_by_standard_errors() -> None:
+    """Periods from row to row of 20 of a square lattice, c = 3; on a long one v is 0.977449."""
+    periods = [
+        0.214,
+        0.388,
+        0.543,
+        0.671,
+        0.770,
+        0.845,
+        0.9,
+        0.937,
+        0.961,
+        0.97,
+        0.957,
+        0.905,
+        0.791,
+    ]
+    v, error = velocity_of_arrivals(np.cumsum([0.04, *periods]))
+    assert 0.09 < abs(v - 0.977449) <= error
 
 
 @pytest.mark.parametrize("radius", [17.0, 28.0])

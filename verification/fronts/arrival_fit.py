@@ -18,7 +18,7 @@ The rule is the same for every chain, lattice and network:
 * the slope of the middle half differs where the transient of the start at one end and the free end
   of the chain at the other change the arrivals alike, so that the quarters agree; three times the
   difference is enough if the middle half has at most two thirds of that change;
-* standard errors explain no difference where quarters have fewer than eight arrivals, or arrivals
+* standard errors explain no difference where quarters have fewer than four arrivals, or arrivals
   have distances of their own, as those of a front that spreads from a centre: its velocity changes
   with its curvature, like the inverse of the distance, and the arrivals scatter with its shape;
 * the front is steady if the error is below a stated fraction of v; otherwise the chain is
@@ -37,7 +37,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 
 _NOISE, _DRIFT, _BEND = 3.0, 6.0, 3.0
-_FEWEST = 8
+_FEWEST = 4
 """Fewest arrivals of which a standard error explains a difference of slopes: of fewer, those of a
 front that changes its velocity are as far from a line as those with noise."""
 _BESIDE, _LEAST = 3.0, 0.25

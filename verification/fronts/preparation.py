@@ -33,8 +33,8 @@ class Trial(NamedTuple):
     ``stopped`` is why the front did not reach the end in the first run, None if it did. The arrival
     times by site are then those of ``leading``, so that none is missing; otherwise they are nan
     where a site was not reached. Those of the run at the coarser tolerance are empty if the front
-    did not reach the end in both runs. ``counts`` are those of both runs,
-    and ``unsettled`` is the result of ``FrontPreparation.unsettled`` in the first.
+    did not reach the end in both runs. ``counts`` are those of both runs, and ``unsettled`` is the
+    result of ``FrontPreparation.unsettled`` in the first.
     """
 
     stopped: FrontStatus | None
@@ -164,14 +164,14 @@ class FrontPreparation:
         run = self.begin(chain, self.tolerance)
         stopped = follow(run, **how)
         used = slice(self.excited, run.state.shape[1] - self.margin)
-        arrivals, coarser, counts = run.arrivals, np.empty(0), Counter(run.counts)
+        counts, arrivals, coarser = Counter(run.counts), run.arrivals[used], np.empty(0)
         if stopped is None:
-            arrivals = leading(arrivals)
+            arrivals = _complete(run.arrivals, used)
             other = self.begin(chain, COARSER * self.tolerance)
             if follow(other, **how) is None:
-                coarser = leading(other.arrivals)[used]
+                coarser = _complete(other.arrivals, used)
             counts += Counter(other.counts)
-        return Trial(stopped, arrivals[used], coarser, counts, self.unsettled(run))
+        return Trial(stopped, arrivals, coarser, counts, self.unsettled(run))
 
     def front(
         self,
@@ -195,3 +195,16 @@ class FrontPreparation:
             counts={"steps": found.counts["steps"]},
             seconds=0.0,
         )
+
+
+def _complete(arrivals: FloatArray, used: slice) -> FloatArray:
+    """Return ``leading`` of the used sites of a front that reached the end, without a site missing.
+
+    The last of them may have been skipped; they count as reached with the first site beyond them.
+    """
+    found = leading(arrivals[used])
+    skipped = used.stop - used.start - found.size
+    if not skipped:
+        return found
+    beyond = float(np.nanmin(arrivals[used.stop :]))
+    return np.append(found, np.full(skipped, max(beyond, found.max(initial=0.0))))

@@ -93,7 +93,7 @@ def grid_of_figure_15(points: int) -> Grid:
     return Grid({"eta": np.linspace(0.01, 0.14, etas).tolist(), "c": couplings})
 
 
-def measure(points: int = POINTS, workers: int = WORKERS) -> SweepCost:
+def measure(points: int, workers: int = WORKERS) -> SweepCost:
     """Measure a map of about this number of points.
 
     Examples

@@ -147,7 +147,7 @@ def error_name(name: str, entries: Mapping[str, Any]) -> str:
 
 
 def table_lines(
-    rows: Sequence[Mapping[str, Any]], units: Mapping[str, str] | None = None
+    rows: Sequence[Mapping[str, Any]], units: Mapping[str, str] | None
 ) -> Iterator[str]:
     r"""Yield the lines of a table of rows, or of several tables where one would be too wide.
 
@@ -158,7 +158,7 @@ def table_lines(
     Examples
     --------
     >>> rows = [{"c": 0.1, "v": 0.25, "v_error": 1e-3}, {"c": 0.2, "v": None, "v_error": None}]
-    >>> print("\n".join(table_lines(rows)))
+    >>> print("\n".join(table_lines(rows, units=None)))
         c      v
       0.1  0.250
       0.2      -

@@ -307,11 +307,13 @@ def test_a_multiplier_has_its_rate_and_its_frequency_in_slow_time() -> None:
     )
     matrix = np.zeros((4, 4))
     matrix[:2, :2], matrix[2:, 2:] = pair, np.diag([1.0, 0.1])
-    found = floquet.floquet_multipliers(matrix, period, eps)
+    found = floquet.floquet_multipliers(matrix, period, eps, parity=0)
     assert (found.growth, found.frequency) == (pytest.approx(sigma), pytest.approx(omega))
     assert (found.trivial, found.stable) == (pytest.approx(0.0, abs=1e-15), True)
     assert 0.0 < found.error < 1e-13  # of a matrix without error: rounding
-    growing = floquet.floquet_multipliers(matrix, -period, eps)  # the same, backwards in time
+    growing = floquet.floquet_multipliers(
+        matrix, -period, eps, parity=0
+    )  # the same, backwards in time
     assert growing.growth == pytest.approx(-sigma)
 
 
@@ -619,7 +621,7 @@ def test_what_grows_by_more_than_rounding_is_unstable(
     assert found.stable is stable
     assert 0.0 < found.error < 1e-14
     growing = np.diag([1.0, math.exp(0.01 * 6.0 * part * 1e-8), 0.5, 0.4])
-    assert floquet.floquet_multipliers(growing, 6.0, 0.01).stable is stable
+    assert floquet.floquet_multipliers(growing, 6.0, 0.01, parity=0).stable is stable
 
 
 @pytest.mark.parametrize(
@@ -1030,7 +1032,7 @@ def test_a_nucleus_that_was_followed_is_the_one_of_the_finer_run(
     ends = {True: SimpleNamespace(outcome="finer"), False: SimpleNamespace(outcome="coarser")}
     monkeypatch.setattr(outcome, "simulate", simulate)
     monkeypatch.setattr(outcome, "evolution_of", lambda each: ends[each is made[0]])
-    found = outcome.follow_nucleus(replace(CHAIN, sites=3), slow_time=5.0)
+    found = outcome.follow_nucleus(replace(CHAIN, sites=3), slow_time=5.0, perturbation=0.0, seed=0)
     assert made[0].tolerance < made[1].tolerance
     assert (found.run, found.evolution) == (made[0], ends[True])
     assert (found.mirrored, found.confirmed, found.same_until) == (mirrored, False, 5.0)
@@ -1048,7 +1050,7 @@ def test_a_nucleus_is_begun_in_the_middle(size: int, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(outcome, "simulate", begun)
     with pytest.raises(StopError):
-        outcome.follow_nucleus(replace(CHAIN, sites=9), size)
+        outcome.follow_nucleus(replace(CHAIN, sites=9), size, perturbation=0.0, seed=0)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -159,15 +159,17 @@ def test_the_error_of_growth_covers_what_an_error_of_the_matrix_or_the_state_cha
     eps, period, off = 0.1, 2.0, 1e-4
     vector = np.ones((4, 1)) / 2.0
     exact = 0.25 * np.eye(4) + 0.375 * vector @ vector.T  # a quarter three times, and 0.625
-    there = floquet_multipliers(exact, period, eps)
-    found = floquet_multipliers(exact + sign * off, period, eps, error=off)
+    there = floquet_multipliers(exact, period, eps, parity=0)
+    found = floquet_multipliers(exact + sign * off, period, eps, error=off, parity=0)
     # The one next to 1 is the trivial one; here it is that of the vector, and moves by 4 off.
     moved = abs(found.trivial - there.trivial)
     assert moved == pytest.approx(4.0 * off, rel=1e-9)
     assert moved <= found.error
     leader = np.diag([1.0, 0.5])
-    shifted = floquet_multipliers(leader + sign * np.diag([0.0, off]), period, eps, error=off)
-    true = abs(shifted.growth - floquet_multipliers(leader, period, eps).growth)
+    shifted = floquet_multipliers(
+        leader + sign * np.diag([0.0, off]), period, eps, error=off, parity=0
+    )
+    true = abs(shifted.growth - floquet_multipliers(leader, period, eps, parity=0).growth)
     assert true == pytest.approx(off / 0.5 / (eps * period), rel=1e-3)
     assert true <= shifted.growth_error
 

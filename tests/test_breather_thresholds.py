@@ -86,7 +86,9 @@ def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:
 
 @pytest.mark.parametrize("size", [1, 3])
 def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(size: int) -> None:
-    fold = breather_threshold(CHAIN, Nucleus(size, outward_pattern(size))).c_crit
+    fold = breather_threshold(
+        CHAIN, Nucleus(size, outward_pattern(size)), method=ThresholdMethod.ENVELOPE
+    ).c_crit
     runs = escape_threshold(CHAIN, NucleusPreparation(size), tolerance=1e-5)
     assert abs(runs.c_crit - fold) <= runs.error
     delay = measure_delay(CHAIN, NucleusPreparation(size))
@@ -101,7 +103,9 @@ def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(size: int)
 def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
     """At b = 0.2 nothing holds at the coupling at which sweeps usually begin."""
     chain = CHAIN.replace(b=0.2)
-    fold = breather_threshold(chain, Nucleus(size, outward_pattern(size))).c_crit
+    fold = breather_threshold(
+        chain, Nucleus(size, outward_pattern(size)), method=ThresholdMethod.ENVELOPE
+    ).c_crit
     assert fold < START
     delay = measure_delay(chain, NucleusPreparation(size))
     assert all(fold < slow < fast for fast, slow in itertools.pairwise(delay.escapes))
@@ -118,8 +122,8 @@ def test_a_sweep_of_what_holds_nowhere_is_refused() -> None:
 
 def test_the_error_of_a_threshold_bounds_the_effect_of_a_longer_chain() -> None:
     for nucleus in (Nucleus(1), Nucleus(2, "0")):
-        short = breather_threshold(CHAIN, nucleus, margin=4)
-        long = breather_threshold(CHAIN, nucleus, margin=11)
+        short = breather_threshold(CHAIN, nucleus, margin=4, method=ThresholdMethod.ENVELOPE)
+        long = breather_threshold(CHAIN, nucleus, margin=11, method=ThresholdMethod.ENVELOPE)
         assert 1e-13 < abs(short.c_crit - long.c_crit) <= short.error
         assert short.error < 2.001 * abs(short.c_crit - long.c_crit)
 
@@ -172,8 +176,8 @@ def test_an_odd_push_beyond_that_coupling_grows_in_a_run() -> None:
 
 
 def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
-    edge = breather_threshold(CHAIN, Nucleus(1, "", "edge"))  # type: ignore[arg-type]
-    pair = breather_threshold(CHAIN, Nucleus(2, "0"))
+    edge = breather_threshold(CHAIN, Nucleus(1, "", "edge"), method=ThresholdMethod.ENVELOPE)  # type: ignore[arg-type]
+    pair = breather_threshold(CHAIN, Nucleus(2, "0"), method=ThresholdMethod.ENVELOPE)
     assert edge.c_crit == pytest.approx(pair.c_crit, abs=edge.error + pair.error)
     # Its modes are those of the pair that keep the mirror symmetry; the slowest of the pair is
     # another one.
@@ -214,7 +218,9 @@ def test_no_pattern_of_three_or_five_is_stable() -> None:
         for pattern in map("".join, itertools.product("-+", repeat=size - 1)):
             if pattern[::-1].translate(str.maketrans("-+", "+-")) < pattern:
                 continue
-            found = breather_threshold(CHAIN, Nucleus(size, pattern))
+            found = breather_threshold(
+                CHAIN, Nucleus(size, pattern), method=ThresholdMethod.ENVELOPE
+            )
             assert found.lost_by is Mechanism.NEVER_STABLE
             assert found.growth_half_way > 1e-4
 
@@ -240,7 +246,7 @@ def test_a_nucleus_of_three_leaves_its_phase() -> None:
 
 
 def test_perturbed_nuclei_of_three_escape_below_the_threshold_of_one() -> None:
-    single = breather_threshold(CHAIN, Nucleus(1)).c_crit
+    single = breather_threshold(CHAIN, Nucleus(1), method=ThresholdMethod.ENVELOPE).c_crit
     for seed in range(3):
         noisy = NucleusPreparation(3, perturbation=1e-6, seed=seed)
         assert hold(CHAIN, noisy, 0.188, 1500.0).escaped
@@ -328,7 +334,7 @@ def test_wrong_nuclei_are_refused() -> None:
         lambda: Nucleus(3, "+"),
         lambda: Nucleus(2, "?"),
         lambda: Nucleus(9, "+" * 8).first(5),
-        lambda: breather_threshold(CHAIN, Nucleus(4, "000")),
+        lambda: breather_threshold(CHAIN, Nucleus(4, "000"), method=ThresholdMethod.ENVELOPE),
         lambda: outward_pattern(4),
     ):
         with pytest.raises(ParameterError):
@@ -360,11 +366,11 @@ def test_a_short_chain_is_solved_with_its_own_sites() -> None:
         lambda z: [*left(z[:2], z[2]), slope(z[:2], z[2])], [*u, 0.231], xtol=1e-12
     )  # fmt: skip
     chain = VdpChain(a=a, b=b, c=0.0, sites=5, ends="periodic")  # type: ignore[arg-type]
-    found = breather_threshold(chain, Nucleus(2, "x"))
+    found = breather_threshold(chain, Nucleus(2, "x"), method=ThresholdMethod.ENVELOPE)
     assert found.sites == 5
     assert found.c_crit == pytest.approx(fold[2], abs=1e-7)
     with pytest.raises(ParameterError, match="at most the 5 sites"):
-        breather_threshold(chain, Nucleus(7, "000000"))
+        breather_threshold(chain, Nucleus(7, "000000"), method=ThresholdMethod.ENVELOPE)
 
 
 def test_without_a_fold_the_fold_is_named_and_not_the_pattern() -> None:
@@ -390,7 +396,7 @@ def test_at_small_eta_breathers_outlive_the_fold_of_the_average_as_runs_do() -> 
 def test_a_breather_that_is_stable_up_to_its_fold_is_lost_by_the_fold(b: float) -> None:
     """Its growth rate is zero at the fold itself, and was found just above it for two of these."""
     chain = AveragedChain(a=2.5, b=b, c=0)
-    found = breather_threshold(chain, Nucleus(1))
+    found = breather_threshold(chain, Nucleus(1), method=ThresholdMethod.ENVELOPE)
     assert found.lost_by is Mechanism.FOLD
     assert found.stable_to == found.c_crit
     assert found.stable_to_error is not None

@@ -195,21 +195,21 @@ def test_no_changed_byte_goes_unnoticed(path: Path) -> None:
 
 def test_a_clock_that_is_none_or_stands_still_does_not_run_for_ever(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
-    run_to_end([Logistic()], 3.0, 1, path)
+    run_to_end([Logistic()], 3.0, 1, path, progress=None)
     for clock in (np.nan, -1.0, 7.0, np.inf):
         forged = npy_bytes(np.array([clock]))
         forge(path, lambda e, _, forged=forged: e.update({"0.clock.npy": forged}))
         with pytest.raises(ParameterError, match="checkpoint"):
-            run_to_end([Logistic()], 3.0, 1, path)
-    run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz")
+            run_to_end([Logistic()], 3.0, 1, path, progress=None)
+    run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz", progress=None)
     infinite = npy_bytes(np.full(7, np.inf))
     forge(tmp_path / "other.npz", lambda e, _: e.update({"0.state.npy": infinite}))
     with pytest.raises(ParameterError, match="a state that is finite"):
-        run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz")
+        run_to_end([Logistic()], 3.0, 1, tmp_path / "other.npz", progress=None)
     broken = Logistic()
     broken.clock[0] = np.nan
     with pytest.raises(RunError, match="does not advance"):
-        run_to_end([broken], 3.0, 1)
+        run_to_end([broken], 3.0, 1, checkpoint=None, progress=None)
 
 
 def test_a_piece_of_work_may_end_at_the_time_at_which_it_began() -> None:
@@ -224,7 +224,7 @@ def test_a_piece_of_work_may_end_at_the_time_at_which_it_began() -> None:
                 super().advance(budget)
 
     run = Events()
-    run_to_end([run], 3.0, 1)
+    run_to_end([run], 3.0, 1, checkpoint=None, progress=None)
     assert (run.time, run.events) == (3.0, 5)
 
 
@@ -260,7 +260,7 @@ def test_a_signal_saves_the_run_where_it_is(number: signal.Signals, tmp_path: Pa
     begun: list[float] = []
     run_to_end([resumed], 2000.0, 1, path, begun.append)
     assert begun[0] * 2000 > 5
-    run_to_end([whole], 2000.0, 1)
+    run_to_end([whole], 2000.0, 1, checkpoint=None, progress=None)
     assert resumed.state.tobytes() == whole.state.tobytes()
     assert [p.name for p in tmp_path.iterdir()] == ["run.npz"]
 
@@ -278,7 +278,7 @@ def test_a_signal_within_a_piece_of_work_waits_for_its_end(tmp_path: Path) -> No
             self.clock -= 1000.0
 
     with pytest.raises(KeyboardInterrupt):
-        run_to_end([Split()], 3.0, 1, path)
+        run_to_end([Split()], 3.0, 1, path, progress=None)
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     with np.load(path) as opened:
         assert opened["0.clock"] == 2.0
@@ -306,10 +306,10 @@ def test_a_run_is_saved_every_few_seconds_and_not_more_often(
 
 def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "run.npz"
-    run_to_end([Logistic()], 3.0, 1, path)
+    run_to_end([Logistic()], 3.0, 1, path, progress=None)
     monkeypatch.setattr(checkpoint, "code_of", lambda *_: Code(modules=(), digest="other"))
     with pytest.raises(ParameterError, match=r"same parameters, code and versions .*code"):
-        run_to_end([Logistic()], 3.0, 1, path)
+        run_to_end([Logistic()], 3.0, 1, path, progress=None)
 
 
 def test_samples_are_as_many_as_memory_has_room_for() -> None:
@@ -344,13 +344,13 @@ def test_seconds_of_earlier_runs_add_up(tmp_path: Path, monkeypatch: pytest.Monk
     clock = iter([100.0, 101.0, 100.0])
     monkeypatch.setattr(checkpoint, "_advance", lambda *_: None)
     monkeypatch.setattr(checkpoint, "perf_counter", lambda: next(clock))
-    assert run_to_end([Logistic()], 3.0, 1, path) == 0.0
+    assert run_to_end([Logistic()], 3.0, 1, path, progress=None) == 0.0
     monkeypatch.setattr(checkpoint, "perf_counter", lambda: 5.0)
-    assert run_to_end([Logistic()], 3.0, 1, path) == 1.0
-    assert run_to_end([Logistic()], 3.0, 1, path) == 1.0
+    assert run_to_end([Logistic()], 3.0, 1, path, progress=None) == 1.0
+    assert run_to_end([Logistic()], 3.0, 1, path, progress=None) == 1.0
     clock = iter([100.0, 98.0])
     monkeypatch.setattr(checkpoint, "perf_counter", lambda: next(clock))
-    run_to_end([Logistic()], 3.0, 1, path)
+    run_to_end([Logistic()], 3.0, 1, path, progress=None)
     with zipfile.ZipFile(path) as box:
         assert json.loads(box.read("header.json"))["seconds"] == 0.0
 
@@ -362,7 +362,7 @@ def test_an_interrupt_waits_only_where_a_run_is_saved(
     begun: list[bool] = []
     deferred = checkpoint.deferred_interrupts
     monkeypatch.setattr(checkpoint, "deferred_interrupts", lambda: begun.append(True) or deferred())
-    run_to_end([Logistic()], 3.0, 1, tmp_path / "run.npz" if saved else None)
+    run_to_end([Logistic()], 3.0, 1, tmp_path / "run.npz" if saved else None, progress=None)
     assert begun == [True] * saved
 
 
@@ -371,7 +371,7 @@ def test_two_runs_do_not_write_one_checkpoint(tmp_path: Path) -> None:
 
     def second(_: float) -> None:
         with pytest.raises(FileError, match="another"):
-            run_to_end([Logistic()], 3.0, 1, path)
+            run_to_end([Logistic()], 3.0, 1, path, progress=None)
 
     run_to_end([Logistic()], 3.0, 1, path, second)
     assert path.exists()

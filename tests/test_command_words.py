@@ -422,7 +422,7 @@ def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
     """Of a number that its rows are not about at most eight, as many as its error allows."""
     for number in (123.4567890123, 0.001234567890123):
         rows = [{"c": 1.0, "re_part": s * number, "re_part_error": 1e-15} for s in (1.0, -1.0)]
-        _, plus, minus = table_lines(rows)
+        _, plus, minus = table_lines(rows, units=None)
         shown = plus.split()[1]
         assert minus.split()[1] == f"-{shown}"
         assert abs(float(shown) - number) <= 0.5e-7 * number
@@ -478,7 +478,7 @@ def test_an_error_stands_beside_its_number_and_how_it_was_found_at_the_end() -> 
 
 def test_lists_and_mappings_have_no_column_and_numbers_beside_them_do() -> None:
     rows = [{"c": 0.1, "held": [1, 2], "of": {"a": 1}}, {"c": 0.2, "held": None, "of": {}}]
-    head, *lines = table_lines(rows)
+    head, *lines = table_lines(rows, units=None)
     assert head.split() == ["c"]
     assert Listing(payload={}, listed=()).columns() == {}
     written = Listing(payload={}, listed=[{"name": "x", **row} for row in rows]).columns()
@@ -490,7 +490,7 @@ def test_lists_and_mappings_have_no_column_and_numbers_beside_them_do() -> None:
 
 def test_a_table_that_is_too_wide_goes_on_below_with_its_first_column() -> None:
     names = ["c", *(f"a_long_name_of_a_number_{n}" for n in range(12))]
-    lines = list(table_lines([dict.fromkeys(names, 0.5), dict.fromkeys(names, 0.25)]))
+    lines = list(table_lines([dict.fromkeys(names, 0.5), dict.fromkeys(names, 0.25)], units=None))
     heads = [line.split() for line in lines[::3]]
     assert len(heads) > 1
     assert all(head[0] == "c" and len(head) > 1 for head in heads)

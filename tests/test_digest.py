@@ -15,7 +15,7 @@ import pytest
 from theory.parameters import ParameterError
 from verification.execution import metadata
 from verification.execution.digest import DRAWING, digest_of_arrays, digest_of_files
-from verification.execution.imports import closure, imports_of, shape, source_of
+from verification.execution.imports import SOURCES, closure, imports_of, shape, source_of
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
 from verification.execution.task import code_of, parameters_of
 
@@ -133,7 +133,7 @@ def test_a_name_that_is_computed_is_seen_among_other_calls(tmp_path):
 
 
 def test_a_benchmark_does_not_depend_on_the_others_nor_on_what_draws():
-    held = closure("benchmarks.roots", without=DRAWING)
+    held = closure("benchmarks.roots", without=DRAWING, packages=SOURCES)
     needed = {"benchmarks.work_precision", "theory.piecewise.roots"}
     needed.add("verification.quantities.problems")
     assert needed <= set(held)

@@ -53,7 +53,7 @@ Logistic = importlib.import_module("checkpoint_example").Logistic
 def simulated(folder: Path) -> bytes:
     """Run two integrations, saved after each step; resume where there is a file."""
     both = [Logistic(2), Logistic(2)]
-    run_to_end(both, 2.0, 1, folder / "run.npz")
+    run_to_end(both, 2.0, 1, folder / "run.npz", progress=None)
     return b"".join(each.state.tobytes() for each in both)
 
 

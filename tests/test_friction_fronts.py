@@ -112,7 +112,9 @@ def test_arrivals_and_velocity_are_those_of_scipy_on_a_short_chain() -> None:
 
 def test_the_bracket_of_a_threshold_holds_for_scipy() -> None:
     chain = FrictionChain(c=0.0, sites=5)
-    found = spreading_threshold(chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0)
+    found = spreading_threshold(
+        chain, Spreading(final_time=400.0), accuracy=1e-5, tests=0, lowest=1e-3
+    )
     assert found.error < 1e-5
     assert found.perturbation == 0.0  # there is no noise
     for c, arrives in ((0.98 * found.low, False), (1.02 * found.high, True)):
@@ -129,6 +131,7 @@ def test_by_mirror_symmetry_the_middle_of_two_chains_is_the_edge_of_one(size: in
             Spreading(factor * size, place, final_time=400.0),
             accuracy=1e-5,
             tests=0,
+            lowest=1e-3,
         )
         for sites, factor, place in ((16, 1, Place.EDGE), (32, 2, Place.BULK))
     )
@@ -288,7 +291,7 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
 
     def at(**options: object) -> float:
         spreading = Spreading(**{"size": 3, "final_time": 600.0, **options})  # type: ignore[arg-type]
-        return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0).c_crit
+        return spreading_threshold(chain, spreading, accuracy=1e-4, tests=0, lowest=1e-3).c_crit
 
     first, several, whole = (
         at(definition=each) for each in (Definition.FIRST, Definition.SEVERAL, Definition.WHOLE)
@@ -297,7 +300,7 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
     assert at(final_time=1200.0) < first
     literal = replace(chain, ends=Ends.LITERAL)
     one = [
-        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0).c_crit
+        spreading_threshold(ends, Spreading(), accuracy=1e-4, tests=0, lowest=1e-3).c_crit
         for ends in (chain, literal)
     ]
     # a spring to a wall on the excited site changes it by far more than the bracket
@@ -307,12 +310,14 @@ def test_definitions_times_and_ends_move_the_threshold_as_they_must() -> None:
 
 def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> None:
     chain = FrictionChain(c=0.0, sites=15)
-    sharp = spreading_threshold(chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4)
+    sharp = spreading_threshold(
+        chain, Spreading(1, Place.BULK), accuracy=1e-5, tests=4, lowest=1e-3
+    )
     assert sharp.monotone
     assert sharp.c_crit_at_twice_the_time <= sharp.c_crit
     assert sharp.fuzzy_width < 1e-3 * sharp.c_crit
     spreading = Spreading(3, final_time=400.0)
-    late = spreading_threshold(chain, spreading, accuracy=1e-5, tests=4)
+    late = spreading_threshold(chain, spreading, accuracy=1e-5, tests=4, lowest=1e-3)
     assert late.fuzzy is not None
     assert late.fuzzy[0] == late.c_crit_at_twice_the_time < late.c_crit
     assert late.fuzzy_width > 100.0 * late.error
@@ -326,7 +331,7 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
     chain = FrictionChain(c=0.0, sites=9)
     coarse, fine = (
         spreading_threshold(
-            chain, Spreading(final_time=400.0, tolerance=each), accuracy=1e-6, tests=0
+            chain, Spreading(final_time=400.0, tolerance=each), accuracy=1e-6, tests=0, lowest=1e-3
         )
         for each in (1e-6, 1e-11)
     )
@@ -340,11 +345,25 @@ def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
         lambda: Spreading(final_time=0.0),
         lambda: Spreading(tolerance=1.0),
         lambda: spreads(FrictionChain(c=0.01, sites=3), Spreading(3)),
-        lambda: spreading_threshold(FrictionChain.of(FrictionCell(v_d=1.9), c=0.0), Spreading()),
-        lambda: spreading_threshold(FrictionChain(c=0.0, sites=5), Spreading(), lowest=0.1),
-        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), lowest=0.0),
-        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), highest=1e-4),
-        lambda: spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=0.0),
+        lambda: spreading_threshold(
+            FrictionChain.of(FrictionCell(v_d=1.9), c=0.0),
+            Spreading(),
+            accuracy=1e-6,
+            lowest=1e-3,
+            tests=12,
+        ),
+        lambda: spreading_threshold(
+            FrictionChain(c=0.0, sites=5), Spreading(), lowest=0.1, accuracy=1e-6, tests=12
+        ),
+        lambda: spreading_threshold(
+            FrictionChain(c=0.0), Spreading(), lowest=0.0, accuracy=1e-6, tests=12
+        ),
+        lambda: spreading_threshold(
+            FrictionChain(c=0.0), Spreading(), highest=1e-4, accuracy=1e-6, lowest=1e-3, tests=12
+        ),
+        lambda: spreading_threshold(
+            FrictionChain(c=0.0), Spreading(), accuracy=0.0, lowest=1e-3, tests=12
+        ),
         lambda: measure_front(FrictionChain(c=0.0, sites=101)),
         lambda: measure_front(FrictionChain(c=0.02, sites=5)),
         lambda: measure_front(FrictionChain(c=0.02, sites=101), excited=0),

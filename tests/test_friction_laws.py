@@ -198,7 +198,7 @@ def test_the_stick_slip_cycle_of_a_law_is_what_a_run_of_scipy_settles_to(name: s
 
 def test_stick_slip_of_a_law_that_does_not_fall_at_small_velocities_begins_at_one() -> None:
     cell = FrictionCell(law="stribeck")
-    first, end = cycle_velocities(cell)
+    first, end = cycle_velocities(cell, tolerance=1e-12)
     for v_d, sticks in ((0.99 * first, False), (1.01 * first, True), (0.99 * end, True),
                         (1.01 * end, False)):  # fmt: skip
         chain = FrictionChain.of(replace(cell, v_d=v_d), c=0.0, sites=1)
@@ -233,7 +233,7 @@ def test_stick_slip_of_little_damping_begins_and_ends_where_work_is_balanced(
 def test_stick_slip_of_a_narrow_fall_of_friction_begins_above_the_hopf_velocity() -> None:
     """By ¾(v_H/v_s)² of it, as above; here that is 6.8e-8, of which round-off leaves 1e-9."""
     v_s, xi, drop = 0.05, 0.003, 0.5
-    begin, _ = cycle_velocities(FrictionCell(law="stribeck", v_s=v_s, xi=xi))
+    begin, _ = cycle_velocities(FrictionCell(law="stribeck", v_s=v_s, xi=xi), tolerance=1e-12)
     x = xi * v_s / drop
     hopf = xi * v_s**2 / drop * (1.0 + x**2)
     assert begin / hopf - 1.0 == pytest.approx(0.75 * x**2, rel=0.05)
@@ -257,7 +257,7 @@ def test_the_end_of_cycles_under_coulomb_friction_is_that_of_the_linear_equation
 
     expected = brentq(excess, 1e-7 * drop, 2.0 * drop, xtol=1e-14 * drop)
     # Rounding of the force, 1e-16, is seen beside a small drop.
-    end = cycle_velocities(cell)[1]
+    end = cycle_velocities(cell, tolerance=1e-12)[1]
     assert end == pytest.approx(expected, rel=1e-7)
     assert friction_cell(replace(cell, v_d=0.9 * end)).status is CellStatus.BISTABLE
 

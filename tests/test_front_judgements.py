@@ -774,7 +774,11 @@ def test_a_window_at_another_value_is_the_same_sites_of_another_chain() -> None:
     assert other.chain == resting.amplitudes_of(0.6, 0.05)
     assert (other.left, other.right) == (4, 5)
     assert (window.place, window.at(0.7).place, other.place) == (0.6, 0.7, 0.05)
-    assert window._steps_in(3.0, 1.5) > window._steps_in(3.0) > window._steps_in(2.0)
+    assert (
+        window._steps_in(3.0, 1.5)
+        > window._steps_in(3.0, finer=1.0)
+        > window._steps_in(2.0, finer=1.0)
+    )
 
 
 def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
@@ -1317,7 +1321,9 @@ def test_the_error_of_a_loss_of_stability_has_what_a_longer_chain_changes_in_it(
     monkeypatch.setattr(continuation, "first_crossing", lambda *given: crossings.pop(0))
     monkeypatch.setattr(continuation, "_crossing_error", lambda *given: 1e-6)
     monkeypatch.setattr(continuation, "_mechanism", lambda *given: Mechanism.REAL_EXPONENT)
-    found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=2)
+    found = continuation.breather_threshold(
+        AVERAGED.replace(sites=9), Nucleus(1), margin=2, method=ThresholdMethod.ENVELOPE
+    )
     assert found.stable_to == 0.07
     apart = abs(0.07 - (longer or 0.0))
     assert found.stable_to_error == pytest.approx(1e-6 + 2.0 * apart, abs=1e-15)
@@ -1348,7 +1354,9 @@ def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_l
         return family(chain, nucleus) if len(made) == 1 else longer
 
     monkeypatch.setattr(continuation, "own_family", of)
-    found = continuation.breather_threshold(AVERAGED.replace(sites=9), Nucleus(1), margin=1)
+    found = continuation.breather_threshold(
+        AVERAGED.replace(sites=9), Nucleus(1), margin=1, method=ThresholdMethod.ENVELOPE
+    )
     assert made == [3, 9]
     assert found.c_crit <= found.error < 2.001 * found.c_crit
 
@@ -1512,11 +1520,11 @@ def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(spreading, "spreads", spreads)
     chain = VdpChain(a=4, b=0.5, c=0.1)
-    found = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=0)
+    found = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=0, lowest=1e-3)
     assert (found.monotone, found.c_crit_at_twice_the_time, found.fuzzy) == (None, None, None)
     assert found.runs == len(made)
     made.clear()
-    tested = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=4)
+    tested = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=4, lowest=1e-3)
     assert (tested.monotone, tested.c_crit_at_twice_the_time) == (True, tested.c_crit)
     share = np.array([0.05, -0.05, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2])
     assert sorted(made[-8:]) == pytest.approx(sorted(tested.c_crit * (1.0 + share)))
@@ -1530,7 +1538,12 @@ def test_a_search_tells_after_each_run_what_part_is_done(
     monkeypatch.setattr(spreading, "spreads", lambda chain, *_: chain.c > 0.0314)
     seen: list[float] = []
     found = spreading.spreading_threshold(
-        VdpChain(a=4, b=0.5, c=0.1), Spreading(), accuracy=1e-4, tests=tests, progress=seen.append
+        VdpChain(a=4, b=0.5, c=0.1),
+        Spreading(),
+        accuracy=1e-4,
+        tests=tests,
+        progress=seen.append,
+        lowest=1e-3,
     )
     assert len(seen) == found.runs
     assert all(0.0 < part < 1.0 for part in seen)
@@ -1564,7 +1577,7 @@ def test_a_threshold_names_the_point_of_the_cycle_that_its_sites_start_from(
 ) -> None:
     monkeypatch.setattr(spreading, "spreads", lambda chain, *_: chain.c > 0.0314)
     asked = Spreading(displacement=displacement, point=StartPoint.MINIMUM)
-    found = spreading.spreading_threshold(chain, asked, accuracy=1e-3, tests=0)
+    found = spreading.spreading_threshold(chain, asked, accuracy=1e-3, tests=0, lowest=1e-3)
     assert found.start_point is point
 
 
@@ -1584,7 +1597,9 @@ def test_a_threshold_is_refused_where_it_could_not_be_compared_with_a_coarser_on
     """A run at 1e-4 has no coarser one; at 1e-6 it has, with a hundred times the tolerance."""
     assert Spreading(tolerance=1e-4).tolerance == 1e-4
     with pytest.raises(ParameterError, match="tolerance") as refusal:
-        spreading.spreading_threshold(AVERAGED, Spreading(tolerance=2e-6))
+        spreading.spreading_threshold(
+            AVERAGED, Spreading(tolerance=2e-6), accuracy=1e-6, lowest=1e-3, tests=12
+        )
     assert refusal.value.allowed.endswith(str(Range(1e-12, 1e-6)))
 
 
@@ -1624,11 +1639,11 @@ def test_sweeps_have_a_limit_of_rate_zero_where_the_delay_is_that_of_a_fold(
     """A delay K rate^{2/3}; the next term, of first order, is a cube root of the rate beside it."""
     exponent = 2.0 / 3.0 + off
     delay = slow_sweep.fit_delay(
-        slow_sweep.RATES, [0.2 + 0.5 * rate**exponent for rate in slow_sweep.RATES]
+        slow_sweep.RATES, [0.2 + 0.5 * rate**exponent for rate in slow_sweep.RATES], seconds=0.0
     )
     assert delay.delay_exponent == pytest.approx(exponent, abs=1e-9)
     assert (delay.c_0 is not None) is extrapolated
-    assert slow_sweep.fit_delay(slow_sweep.RATES, [0.2] * 5).delay_exponent is None
+    assert slow_sweep.fit_delay(slow_sweep.RATES, [0.2] * 5, seconds=0.0).delay_exponent is None
     assert pytest.approx(2.0 * math.cbrt(min(slow_sweep.RATES)), rel=0.1) == slow_sweep.LAW
 
 

@@ -354,7 +354,7 @@ def test_it_is_the_front_of_the_running_chain() -> None:
 @pytest.mark.parametrize("eta", [ETA, 0.1])
 def test_the_branch_ends_in_the_law_of_strong_coupling(eta: float) -> None:
     law = strong_coupling_front(eta)
-    branch = follow_front_wave([10.0, 80.0], eta)
+    branch = follow_front_wave([10.0, 80.0], eta, along="c")
     off = [abs(front.v - law.velocity(front.c)) for front in branch.fronts]
     # The next term is of order c^{-1/3}: eight times the coupling, half of it.
     assert off[-1] / off[0] == pytest.approx(2.0, rel=0.15)

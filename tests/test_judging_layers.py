@@ -276,7 +276,9 @@ def test_the_error_of_a_threshold_is_half_of_its_bracket(
     accuracy: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _known(monkeypatch)
-    found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=accuracy)
+    found = spreading_threshold(
+        FrictionChain(c=0.0), Spreading(), accuracy=accuracy, lowest=1e-3, tests=12
+    )
     assert found.low <= C_TRUE <= found.high
     assert 0.1 * accuracy < found.high - found.low <= accuracy
     assert found.low + found.error == pytest.approx(found.high - found.error, rel=1e-14)
@@ -293,7 +295,9 @@ def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
 ) -> None:
     for shift in (1e-4, -1e-4):
         _known(monkeypatch, coarser=shift)
-        found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6, tests=0)
+        found = spreading_threshold(
+            FrictionChain(c=0.0), Spreading(), accuracy=1e-6, tests=0, lowest=1e-3
+        )
         assert 0.98e-4 < found.error < 1.03e-4
         assert found.c_crit_at_twice_the_time_error is None
     for later in (0.0, 5e-4):
@@ -301,7 +305,9 @@ def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
         found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
         assert 0.98e-4 < found.c_crit_at_twice_the_time_error < 1.03e-4
     _known(monkeypatch, coarser=1e-3)  # nowhere but in the error
-    found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+    found = spreading_threshold(
+        FrictionChain(c=0.0), Spreading(), accuracy=1e-6, lowest=1e-3, tests=12
+    )
     assert (found.monotone, found.fuzzy, found.c_crit_at_twice_the_time) == (
         True, None, found.c_crit
     )  # fmt: skip
@@ -312,16 +318,25 @@ def test_a_threshold_that_is_late_or_has_gaps_is_fuzzy(monkeypatch: pytest.Monke
     late = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
     off = abs(late.c_crit_at_twice_the_time - (C_TRUE - 5e-4))
     assert off <= late.c_crit_at_twice_the_time_error <= 5e-7
+
+    late = spreading_threshold(
+        FrictionChain(c=0.0), Spreading(), accuracy=1e-6, lowest=1e-3, tests=12
+    )
+    assert late.c_crit_at_twice_the_time == pytest.approx(C_TRUE - 5e-4, abs=1e-6)
     assert late.fuzzy == (late.c_crit_at_twice_the_time, late.c_crit)
     assert late.monotone
     for later in (1e-6, 3e-6):
         _known(monkeypatch, later=later)
-        found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+        found = spreading_threshold(
+            FrictionChain(c=0.0), Spreading(), accuracy=1e-6, lowest=1e-3, tests=12
+        )
         assert (found.fuzzy is None) is (later < 2e-6)
     for place in (-5, 5):
         other = late.c_crit * (1.0 + 0.2 * place / 12)  # one of the couplings that are tried
         _known(monkeypatch, other=other)
-        torn = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-6)
+        torn = spreading_threshold(
+            FrictionChain(c=0.0), Spreading(), accuracy=1e-6, lowest=1e-3, tests=12
+        )
         assert not torn.monotone
         assert torn.fuzzy is not None
         assert torn.fuzzy == pytest.approx(sorted([torn.c_crit, other]), rel=1e-14)
@@ -708,7 +723,7 @@ def test_a_nucleus_is_confirmed_by_a_run_of_another_tolerance_that_ends_alike(
             )  # fmt: skip
 
         monkeypatch.setattr(nuclei, "simulate", made_up)
-        found = nuclei.follow_nucleus(chain, slow_time=200.0)
+        found = nuclei.follow_nucleus(chain, slow_time=200.0, perturbation=0.0, seed=0)
         assert found.evolution.outcome is nuclei.NucleusOutcome.LARGER
         assert found.confirmed is same
         assert found.same_until == (200.0 if same else pytest.approx(30.0))

@@ -45,9 +45,12 @@ def test_the_jacobian_is_the_slope_of_the_residual() -> None:
 def test_folds_are_those_of_the_continuation_of_the_averaged_chain(size: int) -> None:
     from theory.chains.vdp import VdpChain
     from verification.thresholds.continuation import breather_threshold
+    from verification.thresholds.result import ThresholdMethod
 
     chain = VdpChain(a=A, b=B, c=0.0, eps=0.01)
-    other = breather_threshold(chain, Nucleus(size, outward_pattern(size)))
+    other = breather_threshold(
+        chain, Nucleus(size, outward_pattern(size)), method=ThresholdMethod.ENVELOPE
+    )
     ends = [follow(found, A, B).c_end for found in locked_breathers(size, A, B)]
     assert min(abs(end - other.c_crit) for end in ends) < 2e-7
 

@@ -146,7 +146,9 @@ def test_shared_work_is_not_charged_to_the_first_claim() -> None:
     assert first.shared >= 0.2
     assert second.shared < 0.2
     outcomes = [JudgedClaim(Entry("one", claim), first), JudgedClaim(Entry("one", claim), second)]
-    report = make_report(outcomes, seconds=1.0, available=2, versions={}, source="0")
+    report = make_report(
+        outcomes, seconds=1.0, available=2, versions={}, source="0", measurements=()
+    )
     assert report.shared == first.shared + second.shared
 
 

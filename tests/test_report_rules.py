@@ -57,7 +57,7 @@ def outcome(key: str, finding: Finding | None = FINDING, **changes: Any) -> Judg
 
 
 def report_of(*outcomes: JudgedClaim) -> Any:
-    return make_report(outcomes, seconds=1.0, available=9, versions={}, source="0")
+    return make_report(outcomes, seconds=1.0, available=9, versions={}, source="0", measurements=())
 
 
 def test_a_part_of_the_claims_is_said_to_be_one_and_a_headline_gives_its_reason() -> None:

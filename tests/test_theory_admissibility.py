@@ -38,7 +38,7 @@ def values_of(shape: _Shape, zeta: np.ndarray) -> np.ndarray:
 
 def by_roots(zeta: np.ndarray, retreating: bool) -> tuple[np.ndarray, float]:
     """The series over the roots; a retreating front is 1 - phi(-zeta)."""
-    found = front_profile_by_roots(-zeta if retreating else zeta, V, C)
+    found = front_profile_by_roots(-zeta if retreating else zeta, V, C, count=2000)
     return (1.0 - found.phi if retreating else found.phi), found.error
 
 

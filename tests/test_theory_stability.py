@@ -44,7 +44,7 @@ def by_bessel(v, c, terms):
     ("v", "c"), [(0.3, 0.5), (1.29, 2.4), (5.0, 30.0), (-0.25, 1.3), (0.12, 900.0), (7.0, 0.5)]
 )
 def test_the_symbol_is_made_of_bessel_functions(v, c):
-    found = symbol_coefficients(v, c, 40)
+    found = symbol_coefficients(v, c, 40, points=None)
     assert np.allclose(found, by_bessel(v, c, 40), rtol=0, atol=1e-14)  # rounding of e^{iφ} c/v
 
 

@@ -178,7 +178,7 @@ def make_report(
     available: int,
     versions: Mapping[str, str | None],
     source: str,
-    measurements: Sequence[Section] = (),
+    measurements: Sequence[Section],
 ) -> Report:
     """Combine the outcomes of a run with its duration and the machine."""
     return Report(

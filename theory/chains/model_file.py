@@ -14,7 +14,7 @@ from theory.parameters import ParameterError
 
 
 def read_model(
-    path: Path, known: Sequence[str], changes: Mapping[str, Any] | None = None
+    path: Path, known: Sequence[str], changes: Mapping[str, Any] | None
 ) -> dict[str, Any]:
     """Return the attributes in a model file, some of them changed.
 
@@ -24,7 +24,7 @@ def read_model(
         The model file, in TOML; a file of weights is searched for in the same directory.
     known : sequence of str
         Names of the attributes.
-    changes : mapping, optional
+    changes : mapping or None
         Attributes that replace those in the file; in ``values`` and ``disorder`` only the named
         entries are replaced.
 

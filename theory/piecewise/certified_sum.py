@@ -111,7 +111,7 @@ class Strip:
 
 
 @with_ranges(parameters=PARAMETERS, digits=DIGITS)
-def certified_sum(v: float | str, c: float | str, digits: int = DOUBLE) -> KineticSum:
+def certified_sum(v: float | str, c: float | str, digits: int) -> KineticSum:
     """Return Σ(v, c) of Eq. (53) with a proven radius.
 
     Parameters

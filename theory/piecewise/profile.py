@@ -363,9 +363,7 @@ def profile_slope(
     return slope
 
 
-def front_profile_by_roots(
-    zeta: npt.ArrayLike, v: float, c: float, count: int = 2000
-) -> FrontShape:
+def front_profile_by_roots(zeta: npt.ArrayLike, v: float, c: float, count: int) -> FrontShape:
     """Return φ(ζ)/φ_s by the series (49) as printed, over the ``count`` nearest roots.
 
     φ/φ_s = -½ Σ_{M⁺} e^{ikζ}/(kL_k) for ζ > 0 and 1 + ½ Σ_{M⁻} e^{ikζ}/(kL_k) for ζ < 0. The
@@ -378,7 +376,7 @@ def front_profile_by_roots(
 
     Examples
     --------
-    >>> series = front_profile_by_roots([-1.5, 0.5], 0.3, 0.5)
+    >>> series = front_profile_by_roots([-1.5, 0.5], 0.3, 0.5, 2000)
     >>> integral = front_profile([-1.5, 0.5], 0.3, 0.5)
     >>> bool(np.all(abs(series.phi - integral.phi) <= series.error + integral.error))
     True

@@ -127,7 +127,7 @@ class Symbol:
         return float(abs(_polynomial(_slope(self.q), w)[0]))
 
 
-def symbol_coefficients(v: float, c: float, terms: int, points: int | None = None) -> FloatArray:
+def symbol_coefficients(v: float, c: float, terms: int, points: int | None) -> FloatArray:
     """Return p_1 … p_K of the symbol.
 
     Parameters
@@ -154,7 +154,7 @@ def symbol_coefficients(v: float, c: float, terms: int, points: int | None = Non
 
     Examples
     --------
-    >>> symbol_coefficients(0.3, 0.5, 2).round(6).tolist()
+    >>> symbol_coefficients(0.3, 0.5, 2, points=None).round(6).tolist()
     [0.024735, 0.003119]
     """
     speed = abs(v)

@@ -28,7 +28,7 @@ def floquet_multipliers(
     period: float,
     eps: float,
     *,
-    parity: int = 0,
+    parity: int,
     error: float = 0.0,
 ) -> BreatherStability:
     """Sort the eigenvalues of a monodromy matrix, and split them by parity.
@@ -46,14 +46,14 @@ def floquet_multipliers(
         Period in t.
     eps : float
         ε, for the rate per unit of T.
-    parity : int, optional
+    parity : int
         Parity of the breather under reflection; 0 if it has none.
     error : float, optional
         Error of the entries of the matrix.
 
     Examples
     --------
-    >>> found = floquet_multipliers(np.diag([1.0, 0.5]), 1.0, 0.1)
+    >>> found = floquet_multipliers(np.diag([1.0, 0.5]), 1.0, 0.1, parity=0)
     >>> found.trivial, round(found.growth, 3), found.stable
     (0.0, -6.931, True)
     """

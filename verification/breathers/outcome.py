@@ -198,8 +198,8 @@ def follow_nucleus(
     chain: VanDerPolChain,
     size: int = 1,
     *,
-    perturbation: float = 0.0,
-    seed: int = 0,
+    perturbation: float,
+    seed: int,
     slow_time: float = 1000.0,
 ) -> FollowedNucleus:
     """Follow a nucleus in the middle of a chain, all its sites in phase on the cycle of one cell.
@@ -226,7 +226,7 @@ def follow_nucleus(
     --------
     >>> from theory.chains.vdp import VdpChain
     >>> chain = VdpChain(a=2.5, b=0.5, c=0.195, sites=21)
-    >>> followed = follow_nucleus(chain, slow_time=140.0)
+    >>> followed = follow_nucleus(chain, perturbation=0.0, seed=0, slow_time=140.0)
     >>> followed.evolution.size, followed.mirrored, followed.confirmed
     (5, True, True)
     """

@@ -22,7 +22,7 @@ _NO_CODE = ("ctx", "kind", "type_comment")
 
 def closure(
     module: str,
-    packages: Collection[str] = SOURCES,
+    packages: Collection[str],
     without: Collection[str] = (),
     known: dict[str, Imported] | None = None,
     *,
@@ -37,7 +37,7 @@ def closure(
     ----------
     module : str
         Dotted name.
-    packages : collection of str, optional
+    packages : collection of str
         Top-level packages that are followed; all others are ignored.
     without : collection of str, optional
         Modules that are ignored, and not followed.

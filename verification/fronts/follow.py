@@ -33,7 +33,7 @@ class FrontBranch:
 
 
 @with_ranges(eta=ETAS, slowest=SLOWEST)
-def follow_front_wave(values: Sequence[float], other: float, along: Parameter = "c") -> FrontBranch:
+def follow_front_wave(values: Sequence[float], other: float, along: Parameter) -> FrontBranch:
     """Return the fronts at several values of c or of η, by pseudo-arclength continuation.
 
     The branch is started at the largest value, where the window of sites must be longest.
@@ -44,7 +44,7 @@ def follow_front_wave(values: Sequence[float], other: float, along: Parameter = 
         Couplings above c_pin, or η {eta} and below η_pin; at least one.
     other : float
         η where couplings are followed, c where η is.
-    along : {"c", "eta"}, optional
+    along : {"c", "eta"}
         The parameter in which the branch is followed.
 
     Raises

@@ -277,7 +277,7 @@ class Window:
         found = roots.real[(np.abs(step) < 1e-9) & (roots.real > 0.0)]
         return float(found.min(initial=8.0)), ahead
 
-    def _steps_in(self, time: float, finer: float = 1.0) -> int:
+    def _steps_in(self, time: float, finer: float) -> int:
         # The factor is applied last, so that the check takes more steps even at the minimum number.
         return math.ceil(finer * steps_in(time, self.chain.c + self.attraction, _STEP))
 

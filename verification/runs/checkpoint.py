@@ -57,8 +57,8 @@ def run_to_end(
     integrations: Sequence[Integration],
     end: float,
     budget: int,
-    checkpoint: Path | None = None,
-    progress: ProgressCallback | None = None,
+    checkpoint: Path | None,
+    progress: ProgressCallback | None,
 ) -> float:
     """Advance integrations one after another to their end; return the seconds of earlier sessions.
 
@@ -70,10 +70,10 @@ def run_to_end(
         Their end time.
     budget : int
         Sites times steps between two readings of the clock.
-    checkpoint : Path, optional
+    checkpoint : Path or None
         File into which they are saved every few seconds and when they are interrupted from the
         keyboard or by SIGTERM. If it exists, they are resumed from it and continue bit for bit.
-    progress : callable, optional
+    progress : callable or None
         See `verification.execution.progress.ProgressCallback`.
 
     Raises

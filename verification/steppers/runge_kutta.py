@@ -79,7 +79,7 @@ def _put_cosines(p: FloatArray, place: int, count: int, later: float) -> None:
 
 
 @lru_cache(maxsize=64)
-def dop853_step(slope: Slope, clock: tuple[int, int] = (0, 0)) -> Step:
+def dop853_step(slope: Slope, clock: tuple[int, int]) -> Step:
     """Return one step of DOP853, of order 8, for a right-hand side.
 
     ``clock`` gives the index of the time among the parameters, and the number of harmonic forces.

@@ -49,7 +49,7 @@ trial."""
 def breather_threshold(
     chain: VanDerPolChain | OscillatorChain,
     nucleus: Nucleus,
-    method: ThresholdMethod = ThresholdMethod.ENVELOPE,
+    method: ThresholdMethod,
     margin: int = MARGIN,
     progress: ProgressCallback | None = None,
 ) -> BranchThreshold:
@@ -63,7 +63,7 @@ def breather_threshold(
         are omitted.
     nucleus : Nucleus
         Size, pattern and place of the nucleus.
-    method : ThresholdMethod, optional
+    method : ThresholdMethod
         ``envelope`` (ε → 0) or ``orbit``.
     margin : int, optional
         Sites at rest on each side.
@@ -78,7 +78,8 @@ def breather_threshold(
 
     Examples
     --------
-    >>> found = breather_threshold(VdpChain(a=2.5, b=0.5, c=0), Nucleus(3, "-+"))
+    >>> chain = VdpChain(a=2.5, b=0.5, c=0)
+    >>> found = breather_threshold(chain, Nucleus(3, "-+"), ThresholdMethod.ENVELOPE)
     >>> round(found.c_crit, 6), found.lost_by.value
     (0.199234, 'never stable')
     """

@@ -78,7 +78,7 @@ def _settled(
     return preparation.chain(chain, c), run.phi
 
 
-def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float = 0.0) -> Delay:
+def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float) -> Delay:
     """Fit c = c_0 + K rate^{2/3} + K' rate, the delay at a fold, to rates in geometric sequence.
 
     Nothing is extrapolated if the couplings of escape do not decrease with the rate, or if the
@@ -94,10 +94,10 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float =
     Examples
     --------
     >>> rates = [8e-3, 1e-3, 1.25e-4]
-    >>> delay = fit_delay(rates, [0.2 + 0.5 * rate ** (2 / 3) for rate in rates])
+    >>> delay = fit_delay(rates, [0.2 + 0.5 * rate ** (2 / 3) for rate in rates], seconds=1.0)
     >>> round(delay.c_0, 12), round(delay.delay_exponent, 9)
     (0.2, 0.666666667)
-    >>> print(fit_delay(rates, [0.2 + 5 * rate for rate in rates]).c_0)
+    >>> print(fit_delay(rates, [0.2 + 5 * rate for rate in rates], seconds=1.0).c_0)
     None
     """
     speed = np.asarray(rates, dtype=float)

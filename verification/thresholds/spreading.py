@@ -247,10 +247,10 @@ def spreading_threshold(
     chain: Chain,
     spreading: Spreading,
     *,
-    lowest: float = 1e-3,
+    lowest: float,
     highest: float = 0.5,
-    accuracy: float = 1e-6,
-    tests: int = 12,
+    accuracy: float,
+    tests: int,
     progress: Callable[[float], None] | None = None,
 ) -> RunThreshold:
     """Find the lowest coupling at which a nucleus spreads.
@@ -279,7 +279,8 @@ def spreading_threshold(
 
     Examples
     --------
-    >>> found = spreading_threshold(FrictionChain(c=0.0), Spreading(), accuracy=1e-4, tests=0)
+    >>> chain, how = FrictionChain(c=0.0), {"lowest": 1e-3, "accuracy": 1e-4, "tests": 0}
+    >>> found = spreading_threshold(chain, Spreading(), **how)
     >>> found.low < 0.01056 < found.high, found.error < 1e-4
     (True, True)
     """

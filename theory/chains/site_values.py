@@ -24,12 +24,14 @@ def pairs(quantity: str, given: Any) -> dict[str, Any]:
     if isinstance(given, str):
         given = [given]
     if not isinstance(given, Sequence) or not all(isinstance(each, str) for each in given):
-        raise ParameterError(quantity, repr(given)[:60], "a mapping, or texts as a=4", "as a=4")
+        raise ParameterError(
+            quantity, repr(given)[:60], "a mapping, or texts as a=4", "write them so"
+        )
     found: dict[str, Any] = {}
     for each in given:
         name, sign, value = each.partition("=")
         if not (name.strip() and sign and value.strip()):
-            raise ParameterError(quantity, repr(each), "a name and a number, as a=4", "as a=4")
+            raise ParameterError(quantity, repr(each), "a name and a number", "write them as a=4")
         if name.strip() in found:
             raise ParameterError(quantity, repr(each), "one value for each name", "give it once")
         found[name.strip()] = value.strip()

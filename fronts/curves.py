@@ -105,8 +105,8 @@ def curve(
     values: Sequence[float],
     arguments: Mapping[str, Any],
     *,
-    workers: int | None = 1,
-    progress: Callable[[float], None] | None = None,
+    workers: int | None,
+    progress: Callable[[float], None] | None,
 ) -> Curve:
     """Evaluate a function for each of several chains.
 
@@ -122,9 +122,9 @@ def curve(
         The values of this parameter.
     arguments : mapping
         Further arguments by name.
-    workers : int, optional
-        Number of processes; by default 1, the present process; None for one per core.
-    progress : callable, optional
+    workers : int or None
+        Number of processes; 1 for the present process, None for one per core.
+    progress : callable or None
         Called with the fraction done.
 
     Returns

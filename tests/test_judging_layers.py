@@ -974,7 +974,7 @@ def test_every_quantity_has_its_share_of_the_points_and_twelve_at_least(
     with pytest.raises(ParameterError, match="number of points = 0 "):
         robustness.points_of(["c-pin"], 0)
     with pytest.raises(ParameterError, match="seed = -1 "):
-        robustness.robustness(["c-pin"], 1, -1)
+        robustness.robustness(["c-pin"], 1, -1, workers=1)
 
 
 # -------------------------------------------------------------------------- a front that stops
@@ -1392,12 +1392,12 @@ def test_a_curve_goes_on_where_some_points_are_refused() -> None:
         positive("c", chain)
         return SimpleNamespace(c=chain)
 
-    found = curve(value, [-1.0, 1.0, -2.0], "c", [-1.0, 1.0, -2.0], {}, workers=1)
+    found = curve(value, [-1.0, 1.0, -2.0], "c", [-1.0, 1.0, -2.0], {}, workers=1, progress=None)
     assert [type(point).__name__ for point in found.points] == [
         "Refusal", "SimpleNamespace", "Refusal",
     ]  # fmt: skip
     with pytest.raises(ParameterError, match="c = -1"):
-        curve(value, [-1.0, -2.0], "c", [-1.0, -2.0], {}, workers=1)
+        curve(value, [-1.0, -2.0], "c", [-1.0, -2.0], {}, workers=1, progress=None)
 
 
 # ------------------------------------------------------------ fronts beside waves, and what is said

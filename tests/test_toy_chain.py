@@ -172,7 +172,7 @@ def test_its_front_is_pinned_where_the_coupling_is_weak() -> None:
 
 def test_its_runs_are_a_row_of_the_robustness_table(capsys: pytest.CaptureFixture[str]) -> None:
     """They are tried, held against scipy and listed; a shifted value is seen."""
-    found = robustness(["run-nagumo"], 12, workers=1)
+    found = robustness(["run-nagumo"], 12, 0, workers=1)
     assert found.bad == ()
     assert found.counts["right"] >= 3
     assert found.counts["refused"] > 0  # alpha above one half

@@ -20,9 +20,6 @@ from verification.quantities.judging import BAD, PointOutcome, RobustnessTask
 from verification.quantities.quantity import Computation
 from verification.quantities.registry import chosen
 
-POINTS = 1000
-"""Default number of points of all quantities together."""
-
 MIN_POINTS = 12
 """Smallest number of points of a computation."""
 
@@ -117,13 +114,13 @@ def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
 
 
 def robustness(
-    names: Sequence[str] = (),
-    points: int = POINTS,
-    seed: int = 0,
+    names: Sequence[str],
+    points: int,
+    seed: int,
     *,
     out: Path | None = None,
     resume: bool = False,
-    workers: int | None = None,
+    workers: int | None,
     progress: ProgressCallback | None = None,
 ) -> Robustness:
     """Test the quantities named, or all, and classify the outcome of each point.
@@ -147,7 +144,7 @@ def robustness(
 
     Examples
     --------
-    >>> found = robustness(["c-pin"], 40, workers=1)
+    >>> found = robustness(["c-pin"], 40, 0, workers=1)
     >>> found.bad, found.counts["exceeded"]
     ((), 0)
     """

@@ -370,6 +370,7 @@ def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
          ("5000)", "5000)**2")),
         ("import sympy\nk = sympy.lambdify('x', '2*x')", "k(c)", ("2*x", "3*x")),
         ("class K(float): pass\nk = K(1.5)", "k", ("1.5", "2.5")),
+        ("k = {'a': 1}.keys()", "c in k", ("'a'", "'b'")),
         ("k = {'a': 1}.get", "k('a')", ("1}", "2}")),
         ("def K(c): return c\ndef k(f): return f", "k(K)(c)", ("return f", "return f(1)")),
         ("from enum import Enum\nclass K(Enum):\n a = 1\n b = 2\nk = K.a", "k", ("K.a", "K.b")),

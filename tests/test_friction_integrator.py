@@ -612,3 +612,31 @@ def test_a_budget_of_one_step_is_taken() -> None:
     first = run.time
     run.advance(1)
     assert 0.0 < first < run.time < 100.0
+
+
+@pytest.mark.parametrize("part", [0.5, 1.5])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_site_at_the_velocity_of_the_belt_slips_if_spring_and_damper_overcome_friction(
+    part: float, sign: float
+) -> None:
+    """The damper pulls with 2ξv_d, backwards whichever way the spring does."""
+    cell = FrictionCell()
+    y = sign * cell.mu_st - part * 2.0 * cell.xi * cell.v_d
+    chain = FrictionChain.of(cell, c=0.0, sites=2)
+    run = FrictionIntegration(chain, np.array([[y, 0.0], [cell.v_d, cell.v_d]]))
+    slips = part < 1.0 if sign > 0.0 else part > 1.0
+    assert run._run.mode[friction.MODE, 1:-1].tolist() == [-sign if slips else 0.0, 0.0]
+
+
+@pytest.mark.parametrize(("part", "slips"), [(0.99, False), (1.01, True)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_site_at_the_velocity_of_the_belt_is_pulled_by_its_neighbours_too(
+    part: float, slips: bool, sign: float
+) -> None:
+    """By 2c·y of them, against the direction in which they are displaced."""
+    cell, c = FrictionCell(), 0.1
+    most = cell.mu_st - sign * 2.0 * cell.xi * cell.v_d
+    y = -sign * part * most / (2.0 * c)
+    start = np.array([[y, 0.0, y], [cell.v_d] * 3])
+    run = FrictionIntegration(FrictionChain.of(cell, c=c, sites=3), start)
+    assert run._run.mode[friction.MODE, 2] == (-sign if slips else 0.0)

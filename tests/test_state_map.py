@@ -27,6 +27,7 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
+from verification.execution.table import Table
 from verification.maps import state_map as state_map_module
 from verification.maps import state_run, vdp_rules
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
@@ -827,3 +828,22 @@ def test_a_chain_that_was_filled_once_and_keeps_half_its_sites_is_a_breather() -
     start = np.array([[chain.stable_amplitude, 0.0], [0.0, -1.02 * chain.unstable_amplitude]])
     found = find_vdp_state(chain, start, end=2000.0, tolerance=1e-8)
     assert (found.state, found.above) == (State.BREATHER, 1)
+
+
+@pytest.mark.parametrize("refine", [0.0, 0.25])
+@pytest.mark.parametrize("out", [None, Path("map.csv")])
+def test_a_map_and_its_boundary_are_in_two_files(
+    out: Path | None, refine: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[Path | None] = []
+
+    def made(_: object, points: Any, *, out: Path | None, **__: object) -> Table:
+        written.append(out)
+        return sweep(
+            lambda point: {"label": "in" if point["eta"] < 0.12 else "out"}, points, workers=1
+        )
+
+    monkeypatch.setattr(state_map_module, "sweep", made)
+    state_map(ENVELOPE, refine=refine, workers=1, out=out, eta=[0.11, 0.13], c=[0.3])
+    edge = None if out is None else Path("map-boundary.csv")
+    assert written == ([out, edge] if refine else [out])

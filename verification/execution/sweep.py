@@ -227,11 +227,10 @@ class _Found:
 
     def __post_init__(self) -> None:
         self.coordinates = coordinates(self.points)
-        whole = self.out is not None and self.out.suffix in ARRAY_FORMATS
         self.columns = Columns(
             len(self.points),
-            flat=self.out is not None and not whole,
-            folder=self.out.parent if self.out is not None and whole else None,
+            flat=self.out is not None and self.out.suffix not in ARRAY_FORMATS,
+            folder=None if self.out is None else self.out.parent,
         )
 
     def put(self, index: int, row: Mapping[str, Cell]) -> None:

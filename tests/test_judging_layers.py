@@ -10,6 +10,7 @@ import inspect
 import math
 import signal
 from collections import Counter
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
@@ -445,6 +446,33 @@ def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
     for each, at_once, at_end in ((found, 10.0, 50.0), (sliding, 80.0, 1000.0)):
         assert each.state is (State.BREATHER if settled else State.UNDECIDED)
         assert each.time == (at_once if settled else at_end)
+
+
+@pytest.mark.parametrize(
+    ("sticking", "state"),
+    [((), State.UNDECIDED), ((1,), State.BREATHER), ((0, 1, 2, 3), State.BREATHER),
+     (range(5), State.FRONT)],
+)  # fmt: skip
+def test_a_steady_friction_chain_is_a_breather_if_some_but_not_all_sites_stick(
+    sticking: Sequence[int], state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With all of them it is a front."""
+
+    class Run(SimpleNamespace):
+        def __init__(self, *_: object, **__: object) -> None:
+            arrivals = np.full(5, NAN)
+            arrivals[list(sticking)] = 0.0
+            super().__init__(time=0.0, arrivals=arrivals, counts={"steps": 1})
+            self.amplitude, self.forget_arrivals = np.ones(5), lambda: None
+            self.going_to_rest = lambda: False
+
+        def advance_to(self, time: float) -> None:
+            self.time = time
+
+    monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
+    chain = FrictionChain(c=0.05, sites=5)
+    found = friction_rules.find_friction_state(chain, np.zeros((2, 5)), end=400.0)
+    assert (found.state, found.above) == (state, len(sticking))
 
 
 @pytest.mark.parametrize("hold", [3.0, 8.0])

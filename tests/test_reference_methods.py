@@ -776,3 +776,23 @@ def test_roundings_of_a_state_are_larger_than_those_of_each_of_its_terms() -> No
         # Terms that are turned into each other by Ω are as large as Ω.
         phi = x[:4] + 1j * x[4:8]
         assert np.all(bound[:4] >= np.finfo(float).eps * np.abs(omega * phi))
+
+
+def test_after_each_step_of_a_reference_the_arrivals_so_far_are_shown() -> None:
+    seen: list[tuple[float, np.ndarray]] = []
+    found = passages.arrivals_by_scipy(
+        lambda t, y: np.ones(2),
+        np.array([0.0, -1.0]),
+        amplitude=lambda y: y,
+        level=0.5,
+        watched=slice(0, 2),
+        rtol=1e-9,
+        atol=1e-9,
+        each_step=lambda t, times: seen.append((t, times.copy())),
+    )
+    assert found == pytest.approx([0.5, 1.5], rel=1e-9)
+    for t, times in seen:
+        assert np.isnan(times).tolist() == (found > t).tolist()
+    assert len(seen) > 1
+    assert np.all(np.diff([t for t, _ in seen]) > 0.0)
+    assert seen[-1][1].tolist() == found.tolist()

@@ -24,7 +24,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from verification.breathers.orbits import Orbits
 from verification.cells import shooting
-from verification.cells.friction import ROUND_OFF, _with_error
+from verification.cells.friction import ROUND_OFF, _rounding_of_end, _with_error
 from verification.cells.result import CellCycle
 from verification.fronts.arrival_fit import velocity_of_arrivals
 from verification.fronts.preparation import Trial
@@ -478,6 +478,11 @@ def test_a_multiplier_is_that_of_the_first_turn_and_as_uncertain_as_the_others_a
         assert value is off is None
     else:
         assert (value, off) == (pytest.approx(found, rel=1e-15), pytest.approx(error, rel=1e-12))
+
+
+@pytest.mark.parametrize("end", [0.0, math.inf])
+def test_that_cycles_exist_at_no_velocity_or_at_every_one_is_exact(end: float) -> None:
+    assert _rounding_of_end(FrictionCell(), end, 1e-9) == 0.0
 
 
 def test_a_multiplier_of_turns_that_agree_is_known_to_rounding() -> None:

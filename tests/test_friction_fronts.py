@@ -209,6 +209,25 @@ def test_a_front_whose_sites_are_reached_at_once_is_unsteady_with_their_arrivals
     assert (found.sites, found.counts) == (32, {"steps": 7})
 
 
+@pytest.mark.parametrize(
+    ("other", "status", "error"),
+    [(None, FrontStatus.STEADY, 0.0), (0.5002, FrontStatus.STEADY, 2e-4),
+     (0.51, FrontStatus.UNSTEADY, 1e-2)],
+)  # fmt: skip
+@pytest.mark.parametrize("enough", [True, False])
+def test_on_the_longest_chain_a_front_is_measured_though_it_should_be_longer(
+    enough: bool, other: float | None, status: FrontStatus, error: float
+) -> None:
+    """Then the error holds the distance from a second velocity."""
+    arrivals = 2.0 * np.arange(40.0)
+    trial = Trial(stopped=None, arrivals=arrivals, coarser=arrivals, steps=7)
+    found = settle(lambda _: trial, sites=40, long_enough=lambda *_: enough, other_velocity=other)
+    assert found.v == pytest.approx(0.5, rel=1e-12)
+    assert found.status is (FrontStatus.STEADY if enough else status)
+    assert found.error == pytest.approx(0.0 if enough else error, abs=1e-7)
+    assert (found.sites, found.steps, found.arrivals.tolist()) == (40, 7, arrivals.tolist())
+
+
 def test_sites_left_out_and_filled_later_do_not_slow_a_front_down() -> None:
     arrivals = np.arange(40.0)
     late = arrivals.copy()

@@ -146,9 +146,14 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Panel]]:
         legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes)]
         shown = {text.get_text() for each in legends if each for text in each.get_texts()}
         assert shown >= {x for axes in figure.axes for x in axes.get_legend_handles_labels()[1]}
-        for line in (each for axes in figure.axes for each in axes.get_lines()):
-            inside = line.get_marker() not in ("x", "+") and line.get_markerfacecolor() != "none"
-            assert inside or line.get_markeredgecolor() != "none", line.get_label()
+        for axes in figure.axes:
+            looks: dict[tuple[object, ...], str] = {}
+            for line in axes.get_lines():
+                name, mark = str(line.get_label()), line.get_marker()
+                face, edge = line.get_markerfacecolor(), line.get_markeredgecolor()
+                assert edge != "none" or (face != "none" and mark not in ("x", "+")), name
+                look = (line.get_color(), line.get_linestyle(), mark, face)
+                assert name.startswith("_") or looks.setdefault(look, name) == name
         marks = {tuple(map(float, at)) for axes in figure.axes for each in axes.collections
                  for at in each.get_offsets()}  # fmt: skip
         for panel in panels:
@@ -234,6 +239,7 @@ def test_turning_points_of_both_cycles_are_drawn_on_both_sides() -> None:
     for cycle in (found.stable, found.unstable):
         for side in (0, 1):
             assert points(found.v_d, cycle[:, side]) in every
+    assert {"stick-slip cycle", "unstable cycle"} <= panel.lines.keys()
     assert panel.lines["steady sliding, stable"] == points(found.v_d, found.sliding)[1:]
     assert panel.lines["steady sliding, unstable"] == points(found.v_d, found.sliding)[:1]
     assert sorted(panel.levels.values()) == [0.95, 1.95]  # within the outermost velocities
@@ -371,6 +377,7 @@ def test_phase_steps_are_drawn_below_the_shapes_of_their_nuclei(drawn: Any) -> N
         shape, below = panels[k], panels[2 + k]
         assert dict(shape.lines["bars"])[0] == shapes[size][15]
         assert set(dict(shape.lines["bars"]).values()) <= set(shapes[size])
+        assert sorted(dict(shape.lines["bars"])) == list(range(-8, 9))
         every = [pair for found in below.lines.values() for pair in found]
         rows = [row for (n, _), found in steps.items() if n == size for row in found.T]
         assert sorted(every) == sorted(pair for row in rows for pair in points(times, row))
@@ -424,6 +431,10 @@ def test_assumptions_are_drawn_over_epsilon(drawn: Any) -> None:
     assert needed == points(fig08.EPSILONS, share / 0.25)
     assert right.lines[r"$|k_2+\pi/2|$"] == points(fig08.EPSILONS, np.abs(turns))
     assert stated(left.title) == {"A": fig08.A, "B": fig08.B, "C": fig08.C}
+    (picture,) = fig08.draw_assumptions(
+        known(fig08.Assumptions, detuning=detuning, turns=turns, ratio=0.25)
+    )
+    assert picture.data.splitlines()[-1] == "averaged chain,0.0,0.0,,0.0"
     assert left.reaches(fig08.EPSILONS, (0.0, fig08.SMALL, *share))
     assert right.reaches(fig08.EPSILONS, (0.0, *np.abs(turns)))
     assert left.levels == {"“small”: 0.1": fig08.SMALL}
@@ -499,6 +510,9 @@ def test_velocity_and_its_exponent_are_drawn_over_coupling(drawn: Any) -> None:
     (line,) = (found for name, found in left.lines.items() if name.startswith("line"))
     assert np.array(line)[:, 1] == pytest.approx(1.0 + 2.0 * np.array(line)[:, 0])
     assert np.array(right.lines["averaged chain (43)"])[:, 1] == pytest.approx(2.0)
+    ((middle, exponent),) = right.lines["(8), ε = 0.01"]
+    assert full[0] < middle < full[1]
+    assert exponent == pytest.approx(np.log(1.5) / np.log(2.0))
     assert right.levels == {"paper: linear in the end": 1.0}
     assert stated(left.title) == {"A": fig13.A, "B": fig13.B}
     assert left.reaches((0.0, *fig13.FULL), (0.0, *full))
@@ -552,15 +566,15 @@ def test_the_size_of_a_nucleus_is_drawn_over_slow_time(drawn: Any) -> None:
 
 
 def test_velocities_of_several_a_are_drawn_over_eta(drawn: Any) -> None:
-    averaged = np.arange(1.0, 1.0 + len(fig14.ETAS))
+    averaged = 0.1 * np.arange(1.0, 1.0 + len(fig14.ETAS))
     full = {a: tuple(a + np.arange(len(fig14.FULL))) for a in fig14.SHARES}
     (panel,) = drawn(fig14.draw, known(fig14.Collapse, averaged=averaged, full=full))
     assert panel.lines["averaged chain (43)"] == points(fig14.ETAS, averaged)
     for a, v in full.items():
-        (found,) = (found for name, found in panel.lines.items() if f"$a$ = {a:g}," in name)
-        assert found == points(fig14.FULL, v)
+        b = "η" if a == 1.0 else f"{a * a:g}η"
+        assert panel.lines[f"(8), $a$ = {a:g}, $b$ = {b}"] == points(fig14.FULL, v)
     assert stated(panel.title) == {"C": fig14.C, "EPS": fig14.EPS}
-    assert panel.reaches((0.0, *fig14.ETAS), averaged)
+    assert panel.reaches((0.0, *fig14.ETAS), (0.0, *averaged))
     assert panel.legend
 
 

@@ -440,6 +440,7 @@ def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys
 def test_a_map_ends_where_its_grid_ends():
     from paper_checks.report.state_picture import _rim, draw_states
     from tests.tables import table_of
+    from verification.execution.table import Table
     from verification.pictures.figures import new_axes
 
     states = table_of(
@@ -456,6 +457,12 @@ def test_a_map_ends_where_its_grid_ends():
     assert axes.get_ylim() == pytest.approx((0.97, 2.03))
     low, high = _rim(table_of([{"c": 0.02}]), "c")
     assert 0.9 * 0.02 < low < 0.02 < high < 1.1 * 0.02
+    assert _rim(table_of([{"c": 0.0}]), "c") == (0.0, 1.0)
+    assert _rim(table_of([{"c": -2.0}]), "c") == pytest.approx((-2.0, -1.9))
+    _, axes = new_axes()
+    nowhere = Table(arrays={name: np.array([]) for name in ("along", "c", "v_d", "at")})
+    assert list(draw_states(axes, states, "c", "v_d", nowhere)) == ["states"]
+    assert all(each.get_label() != "boundary, bisected" for each in axes.lines)
 
 
 def test_the_quick_benchmark_says_when_it_writes(capsys):

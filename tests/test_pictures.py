@@ -146,6 +146,7 @@ def test_a_curve_has_bars_of_its_errors() -> None:
     ends = [[y for _, y in each] for each in bars.get_segments()]
     assert ends == [[0.75, 1.25], [1.5, 2.5], [3.0, 3.0]]
     assert list(shown[0].get_xdata()) == [0.0, 2.0, 3.0]
+    assert axes.get_legend() is None  # of one method there is nothing to tell apart
 
 
 def test_a_curve_of_breathers_has_the_bars_of_what_is_drawn_and_a_line_a_method() -> None:
@@ -245,6 +246,8 @@ def test_of_a_run_each_arrival_is_drawn_at_its_time_and_site() -> None:
     assert list(line.get_ydata()) == [1, 3, 4]
     (image,) = axes.images
     assert np.array_equal(image.get_array(), run.amplitude.T)
+    assert image.get_extent() == [0.0, 10.0, 0.5, 4.5]  # each site in the middle of its row
+    assert (image.origin, image.get_clim()[0]) == ("lower", 0.0)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time t", "site n")
 
 
@@ -516,6 +519,44 @@ def test_every_picture_names_its_axes_its_colours_and_what_is_in_it() -> None:
         assert beside == ["amplitude"] * len(axes.images), name
 
 
+@pytest.mark.parametrize(
+    ("unit", "label"), [(100.0, "slow time of arrival, εt"), (1.0, "time of arrival")]
+)
+def test_a_front_is_drawn_by_the_sites_it_has_passed_at_each_time(unit: float, label: str) -> None:
+    """Of a chain whose sites have places on a line, too."""
+    for detail in (None, SimpleNamespace(positions=np.arange(3.0))):
+        axes = Figure().subplots()
+        front = SimpleNamespace(detail=detail, arrivals=np.array([0.0, 5.0, 10.0]), v=0.5,
+                                chain=SimpleNamespace(time_unit=unit))  # fmt: skip
+        DRAWINGS["Front"](front, axes)
+        (line,) = axes.lines
+        assert line.get_xydata().tolist() == [[0.0, 1.0], [5.0 / unit, 2.0], [10.0 / unit, 3.0]]
+        assert axes.get_xlabel() == label
+        # Where a title stands is a matter of style, which other tests may have set.
+        assert "v = 0.5" in {axes.get_title(loc=each) for each in ("left", "center", "right")}
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_every_kind_of_solution_has_its_name_and_its_mark(asked: bool) -> None:
+    """Where stability was not asked for there is nothing that was not decided."""
+    kinds: list[tuple[bool | None, bool | None, str, str]] = [
+        (True, None, "admissible, stability not decided", "x") if asked
+        else (True, None, "admissible", "o"),
+        (False, None, "not admissible", "o"), (None, None, "not decided", "o"),
+    ]  # fmt: skip
+    if asked:
+        kinds += [(True, True, "admissible, stable", "o"),
+                  (True, False, "admissible, not stable", "s")]  # fmt: skip
+    branches = [SimpleNamespace(v=1.0 + k, admissible=admissible, stable=stable)
+                for k, (admissible, stable, _, _) in enumerate(kinds)]  # fmt: skip
+    axes = Figure().subplots()
+    relation = _results()["KineticRelation"]
+    DRAWINGS["KineticRelation"](SimpleNamespace(**{**vars(relation), "branches": branches}), axes)
+    found = {str(line.get_label()): (line.get_marker(), *map(float, line.get_xydata()[0]))
+             for line in axes.lines}  # fmt: skip
+    assert found == {name: (mark, 0.5, 1.0 + k) for k, (*_, name, mark) in enumerate(kinds)}
+
+
 # ---------------------------------------------------------------------------- the explorer's page
 
 
@@ -538,6 +579,25 @@ def test_the_explorer_shows_every_branch_at_the_coupling_and_what_is_known_of_it
     assert f"v = {point.branches[-1].v:.12g} " in picture.caption.text
     assert "(admissible, stable)" in picture.caption.text
     assert (picture.figure.visible, picture.refusal.visible) == (True, False)
+
+
+@needs_explorer
+def test_the_explorer_draws_every_branch_and_says_the_last_two() -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import KineticPicture
+
+    kinds = ((0.25, False, None), (0.5, True, False), (0.75, None, None))
+    branches = [SimpleNamespace(v=v, error=1e-9, admissible=each, stable=stable)
+                for v, each, stable in kinds]  # fmt: skip
+    point = SimpleNamespace(c=0.5, c_pin=0.1, branches=branches)
+    picture = KineticPicture()
+    picture.show(Settings(), {"point": point, "curve": "refused in a sentence"})
+    assert not len(picture.curve[True].data["x"])
+    picture.show(Settings(), {"point": point, "curve": SimpleNamespace(points=[point])})
+    assert dict(picture.curve[True].data) == {"x": [0.5], "y": [0.5]}
+    assert dict(picture.curve[False].data) == {"x": [0.5, 0.5], "y": [0.25, 0.75]}
+    said = "v = 0.5 ± 1e-09 (admissible, unstable), v = 0.75 ± 1e-09 (not decided)"
+    assert picture.caption.text == said
 
 
 @needs_explorer
@@ -659,12 +719,12 @@ def test_the_explorer_draws_modulus_real_and_imaginary_part_of_the_profile() -> 
     assert picture.caption.text.startswith(said.replace("adm", "not adm"))
 
 
-def _frame(nucleus: int, breather: Any) -> Any:
+def _frame(nucleus: int, breather: Any, height: float = 1.0) -> Any:
     from fronts.explore.calls import SITES, Settings
     from fronts.explore.pictures import NowPicture
 
     chain = SimpleNamespace(stable_amplitude=2.0, unstable_amplitude=1.0)
-    amplitude = np.tile(np.arange(float(SITES)), (2, 1))
+    amplitude = height * np.arange(float(SITES)) * np.array([[1.0], [0.5]])
     found = {"run": SimpleNamespace(chain=chain, amplitude=amplitude), "breather": breather}
     picture = NowPicture()
     picture.show(Settings(nucleus=nucleus), found)
@@ -705,6 +765,8 @@ def test_the_explorer_leaves_the_trivial_multiplier_out_of_the_largest() -> None
     picture.show(Settings(), {"breather": breather})
     assert "trivial one is 0.5;" in picture.caption.text
     assert np.array_equal(picture.points.data["x"], multipliers.real)
+    assert np.array_equal(picture.points.data["y"], multipliers.imag)
+    assert picture.caption.text.startswith("stable: ")
     unstable = SimpleNamespace(
         multipliers=np.array([2.2, 1.0, 0.2 + 0.0j]), stable=False, trivial=1e-9
     )
@@ -750,6 +812,8 @@ def test_the_explorer_leaves_no_amplitude_of_the_chain_out() -> None:
     assert up.start == 0.0
     assert SITES - 1.0 < up.end < 2.0 * SITES
     assert list(picture.chain.data["x"]) == list(range(1, SITES + 1))
+    assert list(picture.chain.data["y"]) == list(range(SITES))
+    assert 2.0 < _frame(1, None, height=1e-3).figure.y_range.end < 4.0  # nor the stable cycle
 
 
 @needs_explorer
@@ -758,7 +822,7 @@ def test_the_explorer_colours_the_largest_amplitude_at_first_and_that_of_the_cyc
     from fronts.explore.pictures import RunPicture
 
     for cycle, largest in ((2.0, 3.0), (4.0, 4.0)):
-        amplitude = np.full((5, SITES), 3.0)
+        amplitude = np.vstack([np.linspace(0.0, 3.0, SITES), np.ones((4, SITES))])
         run = SimpleNamespace(amplitude=amplitude, arrivals=np.array([0.0, np.nan, 7.0]),
                               chain=SimpleNamespace(stable_amplitude=cycle))  # fmt: skip
         picture = RunPicture()
@@ -766,7 +830,7 @@ def test_the_explorer_colours_the_largest_amplitude_at_first_and_that_of_the_cyc
         assert picture.colours.low == 0.0
         assert largest < picture.colours.high < 1.1 * largest
         (image,) = picture.image.data["image"]
-        assert np.array_equal(image, amplitude.T)
+        assert np.allclose(image, amplitude.T)  # sent in single precision
         assert picture.caption.text.startswith(f"2 of {SITES} sites ")
 
 

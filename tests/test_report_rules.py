@@ -29,6 +29,7 @@ from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.table import NARROWEST, entries_as_text
 from paper_checks.report.terminal import NAMED, _headline, report_as_text
 from paper_checks.ruling import holds
+from tests.tables import table_of
 from verification.quantities.registry import all_quantities
 
 PICTURE = Picture("fig16-speed", "Speed.", "<svg/>", "")
@@ -412,6 +413,37 @@ def test_a_place_on_the_last_tick_is_in_the_last_cell() -> None:
     places = [state_picture._before(ticks, x) for x in (-1.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0)]
     assert places == [0, 0, 0, 1, 1, 1, 1]
     assert state_picture._before(ticks[:1], 0.0) == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "segments"),
+    [
+        # About the middle one of nine points: a rhombus.
+        (
+            [("c", 0.5, 1.0), ("c", 1.5, 1.0), ("v", 1.0, 0.5), ("v", 1.0, 1.5)],
+            {((0.5, 1.0), (1.0, 0.5)), ((1.5, 1.0), (1.0, 0.5)), ((0.5, 1.0), (1.0, 1.5)),
+             ((1.5, 1.0), (1.0, 1.5))},
+        ),
+        # Where three regions meet: each to the mean. A single change is not joined to anything.
+        (
+            [("c", 0.5, 0.0), ("v", 0.0, 0.5), ("v", 1.0, 0.5)],
+            {((0.5, 0.0), (0.5, 1.0 / 3.0)), ((0.0, 0.5), (0.5, 1.0 / 3.0)),
+             ((1.0, 0.5), (0.5, 1.0 / 3.0))},
+        ),
+    ],
+)  # fmt: skip
+def test_changes_of_label_are_joined_cell_by_cell(
+    changes: list[tuple[str, float, float]], segments: set[Any]
+) -> None:
+    grid = table_of([{"c": c, "v": v} for c in (0.0, 1.0, 2.0) for v in (0.0, 1.0, 2.0)])
+    boundary = table_of([{"along": along, "c": c, "v": v, "at": c if along == "c" else v}
+                         for along, c, v in changes])  # fmt: skip
+    found = state_picture._contours(grid, "c", "v", boundary)
+    *pieces, rest = np.split(found, np.flatnonzero(np.isnan(found[:, 0])) + 1)
+    assert not len(rest)
+    assert {frozenset(map(tuple, piece[:-1].round(12))) for piece in pieces} == {
+        frozenset(tuple(np.round(end, 12)) for end in ends) for ends in segments
+    }
 
 
 def test_brackets_are_taken_apart_where_more_is_in_them_than_a_line_holds() -> None:

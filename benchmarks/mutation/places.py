@@ -24,6 +24,8 @@ UNCHANGED_CALLS = frozenset(
         "debug",
         "new_axes",
         "new_panels",
+        "set_xticks",
+        "set_yticks",
     }
 )
 """Calls that contain checks, messages, logging, limits of loops and sizes of pictures; they are

@@ -412,7 +412,7 @@ def test_a_place_on_the_last_tick_is_in_the_last_cell() -> None:
     ticks = np.array([0.0, 1.0, 2.0])
     places = [state_picture._before(ticks, x) for x in (-1.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0)]
     assert places == [0, 0, 0, 1, 1, 1, 1]
-    assert state_picture._before(ticks[:1], 0.0) == 0
+    assert state_picture._before(ticks[:1], 0.0) == state_picture._before(ticks[:2], 1.0) == 0
 
 
 @pytest.mark.parametrize(

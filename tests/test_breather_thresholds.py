@@ -134,7 +134,7 @@ def test_on_a_ring_a_threshold_errs_by_more_than_its_change_with_a_few_sites() -
     chain = AveragedChain(a=4.0, b=0.5344321, c=0.0, sites=16, ends=Ends.PERIODIC)
     nucleus = Nucleus(3, "--", Place.EDGE)
     found = threshold(chain, nucleus)
-    whole = breather_threshold(chain, nucleus, margin=13)
+    whole = breather_threshold(chain, nucleus, margin=13, method=ThresholdMethod.ENVELOPE)
     assert (found.sites, whole.sites) == (10, 16)
     assert abs(found.c_crit - whole.c_crit) <= found.error + whole.error < 1e-6
 
@@ -189,7 +189,7 @@ def test_an_edge_nucleus_is_half_of_a_pair_in_phase() -> None:
 
 def test_the_growth_half_way_is_that_of_differences_at_half_the_coupling() -> None:
     """The rotating solution of (43) by scipy, and its Jacobian by differences."""
-    found = breather_threshold(CHAIN, Nucleus(1), margin=3)
+    found = breather_threshold(CHAIN, Nucleus(1), margin=3, method=ThresholdMethod.ENVELOPE)
     c, sites = 0.5 * found.c_crit, found.sites
     assert sites == 7
 

@@ -322,10 +322,16 @@ NUMBERS: dict[str, Callable[[Any], object]] = {
 
 AVERAGED, FRICTION, PREPARED = CHAINS["averaged"], CHAINS["friction"], NucleusPreparation(1)
 REST = np.zeros((2, 7))
+STILL: Any = {"perturbation": 0.0, "seed": 0}
+USUAL: Any = {"lowest": 1e-3, "accuracy": 1e-6, "tests": 12}
 OUTSIDE: list[tuple[str, Callable[[Any], object], tuple[float, ...]]] = [
-    ("nucleus size", lambda one: follow_nucleus(AVERAGED, one), (0, 8)),
-    ("slow time", lambda one: follow_nucleus(AVERAGED, slow_time=one), (0.0, -1.0)),
-    ("perturbation", lambda one: follow_nucleus(AVERAGED, perturbation=one), (-1e-9, 1.001)),
+    ("nucleus size", lambda one: follow_nucleus(AVERAGED, one, **STILL), (0, 8)),
+    ("slow time", lambda one: follow_nucleus(AVERAGED, slow_time=one, **STILL), (0.0, -1.0)),
+    (
+        "perturbation",
+        lambda one: follow_nucleus(AVERAGED, **STILL | {"perturbation": one}),
+        (-1e-9, 1.001),
+    ),
     ("number of velocities", lambda one: bifurcation([], "v_d", [0.1] * one), (1, 2001)),
     ("tolerance", lambda one: friction_cell(fr.FrictionCell(), one), (9e-15, 1.1e-4)),
     ("belt velocity", lambda one: friction_cell(fr.FrictionCell(v_d=one)), (9e-10,)),
@@ -371,23 +377,29 @@ OUTSIDE: list[tuple[str, Callable[[Any], object], tuple[float, ...]]] = [
     ("tolerance", lambda one: Spreading(tolerance=one), (9e-13, 1.1e-4)),
     (
         "lowest coupling",
-        lambda one: spreading_threshold(FRICTION, Spreading(), lowest=one),
+        lambda one: spreading_threshold(FRICTION, Spreading(), **USUAL | {"lowest": one}),
         (0.0, -1.0),
     ),
     (
         "highest coupling",
-        lambda one: spreading_threshold(FRICTION, Spreading(), lowest=0.1, highest=one),
+        lambda one: spreading_threshold(
+            FRICTION, Spreading(), **USUAL | {"highest": one, "lowest": 0.1}
+        ),
         (0.1009, 1.1e6),
     ),
     (
         "accuracy",
-        lambda one: spreading_threshold(FRICTION, Spreading(), accuracy=one),
+        lambda one: spreading_threshold(FRICTION, Spreading(), **USUAL | {"accuracy": one}),
         (9e-13, 0.11),
     ),
-    ("tolerance", lambda one: spreading_threshold(FRICTION, Spreading(tolerance=one)), (1.01e-6,)),
+    (
+        "tolerance",
+        lambda one: spreading_threshold(FRICTION, Spreading(tolerance=one), **USUAL),
+        (1.01e-6,),
+    ),
     (
         "tests of monotonicity",
-        lambda one: spreading_threshold(FRICTION, Spreading(), tests=one),
+        lambda one: spreading_threshold(FRICTION, Spreading(), **USUAL | {"tests": one}),
         (-1, 10_001),
     ),
 ]  # fmt: skip

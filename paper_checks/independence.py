@@ -14,6 +14,7 @@ PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 
 DEFINITIONS = (
     "theory.arrays",
+    "theory.compiled_code",
     "theory.interruption",
     "theory.parameters",
     "theory.result",

@@ -645,11 +645,11 @@ def test_stability_is_not_decided_where_the_growth_may_be_of_either_sign(
 
 def test_beside_its_fold_the_stability_of_a_breather_is_not_decided() -> None:
     """So close that the growth rate, which changes like a square root, is below its error."""
-    chain = AveragedChain(a=1.0, b=0.1, c=1e3, sites=7)
-    fold = solve_envelope_breather(chain, Nucleus(1)).fold
+    chain, edge = AveragedChain(a=1.0, b=0.08, c=1e3, sites=5), Nucleus(1, place=Place.EDGE)
+    fold = solve_envelope_breather(chain, edge).fold
     assert fold is not None
     beside, below = (
-        solve_envelope_breather(chain.replace(c=fold * (1.0 - part)), Nucleus(1))
+        solve_envelope_breather(chain.replace(c=fold * (1.0 - part)), edge)
         for part in (1e-13, 1e-3)
     )
     assert (beside.stable, below.stable) == (None, True)

@@ -18,9 +18,10 @@ from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.breather import breather
-from verification.breathers.family import BreatherFamily
+from verification.breathers.envelope import RotatingWaves
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
+from verification.continuation.branch import FoldShift
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds import continuation
 from verification.thresholds.continuation import breather_threshold
@@ -418,11 +419,13 @@ def test_the_error_of_a_fold_contains_those_of_the_steps_and_of_the_sites_left_o
 ) -> None:
     """Where the breather is stable up to the fold, the sites left out count for either end."""
     chain = AveragedChain(a=2.5, b=0.5, c=0.0, sites=15)
-    monkeypatch.setattr(BreatherFamily, "step_error", lambda *_: 1e-3)
+    monkeypatch.setattr(RotatingWaves, "step_error", lambda *_: FoldShift(1e-3, 0.0))
     monkeypatch.setattr(continuation, "first_crossing", lambda *_: None)
-    found, longer = (breather_threshold(chain, Nucleus(1), margin=each) for each in (1, 4))
+    found, longer = (
+        breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE, each) for each in (1, 4)
+    )
     apart = abs(found.c_crit - longer.c_crit)
     assert apart > 1e-4
-    assert found.error == pytest.approx(1e-3 + apart, rel=1e-6)
+    assert found.error == pytest.approx(1e-3 + 2.0 * apart, rel=1e-6)
     assert found.stable_to == found.c_crit
     assert found.stable_to_error == pytest.approx(1e-3 + 2.0 * apart, rel=1e-6)

@@ -1581,14 +1581,13 @@ def test_a_threshold_names_the_point_of_the_cycle_that_its_sites_start_from(
     assert found.start_point is point
 
 
-def test_what_is_usual_of_a_threshold_is_the_same_by_either_door() -> None:
-    """Numbers that users rely on where they say nothing; `threshold` hands them on."""
+def test_what_is_usual_of_a_threshold() -> None:
+    """Numbers that users rely on where they say nothing; `threshold` passes them on."""
     usual = {"final_time": 1000.0, "lowest": 1e-3, "highest": 0.5, "accuracy": 1e-6, "tests": 12}
     whole = inspect.signature(thresholds.threshold).parameters
     assert {name: whole[name].default for name in usual} == usual
     search = inspect.signature(spreading.spreading_threshold).parameters
-    given = {name: search[name].default for name in usual if name in search}
-    assert given == {name: usual[name] for name in given}
+    assert search["highest"].default == usual["highest"]
     assert Spreading().final_time == usual["final_time"]
     assert inspect.signature(escape.escape_range).parameters["duration"].default == 2000.0
 
@@ -1617,19 +1616,6 @@ def test_a_coarser_run_has_a_tolerance_as_many_times_larger_as_is_asked(
     search = spreading._Search(AVERAGED, Spreading(tolerance=tolerance), 1e-4, 0.1, 0.2)
     assert search.spreads(0.1, longer=2.0, coarser=100.0)
     assert made == [(pytest.approx(100.0 * tolerance), 2000.0)]
-
-
-def test_a_threshold_is_looked_for_in_one_range_whoever_asks() -> None:
-    """What is not given is the same for any chain's threshold and for that of runs that spread."""
-    asked, runs = (
-        inspect.signature(each).parameters
-        for each in (thresholds.threshold, spreading.spreading_threshold)
-    )
-    shared = {name for name in runs if name in asked and runs[name].kind is runs[name].KEYWORD_ONLY}
-    assert {"lowest", "highest", "accuracy", "tests"} <= shared
-    assert {name: asked[name].default for name in shared} == {
-        name: runs[name].default for name in shared
-    }
 
 
 @pytest.mark.parametrize(("off", "extrapolated"), [(0.0, True), (0.09, False), (-0.09, False)])

@@ -215,7 +215,7 @@ def test_multipliers_of_a_chain_whose_sites_may_differ_are_not_split(
 
     def noted(*given: Any, parity: int, **options: Any) -> Any:
         parities.append(parity)
-        return sort(*given, **options)
+        return sort(*given, parity=parity, **options)
 
     monkeypatch.setattr("verification.breathers.orbits.floquet_multipliers", noted)
     chain = OscillatorChain(**PAPER, c=0.1, disorder={"a": 0.1}, seed=1, sites=3)

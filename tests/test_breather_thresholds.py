@@ -428,4 +428,4 @@ def test_the_error_of_a_fold_contains_those_of_the_steps_and_of_the_sites_left_o
     assert apart > 1e-4
     assert found.error == pytest.approx(1e-3 + 2.0 * apart, rel=1e-6)
     assert found.stable_to == found.c_crit
-    assert found.stable_to_error == pytest.approx(1e-3 + 2.0 * apart, rel=1e-6)
+    assert found.stable_to_error == pytest.approx(1e-3 + 4.0 * apart, rel=1e-6)

@@ -103,7 +103,9 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
         return found
     w, error = nearest
     modulus = 1.0 / abs(w)
-    error = error * modulus**2 + v_error * _by_v(v, c, w)
+    error *= modulus**2
+    if v_error:
+        error += v_error * _by_v(v, c, w)
     if abs(modulus - 1.0) <= error:
         found = replace(found, stable=None)
     return replace(found, multiplier=modulus, angle=abs(cmath.phase(w)), error=float(error))

@@ -201,7 +201,8 @@ class RotatingWaves(BreatherFamily):
         phi, omega = self.unpack(point.u)
         frequency = 1.0 + here.eps * omega
         rounding = _rounding(phi, here)
-        off, aside = self._off(phi, omega, here.c), self.aside(here.c, fold)
+        off = self._off(phi, omega, here.c)
+        fold_error, aside = self.near_fold(here.c, fold)
         left = solution_error(self.system(), point.u, here.c, off, aside)
         left = max(left, 2.0 * point.correction)
         # Ω is dimensionless: its rounding is the relative one of φ, and also that of the frequency.
@@ -223,7 +224,7 @@ class RotatingWaves(BreatherFamily):
             wave_error=wave_error_of(error, phi, self.nucleus.outward(here.sites)),
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
-            fold_error=None if fold is None else self.fold_error(fold),
+            fold_error=fold_error,
             unknowns=np.append(self.unit * point.u[:-1], omega),
             stability=stability,
             seconds=time.perf_counter() - started,

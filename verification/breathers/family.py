@@ -125,10 +125,15 @@ class BreatherFamily(ABC):
         generic = not self.nucleus.mirrored(self.chain.sites)
         return replace(self.steps_along, folds=folds, generic=generic)
 
-    def aside(self, c: float, fold: Fold | None) -> float:
-        """Return the error of a fold if a coupling is within it; otherwise 0."""
-        error = 0.0 if fold is None else self.fold_error(fold)
-        return error if fold is not None and abs(fold.parameter - c) <= error else 0.0
+    def near_fold(self, c: float, fold: Fold | None) -> tuple[float | None, float]:
+        """Return the error of a fold, if there is one, and that of a coupling.
+
+        The latter is that of the fold within this error of the fold, and 0 elsewhere.
+        """
+        if fold is None:
+            return None, 0.0
+        error = self.fold_error(fold)
+        return error, error if abs(fold.parameter - c) <= error else 0.0
 
     def monitor(self, u: FloatArray, c: float) -> tuple[float, float, float]:
         """Return the growth of all modes, of those with the breather's parity, and of the others.

@@ -195,8 +195,8 @@ class Orbits(BreatherFamily):
             parity=self._parity(state) if split else 0,
             error=float(sum(changes)),
         )
-        near = solution_error(self.system(2), point.u, c, aside=self.aside(c, fold))
-        error = near + point.correction
+        fold_error, aside = self.near_fold(c, fold)
+        error = solution_error(self.system(2), point.u, c, aside=aside) + point.correction
         frequency = 2.0 * math.pi / period
         waves = first_harmonics(fine.samples)
         turned = self.nucleus.outward(self.chain.sites)
@@ -214,7 +214,7 @@ class Orbits(BreatherFamily):
             wave_error=wave_error_of(error * max(1.0, 1.0 / frequency), waves, turned),
             residual=float(np.abs(coarse.state - state).max()),
             fold=None if fold is None else fold.parameter,
-            fold_error=None if fold is None else self.fold_error(fold),
+            fold_error=fold_error,
             unknowns=point.u,
             stability=stability,
             seconds=time.perf_counter() - started,

@@ -23,6 +23,9 @@ _JUDGED = ("stable", "admissible")
 _LAST = ("method", "terms", "steps", "counts", "seconds")
 """Entries on how the result was obtained, which are printed last."""
 
+_ERRORS = ("error", "errors", "radius", "residual")
+"""Endings of the names of errors, which are printed with two digits."""
+
 _DIGITS, _IN_LISTS, _BESIDE = 10, 7, 8
 """Significant digits of a number without a known error, of a number in a list, and, at most, of a
 number in a table that is not its main quantity."""
@@ -91,6 +94,15 @@ def _with_unknown_errors(result: Any, entries: Mapping[str, Any]) -> dict[str, A
             of = [each for each in entries if error_name(each, entries) == name]
             if not of or any(entries[each] is not None for each in of):
                 found[name] = math.inf
+        elif isinstance(value, list) and name.endswith("_error"):
+            numbers = entries.get(name.removesuffix("_error"))
+            if isinstance(numbers, dict):  # complex numbers, by their parts
+                numbers = numbers.get("re")
+            if isinstance(numbers, list) and len(numbers) == len(value):
+                found[name] = [
+                    math.inf if error is None and each is not None else error
+                    for each, error in zip(numbers, value, strict=True)
+                ]
         elif isinstance(value, dict) and isinstance(held, Result):
             found[name] = _with_unknown_errors(held, value)
         elif isinstance(value, dict) and isinstance(held, Mapping) and len(held) == len(value):
@@ -226,6 +238,8 @@ def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGI
     ('1151998399.9', '0.250', '0.25')
     >>> _text("re", 1.25e-25, 1e-21)
     '1e-25'
+    >>> _text("errors", [1e-9, math.inf]), _text("readings_error", {"tail": 1.25e-15})
+    ('[1.0e-09, inf]', 'tail 1.2e-15')
     """
     if _empty(value):
         return "-"
@@ -234,8 +248,9 @@ def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGI
     if isinstance(value, float):
         return _number(name, value, error, digits)
     if isinstance(value, dict):
+        of = name if name.endswith(_ERRORS) else ""
         parts = ((key, each) for key, each in value.items() if not _empty(each))
-        return ", ".join(f"{key} {_text(key, each)}" for key, each in parts)
+        return ", ".join(f"{key} {_text(of or key, each)}" for key, each in parts)
     if isinstance(value, list):
         few = [_text(name, each, digits=_IN_LISTS) for each in value[:MAX_VALUES]]
         more = "" if len(value) <= MAX_VALUES else f", … ({len(value)} values)"
@@ -246,7 +261,7 @@ def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGI
 def _number(name: str, value: float, error: float | None, digits: int) -> str:
     if name in ("lower", "upper"):  # a rounded enclosure would not be an enclosure
         return repr(value)
-    if name.endswith(("error", "radius", "residual")):
+    if name.endswith(_ERRORS):
         return f"{value:.1e}"
     if name.endswith("seconds"):
         return f"{value:.3g}"

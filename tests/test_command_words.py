@@ -394,6 +394,10 @@ class _Several(Result):
     rows: tuple[_Value, ...]
     growth: float
     growth_error: float
+    listed: tuple[float | None, ...]
+    listed_error: tuple[float, ...]
+    turns: np.ndarray
+    turns_error: np.ndarray
 
 
 @pytest.mark.parametrize(
@@ -406,15 +410,20 @@ class _Several(Result):
 def test_an_error_that_is_not_known_is_said_wherever_its_number_stands(
     error: float, of_a_value: str, of_none: str, beside: str
 ) -> None:
-    """In a result within another one, in a table by name or in order, and by itself."""
+    """In a result within another one, in a table by name or in order, by itself, and in a list."""
     value, none = _Value(v=0.5, error=error), _Value(v=None, error=error)
     several = _Several(one=value, ways={"a": value, "b": none}, rows=(value, none), growth=0.5,
-                       growth_error=error)  # fmt: skip
+                       growth_error=error, listed=(0.5, None), listed_error=(error, math.nan),
+                       turns=np.array([0.5j]), turns_error=np.array([error]))  # fmt: skip
     assert [" ".join(line.split()) for line in in_words(several).splitlines()] == [
         f"one v 0.5, error {error:.1e}, known yes",
         *("ways:", "name v error known", f"a {of_a_value} yes", f"b {of_none} yes"),
         *("rows:", "v error known", f"{of_a_value} yes", f"{of_none} yes"),
         f"growth {beside}",
+        "listed [0.5, -]",
+        f"listed_error [{error:.1e}, -]",
+        "turns re [0], im [0.5]",
+        f"turns_error [{error:.1e}]",
     ]
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.special import jv
 
 from theory.cells.vdp import threshold_ratio
-from theory.piecewise import symbol
+from theory.piecewise import stability, symbol
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability
@@ -279,6 +279,14 @@ def test_what_is_not_decided_says_so(monkeypatch):
     assert "not below 60" in stability_limit(0.0795).reason
     inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]
     assert all(b.stable is None for b in inadmissible)
+
+
+def test_a_velocity_without_error_adds_none_to_that_of_a_multiplier(monkeypatch):
+    first = kinetic_relation(2.4, ETA).branches[0]
+    found = front_stability(first.v, 2.4)
+    monkeypatch.setattr(stability, "_by_v", lambda *_: math.inf)
+    assert front_stability(first.v, 2.4) == found
+    assert front_stability(first.v, 2.4, first.error).stable is None
 
 
 def test_the_json_object_says_what_is_stable_and_up_to_where_if_asked():

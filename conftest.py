@@ -2,8 +2,8 @@
 
 Left out are modules without a doctest: importing them all, with those that an optional extra needs,
 took a sixth of collecting. Collecting makes millions of objects that live to the end: looking
-through them took a third of it, and time in every test after. Each process begins with another file
-of tests, and finds on disk what others have rewritten of those that they began with.
+through them took a third of it, and time in every test after. Each process begins to collect at
+another file of tests, and finds on disk the assertions that others have already rewritten.
 Where several processes test, each takes whole files; those that ask for the derivations of the
 paper go to one of them, since deriving and checking all takes ten seconds a process. Files that
 take long are taken first, so that no process is left with one when the others have ended. The
@@ -45,10 +45,10 @@ def pytest_collection_finish() -> None:
 
 
 class _FromAnotherFile(pytest.Dir):
-    """A folder whose files are read in a circle, from a place that differs between processes."""
+    """A folder whose files are collected cyclically, by each process from another one on."""
 
     def collect(self) -> list[pytest.Item | pytest.Collector]:
-        """Return the files in the order in which they are read."""
+        """Return the files, the first of this process first."""
         files = list(super().collect())
         worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
         first = worker * len(files) // int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
@@ -56,7 +56,7 @@ class _FromAnotherFile(pytest.Dir):
 
 
 def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Read the tests, whose assertions are rewritten where that is not yet done, in a circle."""
+    """Collect the folder of tests cyclically."""
     tests = path == parent.config.rootpath / "tests"
     return _FromAnotherFile.from_parent(parent, path=path) if tests else None
 
@@ -96,8 +96,8 @@ LONG = (
     "test_front_wave", "test_vdp_runs", "test_vdp_fronts", "test_own_cells", "test_theory_sums",
     "test_report",
 )  # fmt: skip
-"""Files of ten seconds and more, in the order in which they are handed out, and one that compiles
-what other files on friction need."""
+"""Files of ten seconds and more, and one that compiles what other files on friction need, in the
+order in which they are handed out."""
 
 
 def _scope(name: str) -> str:

@@ -4,10 +4,10 @@ A lattice or network cannot be lengthened. The sites nearest to its centre are e
 continues until every site has been reached or none has been for a long time, and v is fitted to the
 arrival times in the outer half of the distances, with an error by the same rule as in a chain
 (``arrival_fit``). A front from a centre is slower the more it is curved, and its error includes the
-way to the velocity of a straight one. On a lattice, distances are measured
-in the plane and v along rays. The shape of an expanding front is governed by its slowest directions
-(Wulff's construction), so that along a ray it is at most as fast as a planar front. On any other
-network the distance is the number of links.
+difference from a straight one. On a lattice, distances are measured in the plane and v along rays.
+The shape of an expanding front is governed by its slowest directions (Wulff's construction), so
+that along a ray it is at most as fast as a planar front. On any other network the distance is the
+number of links.
 """
 
 from __future__ import annotations
@@ -304,7 +304,7 @@ def planar(
 
     Rows are timed in their middle. Sides that cut links in other directions than along the rows and
     across them slow the front down beside them, and in time everywhere; on a hexagonal lattice,
-    whose sides are slanted, they also turn it. Its error is at least the difference from the
+    whose sides are slanted, they also turn it. The error of v is at least the difference from the
     velocities at the sides.
 
     Parameters

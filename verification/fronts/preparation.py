@@ -24,7 +24,7 @@ _BEHIND = 100.0
 """Relative error of a velocity over the square of what a site left out behind the front was away
 from its final state. The effect of that end on v is of second order, since it is damped on the way
 to it and back; for the Nagumo chain it is this square times 0.2 at alpha = 0.1, 2 at 0.3 and 20 at
-0.45, and grows like 1/(1 - 2 alpha)."""
+0.45, and close to 1/2, where v vanishes, it grows like 1/(1 - 2 alpha)."""
 
 
 class Trial(NamedTuple):

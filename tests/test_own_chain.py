@@ -334,6 +334,8 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"disorder": {"b": "uniform:1"}, "values": {"a": 4, "b": -0.1}}, "motion stays bounded"),
     ({"values": {"a": 4}}, "complete: b missing"),
     ({"values": "a="}, "values = 'a=' .* be a name and a number; write them as a=4"),
+    ({"values": 4}, "values = 4 .* be a mapping, or texts; write them as a=4"),
+    ({"values": ["a=x", "b=1"]}, "a = 'x' .* be a number; give one, as a=4"),
     ({"values": {**VALUES, "q": 1}}, "named parameter = q"),
     ({"values": {"a": float("nan"), "b": 1}}, "a = nan"),
     ({"values": {"a": np.ones(7), "b": 1}}, r"a = an array of shape \(7,\)"),

@@ -24,9 +24,7 @@ def pairs(quantity: str, given: Any) -> dict[str, Any]:
     if isinstance(given, str):
         given = [given]
     if not isinstance(given, Sequence) or not all(isinstance(each, str) for each in given):
-        raise ParameterError(
-            quantity, repr(given)[:60], "a mapping, or texts as a=4", "write them so"
-        )
+        raise ParameterError(quantity, repr(given)[:60], "a mapping, or texts", "write them as a=4")
     found: dict[str, Any] = {}
     for each in given:
         name, sign, value = each.partition("=")
@@ -67,7 +65,7 @@ def _checked_value(name: str, given: Any, sites: int) -> float | FloatArray:
         try:
             given = float(given)
         except ValueError:
-            raise ParameterError(name, repr(given), "a number", f"as {name}=4") from None
+            raise ParameterError(name, repr(given), "a number", f"give one, as {name}=4") from None
     if np.ndim(given) == 0:
         remedy = "give a number in this range"
         return real_number(name, given, -_LARGEST_VALUE, _LARGEST_VALUE, remedy)

@@ -21,6 +21,10 @@ The rule is the same for every chain, lattice and network:
 * standard errors explain no difference where quarters have fewer than four arrivals, or arrivals
   have distances of their own, as those of a front that spreads from a centre: its velocity changes
   with its curvature, like the inverse of the distance, and the arrivals scatter with its shape;
+* this scatter may hide the drift, since quarters have few distances; where arrivals have distances
+  of their own, the error is at least twice the difference from the velocity far away according to a
+  fit of a line and a logarithm of the distance to the farther three quarters of the arrivals: the
+  factor allows that an extrapolation is wrong by as much as it corrects;
 * the front is steady if the error is below a stated fraction of v; otherwise the chain is
   lengthened.
 
@@ -36,7 +40,7 @@ import numpy.typing as npt
 
 from theory.arrays import FloatArray
 
-_NOISE, _DRIFT, _BEND = 3.0, 6.0, 3.0
+_NOISE, _DRIFT, _BEND, _CURVED = 3.0, 6.0, 3.0, 2.0
 _FEWEST = 4
 """Fewest arrivals of which a standard error explains a difference of slopes: of fewer, those of a
 front that changes its velocity are as far from a line as those with noise."""
@@ -95,7 +99,16 @@ def velocity_of_arrivals(
     outer = late.size // 4
     middle, middle_noise = line(place[outer:-outer], late[outer:-outer])
     bend = _BEND * (abs(slope - middle) - trusted * _NOISE * middle_noise)
-    return 1.0 / slope, max(_NOISE * noise, apart, drift, bend) / slope**2
+    curved = 0.0 if distances is None else _CURVED * abs(slope - _far_away(distances, arrivals))
+    return 1.0 / slope, max(_NOISE * noise, apart, drift, bend, curved) / slope**2
+
+
+def _far_away(distances: FloatArray, arrivals: FloatArray) -> float:
+    """Return the slope of arrival times at infinite distance, if it changes like its inverse."""
+    farther = np.argsort(distances, kind="stable")[arrivals.size // 4 :]
+    place = distances[farther]
+    terms = np.column_stack([np.ones(place.size), place, np.log(place)])
+    return float(np.linalg.lstsq(terms, arrivals[farther])[0][1])
 
 
 def error_beside(v: float, error: float, coarser: float | None, tolerance: float) -> float:

@@ -1078,3 +1078,11 @@ def test_a_run_is_as_far_from_the_orbit_of_its_size_as_the_farthest_of_its_sites
         found = outcome.distance_from_breather(made)
         assert (found.gap, found.growth) == (0.25, 0.125)
     assert lengths == [9, 3 + 2 * outcome.MARGIN]
+
+
+def test_the_rounding_of_a_rotating_wave_is_that_of_all_its_terms() -> None:
+    """Of a site alone with φ = 1 + i, |φ|² = 2: 1/2 + 2a/8 + 4b/16, and Ω."""
+    family = RotatingWaves(AveragedChain(a=8.0, b=4.0, c=0.0, sites=2), Nucleus(1))
+    off = family._off(np.array([1.0 + 1.0j, 0.0]), -0.25, 0.0) * family.unit * family.rate_unit
+    one = 4.0 * EPSILON * (0.5 + 2.0 + 1.0 + 0.25)
+    assert off.tolist() == pytest.approx([one, 0.0, one, 0.0, 0.0], rel=1e-12, abs=0.0)

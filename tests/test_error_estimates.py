@@ -535,3 +535,16 @@ def test_of_several_seeds_the_range_of_escape_holds_every_one(
     assert found.high >= ends[2]
     assert found.error == pytest.approx(0.01, abs=1e-4)  # half of what the seeds are apart
     assert found.monotone
+
+
+def test_round_off_of_an_end_of_cycles_is_that_of_the_release_over_a_strong_damping(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Slip that falls steeply with the velocity adds nothing: 2ξ = 100 and a release of 99."""
+    cell = FrictionCell(xi=50.0)
+    steep = "verification.cells.friction.largest_after_release"
+    monkeypatch.setattr(steep, lambda at, _: -1e9 * at.v_d)
+    release = abs(replace(cell, v_d=2.0).release)
+    assert release > 150.0
+    found = _rounding_of_end(cell, 2.0, 1e-9)
+    assert found == pytest.approx(ROUND_OFF * max(2.0, (2.0 + release) / 100.0), rel=1e-12)

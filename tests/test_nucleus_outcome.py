@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
+from fronts.nucleus_evolution import evolution_in_time
 from paper_checks.claims import text_nuclei
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
@@ -228,3 +231,21 @@ def test_beside_a_run_the_nucleus_has_the_times_of_the_run(
     pauses = np.diff([t for t in reached if t > 0])
     assert found["nucleus"]["longest_pause"] == pytest.approx(pauses.max())
     assert found["nucleus"]["end"] == "front"
+
+
+def test_the_evolution_of_a_nucleus_is_judged_from_the_last_sample(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[tuple[float, int]] = []
+
+    def judged(_: Any, end: float, size: int, **__: Any) -> Any:
+        asked.append((end, size))
+        return SimpleNamespace(outcome="pinned", size=size, sizes=(), longest_pause=0.0)
+
+    monkeypatch.setattr("verification.breathers.outcome.evolution", judged)
+    run: Any = SimpleNamespace(
+        chain=VdpChain(a=4, b=0.5, c=0.1, sites=9), times=np.array([0.0, 5.0, 9.0]),
+        width=np.array([1, 5, 3]), arrivals=np.zeros(9),
+    )  # fmt: skip
+    assert evolution_in_time(run)["nucleus"]["size"] == 3
+    assert asked == [(9.0, 3)]

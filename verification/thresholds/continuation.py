@@ -17,7 +17,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.families import own_family
-from verification.breathers.family import BreatherFamily
+from verification.breathers.family import BreatherFamily, ReportCallback
 from verification.continuation.branch import (
     ContinuationBranch,
     Crossing,
@@ -25,7 +25,7 @@ from verification.continuation.branch import (
     arrive,
     first_crossing,
 )
-from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
+from verification.continuation.newton import NotConvergedError, solve_at
 from verification.execution.progress import ProgressCallback
 from verification.thresholds.result import BranchThreshold, Definition, Mechanism, ThresholdMethod
 
@@ -105,21 +105,16 @@ def breather_threshold(
         else branch.fold.parameter
     )
     error = family.fold_error(branch.fold) + _REMAINDER * finite
-    crossing = _before(
-        branch.fold, first_crossing(family.system(), branch, family.reported_monitor(report), 0)
-    )
-    beside = _before(
-        other.fold, first_crossing(longer.system(), other, longer.reported_monitor(report), 0)
-    )
-    half_way = _before_fold(family.system(), branch, 0.5 * branch.fold.parameter)
-    there: Any = family.measured(half_way, started).stability
+    crossing = _loss_of_stability(family, branch, report)
+    beside = _loss_of_stability(longer, other, report)
+    there = _half_way(family, branch, started)
     mirrored = nucleus.mirrored(here.sites)
     c_stable = _stable_to(crossing, branch.fold)
-    c_stable_longer = _stable_to(beside, other.fold)
     error_stable = None
     if c_stable is not None:
         own = error if crossing is None else _crossing_error(family, crossing)
-        error_stable = own + _REMAINDER * abs(c_stable - (c_stable_longer or 0.0))
+        longest = _stable_to(beside, other.fold) or 0.0
+        error_stable = own + _REMAINDER * abs(c_stable - longest)
     return BranchThreshold(
         c_crit=branch.fold.parameter,
         error=error,
@@ -169,12 +164,21 @@ def _sized(chain: Any, nucleus: Nucleus, method: ThresholdMethod, margin: int) -
     return kind(a=chain.a, b=chain.b, c=0.0, eps=chain.eps, sites=sites, ends=chain.ends)
 
 
-def _before_fold(system: System, branch: ContinuationBranch, c: float) -> BranchPoint:
-    """Solve at a coupling below the fold, on the branch or just below its beginning."""
-    first = branch.points[0]
-    if c < first.parameter:
-        return solve_at(system, first.u, c)
-    return arrive(system, branch, c)
+def _half_way(family: BreatherFamily, branch: ContinuationBranch, started: float) -> Any:
+    """Return the stability at half the coupling of the fold, which a short branch begins above."""
+    assert branch.fold is not None
+    system, first, c = family.system(), branch.points[0], 0.5 * branch.fold.parameter
+    below = c < first.parameter
+    point = solve_at(system, first.u, c) if below else arrive(system, branch, c)
+    return family.measured(point, started).stability
+
+
+def _loss_of_stability(
+    family: BreatherFamily, branch: ContinuationBranch, report: ReportCallback
+) -> Crossing | None:
+    """Return where a growth rate crosses zero on the way to the fold; None if at the fold."""
+    monitor = family.reported_monitor(report)
+    return _before(branch.fold, first_crossing(family.system(), branch, monitor, 0))
 
 
 def _before(fold: Fold | None, crossing: Crossing | None) -> Crossing | None:

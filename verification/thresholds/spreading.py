@@ -294,9 +294,8 @@ def spreading_threshold(
     search.expect(2 * tests, progress)
     low, high = search.bracket()
     c, error = 0.5 * (low + high), 0.5 * (high - low)
-    of_tolerance = 0.0
-    if search.spreads(low, coarser=COARSER) or not search.spreads(high, coarser=COARSER):
-        of_tolerance = abs(c - 0.5 * sum(search.bracket(coarser=COARSER)))
+    moved = search.spreads(low, coarser=COARSER) or not search.spreads(high, coarser=COARSER)
+    of_tolerance = abs(c - 0.5 * sum(search.bracket(coarser=COARSER))) if moved else 0.0
     error += of_tolerance
     late: float | None = None
     late_error: float | None = None
@@ -312,8 +311,7 @@ def spreading_threshold(
         above = [c + place for place in places if not search.spreads(c + place)]
         monotone = not below and not above
         ends = (min([late, c, *below]), max([c, *above]))
-        if ends[1] - ends[0] > 2.0 * accuracy:
-            fuzzy = ends
+        fuzzy = ends if ends[1] - ends[0] > 2.0 * accuracy else None
     from_cycle = isinstance(chain, FrictionChain) and spreading.displacement is None
     return RunThreshold(
         c_crit=c,

@@ -74,6 +74,18 @@ def test_the_bound_of_slopes_is_the_mean_of_bounds_of_their_moduli(
     assert both[0] == pytest.approx(slope_truncation(v, c, count), rel=1e-12, abs=0)
 
 
+@pytest.mark.parametrize(("v", "c"), [(0.05, 0.2), (0.3, 0.5), (1.0, 0.1), (3.0, 3.0)])
+@pytest.mark.parametrize("depth", [0.3, 0.7, 0.99])
+def test_the_bounds_for_one_velocity_and_coupling_hold_for_all_smaller_ones(
+    v: float, c: float, depth: float
+) -> None:
+    """On one line, so that several values may share the points of the largest v and c."""
+    line = depth * root_free_strip(v, c)
+    largest = np.array(bounds_on_line(v, c, line))
+    for share_v, share_c in ((0.99, 1.0), (1.0, 0.99), (0.5, 0.9), (0.1, 1.0), (0.01, 0.01)):
+        assert np.all(np.array(bounds_on_line(share_v * v, share_c * c, line)) <= largest)
+
+
 def test_near_the_static_limit_the_distance_to_it_is_an_error() -> None:
     found = precise_sum_by_integral("0.012", "0.5", 12)
     assert found.method == "static limit"

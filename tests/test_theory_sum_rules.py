@@ -311,6 +311,24 @@ def test_more_points_than_a_value_needs_leave_the_bounds_of_its_slopes(
     assert np.all((found.error_by_c > 0) & np.isfinite(found.error_by_c))
 
 
+def test_a_few_values_together_have_the_points_and_bounds_of_the_largest() -> None:
+    v, c = np.array([[0.05, 0.2], [0.4, 0.9], [0.4, 0.2], [1.1, 1e-3]]).T
+    step = 1e-4  # the differences err by some 1e-8, and the bounds are above 1e-6
+    exact, more_v, less_v, more_c, less_c = (
+        np.array([complex(sum_by_roots(*at, 14).value) for at in np.array([v * up, c * to]).T])
+        for up, to in ((1, 1), (1 + step, 1), (1 - step, 1), (1, 1 + step), (1, 1 - step))
+    )
+    for tolerance in (1e-2, 1e-6):
+        found = sums(v, c, tolerance, slopes=True)
+        assert set(found.points) == set(sums([1.1], [0.9], tolerance).points)
+        assert found.by_v is not None
+        assert found.by_c is not None
+        assert np.all(np.abs(found.value - exact) <= found.error)
+        assert np.all(np.abs(found.by_v - (more_v - less_v) / (2 * step * v)) <= found.error_by_v)
+        assert np.all(np.abs(found.by_c - (more_c - less_c) / (2 * step * c)) <= found.error_by_c)
+        assert found.error.max() <= tolerance + 1e-13
+
+
 def test_the_strip_without_roots_is_free_of_them() -> None:
     """`plain_points` stays below s, c sinh s + vs = ½: its N is more than the rate at s asks."""
     for v, c in points_at_random(35, 100):

@@ -21,6 +21,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -173,6 +174,14 @@ def sums_of_pairs(
     ∂Σ/∂c, shape (1, n) or (3, n); bounds on their errors; and the numbers of points.
     """
     fast = compiled_rules() if compiled else None
+    if 1 < v.size < _FEW_POINTS and not fast:
+        # The bounds grow with v and with c, so that those of the largest hold for all values.
+        largest = float(v.max()), float(c.max())
+        count, truncation = axis.plain_points(*largest, tolerance)
+        if v.size * count <= _POINTS_OF_A_GROUP and axis.is_plain(*largest, count):
+            bounds = truncation, axis.slope_truncation(*largest, count) if slopes else 0.0
+            together = _plain(v, c, int(count), bounds, slopes=slopes, fast=None)
+            return *together, np.full(v.size, int(count) // 2)
     if v.size <= _FEW_VALUES and not fast:
         return _one_by_one(v, c, tolerance, slopes)
     points, truncation = axis.plan(v, c, tolerance)
@@ -182,8 +191,6 @@ def sums_of_pairs(
             power = points.max()
         more = np.maximum(points, np.minimum(power, axis.MAX_PLAIN))
         points = np.where(points, more, 0.0).astype(np.int64)
-        if np.min(points) == np.max(points) > 0:
-            return *_plain(v, c, truncation, points[0], slopes=slopes, fast=None), points // 2
     # 16-bit integers are sorted in linear time, and the plain rule never has more points than fit
     order = np.argsort(points.astype(np.int16), kind="stable")
     v, c, truncation, points = v[order], c[order], truncation[order], points[order]
@@ -194,9 +201,8 @@ def sums_of_pairs(
         part, count = slice(start, end), int(points[start])
         at = v[part], c[part]
         if count and (fast or end - start > _FEW_VALUES):
-            values[:, part], errors[:, part] = _plain(
-                *at, truncation[part], count, slopes=slopes, fast=fast
-            )
+            bounds = truncation[part], axis.slope_truncation(*at, count) if slopes else 0.0
+            values[:, part], errors[:, part] = _plain(*at, count, bounds, slopes=slopes, fast=fast)
             points[part] = count // 2
         else:
             values[:, part], errors[:, part], points[part] = (
@@ -210,10 +216,13 @@ def sums_of_pairs(
 
 
 def _plain(
-    v: FloatArray, c: FloatArray, truncation: FloatArray, count: int, *, slopes: bool,
+    v: FloatArray, c: FloatArray, count: int, truncation: tuple[Any, Any], *, slopes: bool,
     fast: CompiledRules | None,
 ) -> tuple[ComplexArray, FloatArray]:  # fmt: skip
-    """Return Σ, derivatives and error bounds as rows, by the plain rule."""
+    """Return Σ, derivatives and error bounds as rows, by the plain rule.
+
+    ``truncation`` holds the bounds of the truncation errors of Σ and of its derivatives.
+    """
     rows = 3 if slopes else 1
     if fast:
         values, sizes = means_of_block(v, c, count, slopes, fast)
@@ -227,9 +236,9 @@ def _plain(
                 row[part] = column
     values[0] -= 1.0
     rounding, rough = axis.plain_errors(v, c, *sizes)
-    bounds = [truncation + rounding]
+    bounds = [truncation[0] + rounding]
     if slopes:
-        rough += axis.slope_truncation(v, c, count)
+        rough += truncation[1]
         bounds += [rough / v, rough / c]
     return values[:rows], np.array(bounds)
 

@@ -74,6 +74,33 @@ def test_beside_a_solution_a_cell_without_one_is_dropped_at_once() -> None:
     assert owner.size == curve.evaluations == 0
 
 
+def test_a_cell_is_dropped_where_twice_its_steepest_slope_does_not_reach_zero_from_both_ends() -> (
+    None
+):
+    # from 2.23 and 0.98, at the slope 2 × 1.56, it takes 1.03 to reach zero
+    curve = Curve(lambda t: 2.23 - 0.94 * t - 0.31 * t**2, lambda t: -0.94 - 0.62 * t)
+    cells = curve.cells([0.0, 1.0])
+    owner, _ = branch_search._brackets(curve, owners(cells), cells)
+    assert owner.size == curve.evaluations == 0
+
+
+def test_a_pair_is_found_where_the_slope_between_the_ends_is_twice_that_at_the_ends() -> None:
+    turn, high = 2.0 * math.pi, 0.74
+
+    def fall(t):  # its slope is 1 at both ends and in the middle, and 2 between
+        return 1.5 * t - np.sin(2.0 * turn * t) / (4.0 * turn)
+
+    curve = Curve(
+        lambda t: high - np.where(t < 0.5, fall(t), fall(1.0 - t)),
+        lambda t: np.where(t < 0.5, -1.0, 1.0) * (1.0 + np.sin(turn * t) ** 2),
+    )
+    cells = curve.cells([0.0, 1.0])
+    _, found = branch_search._brackets(curve, owners(cells), cells)
+    roots = found[[0, 4]].T.tolist()
+    assert len(roots) == 2
+    assert all(curve.g(np.float64(a)) * curve.g(np.float64(b)) < 0 for a, b in roots)
+
+
 def test_slopes_that_agree_hide_no_pair_where_g_does_not_rise_as_they_say() -> None:
     # the slope is -1.5 at both ends of [0, 1], while g rises by 1; its least value is -0.08
     turn = 2.0 * math.pi

@@ -152,7 +152,7 @@ def _brackets(
         flattest = np.minimum(steep_a, steep_b)
         monotone = np.abs(da - db) < 0.5 * flattest
         monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.5 * width * flattest
-        flat = np.minimum(size_a, size_b) > width * np.maximum(steep_a, steep_b)
+        flat = size_a + size_b > 2.0 * width * np.maximum(steep_a, steep_b)
         short = width < _SHORTEST
         (found,) = (differ & (monotone | short)).nonzero()
         done_owner.append(owner.take(found))

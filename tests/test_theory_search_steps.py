@@ -338,6 +338,51 @@ def test_rising_at_both_ends_of_the_first_cell_does_not_hide_a_dip_between() -> 
     assert low < fails_at < high
 
 
+class Rise(Shape):
+    """h = d x (1 + b x + a x²), x = |ζ|/w, over the cells beside ζ = 0, and a line beyond."""
+
+    velocity = np.full((1, 1), 1e9)  # so that the slope hardly jumps at ζ = 0
+    width = 0.125
+
+    def __init__(self, b: float, a: float) -> None:
+        super().__init__(0.0, 0.0)
+        self.b, self.a = b, a
+
+    def h(self, zeta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x = np.abs(zeta) / self.width
+        near = np.minimum(x, 1.0)
+        slope = 1.0 + 2.0 * self.b * near + 3.0 * self.a * near**2
+        value = near * (1.0 + self.b * near + self.a * near**2) + slope * (x - near)
+        return 0.01 * value, 0.01 * slope / self.width * np.where(zeta < 0, -1.0, 1.0)
+
+    def slope(self, zeta: np.ndarray, phi: np.ndarray, _: np.ndarray) -> np.ndarray:
+        _, slope = self.h(zeta)
+        return np.where(zeta < 0, slope, -slope) / (2.0 * phi)
+
+
+@pytest.mark.parametrize(
+    ("b", "a", "divided"),
+    [
+        (0.98, 0.0, False), (-0.48, 0.0, False), (1.02, 0.0, True), (-0.52, 0.0, True),
+        (-0.7, 0.9, True), (2.0, -0.9, True),
+    ],
+)  # fmt: skip
+def test_beside_the_front_a_cell_is_decided_at_once_where_the_margin_is_nearly_a_line(
+    b: float, a: float, divided: bool
+) -> None:
+    # h/x is 1 and 1 + b + a at the ends of the cell. Neither b + a, its change, nor b + 2a, its
+    # slope at the far end, may exceed the smaller one.
+    zeta = np.arange(-2, 3) / 8
+    shape = Rise(b, a)
+    phi, slope = shape.with_slope(zeta, zeta)
+    inside = np.abs(zeta[None]) < 0.2
+    place, computed, _ = admissibility._first_violations(
+        shape, zeta, (phi[None], slope[None]), np.array([R]), inside
+    )
+    assert place[0] == math.inf
+    assert (computed[0] > 0) == divided
+
+
 class Wave(Shape):
     """h falls as steeply at both ends of the cell from 1.25, rises over it, and is below 0 within.
 
@@ -368,6 +413,28 @@ class Wave(Shape):
     def slope(self, zeta: np.ndarray, phi: np.ndarray, _: np.ndarray) -> np.ndarray:
         _, slope = self.h(zeta)
         return np.where(zeta >= 0, -slope, slope) / (2.0 * phi)
+
+
+class Dip(Wave):
+    """h is below 0 within the cell from 1.25, although it rises at both ends as over the cell."""
+
+    def h(self, zeta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x, turn = (zeta - 1.25) / self.width, 2.0 * math.pi
+        within, before = np.clip(x, 0.0, 1.0), np.minimum(x, 0.0)
+        value = 0.6 + x + before**2 - 1.1 * (1.0 - np.cos(turn * within))
+        slope = 1.0 + 2.0 * before - 1.1 * turn * np.sin(turn * within)
+        rise = 1.0 - np.exp(-zeta / 0.02)
+        ahead = (value * rise, slope / self.width * rise + value * (1.0 - rise) / 0.02)
+        return np.where(zeta > 0, 1e-3 * ahead[0], -0.1 * zeta), np.where(
+            zeta >= 0, 1e-3 * ahead[1], -0.1
+        )
+
+
+def test_slopes_that_agree_with_the_margin_decide_nothing_in_a_cell_as_long_as_waves() -> None:
+    fails_at = Dip(longest=0.0).judged()
+    assert fails_at is not None
+    assert 1.25 < fails_at < 1.375
+    assert Dip(longest=1.0).judged() is None  # what is left to the caller to rule out
 
 
 @pytest.mark.parametrize("longest", [0.0, 1.0])

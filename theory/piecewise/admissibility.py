@@ -405,7 +405,7 @@ def _divide(
         open_ = open_[nearest < np.abs(worst[owner[open_]])]
         cells, owner = cells.take(open_, axis=1), owner.take(open_)
         short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
-        (left,) = (~_between_its_ends(cells, short)).nonzero()
+        (left,) = (~_positive_within(cells, short)).nonzero()
         cells, owner = cells.take(left, axis=1), owner.take(left)
         if owner.size == 0:
             return worst, computed, np.ones(r.size, dtype=bool)
@@ -420,20 +420,24 @@ def _divide(
         owner = np.concatenate([owner, owner])
 
 
-def _between_its_ends(cells: FloatArray, short: BoolArray) -> BoolArray:
-    """Return in which cells g lies between its end values.
+def _positive_within(cells: FloatArray, short: BoolArray) -> BoolArray:
+    """Return in which cells g, positive at the ends or zero at ζ = 0, is positive in between.
 
-    That is concluded where the slopes agree with each other and with the change of g, in the cells
-    that touch ζ = 0, where g rises from the threshold, and in ``short`` ones.
+    In a ``short`` cell that is concluded where the slopes agree with each other and with the change
+    of g; in a cell that touches ζ = 0, where g/|ζ| would stay positive even if its slope were twice
+    the larger of that at the far end and that of its chord.
     """
     za, ga, da, zb, gb, db = cells
     width = zb - za
     both = da + db
     monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
     monotone &= np.abs(gb - ga - 0.5 * width * both) < 0.25 * width * np.abs(both)
-    rising = ((za == 0.0) & (da > 0)) | ((zb == 0.0) & (db < 0))
-    between: BoolArray = monotone & (rising | short)
-    return between
+    ahead, behind = za == 0.0, zb == 0.0
+    start, end = np.where(ahead, da, -db), np.where(ahead, db, -da)  # rates away from ζ = 0
+    rate = (ga + gb) / width
+    rising = np.minimum(start, rate) > np.maximum(np.abs(end - rate), np.abs(rate - start))
+    positive: BoolArray = (monotone & short) | (rising & (ahead | behind))
+    return positive
 
 
 def _note(zeta: FloatArray, wrong: BoolArray, owner: IntArray, worst: FloatArray) -> None:

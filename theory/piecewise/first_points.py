@@ -113,6 +113,8 @@ def _where_oscillations_matter(
     low, turn, fine = scales
     points = (np.exp(-low) - np.exp(-turn)) / fine
     several = (c > WEAKEST) & (points > _MANY_OSCILLATIONS)
+    if not several.any():
+        return np.arange(c.size), low, turn
     (few,) = (~several).nonzero()
     owners, begins, ends = [few], [low[few]], [turn[few]]
     (wide,) = several.nonzero()

@@ -164,6 +164,7 @@ def _fronts(
     """Return the fronts at ascending values of c or η."""
     from verification.fronts.follow import follow_front_wave
     from verification.fronts.measure import front_of_wave
+    from verification.fronts.resting import static_fold
 
     def at(value: float) -> AveragedChain:
         return chain.replace(c=value) if along == "c" else chain.replace(b=value * chain.a**2)
@@ -190,7 +191,9 @@ def _fronts(
                     height=float(fold.u[-1]),
                 )
             )
-    resting = [(value, front_of_wave(at(value))) for value in reversed(pinned)]
+    resting = [
+        (value, front_of_wave(at(value), static_fold(at(value).eta))) for value in reversed(pinned)
+    ]
     rows = [*resting, *fronts] if before else [*fronts, *resting]
     return FollowedBranch(
         along=along,
@@ -218,7 +221,7 @@ def _ends_in_c(
         "kappa": strong.kappa,
         "kappa_error": strong.error,
     }
-    return ends, [c for c in couplings if c <= rest.c]
+    return ends, [c for c in couplings if c <= rest.c + rest.error]
 
 
 def _ends_in_eta(
@@ -236,7 +239,7 @@ def _ends_in_eta(
         "square_root": pin.square_root,
         "square_root_error": pin.square_root_error,
     }
-    return ends, [eta for eta in etas if eta >= pin.eta]
+    return ends, [eta for eta in etas if eta >= pin.eta - pin.error]
 
 
 def follow_breather(

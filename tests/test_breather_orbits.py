@@ -378,6 +378,30 @@ def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
     assert abs(rough[0].c - fine.c) > 1e-11
 
 
+@pytest.mark.parametrize("folds", [1, 2])
+def test_within_the_error_of_a_fold_the_two_solutions_that_meet_there_are_not_distinguished(
+    folds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The stated error of the fold is made large: the other sheet may then be the true one."""
+    monkeypatch.setattr(RotatingWaves, "step_error", lambda *_: FoldShift(1e-4, 0.0))
+    chain = AveragedChain(a=2.5, b=0.5, c=0.0, sites=5)
+    end = follow(chain, [0.15], nucleus=Nucleus(1), folds=1).folds[0].c
+    near, far = end - 5e-5, end - 2e-4
+    found = follow(chain, [far, near], nucleus=Nucleus(1), folds=folds)
+    first, second, third, fourth = found.points
+    assert [point.chain.c for point in found.points] == [far, near, near, far]
+    apart = float(np.abs(second.amplitudes - third.amplitudes).max())
+    assert apart > 1e-3
+    for point in (second, third):
+        assert point.error is not None
+        assert apart <= point.error < 10.0 * apart
+    for point in (first, fourth):
+        assert point.error is not None
+        assert point.error < 1e-10
+    assert {point.fold for point in found.points} == {end}
+    assert {point.fold_error for point in found.points} == {found.folds[0].c_error}
+
+
 def test_a_frequency_is_uncertain_by_what_the_last_step_has_left_of_it() -> None:
     chain = AveragedChain(a=2.5, b=0.5, c=0.1, sites=5)
     waves = RotatingWaves(chain, Nucleus(1))

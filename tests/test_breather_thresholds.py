@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +23,7 @@ from verification.breathers.breather import breather
 from verification.breathers.envelope import RotatingWaves
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
-from verification.continuation.branch import FoldShift
+from verification.continuation.branch import Crossing, Fold, FoldShift
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds import continuation
 from verification.thresholds.continuation import breather_threshold
@@ -404,6 +406,19 @@ def test_a_breather_that_is_stable_up_to_its_fold_is_lost_by_the_fold(b: float) 
     assert found.stable_to_error is not None
     assert found.stable_to_error < 1e-11
     assert breather(replace(chain, c=found.c_crit - 1e-7)).stable
+
+
+@pytest.mark.parametrize("before", [0.5, 2.0])
+def test_a_loss_of_stability_within_the_error_of_the_steps_is_the_fold(before: float) -> None:
+    shift, u = 1e-4, np.zeros(1)
+    fold = Fold(0.2, 1e-9, u)
+    family: Any = SimpleNamespace(fold_error=lambda given: given.error + shift)
+    crossing = Crossing(0.2 - before * shift, 1e-12, u, from_start=False)
+    kept = continuation._before(family, fold, crossing)
+    assert kept is (crossing if before > 1.0 else None)
+    never = replace(crossing, from_start=True)
+    assert continuation._before(family, fold, never) is never
+    assert continuation._before(family, None, crossing) is crossing
 
 
 def test_progress_begins_at_nothing_and_never_reaches_the_end_before_it() -> None:

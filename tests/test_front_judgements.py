@@ -620,14 +620,16 @@ def test_where_no_wave_is_found_the_front_is_pinned_below_c_pin_alone(
         raise wave.NoFrontError("made up")
 
     monkeypatch.setattr(measure, "front_wave", front_wave)
-    c_pin = resting.static_fold(AVERAGED.eta).c
+    fold = resting.static_fold(AVERAGED.eta)
+    c_pin = fold.c
     if above:
         with pytest.raises(wave.NoFrontError, match="made up"):
             front_of_wave(replace(AVERAGED, c=c_pin * (1.0 + 1e-9)))
     else:
-        for c in (0.5 * c_pin, c_pin):
+        for c in (0.5 * c_pin, c_pin - 2.0 * fold.error, c_pin, c_pin + 0.9 * fold.error):
             front = front_of_wave(replace(AVERAGED, c=c))
-            assert (front.status, front.v, front.error) == (FrontStatus.PINNED, 0.0, 0.0)
+            assert (front.status, front.v) == (FrontStatus.PINNED, 0.0)
+            assert (front.error == 0.0) is (c < c_pin - fold.error)
 
 
 def test_of_two_runs_the_steps_are_those_of_both(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -421,6 +421,39 @@ def test_at_the_end_of_a_branch_fronts_are_pinned() -> None:
         assert (point.v, point.status.value) == (0.0, "pinned")
 
 
+@pytest.mark.parametrize("part", [-2.0, -0.9, 0.0, 0.9, 1.1])
+def test_a_front_within_the_error_of_c_pin_may_travel_as_fast_as_the_error_allows(
+    part: float,
+) -> None:
+    """By the square-root law it is this fast if the true c_pin is the lowest that is allowed."""
+    fold = static_fold(ETA)
+    chain = fr.AveragedChain(a=4, b=0.5, c=fold.c + part * fold.error)
+    if part > 1.0:
+        for ask in (lambda: fr.measure_front(chain, method="wave"),
+                    lambda: fr.follow_front(chain, [chain.c])):  # fmt: skip
+            with pytest.raises(NoFrontError, match="slower than"):
+                ask()
+        return
+    for point in (
+        fr.measure_front(chain, method="wave"),
+        *fr.follow_front(chain, [chain.c]).points,
+    ):
+        assert (point.v, point.status.value) == (0.0, "pinned")
+        possible = max(0.0, chain.c - (fold.c - fold.error))
+        assert point.error == pytest.approx(fold.square_root * math.sqrt(possible), rel=1e-6)
+
+
+@pytest.mark.parametrize("part", [-0.9, -0.5, 0.9])
+def test_within_the_error_of_eta_pin_fronts_are_pinned(part: float) -> None:
+    pin = pinning_eta(0.15)
+    assert pin is not None
+    eta = pin.eta + part * pin.error
+    (point,) = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0.15), etas=[eta]).points
+    assert (point.v, point.status.value) == (0.0, "pinned")
+    assert point.error <= pin.square_root * math.sqrt(3.0 * pin.error)
+    assert (point.error > 0.0) == (part < 0.0)
+
+
 def test_branches_of_breathers_are_of_the_models_of_the_paper() -> None:
     own = fr.OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.05, sites=7)
     for chain in (fr.FrictionChain(c=0.1), own):
@@ -523,7 +556,7 @@ def test_a_breather_is_followed_through_its_fold() -> None:
     (fold,) = branch.folds
     other = fr.threshold(fr.AveragedChain(a=a, b=b, c=0), method="envelope")
     assert abs(fold.c - other.c_crit) <= fold.error + other.error
-    assert (beyond.fold, beyond.fold_error) == (fold.c, fold.error)
+    assert {(point.fold, point.fold_error) for point in branch.points} == {(fold.c, fold.error)}
     assert sheets[1].outward[0] > fold.height > sheets[2].outward[0]
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 from theory.arrays import FloatArray
 from theory.averaged.breather import BreatherStatus
@@ -94,9 +96,11 @@ def follow(
     # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
     branch = trace(system, start, furthest, None, family.step_control(folds))
+    end = _end(family, branch.folds)
     points, folds_passed = [], []
     for point, passed in solutions_at(system, branch, required):
-        points.append(family.measured(point, started))
+        near = min(branch.folds, key=partial(_apart, point.parameter), default=None)
+        points.append(replace(family.measured(point, started, near), **end))
         folds_passed.append(passed)
         started = time.perf_counter()
     turned = []
@@ -104,21 +108,32 @@ def follow(
         place = sum(each <= number for each in folds_passed)
         turned.append(_described(family, fold, place))
     reached = {point.chain.c for point in points}
-    first = branch.fold
     points += [
         Breather(
             chain=chain.replace(c=c),
             nucleus=nucleus,
             method=own_method(chain),
             status=BreatherStatus.NONE,
-            fold=None if first is None else first.parameter,
-            fold_error=None if first is None else family.fold_error(first),
             seconds=0.0,
+            **end,
         )
         for c in required
         if c not in reached
     ]
     return FollowedBreather(points=tuple(points), folds=tuple(turned))
+
+
+def _apart(c: float, fold: Fold) -> float:
+    """Return the distance of a fold from a coupling."""
+    return abs(fold.parameter - c)
+
+
+def _end(family: BreatherFamily, folds: Sequence[Fold]) -> dict[str, Any]:
+    """Return the largest coupling of a branch with its error; nothing if it has no fold."""
+    if not folds:
+        return {}
+    last = max(folds, key=lambda fold: fold.parameter)
+    return {"fold": last.parameter, "fold_error": family.fold_error(last)}
 
 
 def _described(family: BreatherFamily, fold: Fold, place: int) -> BreatherFold:

@@ -173,8 +173,10 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     return replace(_measured(chain, request), seconds=perf_counter() - begin)
 
 
-def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
+def front_of_wave(chain: Chain, wave: FrontWave | StaticFold | None = None) -> Front:
     """Return the front of (43) by solving for the wave, or from a wave already solved for.
+
+    For a front at rest the fold of such fronts stands in place of the wave.
 
     Raises
     ------
@@ -189,13 +191,13 @@ def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
             "take the model averaged",
         )  # fmt: skip
     begin = perf_counter()
-    found: FrontWave | StaticFold | None = wave
+    found = wave
     if found is None:
         try:
             found = front_wave(chain.c, chain.eta)
         except NoFrontError:
             found = static_fold(chain.eta)
-            if chain.c > found.c:
+            if chain.c > found.c + found.error:
                 raise
     front = Front(
         chain=chain,
@@ -212,7 +214,7 @@ def front_of_wave(chain: Chain, wave: FrontWave | None = None) -> Front:
         detail=found,
     )
     if isinstance(found, StaticFold):
-        return front
+        return replace(front, error=found.fastest(chain.c))
     return replace(
         front,
         status=FrontStatus.STEADY,

@@ -77,6 +77,14 @@ class StaticFold:
         """Alias of ``error``, for the same reason."""
         return self.error
 
+    def fastest(self, c: float) -> float:
+        """Return the largest velocity that a front may have, within the error of ``c``.
+
+        It is zero unless the coupling is within this error of the fold, or above it.
+        """
+        beyond = max(0.0, c - (self.c - self.error))
+        return (self.square_root + self.square_root_error) * math.sqrt(beyond)
+
 
 def amplitudes_of(c: float, eta: float) -> Amplitudes:
     """Return the chain of amplitudes at these parameters, 0 < η < 1/8."""

@@ -178,10 +178,13 @@ def _loss_of_stability(
 ) -> Crossing | None:
     """Return where a growth rate crosses zero on the way to the fold; None if at the fold."""
     monitor = family.reported_monitor(report)
-    return _before(branch.fold, first_crossing(family.system(), branch, monitor, 0))
+    crossing = first_crossing(family.system(), branch, monitor, 0)
+    return _before(family, branch.fold, crossing)
 
 
-def _before(fold: Fold | None, crossing: Crossing | None) -> Crossing | None:
+def _before(
+    family: BreatherFamily, fold: Fold | None, crossing: Crossing | None
+) -> Crossing | None:
     """Return a loss of stability on the way to a fold; None if it is the fold, within errors.
 
     At a fold a growth rate is zero, and it may be found on either side of it.
@@ -189,7 +192,7 @@ def _before(fold: Fold | None, crossing: Crossing | None) -> Crossing | None:
     if fold is None or crossing is None or crossing.from_start:
         return crossing
     apart = fold.parameter - crossing.parameter
-    return crossing if apart > fold.error + crossing.error else None
+    return crossing if apart > family.fold_error(fold) + crossing.error else None
 
 
 def _stable_to(crossing: Crossing | None, fold: Fold | None) -> float | None:

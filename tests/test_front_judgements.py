@@ -87,7 +87,7 @@ def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
         LeftBoundary.FREE,
     )  # fmt: skip
     assert _numbers(usual) == (24, 50, 1000, 1e-3, 1e-8, pytest.approx(60.0 / chain.eps))
-    assert _numbers(given) == (8, 50, 77, 1e-5, 1e-9, pytest.approx(3.0 / chain.eps))
+    assert _numbers(given) == (8, 50, 77 - 8, 1e-5, 1e-9, pytest.approx(3.0 / chain.eps))
     short = smooth._prepare_smooth(replace(chain, sites=5), _request(), LeftBoundary.FREE)
     assert short.sites == 32
     assert usual.sized(40).sites == 64
@@ -240,7 +240,8 @@ def test_a_wide_front_is_measured_with_twice_as_many_sites_until_its_chain_is_to
     needed = 6
     with pytest.raises(RunError, match="too wide for chains of max_sites = 600 sites"):
         smooth.smooth_front(chain, _request(excited=excited, max_sites=600))
-    assert [each.sites for each in made] == [40, 64, 128, 256, 512]
+    # With the excited sites, the next chain of at least 512 is too long, or just not.
+    assert [each.sites for each in made] == [40, 64, 128, 256, *([] if excited is None else [512])]
 
 
 def test_arrivals_of_a_front_that_reached_the_end_are_complete_though_it_skipped_sites() -> None:
@@ -354,10 +355,38 @@ def test_a_friction_front_is_asked_for_within_ranges(given: dict[str, Any], name
 
 def test_a_longest_chain_that_is_too_short_for_a_smooth_front_is_refused_by_its_name() -> None:
     """It is not the number of sites that is out of range, and no longer chain than it is run."""
-    with pytest.raises(ParameterError, match=r"max_sites, = 31 .* from 32 to 1000000"):
-        measure.measure_front(replace(AVERAGED, sites=20), max_sites=31)
+    with pytest.raises(ParameterError, match=r"max_sites, = 55 .* from 56 to 1000000"):
+        measure.measure_front(replace(AVERAGED, sites=20), max_sites=55)
+    with pytest.raises(ParameterError, match=r"max_sites, = 41 .* from 42 to 1000000"):
+        measure.measure_front(replace(AVERAGED, sites=20), max_sites=41, excited=10)
     with pytest.raises(ParameterError, match=r"n = 41 .* from 2 to 40; .* more max_sites"):
-        measure.measure_front(replace(AVERAGED, sites=41), max_sites=40)
+        measure.measure_front(replace(AVERAGED, sites=41), max_sites=64)
+
+
+@pytest.mark.parametrize("boundary", LeftBoundary)
+@pytest.mark.parametrize("excited", [24, 200])
+@pytest.mark.parametrize("beyond", [32, 63, 64, 127])
+def test_the_longest_chain_contains_the_excited_sites(
+    boundary: LeftBoundary, excited: int, beyond: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Chains are doubled from 32 sites beyond the excited ones, as long as all sites fit."""
+    lengths: list[int] = []
+
+    def trial(made: FrontPreparation, sites: int, _: object) -> Trial:
+        lengths.append(made.sized(sites).sites)
+        noise = np.random.default_rng(sites).normal(size=sites)
+        return Trial(None, np.arange(sites) + noise, np.empty(0), Counter(steps=1))
+
+    monkeypatch.setattr(FrontPreparation, "trial", trial)
+    for max_sites in (excited + beyond, None):
+        lengths.clear()
+        made = smooth._prepare_smooth(
+            replace(AVERAGED, sites=20), _request(excited=excited, max_sites=max_sites), boundary
+        )
+        made.settled(None)
+        most = beyond if max_sites else 1000
+        beyond_them = [32 * 2**n for n in range(6) if 32 * 2**n <= most]
+        assert lengths == [excited + sites for sites in beyond_them]
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,7 @@ from paper_checks.discover import find_entries
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.shipped import root_of
 from tests.behaviour.replay import EVIDENCE, Json, same_sentence, shortened
+from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Place
 from theory.piecewise.kinetic_relation import trace_kinetic_relation
 from verification.breathers.outcome import follow_nucleus
@@ -53,8 +54,8 @@ from verification.thresholds.result import ThresholdMethod
 
 def _shorter_fronts(chain: Any, **options: Any) -> Front:
     """Measure a front on fewer sites, so roughly that its uncertainty need not be small."""
-    del options["max_sites"]
-    return measure_front(replace(chain, sites=min(chain.sites, 28)), max_sites=48, **options)
+    options["max_sites"] = 48 if isinstance(chain, FrictionChain) else 24 + 48
+    return measure_front(replace(chain, sites=min(chain.sites, 28)), **options)
 
 
 def _made_up_front(chain: Any, **_: Any) -> Any:

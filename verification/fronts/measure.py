@@ -48,7 +48,7 @@ from verification.runs.excite import StartPoint
     friction_tolerance=friction.TOLERANCE.allowed,
     smooth_excited=smooth.EXCITED.allowed,
     friction_excited=friction.EXCITED.allowed,
-    smooth_sites=smooth.MAX_SITES.allowed.low,
+    more_smooth_sites=smooth.MORE_SITES,
     more_sites=friction.MORE_SITES,
     piecewise_sites=simulation.MAX_SITES_RANGE,
     usual_smooth_accuracy=smooth.ACCURACY.default,
@@ -61,7 +61,7 @@ from verification.runs.excite import StartPoint
     usual_friction_excited=friction.EXCITED.default,
     usual_rows=network.ROWS,
     usual_network_excited=network.EXCITED,
-    usual_smooth_sites=smooth.MAX_SITES.default,
+    usual_smooth_sites=smooth.LONGEST,
     usual_friction_sites=friction.LONGEST,
     usual_piecewise_sites=simulation.MAX_SITES,
     usual_smooth_stall=smooth.STALL_TIME.default,
@@ -88,8 +88,8 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     ----------
     chain : Chain
         The chain and its parameters, with free ends. Its ``sites`` is the length tried first: for a
-        smooth chain the number of sites beyond the excited ones, at least {smooth_sites}; for a
-        friction chain the total.
+        smooth chain the number of sites beyond the excited ones, at least {more_smooth_sites}; for
+        a friction chain the total.
     method : {"run", "wave"}, optional
         ``run``: fit the arrival times on a running chain. ``wave``, for (43) only: solve for the
         travelling wave itself, with its multipliers; no other option applies then.
@@ -109,11 +109,11 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         Lattice: the number of rows, by default {usual_rows}. Lattice with ``directions``, or
         network: the number of sites nearest to its centre, by default {usual_network_excited}.
     max_sites : int, optional
-        Length of the longest chain tried before a front is called unsteady: for a smooth chain the
-        number of sites beyond the excited ones, at least {smooth_sites}, by default
-        {usual_smooth_sites}; for a friction chain the total, at least {more_sites} more than are
-        excited, by default {usual_friction_sites}. For (44) the largest number of sites that a
-        front may pass, {piecewise_sites}, by default {usual_piecewise_sites}.
+        Length of the longest chain tried before a front is called unsteady, with the excited sites.
+        Smooth chain: at least {more_smooth_sites} more than are excited, by default
+        {usual_smooth_sites} more. Friction chain: at least {more_sites} more than are excited, by
+        default {usual_friction_sites}. For (44) the largest number of sites that a front may pass,
+        {piecewise_sites}, by default {usual_piecewise_sites}.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
         of having stopped; after twice this time it is called pinned or creeping. By default

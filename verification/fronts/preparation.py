@@ -81,13 +81,13 @@ class FrontPreparation:
     Attributes
     ----------
     sized : callable
-        Returns the chain with a given length.
+        Returns the chain with a given length: all its sites, or those beyond the excited ones.
     begin : callable
         Starts the integration of a chain at a given tolerance.
     excited : int
         Sites excited at the start.
     sites, max_sites : int
-        Lengths of the first and of the longest chain.
+        Lengths of the first and of the longest chain, as ``sized`` takes them.
     accuracy, tolerance : float
         As in ``measure_front``.
     stall_time : float

@@ -44,11 +44,12 @@ from verification.runs.smooth_integration import SmoothIntegration
 OUTRUNS = 1.01
 """Ratio of front velocity to wave velocity above which the front outruns the waves behind it."""
 
-_SHORTEST = 32
-"""Fewest sites beyond the excited ones to which v is fitted."""
+MORE_SITES = 32
+"""Fewest sites beyond the excited ones, to which v is fitted."""
 ACCURACY = Option(quantity="accuracy", allowed=Range(1e-13, 0.1), default=1e-3)
 EXCITED = Option(quantity="excited sites", allowed=Range(4, 1000), default=24)
-MAX_SITES = longest_chain(_SHORTEST, 1000)
+LONGEST = 1000
+"""Default number of sites of the longest chain beyond the excited ones."""
 STALL_TIME = stall_time(60.0)
 
 
@@ -84,12 +85,13 @@ def _widened(chain: SmoothChain, request: Request) -> tuple[FrontPreparation, Se
         if not found.wide:
             return wave, replace(found, counts=earlier + found.counts) if earlier else found
         earlier += found.counts
-        if 2 * widening * _SHORTEST > wave.max_sites:
-            raise RunError(
-                f"the front is too wide for chains of max_sites = {wave.max_sites} sites: take a "
-                "smaller coupling, or more max_sites."
-            )
         widening *= 2
+        if widening * MORE_SITES > _most_beyond(request, _excited(request, widening)):
+            raise RunError(
+                "the front is too wide for chains of max_sites = "
+                f"{wave.excited + wave.max_sites} sites: take a smaller coupling, or more "
+                "max_sites."
+            )
 
 
 def _beside_longer_wave(
@@ -103,8 +105,12 @@ def _beside_longer_wave(
     """
     assert found.v is not None
     assert found.error is not None
-    twice = min(2 * EXCITED.count(request.excited), int(EXCITED.allowed.high))
-    farther = _prepare_smooth(chain, replace(request, excited=twice), LeftBoundary.WAVE)
+    excited = EXCITED.count(request.excited)
+    twice = min(2 * excited, int(EXCITED.allowed.high))
+    longest = twice + _most_beyond(request, excited)
+    farther = _prepare_smooth(
+        chain, replace(request, excited=twice, max_sites=longest), LeftBoundary.WAVE
+    )
     other = farther.settled(request.progress)
     apart = abs(found.v - (other.v or 0.0))
     steady = apart < accuracy * found.v
@@ -137,6 +143,23 @@ def own_front(chain: OwnChain, request: Request) -> Front:
     return prepared.front(found, LeftBoundary.FREE, outruns)
 
 
+def _excited(request: Request, widening: int) -> int:
+    """Return the number of excited sites, which is multiplied for a wide front unless given."""
+    return (widening if request.excited is None else 1) * EXCITED.count(request.excited)
+
+
+def _most_beyond(request: Request, excited: int) -> int:
+    """Return the number of sites of the longest chain beyond the excited ones.
+
+    Raises
+    ------
+    ParameterError
+        If the longest chain is too short for a front.
+    """
+    least = EXCITED.count(request.excited) + MORE_SITES
+    return longest_chain(least, excited + LONGEST).count(request.max_sites) - excited
+
+
 def _prepare_smooth(
     chain: SmoothChain, request: Request, boundary: LeftBoundary, widening: int = 1
 ) -> FrontPreparation:
@@ -146,10 +169,10 @@ def _prepare_smooth(
     chain and, unless it is given, of those excited.
     """
     trailing = widening * EXCITED.count(request.excited)
-    excited = trailing if request.excited is None else EXCITED.count(request.excited)
-    max_sites = MAX_SITES.count(request.max_sites)
+    excited = _excited(request, widening)
+    most = _most_beyond(request, excited)
     first = count_within(
-        "number of sites n", chain.sites, 2, max_sites, "take a shorter chain, or more max_sites"
+        "number of sites n", chain.sites, 2, most, "take a shorter chain, or more max_sites"
     )
     stall = STALL_TIME.number(request.stall_time) * chain.time_unit
     on = boundary is LeftBoundary.WAVE
@@ -186,8 +209,8 @@ def _prepare_smooth(
         sized=sized,
         begin=begin,
         excited=excited,
-        sites=max(first, widening * _SHORTEST),
-        max_sites=max_sites,
+        sites=max(first, widening * MORE_SITES),
+        max_sites=most,
         accuracy=ACCURACY.number(request.accuracy),
         tolerance=TOLERANCE.number(request.tolerance),
         stall_time=stall,

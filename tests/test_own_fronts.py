@@ -351,7 +351,26 @@ def test_a_run_on_a_lattice_is_a_picture_and_a_film(tmp_path: Path) -> None:
         ),
         ({"coupling": "square", "sites": (9, 9)}, {"directions": 8}, "take a larger lattice"),
         ({"coupling": "square", "sites": (1, 40)}, {}, "number of rows = 1 .* turn the lattice"),
-        ({"coupling": "square", "sites": (14, 9)}, {}, "number of rows = 14 .* at least 15"),
+        (
+            {"coupling": "square", "sites": (14, 9)},
+            {},
+            "number of rows = 14 .* at least 18 .* from 4 excited rows; .* turn the lattice.$",
+        ),
+        (
+            {"coupling": "square", "sites": (15, 9)},
+            {},
+            "number of rows = 15 .* at least 18 .* from 4 excited rows; .* excite at most 1.$",
+        ),
+        (
+            {"coupling": "square", "sites": (17, 9)},
+            {"excited": 5},
+            "number of rows = 17 .* at least 19 .* from 5 excited rows; .* excite at most 3.$",
+        ),
+        (
+            {"coupling": "square", "sites": (17, 9)},
+            {"excited": 18},
+            "excited rows = 18 .* from 1 to 17",
+        ),
         ({"values": {"alpha": np.full(31, 0.2)}}, {}, "give disorder by its spread"),
         ({"coupling": "next-nearest:1,0.2"}, {"left_boundary": "wave"}, "leave it out"),
         ({"c": 0.0}, {}, "coupling c = 0"),

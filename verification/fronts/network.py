@@ -324,13 +324,17 @@ def planar(
     assert chain.shape is not None
     rows, columns = chain.shape
     edge = math.ceil(EDGE)
+    excited = count_within("excited rows", excited, 1, max(rows, ROWS))
     most = rows - edge - 2 * LEAST
-    if most < 1:
+    if excited > most:
+        remedy = "take more rows, or turn the lattice"
+        if most > 0:
+            remedy = f"take more rows, turn the lattice, or excite at most {most}"
+        first = "1 excited row" if excited == 1 else f"{excited} excited rows"
         raise ParameterError(
-            "number of rows", rows, f"at least {rows - most + 1} for a front across them",
-            "take more rows, or turn the lattice",
+            "number of rows", rows, f"at least {excited + rows - most} for a front that starts "
+            f"from {first}", remedy,
         )  # fmt: skip
-    excited = count_within("excited rows", excited, 1, most)
     row = np.arange(chain.sites) // columns
     sites = np.flatnonzero(row < excited)
     turns = [chain.front_phase_step * int(row[n]) for n in sites]

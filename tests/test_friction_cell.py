@@ -271,6 +271,53 @@ def test_the_error_of_the_expanded_cycle_covers_the_next_order_in_its_amplitude(
     assert found.multiplier - 1.0 == pytest.approx(2.0 * math.pi * delta, rel=1e-3)
 
 
+def test_the_error_of_an_expanded_cycle_covers_the_round_off_of_its_damping() -> None:
+    """Just above the Hopf velocity the damping is the small difference of two larger terms."""
+    cell = FrictionCell(
+        mu_st=3.774482419228239, mu_d=1.8872412096141196, xi=0.001629646252820722,
+        v0=0.3219455793254197, v_d=2.4128964702687106,
+    )  # fmt: skip
+    found = unstable_cycle(cell)
+    assert found is not None
+    with mp.workdps(30):
+        v0 = mp.mpf(cell.v0)
+        fall = (mp.mpf(cell.mu_st) - cell.mu_d) * mp.exp(-cell.v_d / v0) / v0
+        true = float(mp.sqrt(8 * (2 * mp.mpf(cell.xi) - fall) * v0**2 / fall))
+    assert 1e-11 < abs(found.amplitude - true) < found.error < 1e-3 * true
+
+
+@pytest.mark.parametrize("below", [1e-10, 1e-7, 1e-3])
+def test_the_error_of_a_cycle_covers_the_round_off_of_a_touch_that_nearly_grazes(
+    below: float,
+) -> None:
+    """Under Coulomb's law slip is linear, and runs at both tolerances take the same steps."""
+    cell = FrictionCell(law="coulomb", mu_st=2.2, mu_d=1.8, xi=0.0648, viscous=1e-3)
+    cell = replace(cell, v_d=cycle_end_velocity(cell) * (1.0 - below))
+    found = stick_slip_cycle(cell)
+    assert found is not None
+    with mp.workdps(30):
+        mu_st, mu_d, xi, kappa, v_d = map(
+            mp.mpf, (cell.mu_st, cell.mu_d, cell.xi, cell.viscous, cell.v_d)
+        )
+        zeta = xi + kappa / 2
+        omega = mp.sqrt(1 - zeta**2)
+
+        def speed(t: mp.mpf) -> mp.mpf:  # from ẏ = v_d and ÿ = μ_d - μ_st on
+            sine = (mu_d - mu_st + zeta * v_d) / omega
+            return mp.exp(-zeta * t) * (v_d * mp.cos(omega * t) + sine * mp.sin(omega * t))
+
+        def slope(t: mp.mpf) -> mp.mpf:
+            return mp.diff(speed, t)
+
+        highest = mp.findroot(slope, found.slip_time)
+        touch = mp.findroot(lambda t: speed(t) - v_d, (4, highest), solver="anderson")
+        assert abs(speed(touch) - v_d) < 1e-25
+        y = mu_d + kappa * v_d - slope(touch) - 2 * zeta * v_d
+        times = float(touch), float((mu_st - 2 * xi * v_d - y) / v_d)
+    for stated, true in zip((found.slip_time, found.stick_time), times, strict=True):
+        assert abs(stated - true) <= found.error < 1e-6
+
+
 @pytest.mark.parametrize("v_d", [0.5, 1.25])
 def test_slip_that_begins_at_rest_has_the_maximum_that_scipy_finds(v_d: float) -> None:
     cell = replace(CELL, v_d=v_d)
@@ -337,6 +384,13 @@ def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
         (FrictionCell(v_d=CELL.hopf_velocity + 1e-6), 1e-12, 1e-5),  # rounding beside the step
         (FrictionCell(v_d=CELL.hopf_velocity + 1e-8), 1e-12, 1e-13),  # expanded
         (FrictionCell(law="stribeck", v_d=1.0), 1e-10, 1e-8),
+        (  # y is far smaller than v_d, from which the slip velocity has its round-off
+            FrictionCell(
+                law="stribeck", v_s=0.19290111547147332, v_d=0.5535966696273482, mu_d=0.0,
+                xi=0.003941554227052617,
+            ),
+            1e-12, 1e-5,
+        ),
     ],
 )  # fmt: skip
 def test_the_error_of_a_multiplier_covers_that_of_its_integral_by_scipy(

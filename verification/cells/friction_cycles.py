@@ -9,6 +9,7 @@ its largest y is a fixed point of the map from one maximum to the next.
 from __future__ import annotations
 
 import math
+import sys
 from functools import partial
 from itertools import pairwise
 
@@ -16,6 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from theory.cells.friction import FrictionCell, stick_phase
+from theory.cells.friction_law import FrictionLaw
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.result import TOLERANCE, CellCycle
@@ -30,6 +32,7 @@ _SETTLED = 1e-9
 _NO_CREEP = phases.Creep(sliding=0.0, lowest=0.0, rising=0.0, falling=0.0)
 _MAX_TURNS = 100
 ROUND_OFF = 1e-14
+_EPSILON = sys.float_info.epsilon
 _FINEST = 1e-17
 _TRIED = 60
 _STRONG = 3.0
@@ -147,7 +150,9 @@ def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
 
 
 def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
-    """Return the stick-slip cycle, with its error set to zero; None if the cell never sticks again.
+    """Return the stick-slip cycle; None if the cell never sticks again.
+
+    Its error contains the effect of round-off on the times at which slip ends only.
 
     Raises
     ------
@@ -155,7 +160,7 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
         If the cell continues to slip both ways and does not stick (little damping, large v_d).
     """
     y, slip, speed, direction, released = cell.release, 0.0, cell.v_d, -1.0, True
-    lows, highs = [], []
+    lows, highs, blurred = [], [], 0.0
     for _ in range(_MAX_TURNS):
         t, end, _ = _phase(
             cell, y, 0.0, released, phases.TOUCH, tolerance=tolerance, direction=direction
@@ -174,6 +179,7 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
                 cell, y, 0.0, released, phases.SLOWEST, tolerance=tolerance, direction=direction
             )[2]
             speed = max(speed, cell.v_d + fastest)
+        blurred += _rounding_of_touch(cell, end, direction)
         y, slip, released = end, slip + t, False
         stick = stick_phase(cell, y)
         if stick is not None:
@@ -187,10 +193,23 @@ def stick_slip_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
                 speed=speed,
                 multiplier=0.0,
                 multiplier_error=0.0,
-                error=0.0,
+                error=blurred,
             )
         direction = -direction
     raise never_sticks(cell)
+
+
+def _rounding_of_touch(cell: FrictionCell, y: float, direction: float) -> float:
+    """Return how far round-off of the velocity shifts the time at which slip ends at this y.
+
+    The velocity meets that of the belt with the slope ẅ = ẏ', which vanishes at a grazing. There
+    the velocity is a parabola of curvature v_d, and the time is shifted by the root of round-off.
+    """
+    rounding = ROUND_OFF * (cell.v_d + abs(y))
+    drag = 2.0 * cell.xi * cell.v_d + y
+    slope = abs(drag + direction * cell.curve.coefficient(0.0))
+    grazing = math.sqrt(2.0 * rounding / cell.v_d)
+    return min(2.0 * rounding / slope, grazing) if slope > 0.0 else grazing
 
 
 def never_sticks(cell: FrictionCell) -> ParameterError:
@@ -325,7 +344,7 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     # Where the cycle nearly touches, the step is too large for a finite difference.
     resolved = abs(ahead - behind) < 1e-2 * abs(ahead)
     multiplier, wider = 0.5 * (ahead + behind), 0.5 * (farther + opposite)
-    rounding = ROUND_OFF * max(abs(y), abs(low)) / step
+    rounding = ROUND_OFF * max(abs(y), abs(low), cell.v_d) / step
     # Round-off shifts the fixed point by a relative amount 1/(multiplier - 1).
     blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
     return CellCycle(
@@ -350,6 +369,19 @@ def _amplitude_near_hopf(cell: FrictionCell) -> float:
     return math.sqrt(8.0 * cell.effective_damping / third) if third > 0.0 else math.inf
 
 
+def _rounding_near_hopf(cell: FrictionCell, amplitude: float) -> float:
+    """Return how far round-off of the effective damping δ changes the amplitude √(8δ/F₃).
+
+    Near the Hopf velocity δ is the small difference of 2ξ and the fall of friction.
+    """
+    steepness = (cell.v_d / cell.curve.scale) ** (2 if cell.law is FrictionLaw.STRIBECK else 1)
+    falling = abs(cell.curve.slope(cell.v_d) - cell.viscous)
+    rounding = _EPSILON * (2.0 * cell.xi + cell.viscous + falling * (4.0 + 2.0 * steepness))
+    # Of δ ± r, |√(δ ± r) - √δ| is at most √r, and at most r/√δ.
+    part = rounding / abs(cell.effective_damping)
+    return amplitude * min(part, math.sqrt(part))
+
+
 def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
     """Return the unstable cycle to second order in its amplitude; its error field is a bound.
 
@@ -361,6 +393,7 @@ def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
     period = 2.0 * math.pi
     growth = math.exp(period * cell.effective_damping)
     left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.curve.scale**2) + ROUND_OFF
+    left_out += _rounding_near_hopf(cell, amplitude)
     squared = amplitude**2 * (second**2 + 10.0 / cell.curve.scale**2)
     # The error of the exponent is relative, of the next order in the square of the amplitude.
     off = math.expm1(2.0 * squared * math.log(growth)) if squared < _CONVERGENT else math.inf

@@ -206,7 +206,7 @@ def _cell(name: str, row: Mapping[str, Any]) -> str:
     if _empty(error):
         error = None
     elif name not in _MAIN:
-        error = max(error, abs(value) * 10.0**-_BESIDE)
+        error = max(error, abs(value) * 10.0 ** (1 - _BESIDE))
     return _text(name, value, error)
 
 
@@ -229,13 +229,14 @@ def _rows(value: Any) -> list[dict[str, Any]]:
 def _text(name: str, value: Any, error: float | None = None, digits: int = _DIGITS) -> str:
     """Return a value on one line.
 
-    A number with an error has at most fifteen digits, and only those that the error changes by at
-    most one. A number without a known error has ``digits`` digits, and an error has two.
+    A number with an error has at most fifteen digits, up to that of the first digit of the error,
+    so that it is rounded by at most half of the error. A number without a known error has
+    ``digits`` digits, and an error has two.
 
     Examples
     --------
     >>> _text("c", 1151998399.931, 0.016), _text("c", 0.25, 1e-3), _text("c", 0.25)
-    ('1151998399.9', '0.250', '0.25')
+    ('1151998399.93', '0.250', '0.25')
     >>> _text("re", 1.25e-25, 1e-21)
     '1e-25'
     >>> _text("errors", [1e-9, math.inf]), _text("readings_error", {"tail": 1.25e-15})
@@ -267,5 +268,8 @@ def _number(name: str, value: float, error: float | None, digits: int) -> str:
         return f"{value:.3g}"
     if error is None or not value:
         return f"{value:.{digits}g}"
-    digits = next((n for n in range(1, 15) if error * 10.0**n >= abs(value)), 15)
+    digits = 15
+    if error:
+        last = min(math.log10(error), 308.0)  # of an error that is not known, too
+        digits = min(max(math.floor(math.log10(abs(value))) - math.floor(last) + 1, 1), digits)
     return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")

@@ -9,20 +9,36 @@ from __future__ import annotations
 import copy
 import shlex
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
+from fronts import derived
+from fronts.answer import Answer
 from tests.behaviour.replay import Json, differences, recorded, replay, same_sentence
+from tests.behaviour.terminal import contradictions
 
 CASES = recorded()
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_command_answers_as_recorded(name: str) -> None:
+def test_a_command_answers_as_recorded_and_alike_in_the_terminal(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers: list[Answer] = []
+    run = derived.run
+
+    def kept(*arguments: Any) -> Answer:
+        answers.append(run(*arguments))
+        return answers[-1]
+
+    monkeypatch.setattr(derived, "run", kept)
     case = CASES[name]
     answer = replay(shlex.split(case["command"]))
     expected = {key: case[key] for key in ("exit", "answer", "refusal") if key in case}
     lines = differences(expected, answer)
+    for each in answers:
+        lines += contradictions(each.payload, each.text)
     assert not lines, "\n".join([case["command"], *lines])
 
 

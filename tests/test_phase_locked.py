@@ -64,31 +64,36 @@ def test_odd_sizes_have_quarter_turns_only_and_none_above_one_is_stable() -> Non
         assert all(np.abs(np.abs(one.steps) - 0.5).max() < 0.03 for one in found)
 
 
-def test_breathers_of_six_sites_are_stable_beyond_the_end_of_one_site() -> None:
+@pytest.mark.parametrize(
+    ("outward", "c"), [([0.0, 0.5, 0.03], 0.195), ([0.0, 0.5, 0.0, 0.5, 0.0], 0.2)]
+)
+def test_breathers_of_six_and_ten_sites_are_stable_beyond_the_end_of_one_site(
+    outward: list[float], c: float
+) -> None:
     """Also by the exponents of (43) written site by site, with differences."""
     end = follow(locked_breathers(1, A, B)[0], A, B).c_end
-    steps = np.pi * np.array([-0.03, -0.5, 0.0, 0.5, 0.03])
+    steps = np.pi * np.array([*(-each for each in outward[:0:-1]), *outward])
     u = phase_locked.solve(phase_locked.start_from(steps, A, B, 0.03), 0.03, A, B)
     assert u is not None
     start = phase_locked.LockedBreather(
-        size=6, c=0.03, phi=u[: u.size // 2] + 1j * u[u.size // 2 : -1], omega=float(u[-1]),
-        growth=phase_locked.growth_rate(u, 0.03, A, B),
+        size=steps.size + 1, c=0.03, phi=u[: u.size // 2] + 1j * u[u.size // 2 : -1],
+        omega=float(u[-1]), growth=phase_locked.growth_rate(u, 0.03, A, B),
     )  # fmt: skip
-    six = follow_to(start, 0.195, A, B)
-    assert six.c > end
-    assert six.stable
-    x, step = np.concatenate([six.phi.real, six.phi.imag]), 1e-6
+    found = follow_to(start, c, A, B)
+    assert found.c > end
+    assert found.stable
+    x, step = np.concatenate([found.phi.real, found.phi.imag]), 1e-6
 
     def turning(x: np.ndarray) -> np.ndarray:
         phi = x[: x.size // 2] + 1j * x[x.size // 2 :]
-        out = rate(phi, 0.195) - 1j * six.omega * phi
+        out = rate(phi, c) - 1j * found.omega * phi
         return np.concatenate([out.real, out.imag])
 
     slope = [(turning(x + step * e) - turning(x - step * e)) / (2 * step) for e in np.eye(x.size)]
-    found = np.linalg.eigvals(np.array(slope).T)
-    growth = float(np.delete(found, np.argmin(np.abs(found))).real.max())
+    rates = np.linalg.eigvals(np.array(slope).T)
+    growth = float(np.delete(rates, np.argmin(np.abs(rates))).real.max())
     assert growth < 0.0
-    assert abs(growth - six.growth) < 1e-6
+    assert abs(growth - found.growth) < 1e-6
 
 
 def test_the_end_of_a_branch_cannot_be_passed() -> None:

@@ -120,26 +120,17 @@ def jacobian(u: FloatArray, c: float, a: float, b: float) -> FloatArray:
 
 
 def solve(guess: FloatArray, c: float, a: float, b: float, rounds: int = 40) -> FloatArray | None:
-    """Solve by Newton's method with damped steps; None if it does not converge."""
+    """Solve by Newton's method, with steps of at most 0.5; None if it does not converge."""
     u = guess.copy()
-    size = float(np.linalg.norm(residual(u, c, a, b)))
     for _ in range(rounds):
-        if size < 1e-12:
+        off = residual(u, c, a, b)
+        if float(np.linalg.norm(off)) < 1e-12:
             return u
         try:
-            step = np.linalg.solve(jacobian(u, c, a, b), residual(u, c, a, b))
+            step = np.linalg.solve(jacobian(u, c, a, b), off)
         except np.linalg.LinAlgError:
             return None
-        part = min(1.0, 0.5 / float(np.abs(step).max()))
-        trial = u - part * step
-        after = float(np.linalg.norm(residual(trial, c, a, b)))
-        while after > size and part > 1e-3:
-            part *= 0.5
-            trial = u - part * step
-            after = float(np.linalg.norm(residual(trial, c, a, b)))
-        if after >= size and size < 1e-10:
-            return u
-        u, size = trial, after
+        u = u - min(1.0, 0.5 / float(np.abs(step).max())) * step
     return None
 
 

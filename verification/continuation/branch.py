@@ -184,14 +184,10 @@ def trace(
     for _ in range(steps.max_steps):
         try:
             new, length = _next(system, point, length, steps)
-            turned = new.tangent[-1] * point.tangent[-1] <= 0.0
-            if turned:
+            if new.tangent[-1] * point.tangent[-1] <= 0.0:
                 fold = _find_fold(system, point, new, length, steps)
                 folds.append(replace(fold, place=len(points)))
         except NotConvergedError:
-            length *= 0.5
-            if length >= _SHORTEST:
-                continue
             if not folds:
                 raise
             break

@@ -51,7 +51,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     chain, end = chain_of(problem), problem["t"]
     start = excite(chain, [1])
     true = simulate(chain, start, end, tolerance=1e-13, samples=SAMPLES, logged_events=10_000)
-    second = run_events(chain, start, end)
+    second = run_events(chain, start, end, tolerance=1e-13)
     if len(second.log) != true.event_count:
         raise ArithmeticError("the two references do not have the same events")
     report(f"the second reference took {second.seconds:.3g} s")

@@ -561,7 +561,7 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
 def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_largest(
     couplings: list[float], turns: int, furthest: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where it is to turn, at least to 2."""
+    """Where it is to turn, at least to 2; each fold has the points before it counted."""
     asked: dict[str, Any] = {}
 
     def start(end: float, lowest: float) -> str:
@@ -570,17 +570,19 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
 
     def trace(*given: Any) -> Any:
         asked["trace"] = given
-        return SimpleNamespace(folds=(), fold=None, points=())
+        return SimpleNamespace(folds=("first", "second"), fold=None)
 
     along = StepControl(length=0.7)
     family = SimpleNamespace(
         system=lambda: "system",
         start=start,
-        step_control=lambda folds: replace(along, folds=folds),
+        step_control=along,
+        measured=lambda *_: SimpleNamespace(chain=AVERAGED.replace(c=9.0)),
     )
     monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
-    monkeypatch.setattr(follow, "solutions_at", lambda *_: [])
+    monkeypatch.setattr(follow, "solutions_at", lambda *_: [(k, k) for k in (0, 1, 1, 2)])
+    monkeypatch.setattr(follow, "_described", lambda _, fold, place: (fold, place))
     found = follow.follow(AVERAGED, couplings, nucleus=Nucleus(1), folds=turns)
     end, lowest = asked["start"]
     assert end == max(couplings)
@@ -590,8 +592,9 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     assert steps == replace(along, folds=turns)
     assert furthest <= until < furthest * (1.0 + 1e-11)
     assert until > max(couplings)
-    assert [point.chain.c for point in found.points] == couplings
-    assert {point.status for point in found.points} == {BreatherStatus.NONE}
+    assert found.folds == (("first", 1), ("second", 3))
+    assert [point.chain.c for point in found.points[4:]] == couplings
+    assert {point.status for point in found.points[4:]} == {BreatherStatus.NONE}
 
 
 # --------------------------------------------------------------------------------- its stability

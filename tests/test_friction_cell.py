@@ -120,8 +120,9 @@ def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     assert abs(cycle.period - slip - stick) <= cycle.error
     assert abs(cycle.min - low) <= cycle.error
     run = run_events(
-        FrictionChain.of(CELL, c=0.0, sites=1), np.array([[cycle.max], [0.0]]), cycle.period
-    )
+        FrictionChain.of(CELL, c=0.0, sites=1), np.array([[cycle.max], [0.0]]), cycle.period,
+        tolerance=1e-13,
+    )  # fmt: skip
     # Started at the largest y, the run is back there after a period, at rest; DOP853 to 1e-12.
     assert abs(run.y[-1, 0] - cycle.max) < 1e-11
     assert abs(run.velocity[-1, 0]) < 1e-10
@@ -616,7 +617,9 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
     assert cycle is not None
     assert (cycle.speed > cell.v_d) is reverses
     start = np.array([[cycle.max], [0.0]])
-    run = run_events(FrictionChain.of(cell, c=0.0, sites=1), start, 4 * cycle.period)
+    run = run_events(
+        FrictionChain.of(cell, c=0.0, sites=1), start, 4 * cycle.period, tolerance=1e-13
+    )
     ends = run.log[run.log[:, 2] == 1, 0]
     assert np.diff(ends)[-1] == pytest.approx(cycle.period, abs=1e-9)
     assert np.any(run.log[:, 2] == 2)

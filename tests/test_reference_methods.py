@@ -212,7 +212,7 @@ def test_a_site_at_the_speed_of_the_belt_sticks_if_friction_can_hold_it(
     """Else it slips to where it is pulled; here μ_st = 1 and damping adds 2ξv_d = 0.1."""
     cell = FrictionCell(v_d=0.5, mu_st=1.0, xi=0.1)
     chain = FrictionChain.of(cell, c=0.0, sites=1)
-    run = run_events(chain, np.array([[place], [0.5]]), 0.1, times=np.array([0.1]))
+    run = run_events(chain, np.array([[place], [0.5]]), 0.1, tolerance=1e-13, times=np.array([0.1]))
     carried = place + 0.5 * 0.1
     if sticks:
         assert run.y[0, 0] == pytest.approx(carried, abs=1e-14)
@@ -242,7 +242,7 @@ def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     for end in (1e-4, 1.0):  # of one step, and of several
         with pytest.raises(NoReferenceError, match="starts on an event"):
-            run_events(chain, np.array([[0.5], [1.0]]), end)  # y + 2ξv_d is μ_st
+            run_events(chain, np.array([[0.5], [1.0]]), end, tolerance=1e-13)  # y + 2ξv_d is μ_st
 
 
 def test_a_run_with_events_is_positive_and_fast_enough_and_counts_its_evaluations(
@@ -251,12 +251,13 @@ def test_a_run_with_events_is_positive_and_fast_enough_and_counts_its_evaluation
     chain, start = FrictionChain(c=0.0, sites=1), np.array([[2.0], [0.0]])
     for end in (0.0, -1.0):
         with pytest.raises(ParameterError, match="end time"):
-            run_events(chain, start, end)
+            run_events(chain, start, end, tolerance=1e-9)
     covered: list[float] = []
     counted: list[float] = []
     rate = _Law.rate
     monkeypatch.setattr(_Law, "rate", lambda *given: (counted.append(given[2]), rate(*given))[1])
-    found = run_events(chain, start, 12.0, pace=SimpleNamespace(check=covered.append))  # type: ignore[arg-type]
+    pace: Any = SimpleNamespace(check=covered.append)
+    found = run_events(chain, start, 12.0, tolerance=1e-9, pace=pace)
     assert len(found.log) == 4
     assert found.evaluations == len(counted)
     assert covered[-1] == 1.0

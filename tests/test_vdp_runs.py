@@ -439,6 +439,12 @@ def test_the_implicit_method_ends_where_damping_is_gentle_or_its_steps_are_spent
         assert found == pytest.approx([rates.max() - stiff_stage.GENTLE] * 3, rel=1e-12)
         with pytest.raises(RunError, match="implicit steps"):
             event(0.0, state)
+    state = np.array([[0.0, 0.0, 16.94], [0.0] * 3])
+    piece = stiff_stage.solve_stiff_piece(
+        chain, state, (0, 3), 0.0, 1.0, 1e-6, -1.0, 2, steps_taken=0
+    )
+    rates = chain.eps * damping(piece.state(piece.times[-1])[0], chain.a, chain.b)
+    assert rates.max() == pytest.approx(stiff_stage.GENTLE, rel=1e-9)
 
 
 @pytest.mark.parametrize("level", [0.25, 1.3, 2.0, 3.7])

@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-from theory.cells.friction_law import FrictionCurve, FrictionLaw
+from theory.cells.friction_law import FrictionCurve, FrictionLaw, UnstableSliding
 from theory.parameters import ParameterError, real_number
 
 LARGEST = 1e9
@@ -120,6 +120,11 @@ class FrictionCell:
         return 2.0 * self.xi + friction_slope(self, self.v_d)
 
     @property
+    def unstable_sliding(self) -> UnstableSliding:
+        """The interval of v_d in which steady sliding is unstable, with its error."""
+        return self.curve.unstable_sliding(2.0 * self.xi)
+
+    @property
     def hopf_velocity(self) -> float:
         """Velocity v_d above which steady sliding is stable: the larger root of 2ξ + μ'(v_d) = 0.
 
@@ -136,7 +141,7 @@ class FrictionCell:
                 "Hopf velocity", "asked of Coulomb's law", "that of a law that falls with velocity",
                 "steady sliding is stable at every v_d: mu does not fall while the cell slides",
             )  # fmt: skip
-        return self.curve.unstable_sliding(2.0 * self.xi).high
+        return self.unstable_sliding.high
 
     @property
     def stability_margin(self) -> float:
@@ -144,7 +149,7 @@ class FrictionCell:
 
         It is zero or negative if v_d is one of these velocities.
         """
-        low, high, _ = self.curve.unstable_sliding(2.0 * self.xi)
+        low, high, _ = self.unstable_sliding
         return min(self.v_d, max(self.v_d - high, low - self.v_d) if high > 0.0 else self.v_d)
 
     @property

@@ -46,14 +46,12 @@ from verification.continuation.newton import (
     solve_at,
 )
 
-START = 0.01
-"""Coupling at which branches leave the anticontinuum limit, unless their fold is close to it."""
 SMALLEST_ETA = 1e-6
 """Smallest η: below it, rounding of the cell's rate, 1/(2η) at the cycle, shifts folds by more than
 the stated error."""
 
 
-def start_of(chain: VanDerPolChain, latest: float = START, part: float = 0.25) -> float:
+def start_of(chain: VanDerPolChain, latest: float = 0.01, part: float = 0.25) -> float:
     """Return the coupling at which branches leave the limit c → 0: a fraction of their fold.
 
     The fold goes to zero like √η and agrees with that of the closed form to a few per cent.

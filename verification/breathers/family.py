@@ -117,13 +117,13 @@ class BreatherFamily(ABC):
         """Return the error of the coupling of a fold."""
         return fold.error + self.step_error(fold).parameter
 
-    def step_control(self, folds: int = 0) -> StepControl:
-        """Return how a branch is followed through a number of folds.
+    @property
+    def step_control(self) -> StepControl:
+        """How a branch is followed to its fold.
 
         Branches of a mirror-symmetric nucleus are crossed by those that break the symmetry.
         """
-        generic = not self.nucleus.mirrored(self.chain.sites)
-        return replace(self.steps_along, folds=folds, generic=generic)
+        return replace(self.steps_along, generic=not self.nucleus.mirrored(self.chain.sites))
 
     def near_fold(self, c: float, fold: Fold | None) -> tuple[float | None, float]:
         """Return the error of a fold, if there is one, and that of a coupling.
@@ -173,7 +173,7 @@ class BreatherFamily(ABC):
         """
         monitor = self.reported_monitor(report) if monitored else None
         start = self.start(c_end, report=report)
-        return trace(self.system(), start, c_end, monitor, self.step_control())
+        return trace(self.system(), start, c_end, monitor, self.step_control)
 
     def solve(self) -> Breather:
         """Solve for the breather at the coupling of the chain.

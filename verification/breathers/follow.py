@@ -95,7 +95,8 @@ def follow(
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
-    branch = trace(system, start, furthest, None, family.step_control(folds))
+    steps = replace(family.step_control, folds=folds)
+    branch = trace(system, start, furthest, None, steps)
     end = _end(family, branch.folds)
     points, folds_passed = [], []
     for point, passed in solutions_at(system, branch, required):

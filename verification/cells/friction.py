@@ -207,7 +207,7 @@ def cycle_velocities(
 
     first, low = 0.0, 1e-3 * min(1.0, cell.curve.scale)
     if cell.law is FrictionLaw.STRIBECK:
-        sliding = cell.curve.unstable_sliding(2.0 * cell.xi)
+        sliding = cell.unstable_sliding
         begin = min(low, 0.5 * sliding.low or low)
         if sliding.low < _SLOW * cell.v_s < sliding.high:
             first, begin = sliding.low, _CERTAIN * cell.v_s

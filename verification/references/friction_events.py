@@ -74,8 +74,8 @@ def run_events(
     start: FloatArray,
     t_end: float,
     *,
+    tolerance: float,
     times: FloatArray | None = None,
-    tolerance: float = 1e-13,
     longest_step: float = 0.05,
     pace: Pace | None = None,
 ) -> EventRun:
@@ -89,10 +89,10 @@ def run_events(
         y and ẏ.
     t_end : float
         τ, positive.
-    times : ndarray, optional
-        Times at which the state is sampled, ascending; by default 201 evenly spaced times.
     tolerance : float
         Relative tolerance of DOP853; the absolute one is a tenth of it.
+    times : ndarray, optional
+        Times at which the state is sampled, ascending; by default 201 evenly spaced times.
     longest_step : float
         Longest step, which makes the dense output, of order 7 only, sufficiently accurate.
     pace : Pace, optional
@@ -110,7 +110,7 @@ def run_events(
     Examples
     --------
     >>> chain = FrictionChain(c=0.0, sites=1)
-    >>> run = run_events(chain, np.array([[2.0], [0.0]]), 12.0)
+    >>> run = run_events(chain, np.array([[2.0], [0.0]]), 12.0, tolerance=1e-9)
     >>> run.log[:, 2].astype(int).tolist()
     [0, 1, 0, 1]
     """

@@ -61,6 +61,10 @@ def _segments(axes: Any, style: str) -> list[tuple[float, float]]:
     return [tuple(each.get_xdata()) for each in lines if len(each.get_xdata()) == 2]
 
 
+def _marked(line: Any) -> list[tuple[float, float]]:
+    return [tuple(pair) for pair in line.get_xydata()]
+
+
 def test_a_branch_is_solid_where_it_is_stable_and_dashed_where_it_is_not() -> None:
     axes = draw(_branch("c", [True, True, False, False]))
     assert _segments(axes, "-") == [pytest.approx((0.6, 0.6 - 0.4 / 3))]
@@ -96,6 +100,9 @@ def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
     symbol, end = {"c": ("c", "pinned up to c"), "eta": ("η", "pinned from η")}[along]
     words = [each.get_text() for each in axes.get_legend().get_texts()]
     assert words == [f"{end} = 0.25", f"fold, {symbol} = 0.45", "stable"]
+    assert [_marked(line) for line in shown if line.get_marker() == "o"] == [
+        [(x, 2.0 * x) for x in np.linspace(0.6, 0.2, 5)]
+    ]
 
 
 @pytest.mark.parametrize("along", ["c", "eta"])
@@ -234,48 +241,12 @@ def test_roots_are_drawn_where_they_are_about_the_real_axis() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Re k (per site)", "Im k (per site)")
 
 
-def test_of_a_run_each_arrival_is_drawn_at_its_time_and_site() -> None:
-    from fronts.pictures import _trajectory
-
-    run = _run(np.arange(12.0).reshape(3, 4), model="averaged")
-    run.times, run.arrivals = np.array([0.0, 5.0, 10.0]), np.array([0.0, np.nan, 7.0, 9.0])
+def test_of_a_run_each_site_is_in_the_middle_of_its_row() -> None:
     axes = Figure().subplots()
-    _trajectory(run, axes)
-    (line,) = axes.lines
-    assert list(line.get_xdata()) == [0.0, 7.0, 9.0]
-    assert list(line.get_ydata()) == [1, 3, 4]
+    DRAWINGS["Trajectory"](_results()["Trajectory"], axes)
     (image,) = axes.images
-    assert np.array_equal(image.get_array(), run.amplitude.T)
-    assert image.get_extent() == [0.0, 10.0, 0.5, 4.5]  # each site in the middle of its row
+    assert image.get_extent() == [0.0, 10.0, 0.5, 4.5]
     assert (image.origin, image.get_clim()[0]) == ("lower", 0.0)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("time t", "site n")
-
-
-def test_of_a_run_with_one_sample_the_amplitudes_are_drawn_against_the_sites() -> None:
-    from fronts.pictures import _trajectory
-
-    run = _run(np.array([[1.0, 3.0, 2.0]]), model="friction")
-    run.times = np.array([7.5])
-    axes = Figure().subplots()
-    _trajectory(run, axes)
-    (line,) = axes.lines
-    assert (list(line.get_xdata()), list(line.get_ydata())) == ([1, 2, 3], [1.0, 3.0, 2.0])
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("site n", "amplitude")
-    assert "time τ = 7.5" in {axes.get_title(loc=each) for each in ("left", "center", "right")}
-
-
-def test_of_a_run_on_a_lattice_the_end_is_drawn() -> None:
-    from fronts.pictures import _trajectory
-
-    links = SimpleNamespace(positions=np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.866]]))
-    run = _run(np.array([[1.0, 2, 3], [4, 5, 6]]), shape=(1, 3), links=links)
-    run.times = np.array([0.0, 12.5])
-    axes = Figure().subplots()
-    _trajectory(run, axes)
-    (dots,) = axes.collections
-    assert list(dots.get_array()) == [4.0, 5.0, 6.0]
-    # Where a title stands is a matter of style, which other tests may have set.
-    assert "t = 12.5" in {axes.get_title(loc=each) for each in ("left", "center", "right")}
 
 
 def test_a_branch_of_one_point_has_nothing_to_explain() -> None:
@@ -299,19 +270,6 @@ def test_a_curve_of_cells_is_drawn_by_its_cycles() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("b", "turning points y")
 
 
-def test_a_picture_of_a_breather_has_sites_across_and_amplitudes_up() -> None:
-    found = fr.breather(fr.VdpChain(a=4, b=0.5, c=0.05, sites=5), method="closed-form")
-    (line,) = draw(found).lines
-    assert list(line.get_xdata()) == list(range(1, found.amplitudes.size + 1))
-    assert list(line.get_ydata()) == list(found.amplitudes)
-    beside = Figure().subplots()
-    methods = {"closed-form": found, "orbit": SimpleNamespace(amplitudes=2.0 * found.amplitudes)}
-    DRAWINGS["BreatherComparison"](SimpleNamespace(methods=methods), beside)
-    for line, (name, each) in zip(beside.lines, methods.items(), strict=True):
-        assert (line.get_label(), list(line.get_ydata())) == (name, list(each.amplitudes))
-    assert [text.get_text() for text in beside.get_legend().get_texts()] == list(methods)
-
-
 def test_a_front_in_the_plane_is_drawn_by_when_it_arrives_where() -> None:
     places, times = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.866]]), np.array([1.0, 2.0, 4.0])
     axes = Figure().subplots()
@@ -325,23 +283,24 @@ def test_a_front_in_the_plane_is_drawn_by_when_it_arrives_where() -> None:
     assert axes.figure.axes[1].get_ylabel() == "time of arrival"
 
 
-def test_an_ensemble_is_drawn_about_its_mean() -> None:
+@pytest.mark.parametrize("last", [0.3, np.nan])
+def test_an_ensemble_is_drawn_about_its_mean(last: float) -> None:
+    """The band has no width where there is one value."""
     from verification.runs.ensemble import Ensemble
 
-    values = np.array([0.1, np.nan, 0.3])
     found = Ensemble(
-        chain=None, quantity="v", seeds=np.array([3, 5, 7]), values=values, errors=np.zeros(3),
-        reasons=np.array(["", "none", ""]),
-        seconds=0.0,
+        chain=None, quantity="v", seeds=np.array([3, 5, 7]), values=np.array([0.1, np.nan, last]),
+        errors=np.zeros(3), reasons=np.array(["", "none", ""]), seconds=0.0,
     )  # fmt: skip
     axes = draw(found)
     dots, mean = axes.lines
-    assert (list(dots.get_xdata()), list(dots.get_ydata())) == ([3, 7], [0.1, 0.3])
-    assert list(mean.get_ydata()) == pytest.approx([0.2, 0.2])
-    assert found.spread
+    known = [(3, 0.1)] if np.isnan(last) else [(3, 0.1), (7, 0.3)]
+    centre, half = (0.1, 0.0) if np.isnan(last) else (0.2, 0.1 * np.sqrt(2.0))
+    assert _marked(dots) == known
+    assert list(mean.get_ydata()) == pytest.approx([centre, centre])
     (band,) = axes.patches
     low, high = band.get_extents().transformed(axes.transData.inverted()).intervaly
-    assert (low, high) == pytest.approx((0.2 - found.spread, 0.2 + found.spread))
+    assert (low, high) == pytest.approx((centre - half, centre + half))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("seed of the disorder", "v")
 
 
@@ -459,14 +418,19 @@ def _results() -> dict[str, Any]:
         method: str
 
     ways = tuple(Way(v=v, method=method) for v, method in ((1.0, "run"), (2.0, "wave")))
+    ends = np.array([0.1, 0.2])
     amplitude = np.arange(12.0).reshape(3, 4)
     run = _run(amplitude, model="averaged")
     run.times, run.arrivals = np.array([0.0, 5.0, 10.0]), np.array([0.0, np.nan, 7.0, 9.0])
+    instant = _run(np.array([[1.0, 3.0, 2.0]]), model="friction")
+    instant.times = np.array([7.5])
     square = SimpleNamespace(positions=np.array([[0.0, 0], [1, 0], [0, 1], [1, 1]]))
     lattice = _run(amplitude, model="vdp", shape=(2, 2), links=square)
     lattice.times = run.times
-    front = SimpleNamespace(detail=None, arrivals=run.times, v=0.5,
-                            chain=SimpleNamespace(time_unit=100.0))  # fmt: skip
+    line = SimpleNamespace(positions=np.arange(3.0))
+    front, slow = (SimpleNamespace(detail=detail, arrivals=run.times, v=0.5,
+                                   chain=SimpleNamespace(time_unit=unit))
+                   for detail, unit in ((None, 1.0), (line, 100.0)))  # fmt: skip
     v_d = np.linspace(0.9, 2.0, 12)
     cycles = np.stack([-v_d, v_d], axis=1)
     states = table_of([{"c": c, "v_d": v, "label": "front" if c else "breather"}
@@ -474,6 +438,7 @@ def _results() -> dict[str, Any]:
     branches = [SimpleNamespace(v=v, admissible=v < 0.5, stable=None) for v in (0.3, 0.7)]
     relation = SimpleNamespace(c=0.5, branches=branches, limit_shown=False, c_fold=None, c_pin=0.4,
                                c_retreat=None)  # fmt: skip
+    breathers = [SimpleNamespace(amplitudes=x * np.array([0.1, 1.0])) for x in (1.0, 2.0)]
     return {
         "KineticRelation": relation,
         "KineticCurve": SimpleNamespace(along="c", points=[relation]),
@@ -482,58 +447,70 @@ def _results() -> dict[str, Any]:
             cycle_end_velocity=1.95, hopf_velocity=0.95, sliding_stable=v_d > 0.95,
         ),
         "FollowedBranch": _branch("c", [True, True, False, False]),
-        "Curve": Curve(along="c", values=np.array([0.1, 0.2]), points=ways, seconds=0.0),
+        "Curve": Curve(along="c", values=ends, points=ways, seconds=0.0),
+        "Curve of one method": Curve(along="eta", values=ends, points=ways[:1] * 2, seconds=0.0),
         "Trajectory": run,
+        "Trajectory of one instant": instant,
         "Trajectory of a lattice": lattice,
         "Front": front,
+        "Front in slow time": slow,
         "StateMap": SimpleNamespace(axes=("c", "v_d"), states=states, boundary=None),
+        "Breather": breathers[0],
+        "BreatherComparison": SimpleNamespace(methods=dict(zip("ab", breathers, strict=True))),
     }  # fmt: skip
 
 
-NAMES = {
-    "KineticRelation": ("coupling c", "front velocity v", 2),
-    "KineticCurve": ("coupling c", "front velocity v", 2),
-    "Bifurcation": ("belt velocity $v_d$", "turning points of y", 4),
-    "FollowedBranch": ("coupling c", "front velocity v", 2),
-    "Curve": ("coupling c", "front velocity v", 2),
-    "Trajectory": ("time t", "site n", 1),
-    "Trajectory of a lattice": ("column", "row", 0),
-    "Front": ("slow time of arrival, εt", "sites passed", 0),
-    "StateMap": ("coupling c", "belt velocity $v_d$", 2),
-}
-"""Names of the axes of each class, and the least number of things with a name in the legend."""
+NAMES: dict[str, tuple[str, str, str, list[str], list[tuple[float, float]]]] = {
+    "KineticRelation": ("coupling c", "front velocity v", "", ["admissible", "not admissible"],
+                        [(0.5, 0.3), (0.5, 0.7)]),
+    "KineticCurve": ("coupling c", "front velocity v", "", ["admissible", "not admissible"],
+                     [(0.5, 0.3), (0.5, 0.7)]),
+    "Bifurcation": ("belt velocity $v_d$", "turning points of y", "",
+                    ["stick-slip cycle", "unstable cycle", "steady sliding, stable",
+                     "steady sliding, unstable", "Hopf, $v_d$ = 0.95", "grazing, $v_d$ = 1.95"],
+                    []),
+    "FollowedBranch": ("coupling c", "front velocity v", "", ["stable", "not stable"],
+                       [(x, 2.0 * x) for x in np.linspace(0.6, 0.2, 4)]),
+    "Curve": ("coupling c", "front velocity v", "", ["run", "wave"], [(0.1, 1.0), (0.2, 2.0)]),
+    "Curve of one method": ("η = b/a²", "front velocity v", "", [], [(0.1, 1.0), (0.2, 1.0)]),
+    "Trajectory": ("time t", "site n", "", ["reached"], [(0.0, 1), (7.0, 3), (9.0, 4)]),
+    "Trajectory of one instant": ("site n", "amplitude", "time τ = 7.5", [],
+                                  [(1, 1.0), (2, 3.0), (3, 2.0)]),
+    "Trajectory of a lattice": ("column", "row", "t = 10", [], []),
+    "Front": ("time of arrival", "sites passed", "v = 0.5", [], [(0.0, 1), (5.0, 2), (10.0, 3)]),
+    "Front in slow time": ("slow time of arrival, εt", "sites passed", "v = 0.5", [],
+                           [(0.0, 1), (0.05, 2), (0.1, 3)]),
+    "StateMap": ("coupling c", "belt velocity $v_d$", "", ["front (2)", "breather (2)"],
+                 [(0.1, 1.0), (0.1, 2.0), (0.0, 1.0), (0.0, 2.0)]),
+    "Breather": ("site n", "amplitude", "", [], [(1, 0.1), (2, 1.0)]),
+    "BreatherComparison": ("site n", "amplitude", "", ["a", "b"],
+                           [(1, 0.1), (2, 1.0), (1, 0.2), (2, 2.0)]),
+}  # fmt: skip
+"""Names of the axes, title, entries of the legend, and the points that are marked."""
 
 
 def test_every_picture_names_its_axes_its_colours_and_what_is_in_it() -> None:
+    images = {"Trajectory": np.arange(12.0).reshape(3, 4).T,
+              "Trajectory of a lattice": [[8.0, 9.0], [10.0, 11.0]]}  # fmt: skip
     for name, result in _results().items():
         axes = Figure().subplots()
         DRAWINGS[name.partition(" ")[0]](result, axes)
-        across, up, least = NAMES[name]
+        across, up, title, named, points = NAMES[name]
         assert (axes.get_xlabel(), axes.get_ylabel()) == (across, up), name
-        assert len(axes.lines) + len(axes.images) > 0, name
+        # Where a title stands is a matter of style, which other tests may have set.
+        titles = [axes.get_title(loc=each) for each in ("left", "center", "right")]
+        assert "".join(titles) == title, name
+        marked = [line for line in axes.lines if line.get_marker() not in ("", "None")]
+        drawn = [pair for line in marked for pair in _marked(line)]
+        assert np.ravel(drawn) == pytest.approx(np.ravel(points)), name
         legend = axes.get_legend()
         shown = [text.get_text() for text in legend.get_texts()] if legend else []
-        assert shown == axes.get_legend_handles_labels()[1], name
-        assert len(axes.get_legend_handles_labels()[1]) >= least, name
-        beside = [each.get_ylabel() for each in axes.figure.axes[1:]]
-        assert beside == ["amplitude"] * len(axes.images), name
-
-
-@pytest.mark.parametrize(
-    ("unit", "label"), [(100.0, "slow time of arrival, εt"), (1.0, "time of arrival")]
-)
-def test_a_front_is_drawn_by_the_sites_it_has_passed_at_each_time(unit: float, label: str) -> None:
-    """Of a chain whose sites have places on a line, too."""
-    for detail in (None, SimpleNamespace(positions=np.arange(3.0))):
-        axes = Figure().subplots()
-        front = SimpleNamespace(detail=detail, arrivals=np.array([0.0, 5.0, 10.0]), v=0.5,
-                                chain=SimpleNamespace(time_unit=unit))  # fmt: skip
-        DRAWINGS["Front"](front, axes)
-        (line,) = axes.lines
-        assert line.get_xydata().tolist() == [[0.0, 1.0], [5.0 / unit, 2.0], [10.0 / unit, 3.0]]
-        assert axes.get_xlabel() == label
-        # Where a title stands is a matter of style, which other tests may have set.
-        assert "v = 0.5" in {axes.get_title(loc=each) for each in ("left", "center", "right")}
+        assert shown == axes.get_legend_handles_labels()[1] == named, name
+        beside, image = axes.figure.axes[1:], axes.images
+        assert [each.get_ylabel() for each in beside] == ["amplitude"] * len(image), name
+        assert all(np.array_equal(each.get_array(), images[name]) for each in image), name
+        assert len(image) == (name in images), name
+        assert not image or not legend or legend.get_frame_on(), name  # readable on the image
 
 
 @pytest.mark.parametrize("asked", [True, False])

@@ -1641,6 +1641,31 @@ def test_any_set_is_off_by_the_worst_of_its_runs(monkeypatch: Patch) -> None:
     assert found.gap == max(c for c, *_ in found.rows) / 8.0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_sum_without_roots_is_off_by_as_much_above_as_below(
+    side: float, monkeypatch: Patch
+) -> None:
+    """As is the condition at rest; the two limits of the velocity are ratios of velocities."""
+    eta, twice_r = 1.0 / 32.0, 2.0 * (2.0 - math.sqrt(3.0))
+
+    def branches(c: float, eta: float) -> Any:
+        return SimpleNamespace(branches=[run_of(0.0), run_of(0.5), run_of(c / eta)])
+
+    def total(v: float, c: float) -> Any:
+        return SimpleNamespace(value=(twice_r + 0.25 * side) * 1j, error=0.5, terms=int(4 * c))
+
+    at = "theory.piecewise."
+    monkeypatch.setattr(at + "sums.integral.sum_by_integral", total)
+    monkeypatch.setattr(at + "kinetic_relation.kinetic_relation", branches)
+    monkeypatch.setattr(at + "limits.weak_threshold_velocity", lambda c, eta: 2.0 * c / eta)
+    line = "verification.references.piecewise.sum_on_the_line"
+    monkeypatch.setattr(line, lambda v, c: ((twice_r + 0.5 * side) * 1j, c))
+    found = fig18.explicit()
+    assert (found.terms, found.gap, found.bound) == (2, pytest.approx(0.25), 1.0)
+    assert found.rest == pytest.approx(0.25)
+    assert (found.strong[0], found.weak) == (1e6 / eta / math.sqrt(1e6), 0.5)
+
+
 def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_beyond_the_fold(
     monkeypatch: Patch,
 ) -> None:

@@ -1,10 +1,14 @@
-"""A check that a number on which a claim is based exists; otherwise the claim fails."""
+"""A check that a result on which a claim is based exists; otherwise the claim fails."""
 
 from __future__ import annotations
 
+from typing import TypeVar
 
-def required(value: float | None, what: str) -> float:
-    """Return a number, which must exist.
+Found = TypeVar("Found")
+
+
+def required(value: Found | None, what: str) -> Found:
+    """Return a result, which must exist.
 
     Raises
     ------

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
+from paper_checks.claims._required import required
 from paper_checks.ruling import corrected, fails, holds
 from verification.pictures.data_table import long_table
 from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
@@ -27,6 +28,8 @@ VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
 LONG = 300.0
 AGREE = 1e-8
 """Largest difference between shooting and runs with scipy; both are accurate to 1e-9."""
+ACCURATE = {"tolerance": 1e-12, "longest_step": 0.4}
+"""Of runs with scipy: the period of the cycle is then right to 1e-12."""
 SETTLED = 500.0
 """τ after which sliding is steady on the scale of the picture: beats decay like exp(-0.009 τ)."""
 
@@ -40,19 +43,14 @@ def _orbits() -> BeltCell:
 
 
 @lru_cache(maxsize=32)
-def _scipy(
-    cell: FrictionCell, y: float, t_end: float, samples: int = 1001, *, rough: bool = False
-) -> EventRun:
-    """Run from rest; ``rough`` where only the final state is needed."""
+def _scipy(cell: FrictionCell, y: float, t_end: float, samples: int = 1001) -> EventRun:
+    """Run from rest."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     times = np.linspace(0.0, t_end, samples)
-    tolerance, step = (1e-8, 0.4) if rough else (1e-12, 0.08)
-    return run_events(
-        chain, np.array([[y], [0.0]]), t_end, times=times, tolerance=tolerance, longest_step=step
-    )
+    return run_events(chain, np.array([[y], [0.0]]), t_end, times=times, **ACCURATE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,18 +76,16 @@ class TwoStates:
 def two_states() -> TwoStates:
     """Find both cycles by shooting; run with scipy from both sides of the inner one."""
     orbits = _orbits()
-    stable, unstable, basin = orbits.stable_cycle, orbits.unstable_cycle, orbits.basin
-    if stable is None or unstable is None or basin is None:
-        raise ArithmeticError("the cell of Fig. 2 has no two cycles")
+    stable = required(orbits.stable_cycle, "stick-slip cycle")
+    unstable = required(orbits.unstable_cycle, "unstable cycle")
+    basin = required(orbits.basin, "basin of steady sliding")
     cell = orbits.cell
     cycle = _scipy(cell, 2.0, 40.0)
-    rest = _scipy(cell, 1.0, SETTLED, 8001, rough=True)
-    if cycle.last_cycle is None:
-        raise ArithmeticError("the cell of Fig. 2 does not stick twice in scipy's run")
-    period, stick = cycle.last_cycle
+    rest = _scipy(cell, 1.0, SETTLED, 8001)
+    period, stick = required(cycle.last_cycle, "second stick in scipy's run")
     step = 5e-3
     inside, outside = (
-        _scipy(cell, edge, LONG, 3, rough=True).log.size > 0
+        bool(len(_scipy(cell, edge, LONG, 3).log))
         for edge in (basin[1] - step, basin[1] + step)
     )
     late = rest.y[-600:, 0]
@@ -104,7 +100,7 @@ def two_states() -> TwoStates:
         gap=max(abs(period - stable.period), abs(stick - stable.stick_time)),
         inside_slides=not inside,
         outside_sticks=outside,
-        settles=rest.log.size == 0 and float(np.abs(late - cell.steady_sliding).max()) < 0.02,
+        settles=not len(rest.log) and float(np.abs(late - cell.steady_sliding).max()) < 0.02,
         cycle=cycle,
         rest=rest,
         unstable=_scipy(cell, unstable.max, unstable.period, 401),
@@ -181,12 +177,11 @@ def regions() -> Regions:
     seen = []
     for v_d in VELOCITIES:
         here = replace(cell, v_d=v_d)
-        runs = [_scipy(here, y, LONG, 3, rough=True) for y in (here.steady_sliding + 0.1, 2.5)]
+        runs = [_scipy(here, y, LONG, 3) for y in (here.steady_sliding + 0.1, 2.5)]
         near, far = (bool(run.log.size and run.log[-1, 0] > 0.9 * LONG) for run in runs)
         seen.append((not near, far))
-    last = stick_slip_cycle(replace(cell, v_d=end * (1.0 - 1e-6)))
-    if last is None:
-        raise ArithmeticError("no cycle just below its end")
+    below = stick_slip_cycle(replace(cell, v_d=end * (1.0 - 1e-6)))
+    last = required(below, "cycle just below its end")
     return Regions(
         hopf=cell.hopf_velocity,
         end=end,
@@ -247,15 +242,13 @@ def subcritical() -> Subcritical:
     ratios, repels = [], []
     for distance in (1e-2, 1e-3, 1e-4):
         cell = FrictionCell(v_d=hopf + distance)
-        cycle = unstable_cycle(cell)
-        if cycle is None:
-            raise ArithmeticError(f"no unstable cycle {distance:g} above the Hopf velocity")
+        cycle = required(unstable_cycle(cell), f"cycle {distance:g} above the Hopf velocity")
         third = -friction_slope(cell, cell.v_d) / cell.v0**2
         ratios.append(cycle.amplitude / math.sqrt(8.0 * cell.effective_damping / third))
         if distance == 1e-2:
             for side in (-1.0, 1.0):
                 start = cycle.max + side * 0.05 * cycle.amplitude
-                run = _scipy(cell, start, 200.0, 4001, rough=True)
+                run = _scipy(cell, start, 200.0, 4001)
                 early, late = (float(np.ptp(part)) for part in np.split(run.y[:4000, 0], 2))
                 repels.append((late > early) == (side > 0.0))
     return Subcritical(ratios=tuple(ratios), repels=(repels[0], repels[1]))
@@ -288,7 +281,7 @@ def friction_law() -> LawValues:
     cell = FrictionCell(v_d=V_D)
 
     def printed(v: float) -> float:
-        return cell.mu_st + (cell.mu_st - cell.mu_d) * math.exp(-abs(v) / cell.v0)
+        return cell.mu_st + (cell.mu_st - cell.mu_d) * math.exp(-v / cell.v0)
 
     def ours(v: float) -> float:
         return friction_coefficient(cell, v)
@@ -338,14 +331,14 @@ def stick() -> Stick:
     )
     largest, sticks = [], []
     logs = [runs[0].log, runs[1].event_log]
-    for each, log in ((runs[0], logs[0]), (runs[1], logs[1])):
+    for each, log in zip(runs, logs, strict=True):
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
         begin, end = (log[log[:, 2] == kind, 0] for kind in (0, 1))
         sticks.append([float(b - a) for a, b in zip(begin, end, strict=False)])
     stops = [log[log[:, 2] == 1, 0] for log in logs]
     ends = (
-        run_events(chain, start, 40.0, times=stops[0], tolerance=1e-12, longest_step=0.08),
+        run_events(chain, start, 40.0, times=stops[0], **ACCURATE),
         simulate(chain, start, 40.0, times=stops[1].tolist()),
     )
     forces = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]
@@ -381,9 +374,7 @@ def switch_model() -> SwitchModel:
     from verification.references.switch_model import PAPER_BAND, run_switch
 
     orbits = _orbits()
-    stable = orbits.stable_cycle
-    if stable is None:
-        raise ArithmeticError("no cycle")
+    stable = required(orbits.stable_cycle, "stick-slip cycle")
     chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
     rows = []
     for relative, absolute in ((1e-3, 1e-6), (1e-9, 1e-11)):

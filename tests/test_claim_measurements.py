@@ -443,9 +443,7 @@ def test_the_chain_of_figs_12_and_13_is_that_of_their_captions() -> None:
     assert (_fronts.A, _fronts.B, _fronts.EPS) == (4.0, 0.5, 0.01)
 
 
-@pytest.mark.parametrize(
-    ("period", "stick"), [(7.25, 2.0), (6.75, 2.0), (7.0, 2.25), (7.0, 1.75)]
-)
+@pytest.mark.parametrize(("period", "stick"), [(7.25, 2.0), (6.75, 2.0), (7.0, 2.25), (7.0, 1.75)])
 def test_the_gap_of_the_cycle_is_of_its_period_or_of_its_stick(
     period: float, stick: float, monkeypatch: Patch
 ) -> None:
@@ -583,6 +581,8 @@ def test_falls_are_from_the_smallest_nucleus() -> None:
     assert found.falls == (50.0, 75.0)
     assert found.bulk_fall == pytest.approx(0.25)
     assert found.bulk_rest == pytest.approx(1.0 / 3.0)
+    other = replace(found, bulk=(0.04, 0.02, 0.03, 0.025))
+    assert (other.bulk_fall, other.bulk_rest) == pytest.approx((0.5, 1.0 / 3.0))
     assert found.apart == pytest.approx(0.005)
 
 
@@ -613,15 +613,17 @@ def test_thresholds_are_checked_beside_that_of_one_site_and_of_three(monkeypatch
     assert found.literal == tuple(threshold_of(n, "edge", "literal") for n in (1, 3))
 
 
+@pytest.mark.parametrize(("before", "farther"), [(2, 1), (1, 2)])
 def test_a_front_that_does_not_fill_the_chain_is_run_in_one_twice_as_long(
-    monkeypatch: Patch,
+    before: int, farther: int, monkeypatch: Patch
 ) -> None:
     stops = ("bulk", 3)
+    short = {SITES: before, 2 * SITES: farther}
 
     def reached(c: float, size: int, place: str, sites: int, _: float) -> int:
         side = c / threshold_of(size, place) - 1.0
         assert abs(side) == pytest.approx(fig04.ASIDE)
-        return size if side < 0.0 else sites - 2 * ((place, size) == stops)
+        return size if side < 0.0 else sites - short[sites] * ((place, size) == stops)
 
     def disagreement(chain: Any, excited: tuple[int, ...], _: float) -> float:
         assert excited == (1,)  # of the first threshold, one site at the edge
@@ -632,8 +634,8 @@ def test_a_front_that_does_not_fill_the_chain_is_run_in_one_twice_as_long(
     monkeypatch.setattr(fig04, "disagreement", disagreement)
     found = fig04.long_runs()
     assert found.below == tuple(size for _, size in fig04.KINDS)
-    assert found.above == tuple(SITES - 2 * (kind == stops) for kind in fig04.KINDS)
-    assert found.longer == {"bulk 3": 2 * SITES - 2}
+    assert found.above == tuple(SITES - before * (kind == stops) for kind in fig04.KINDS)
+    assert found.longer == {"bulk 3": 2 * SITES - farther}
     assert found.left == 2
     assert found.gap == pytest.approx((1.0 + fig04.ASIDE) * threshold_of(1, "edge"))
 
@@ -665,6 +667,64 @@ def test_sites_are_counted_until_all_have_stuck_or_none_does_for_the_stall_time(
     monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
     monkeypatch.setattr("verification.runs.excite._turning_points", lambda _: (0.0, 1.0))
     assert fig04._reached(0.01, 1, "edge", at.size, stall) == reached
+
+
+@pytest.mark.parametrize(("at_rest", "last"), [(False, 1), (True, 0)])
+def test_what_lasts_is_what_sticks_in_the_last_window(
+    at_rest: bool, last: int, monkeypatch: Patch
+) -> None:
+    """At first a few sites have stuck, and then another one."""
+    ends = []
+
+    class Run:
+        def __init__(self, chain: Any, *_: Any, **__: Any) -> None:
+            self.arrivals = np.zeros(chain.sites)
+
+        def advance_to(self, time: float) -> None:
+            assert np.isnan(self.arrivals).all()
+            ends.append(time)
+            self.arrivals[slice(2, 5) if len(ends) == 1 else 7] = time
+
+        def going_to_rest(self) -> bool:
+            return at_rest and len(ends) == 2
+
+    monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Run)
+    monkeypatch.setattr("verification.runs.excite.excite", lambda *_: None)
+    assert fig05._lasting(1.25, 3) == (4, last)
+    assert ends == [fig05.LATE - fig05.WINDOW, fig05.LATE]
+
+
+@pytest.mark.parametrize("worst", range(3))
+def test_the_checks_of_fig_5_are_off_by_the_worst_of_their_comparisons(
+    worst: int, monkeypatch: Patch
+) -> None:
+    """On seven sites, of which the middle is excited, as the text says."""
+    compared: list[tuple[float, float]] = []
+
+    def apart(chain: Any, excited: tuple[int, ...], end: float) -> float:
+        assert (chain.sites, excited, end) == (7, (4,), 80.0)
+        compared.append((chain.c, chain.v_d))
+        return 1e-6 * (1 + (len(compared) == 1 + worst))
+
+    def arrivals(chain: Any, excited: tuple[int, ...], end: float) -> Any:
+        assert (chain.sites, excited, end) == (7, (4,), 80.0)
+        return np.where(np.arange(7) < 7 * (chain.c > 0.05), 0.0, np.nan)
+
+    monkeypatch.setattr(fig05, "disagreement", apart)
+    monkeypatch.setattr(fig05, "arrivals_by_scipy", arrivals)
+    monkeypatch.setattr(fig05, "_lasting", lambda v_d, size: (10 * size, size))
+    monkeypatch.setattr("verification.execution.sweep.sweep", lambda *_, **__: None)
+    monkeypatch.setattr("verification.maps.boundary.boundary_lines", lambda *_: None)
+    found = fig05.state_map()
+    assert (found.gap, found.seen) == (2e-6, (7, 7, 0))
+    assert compared == [(c, v_d) for c, v_d, _ in fig05.CHECKED]
+    compared.clear()
+    if worst < 2:
+        lasting = fig05.lasting()
+        assert lasting.gap == 2e-6
+        assert compared == [(fig05.STRONG, v_d) for v_d in (1.1, 1.45)]
+        assert set(lasting.active) == {1}  # from one site
+        assert set(zip(lasting.wide_reached, lasting.wide_active, strict=True)) == {(90, 9)}
 
 
 def friction_velocities(
@@ -710,17 +770,28 @@ def test_of_the_errors_the_largest_in_the_range_of_the_figure_is_stated() -> Non
 
 
 def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> None:
-    chain = SimpleNamespace(c=0.3, largest_group_velocity=0.1)
+    known = SimpleNamespace(c=0.3, largest_group_velocity=0.1)
     monkeypatch.setattr(fig06, "no_propagation", lambda: SimpleNamespace(threshold=0.0106))
-    monkeypatch.setattr(fig06, "disagreement", lambda *_: 1e-9)
     monkeypatch.setattr("verification.references.friction_cell.averaged_front", lambda _: 1.5)
+
+    def apart(chain: Any, excited: tuple[int, ...], end: float) -> float:
+        assert (chain.sites, excited) == (6, (1,))
+        return 1e-6 * end
+
+    def measure(chain: Any, *, max_sites: int, **_: Any) -> Any:
+        sizes.append((chain.sites, max_sites))
+        return SimpleNamespace(v=v, error=error, chain=known, status="lost")
+
+    monkeypatch.setattr(fig06, "disagreement", apart)
+    monkeypatch.setattr("verification.fronts.measure.measure_front", measure)
     for v, error in ((0.5, 1e-3), (None, 1e-3), (0.5, None)):
-        front = SimpleNamespace(v=v, error=error, chain=chain, status="lost")
-        monkeypatch.setattr(
-            "verification.fronts.measure.measure_front", lambda *_, f=front, **__: f
-        )
+        sizes: list[tuple[int, int]] = []
         if v and error:
-            assert set(fig06.velocities.__wrapped__().v) == {v}
+            found = fig06.velocities.__wrapped__()
+            assert (set(found.v), found.gap) == ({v}, 1e-6 * max(end for _, end in fig06.SCIPY))
+            small = sum(c < fig06.LINEAR_FROM for c in fig06.COUPLINGS)
+            fast = len(fig06.COUPLINGS) - small
+            assert sizes == [(SITES, 2 * SITES)] * small + [(61, 122)] * fast + [(101, 202)] * 2
             assert fig13._belt(1.25) == pytest.approx((1.25, 5.0, 0.01, 1.5))
             continue
         missing = "velocity" if v is None else "error"
@@ -1006,7 +1077,7 @@ def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> N
 
     def flow(state: Any, c: float, period: float) -> Any:
         assert period == c
-        return state + slack[c == fig08.COUPLINGS[-1]]
+        return state + slack[c == fig08.COUPLINGS[-1]] * (np.arange(4) == 2)  # in one number
 
     slack = [0.25, -0.5]
 

@@ -85,8 +85,7 @@ def two_states() -> TwoStates:
     period, stick = required(cycle.last_cycle, "second stick in scipy's run")
     step = 5e-3
     inside, outside = (
-        bool(len(_scipy(cell, edge, LONG, 3).log))
-        for edge in (basin[1] - step, basin[1] + step)
+        bool(len(_scipy(cell, edge, LONG, 3).log)) for edge in (basin[1] - step, basin[1] + step)
     )
     late = rest.y[-600:, 0]
     return TwoStates(

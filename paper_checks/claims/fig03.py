@@ -9,6 +9,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._friction import SITES, chain_of, disagreement
+from paper_checks.claims._required import required
 from paper_checks.ruling import fails, holds, partly
 from theory.arrays import FloatArray
 from verification.pictures.data_table import Curves, long_table
@@ -148,7 +149,7 @@ def front() -> FrontEnvelopes:
         arrived=tuple(arrived),
         trailing=tuple(float(run.amplitude[k, : arrived[k] - 1].min()) for k in range(3)),
         ahead=tuple(float(run.amplitude[k, arrived[k] + 5 :].max()) for k in range(3)),
-        arrival_error=run.arrival_error or np.inf,
+        arrival_error=required(run.arrival_error, "error of the arrivals"),
         gap=disagreement(chain_of(0.02, 8), (1,), 180.0),
     )
 

@@ -96,20 +96,18 @@ def thresholds() -> Thresholds:
     )
 
 
-def _checked(e: Thresholds) -> bool:
-    return e.gap < 1e-3 and e.apart < 2.0 * ACCURACY
-
-
 def rule_edge(e: Thresholds) -> Ruling:
     """Rule: the threshold of every larger size must lie about 40 per cent below that of size 1."""
-    if _checked(e) and all(abs(fall - PRINTED) <= ABOUT for fall in e.falls):
+    checked = e.gap < 1e-3 and e.apart < 2.0 * ACCURACY
+    if checked and all(abs(fall - PRINTED) <= ABOUT for fall in e.falls):
         return holds()
     return fails("the fall from size 1 to larger sizes is not about 40 %.")
 
 
 def rule_bulk(e: Thresholds) -> Ruling:
     """Rule: no size may change the threshold by more than a tenth."""
-    if not _checked(e) or e.bulk_rest > INSENSITIVE:
+    checked = e.gap < 1e-3 and e.apart < 2.0 * ACCURACY
+    if not checked or e.bulk_rest > INSENSITIVE:
         return fails("the threshold changes with every size.")
     if e.bulk_fall < INSENSITIVE:
         return holds()
@@ -162,7 +160,7 @@ class LongRuns:
     @property
     def left(self) -> int:
         """Largest number of sites left at rest before a free end by a front, in either chain."""
-        return max(SITES - min(self.above), *(2 * SITES - n for n in self.longer.values()), 0)
+        return max([SITES - min(self.above), *(2 * SITES - n for n in self.longer.values())])
 
 
 def _reached(c: float, size: int, place: str, sites: int, stall: float) -> int:

@@ -127,10 +127,10 @@ def _lasting(v_d: float, size: int) -> tuple[int, int]:
     chain = chain_of(STRONG, SITES, v_d)
     run = FrictionIntegration(chain, excite(chain, Nucleus(size).excited(SITES)), tolerance=1e-8)
     ever = np.zeros(SITES, dtype=bool)
-    while run.time < LATE:
-        run.arrivals[:] = np.nan
+    for end in (LATE - WINDOW, LATE):
         # Only sites active in the last window, of some sixty periods, count as lasting.
-        run.advance_to(run.time + WINDOW if run.time >= LATE - WINDOW else LATE - WINDOW)
+        run.arrivals[:] = np.nan
+        run.advance_to(end)
         ever |= ~np.isnan(run.arrivals)
         if run.going_to_rest():
             return int(ever.sum()), 0

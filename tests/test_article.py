@@ -49,14 +49,14 @@ def report() -> dict[str, Any]:
 def written(folder: Path, content: dict[str, Any]) -> int:
     (folder / "report").mkdir()
     (folder / "report" / "report.json").write_text(json.dumps(content), encoding="utf-8")
-    return main(["article", "--report", str(folder / "report"), "--out", str(folder / "article")])
+    return main(["article", "--report", str(folder / "report"), "--out", str(folder / "papers" / "article")])
 
 
 def test_the_article_has_the_counts_the_reasons_and_the_misprints(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert written(tmp_path, report()) == 0
-    text = {name: (tmp_path / "article" / name).read_text("utf-8") for name in FILES}
+    text = {name: (tmp_path / "papers" / "article" / name).read_text("utf-8") for name in FILES}
     content = text["content.tex"]
     assert "Of the 4 claims, 1 of them equations,\n3 are judged by two methods" in content
     for shown in ("reason 2 at $v_d$.", "reason 3 at", r"40\% of \ensuremath{\eta}", r"\& 40"):
@@ -71,11 +71,11 @@ def test_the_article_has_the_counts_the_reasons_and_the_misprints(
     assert "2026-11-22T" not in "".join(text.values())
     assert "2026-11-22" in "".join(text.values())
     folders = [word for name in ("report", "out") for word in (
-        f"--{name}", str(tmp_path / {"out": "article"}.get(name, name)))]  # fmt: skip
+        f"--{name}", str(tmp_path / {"out": "papers/article"}.get(name, name)))]  # fmt: skip
     capsys.readouterr()
     assert main(["article", *folders, "--json"]) == 0  # in place of the first
     files = json.loads(capsys.readouterr().out)["files"]
-    assert files == [str(tmp_path / "article" / name) for name in FILES]
+    assert files == [str(tmp_path / "papers" / "article" / name) for name in FILES]
     for name in ("content.tex", "article.tex", "bibliography.bib"):
         assert text[name].isascii()
         assert text[name].count("{") == text[name].count("}")
@@ -83,7 +83,7 @@ def test_the_article_has_the_counts_the_reasons_and_the_misprints(
 
 def test_the_metadata_are_those_of_rescience(tmp_path: Path) -> None:
     written(tmp_path, report())
-    data = yaml.safe_load((tmp_path / "article" / "metadata.yaml").read_text("utf-8"))
+    data = yaml.safe_load((tmp_path / "papers" / "article" / "metadata.yaml").read_text("utf-8"))
     assert {"title", "authors", "affiliations", "keywords", "code", "data", "replication", "review",
             "editor", "reviewers", "dates", "article", "journal", "type", "language", "domain",
             "bibliography", "abstract"} <= set(data)  # fmt: skip
@@ -112,7 +112,7 @@ def test_json_that_is_no_report_is_refused_in_a_sentence(
 ) -> None:
     assert written(tmp_path, content) == 2
     assert "it must be a report.json written by 'fronts check --out'" in capsys.readouterr().err
-    assert not (tmp_path / "article").exists()
+    assert not (tmp_path / "papers" / "article").exists()
 
 
 def test_latex_sets_the_article_on_two_pages(tmp_path: Path) -> None:
@@ -127,7 +127,7 @@ def test_latex_sets_the_article_on_two_pages(tmp_path: Path) -> None:
     assert written(tmp_path, content) == 0
     done = subprocess.run(
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "article.tex"],
-        cwd=tmp_path / "article", capture_output=True, text=True, check=False, errors="replace",
+        cwd=tmp_path / "papers" / "article", capture_output=True, text=True, check=False, errors="replace",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-2000:]
     assert "(2 pages," in done.stdout

@@ -1095,6 +1095,31 @@ def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> N
     assert found.centre_has_none
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_both_assumptions_are_measured_on_orbits_and_in_the_averaged_chain(
+    side: float, monkeypatch: Patch
+) -> None:
+    def orbit(c: float, eps: float) -> Any:
+        waves = np.full(2 * fig08.CENTRE + 1, 2.0 + 0j)
+        waves[fig08.CENTRE + 1] = 0.5 * np.exp(1j * (side * eps - 0.5 * np.pi))
+        period = 2.0 * np.pi / (1.0 + eps * (c - 3.0 * side * eps**2))
+        return SimpleNamespace(waves=waves, amplitudes=np.abs(waves), period=period)
+
+    def averaged(c: float) -> Any:
+        return SimpleNamespace(unknowns=[9.0, c + 0.25 * side])
+
+    monkeypatch.setattr(fig08, "orbit_of", orbit)
+    monkeypatch.setattr(fig08, "averaged_of", averaged)
+    found = fig08.assumptions.__wrapped__()
+    eps = np.array(fig08.EPSILONS)
+    assert found.detuning == pytest.approx(-3.0 * side * eps**2)
+    assert found.turns == pytest.approx(side * eps)
+    assert (found.averaged, found.ratio) == pytest.approx((0.25, 0.25))
+    assert found.orders == pytest.approx((2.0, 1.0))
+    last = replace(found, detuning=(1.0, 1.0, -0.5, 0.125), turns=(1.0, 1.0, 0.25, -0.125))
+    assert last.orders == pytest.approx((2.0, 1.0))  # of sizes
+
+
 def test_a_crossing_is_where_the_growth_of_its_own_parity_changes_sign(monkeypatch: Patch) -> None:
     def along(c: float, *, misprinted: bool = False) -> Any:
         at = (0.196, 0.197) if misprinted else (0.194, 0.195)

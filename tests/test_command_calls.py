@@ -530,13 +530,16 @@ def test_progress_is_that_of_the_command_and_is_quiet_beside_json(more, monkeypa
 
 def test_an_interrupted_run_names_its_checkpoint(monkeypatch, capsys, tmp_path):
     def interrupted(*_, checkpoint, **__):
-        checkpoint.write_bytes(b"so far")
+        if written:
+            checkpoint.write_bytes(b"so far")
         raise KeyboardInterrupt
 
     monkeypatch.setattr(simulate, "simulate", functools.wraps(simulate.simulate)(interrupted))
     path = tmp_path / "run.npz"
-    assert main(["simulate", "vdp", "--checkpoint", str(path)]) == 130
-    assert f"{path} is there: the same command with this" in capsys.readouterr().err
+    for written in (False, True):
+        assert main(["simulate", "vdp", "--checkpoint", str(path)]) == 130
+        said = f"{path} is there: the same command with this" in capsys.readouterr().err
+        assert said is written
 
 
 def test_a_file_holds_every_parameter_of_what_was_computed(tmp_path):

@@ -53,8 +53,8 @@ def in_latex(text: str) -> str:
 
     Examples
     --------
-    >>> print(in_latex("about 40% at $c = 2$, η > 0 and v_d"))
-    about 40\% at $c = 2$, \ensuremath{\eta} \ensuremath{>} 0 and $v_d$
+    >>> print(in_latex(r"about 40% at $c = c_{\mathrm{pin}}$, η > 0 and v_d"))
+    about 40\% at $c = c_{\mathrm{pin}}$, \ensuremath{\eta} \ensuremath{>} 0 and $v_d$
     """
     return _written(text, _tex, lambda plain: _tex(_latex(plain)), tex_words)
 

@@ -49,7 +49,9 @@ def report() -> dict[str, Any]:
 def written(folder: Path, content: dict[str, Any]) -> int:
     (folder / "report").mkdir()
     (folder / "report" / "report.json").write_text(json.dumps(content), encoding="utf-8")
-    return main(["article", "--report", str(folder / "report"), "--out", str(folder / "papers" / "article")])
+    return main(
+        ["article", "--report", str(folder / "report"), "--out", str(folder / "papers" / "article")]
+    )
 
 
 def test_the_article_has_the_counts_the_reasons_and_the_misprints(

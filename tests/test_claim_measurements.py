@@ -466,7 +466,7 @@ def test_a_run_settles_that_does_not_stick_and_ends_beside_steady_sliding(
 ) -> None:
     def run(*given: Any, **options: Any) -> Any:
         held = made_up_run(*given, **options)
-        held.y = held.y + off
+        held.y[-2] += off
         held.log = held.log[: int(sticks)]
         return held
 
@@ -1137,10 +1137,10 @@ def test_a_run_in_phase_is_judged_by_its_end_and_a_perturbed_one_by_its_second_h
     times = np.linspace(0.0, fig10.END, 9)
     exact, noisy = np.full((9, 2), 0.5), np.full((9, 2), -0.5)
     exact[:3] = 0.0
-    exact[7, 1], exact[-1] = 0.52, (0.5, -0.5)
+    exact[6, 1], exact[7, 1], exact[-1] = 0.54, 0.52, (0.5, -0.5)
     noisy[:5], noisy[6, 0] = 0.0, -0.75
     later = exact.copy()
-    later[3] = 0.0
+    later[3, 0] = 0.0
     steps = {(n, noise): noisy if noise else exact if n == 3 else later
              for n in fig10.SIZES for noise in (0.0, fig10.NOISE)}  # fmt: skip
     found = evidence(fig10.InPhase, times=times, steps=steps)
@@ -1185,16 +1185,35 @@ def test_a_breather_that_does_not_lose_stability_is_stable_up_to_its_fold(
     assert found.error == 9 / 64
     assert found.gap == 1 / 32
     assert found.run_error == pytest.approx(5e-4)
-    orbit = SimpleNamespace(state=np.zeros(4), period=1.0,
-                            stability=SimpleNamespace(values=np.ones(4)))  # fmt: skip
-    monkeypatch.setattr(fig09, "orbit_of", lambda _: orbit)
-    monkeypatch.setattr(fig09, "monodromy_by_differences", lambda *_: np.diag([1.0, 1, 1, 1.25]))
-    monkeypatch.setattr(fig09, "_crossing", lambda *_, **__: 0.19)
+
+
+@pytest.mark.parametrize(("other", "own"), [(-1.25, 1.0), (1.0, -1.25)])
+@pytest.mark.parametrize("stable", [None, 0.125])
+def test_multipliers_are_apart_by_their_moduli_and_cross_by_parity_and_print(
+    stable: float | None, other: float, own: float, monkeypatch: Patch
+) -> None:
+    def orbit(_: float) -> Any:
+        values = np.array([0.5, 1.0, 1.0, own])
+        return SimpleNamespace(
+            state=np.zeros(4), period=1.0, stability=SimpleNamespace(values=values)
+        )
+
+    def crossing(parity: str, *, misprinted: bool = False) -> float:
+        return {"symmetric": 0.196, "antisymmetric": 0.197}[parity] + misprinted
+
+    known = SimpleNamespace(c_crit=0.5, stable_to=stable)
+    threshold = "verification.thresholds.continuation.breather_threshold"
+    monkeypatch.setattr(threshold, lambda *_: known)
+    monkeypatch.setattr(fig09, "orbit_of", orbit)
+    monkeypatch.setattr(fig09, "monodromy_by_differences",
+                        lambda *_: np.diag([0.5, 1.0, 1.0, other]))  # fmt: skip
+    monkeypatch.setattr(fig09, "_crossing", crossing)
     along = SimpleNamespace(values=np.ones(4), trivial=0.0)
     monkeypatch.setattr(fig09, "_approximate", lambda _: along)
-    multipliers = fig09.multipliers()
-    assert (multipliers.true_odd, multipliers.true_fold) == (found.stable_to, 0.5 + 1 / 64)
-    assert multipliers.gap == 0.25
+    found = fig09.multipliers()
+    assert (found.true_odd, found.true_fold) == (0.5 if stable is None else stable, 0.5)
+    assert found.gap == 0.25
+    assert (found.even, found.odd, found.odd_misprinted) == (0.196, 0.197, 1.197)
 
 
 def test_nuclei_are_followed_without_noise_and_with_that_of_each_seed(monkeypatch: Patch) -> None:

@@ -1022,6 +1022,9 @@ def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
         asked.clear()
         assert main(["bench", *words]) == 0
         assert asked == [expected]
+    monkeypatch.setattr(bench, "ROOT", tmp_path)  # as where it is installed without its sources
+    assert main(["bench", "--quick"]) == 2
+    assert asked == [expected]
 
 
 def test_the_list_of_benchmarks_has_their_problems_and_growth_where_it_is_meant() -> None:

@@ -114,16 +114,16 @@ def test_of_a_changed_line_the_last_reading_that_holds_is_the_correction(line: s
     holding, failing = (SimpleNamespace(holds=x, statement="s") for x in (True, False))
     printed = SimpleNamespace(
         verdict=EquationVerdict.AMBIGUOUS, amended_latex=line, latex="x", note="", affects="",
-        readings=tuple(SimpleNamespace(meaning=word) for word in ("one", "other", "third")),
+        readings=tuple(SimpleNamespace(meaning=word) for word in ("one", "other", "third", "last")),
     )  # fmt: skip
     step = SimpleNamespace(name="step", operation="add")
     found: Any = SimpleNamespace(printed=printed, step=step, on_print=failing, on_derived=holding,
-                                 on_readings=(holding, failing, holding))  # fmt: skip
+                                 on_readings=(holding, failing, holding, holding))  # fmt: skip
     erratum = erratum_of(found, "averaging")
     assert erratum is not None
     assert erratum.fault is Fault.AMBIGUOUS
     assert erratum.corrected == (
-        "$x = 2$; read: third" if line else "$x$; read: one; or read: third"
+        "$x = 2$; read: last" if line else "$x$; read: one; or read: third; or read: last"
     )
     assert "“other” fails" in erratum.proof
 

@@ -870,7 +870,10 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     view: Any = page.view()
     title, first, code, (*cards,) = view
     assert (title.object, code) == ("<h1>Excitation fronts</h1>", page.code)
-    assert list(first)[: len(page.controls.all)] == list(page.controls.all)
+    *controls, button, status = first
+    assert (controls, status) == (list(page.controls.all), page.status)
+    for button.value in (True, False):
+        assert page.code.visible is button.value
     assert [card[2].object for card in cards] == [each.figure for each in page.pictures]
     page.controls.c.value = 0.75
     page.follow()

@@ -89,6 +89,7 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     told: list[str] = []
+    ended: list[Any] = []
     tried: list[tuple[str, ...]] = []
 
     def answers(judges: Any, keys: Any, *, workers: int, begun: Any) -> Any:
@@ -105,9 +106,12 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     monkeypatch.setattr(run, "answers", answers)
     entries = [Entry("fig16", claim(key, evidence=tuple)) for key in ("holds", "dies")]
     entries.append(Entry("fig16", claim("other", evidence=list)))
-    found = run.run(entries, jobs=2, started=told.append)
+    found = run.run(entries, jobs=2, started=told.append, done=ended.append)
     assert tried == [("holds", "dies"), ("other",), ("holds",), ("dies",)]
     assert told == ["holds", "dies", "other", "holds", "dies"]
+    assert sorted(map(id, (one.judgement for one in ended))) == sorted(
+        id(one.judgement) for one in found
+    )
     assert [one.judgement.failure for one in found] == [None, "its process died.", None]
     assert [one.finding for one in found] == [FINDING, None, FINDING]
     assert [one.judgement.seconds for one in found] == [1.0, 0.0, 1.0]

@@ -96,9 +96,7 @@ def multipliers() -> Multipliers:
 
 
 def _moduli(found: Any) -> FloatArray:
-    if found is None:
-        raise ArithmeticError("an orbit has no multipliers")
-    return np.sort(np.abs(found.values))
+    return np.sort(np.abs(required(found, "multiplier of an orbit").values))
 
 
 def rule_multipliers(e: Multipliers) -> Ruling:

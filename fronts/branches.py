@@ -25,38 +25,12 @@ from theory.parameters import (
     with_ranges,
     word,
 )
-from theory.result import Result
+from verification.continuation.branch import BranchFold
 from verification.fronts.resting import ETAS
 from verification.fronts.wave import COUPLINGS, SLOWEST
 
 if TYPE_CHECKING:
     from verification.fronts.result import Front
-
-
-@dataclass(frozen=True, kw_only=True)
-class BranchFold(Result):
-    """A fold, at which a branch turns back.
-
-    Attributes
-    ----------
-    c, eta : float
-        Coupling and η = b/a² of the fold, dimensionless.
-    error : float
-        Bound on the error of c or η, whichever was varied along the branch.
-    place : int
-        Number of points of the branch before the fold.
-    height : float
-        Amplitude at the centre for breathers; velocity for fronts.
-    height_error : float or None
-        Bound on its error; None for fronts, for which it is not computed.
-    """
-
-    c: float
-    eta: float
-    error: float
-    place: int
-    height: float
-    height_error: float | None = None
 
 
 @with_ranges(eta=ETAS)
@@ -312,17 +286,7 @@ def follow_breather(
         values=np.array([point.chain.c for point in found.points]),
         points=found.points,
         seconds=perf_counter() - begin,
-        folds=tuple(
-            BranchFold(
-                c=fold.c,
-                eta=chain.eta,
-                error=fold.c_error,
-                place=fold.place,
-                height=fold.height,
-                height_error=fold.height_error,
-            )
-            for fold in found.folds
-        ),
+        folds=found.folds,
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from tests.folds import fold_of
 from theory.averaged.breather import BreatherStatus, Reading
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
@@ -23,7 +24,7 @@ from verification.breathers.envelope import RotatingWaves, solve_envelope_breath
 from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
-from verification.continuation.branch import Fold, FoldShift, StepControl
+from verification.continuation.branch import FoldShift, StepControl
 from verification.continuation.newton import BranchPoint, NotConvergedError
 from verification.steppers.variational import Flow
 
@@ -204,7 +205,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert len(parities) == 2
     assert (found.fold, found.fold_error) == (None, None)
     monkeypatch.setattr(Made, "step_error", lambda *_: FoldShift(3e-7, 0.0))
-    folded = family.measured(point, 0.0, Fold(0.3, 1e-7, point.u))
+    folded = family.measured(point, 0.0, fold_of(0.3, 1e-7, point.u))
     assert (folded.fold, folded.fold_error) == (0.3, pytest.approx(4e-7))
     flows.clear()
     Made(family.chain, family.nucleus, 45).measured(point, 0.0)
@@ -294,7 +295,7 @@ def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
 
             return system
 
-    fold = Fold(0.2, 1e-12, np.array([1.0, 2.0, 3.0]), tangent=np.array([0.0, 0.0, 1.0]))
+    fold = fold_of(0.2, 1e-12, np.array([1.0, 2.0, 3.0]), tangent=np.array([0.0, 0.0, 1.0]))
     assert Made(CHAIN, Nucleus(1)).step_error(fold).parameter == pytest.approx(abs(off))
 
 

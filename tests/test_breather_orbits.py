@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve, root
 
 from fronts.cli import main
+from tests.folds import fold_of
 from theory.averaged.breather import BreatherStatus, solve_breather
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
@@ -28,7 +29,7 @@ from verification.breathers.envelope import (
 from verification.breathers.floquet import approximate_multipliers, floquet_multipliers
 from verification.breathers.follow import _described, follow
 from verification.breathers.orbits import STARTS, Orbits, solve_orbit
-from verification.continuation.branch import Fold, FoldShift, trace
+from verification.continuation.branch import FoldShift, trace
 from verification.continuation.newton import NotConvergedError
 from verification.references.equations import (
     averaged_damping,
@@ -295,7 +296,7 @@ def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, si
         AveragedChain(a=1.0, b=eta, c=fold.c * (1.0 - 1e-6), sites=sites), Nucleus(1)
     )
     exact = locked_fold(eta, fold.c, near.waves, float(near.unknowns[-1]))
-    assert abs(fold.c - float(exact.value[-1])) <= fold.c_error < 1e-10
+    assert abs(fold.c - float(exact.value[-1])) <= fold.error < 1e-10
     centre = sites // 2
     true = math.hypot(float(exact.value[centre]), float(exact.value[sites + centre]))
     beyond = solve_envelope_breather(chain.replace(c=1.1 * fold.c), Nucleus(1))
@@ -373,7 +374,7 @@ def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
         found.append(_described(orbits, branch.fold, 1))
     *rough, fine = found
     for each in rough:
-        assert abs(each.c - fine.c) <= each.c_error + fine.c_error
+        assert abs(each.c - fine.c) <= each.error + fine.error
         assert abs(each.height - fine.height) <= each.height_error + fine.height_error
     assert abs(rough[0].c - fine.c) > 1e-11
 
@@ -426,7 +427,7 @@ def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be()
         nucleus=Nucleus(1), chain=VdpChain(a=2.5, b=0.5, c=0.1, sites=2), unit=unit,
         amplitudes=lambda u, _: np.full(2, amplitude(u)), step_error=lambda _: FoldShift(0.0, 0.0),
     )  # fmt: skip
-    fold = Fold(0.2, 1e-12, np.array([0.5, 0.5]), away=np.zeros(2), aside=aside)
+    fold = fold_of(0.2, 1e-12, np.array([0.5, 0.5]), away=np.zeros(2), aside=aside)
     found = _described(family, fold, 1)
     assert abs(amplitude(fold.u + aside) - found.height) <= found.height_error < 0.05
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.folds import fold_of
 from verification.continuation import branch as branches
 from verification.continuation.branch import (
     ContinuationBranch,
-    Fold,
     StepControl,
     _Bracket,
     arrive,
@@ -232,7 +232,7 @@ def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(side:
     def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
         return u**2 + c, np.diag(2.0 * u), np.array([1.0])
 
-    fold = Fold(0.0, 0.0, np.zeros(1), tangent=np.ones(1))
+    fold = fold_of(0.0, 0.0, np.zeros(1), tangent=np.ones(1))
     for begun in (-0.1, 0.1):
         found = solve_at(parabola, np.array([begun]), -0.01)
         assert branches._on_side(parabola, found, fold, side).u[0] == pytest.approx(0.1 * side)
@@ -473,7 +473,7 @@ def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
     side = 1.0 if after else -1.0
     point = BranchPoint(np.array([1.0]), 1.0, np.ones(2), 0.0, 0.0, 1, orientation=side)
     other = replace(point, u=np.array([-1.0]))
-    fold = Fold(0.0, 0.0, np.zeros(1), place=1)
+    fold = fold_of(0.0, 0.0, np.zeros(1), place=1)
     begun: list[float] = []
 
     def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:

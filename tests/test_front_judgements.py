@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from fronts.catalogue import COMMANDS, MeasurementCall
+from tests.folds import fold_of
 from tests.settling import prepared, settle
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
@@ -22,7 +23,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError, Range, RunError
-from verification.continuation.branch import Crossing, Fold
+from verification.continuation.branch import Crossing
 from verification.fronts import (
     follow,
     friction,
@@ -1304,7 +1305,7 @@ def _crossing(c: float, *, from_start: bool = False) -> Crossing:
 
 
 def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
-    fold = Fold(0.19, 0.0, np.zeros(1))
+    fold = fold_of(0.19, 0.0, np.zeros(1))
     to = continuation._stable_to
     assert (to(None, fold), to(None, None)) == (0.19, None)
     assert (to(_crossing(0.1), fold), to(_crossing(0.1, from_start=True), fold)) == (0.1, None)

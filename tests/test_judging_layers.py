@@ -31,6 +31,7 @@ from fronts.piecewise.profile import _chosen
 from paper_checks.outcome import slug
 from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
+from tests.folds import fold_of
 from tests.settling import prepared
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.cells.friction import FrictionCell
@@ -48,7 +49,6 @@ from verification.breathers.envelope import RotatingWaves, solve_envelope_breath
 from verification.breathers.floquet import floquet_multipliers
 from verification.breathers.orbits import Orbits
 from verification.cells import shooting
-from verification.continuation.branch import Fold
 from verification.execution import sweep as sweeping
 from verification.execution.files import FileError
 from verification.execution.interruption import Deferred, Terminated
@@ -1192,7 +1192,7 @@ def test_halved_steps_shift_a_fold_by_what_no_change_of_the_state_makes_up_for(
 
     monkeypatch.setattr(Orbits, "system", system)
     chain = AveragedChain(a=4, b=0.5, c=0.2)
-    fold = Fold(0.2, 0.0, np.zeros(2), tangent=np.array([2.0, -1.0]))
+    fold = fold_of(0.2, 0.0, np.zeros(2), tangent=np.array([2.0, -1.0]))
     assert Orbits(chain.full(), Nucleus(1)).step_error(fold).parameter == pytest.approx(2e-6)
 
 

@@ -17,33 +17,12 @@ from verification.breathers.breather import with_pattern
 from verification.breathers.families import own_family, own_method
 from verification.breathers.family import BreatherFamily
 from verification.breathers.result import Breather
-from verification.continuation.branch import Fold, solutions_at, trace
+from verification.continuation.branch import BranchFold, Fold, solutions_at, trace
 
 _FURTHEST = 2.0
 """Coupling up to which a fold is searched for."""
 _BEYOND = 1e-12
 """Relative amount by which the range is widened, so that its ends are passed."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BreatherFold:
-    """A fold of a branch of breathers.
-
-    Attributes
-    ----------
-    c, c_error : float
-        Its coupling, with the error due to the integration steps.
-    height, height_error : float
-        Amplitude at the centre.
-    place : int
-        Number of points of the branch before it.
-    """
-
-    c: float
-    c_error: float
-    height: float
-    height_error: float
-    place: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,12 +33,12 @@ class FollowedBreather:
     ----------
     points : tuple of Breather
         A breather for each passage through each coupling; then the couplings without a breather.
-    folds : tuple of BreatherFold
+    folds : tuple of BranchFold
         Folds where the branch turns back.
     """
 
     points: tuple[Breather, ...]
-    folds: tuple[BreatherFold, ...]
+    folds: tuple[BranchFold, ...]
 
 
 def follow(
@@ -137,7 +116,7 @@ def _end(family: BreatherFamily, folds: Sequence[Fold]) -> dict[str, Any]:
     return {"fold": last.parameter, "fold_error": family.fold_error(last)}
 
 
-def _described(family: BreatherFamily, fold: Fold, place: int) -> BreatherFold:
+def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
     """Return a fold with the errors of its coupling and of its amplitude.
 
     Its coupling is known to the square of its distance along the branch, its amplitude only to this
@@ -148,9 +127,10 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BreatherFold:
         float(family.amplitudes(u, fold.parameter)[site]) for u in (fold.u, fold.u + fold.away)
     )
     # Across the branch, amplitudes change no faster than the state, of which they have two parts.
-    return BreatherFold(
+    return BranchFold(
         c=float(fold.parameter),
-        c_error=fold.error + moved.parameter,
+        eta=family.chain.eta,
+        error=fold.error + moved.parameter,
         height=height,
         height_error=abs(height - beside)
         + 2.0 * family.unit * (fold.aside + moved.solution)

@@ -6,13 +6,14 @@ import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
+from theory.result import Result
 from verification.continuation.newton import (
     PARAMETER_WEIGHT,
     BranchPoint,
@@ -38,6 +39,32 @@ _LEAST = 5e-324
 side."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class BranchFold(Result):
+    """A fold, at which a branch turns back.
+
+    Attributes
+    ----------
+    c, eta : float
+        Coupling and η = b/a² of the fold, dimensionless.
+    error : float
+        Bound on the error of c or η, whichever was varied along the branch.
+    place : int
+        Number of points of the branch before the fold.
+    height : float
+        Amplitude at the centre for breathers; velocity for fronts.
+    height_error : float or None
+        Bound on its error; None for fronts, for which it is not computed.
+    """
+
+    c: float
+    eta: float
+    error: float
+    place: int
+    height: float
+    height_error: float | None = None
+
+
 @dataclass(frozen=True)
 class Fold:
     """The point at which a branch turns back in the parameter.
@@ -52,8 +79,6 @@ class Fold:
         the fold by.
     u : float array
         The solution at the fold.
-    place : int
-        Index of the first point of the branch beyond the fold.
     away : float array
         Estimated distance of ``u`` from the fold along the branch, multiplied by four for the same
         reason.
@@ -62,15 +87,17 @@ class Fold:
         correction.
     tangent : float array
         Change of ``u`` along the branch at the fold.
+    place : int
+        Index of the first point of the branch beyond the fold.
     """
 
     parameter: float
     error: float
     u: FloatArray
+    away: FloatArray
+    aside: float
+    tangent: FloatArray
     place: int = 0
-    away: FloatArray = field(default_factory=lambda: np.empty(0))
-    aside: float = math.inf
-    tangent: FloatArray = field(default_factory=lambda: np.zeros(1))
 
 
 @dataclass(frozen=True)
@@ -166,8 +193,6 @@ def trace(
         The branch ends where the parameter leaves the range between its initial value and this one.
     monitor : callable, optional
         Evaluated at every point up to the first fold.
-    steps : StepControl, optional
-        Parameters of the continuation.
 
     Raises
     ------
@@ -386,10 +411,6 @@ def fold_shift(system: System, fold: Fold, off: FloatArray) -> FoldShift:
 
     Parameters
     ----------
-    system : System
-        The equations.
-    fold : Fold
-        The fold.
     off : float array
         Bounds on the errors of F.
     """

@@ -63,17 +63,7 @@ class CompiledCell(Oscillator):
     harmonic = False
 
     def __post_init__(self) -> None:
-        at_rest = self.stiffness(0.0)
-        if at_rest != 0.0:
-            raise ParameterError(
-                "stiffness at y = 0", f"{at_rest:g}", "zero, so that y = 0 is a state of rest",
-                "measure y from a rest state of the cell, if it has one",
-            )  # fmt: skip
-        if not self._slope > 0.0:
-            raise ParameterError(
-                "slope of the stiffness at y = 0", f"{self._slope:g}", "positive, so that the "
-                "rest state is a minimum of the potential", "measure y from such a state",
-            )  # fmt: skip
+        self._check_rest(self.stiffness(0.0), self._slope)
         for side in (-1, 1):
             end = side * float(self._edges(side)[-1])
             depths = self.potential(side * self._edges(side))
@@ -195,13 +185,7 @@ def compiled_cell(
     values: Mapping[str, float],
     overdamped: bool,
 ) -> CompiledCell:
-    """Return the cell with two forces, at least one of them compiled, at given parameter values.
-
-    Raises
-    ------
-    ParameterError
-        If a function cannot be compiled, or for the reasons given in :class:`CompiledCell`.
-    """
+    """Return the cell with two forces, at least one of them compiled, at given parameter values."""
     for force in (stiffness, damping):
         if isinstance(force, CompiledForce):
             force.check(values)

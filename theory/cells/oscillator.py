@@ -133,6 +133,19 @@ class Oscillator(ABC):
             if one != other
         ]
 
+    def _check_rest(self, stiffness: float, slope: float) -> None:
+        """Refuse a cell that is not at rest, in a minimum of the potential, at y = 0."""
+        if stiffness != 0.0:
+            raise ParameterError(
+                "stiffness at y = 0", f"{stiffness:g}", "zero, so that y = 0 is a state of rest",
+                "measure y from a rest state of the cell, if it has one",
+            )  # fmt: skip
+        if not slope > 0.0:
+            raise ParameterError(
+                "slope of the stiffness at y = 0", f"{slope:g}", "positive, so that the "
+                "rest state is a minimum of the potential", "measure y from such a state",
+            )  # fmt: skip
+
     def velocity(self, amplitude: float) -> float:
         """Return the largest ẏ, attained at y = 0, of the motion of this amplitude at ε = 0."""
         return math.sqrt(2.0 * float(self.potential(amplitude)))
@@ -202,16 +215,7 @@ class OscillatorCell(Oscillator):
     def __post_init__(self) -> None:
         g = {power: value for power, value in self.stiffness.items() if value != 0.0}
         object.__setattr__(self, "stiffness", g)
-        if 0 in g:
-            raise ParameterError(
-                "stiffness at y = 0", f"{g[0]:g}", "zero, so that y = 0 is a state of rest",
-                "measure y from a rest state of the cell, if it has one",
-            )  # fmt: skip
-        if not g.get(1, 0.0) > 0.0:
-            raise ParameterError(
-                "slope of the stiffness at y = 0", f"{g.get(1, 0.0):g}", "positive, so that the "
-                "rest state is a minimum of the potential", "measure y from such a state",
-            )  # fmt: skip
+        self._check_rest(g.get(0, 0.0), g.get(1, 0.0))
         highest = max(g)
         if highest % 2 == 0 or g[highest] < 0.0:
             raise ParameterError(

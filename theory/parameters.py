@@ -1,4 +1,7 @@
-"""Checks of parameters, and the errors that describe what is wrong."""
+"""Checks of parameters, and the errors that describe what is wrong.
+
+Each check returns the value, or raises a `ParameterError` if it is not what the description says.
+"""
 
 from __future__ import annotations
 
@@ -112,8 +115,6 @@ class MissingPackageError(ImportError):
 
     Parameters
     ----------
-    package : str
-        Name of the package.
     extra : str
         Extra of this distribution that installs it.
     purpose : str
@@ -189,11 +190,6 @@ def real_array(quantity: str, values: object) -> NDArray[np.float64]:
 def decimal(quantity: str, value: object) -> float | str:
     """Return a decimal as it was written, digit for digit, or a number as a float.
 
-    Raises
-    ------
-    ParameterError
-        If the value is not a number.
-
     Examples
     --------
     >>> decimal("coupling c", "0.10"), decimal("coupling c", 1)
@@ -207,11 +203,6 @@ def positive(
     quantity: str, value: SupportsFloat | str, remedy: str = "give a positive number"
 ) -> float:
     """Return ``value`` as a float if it is finite and positive.
-
-    Raises
-    ------
-    ParameterError
-        If it is not a number, not finite, or not positive.
 
     Examples
     --------
@@ -228,12 +219,6 @@ positive; give a positive number.
 
 def ascending(quantity: str, values: object) -> list[float]:
     """Return positive numbers in ascending order, at least one.
-
-    Raises
-    ------
-    ParameterError
-        If the value is not a sequence of numbers, is empty, or contains a number that is not finite
-        and positive.
 
     Examples
     --------
@@ -259,13 +244,7 @@ def within(
     high: float,
     remedy: str | None = None,
 ) -> float:
-    """Return ``value`` as a float if ``low <= value <= high``.
-
-    Raises
-    ------
-    ParameterError
-        If it is not a number, not finite, or outside the range.
-    """
+    """Return ``value`` as a float if ``low <= value <= high``."""
     if isinstance(value, float) and low <= value <= high:  # the check below is costly
         return float(value)
     return _checked(
@@ -278,13 +257,7 @@ def within(
 
 
 def at_least(quantity: str, value: SupportsFloat | str, low: float, remedy: str) -> float:
-    """Return ``value`` as a float if it is finite and not below ``low``.
-
-    Raises
-    ------
-    ParameterError
-        If it is not a number, not finite, or below ``low``.
-    """
+    """Return ``value`` as a float if it is finite and not below ``low``."""
     if isinstance(value, float) and low <= value < math.inf:  # the check below is costly
         return float(value)
     allowed = f"finite and at least {as_text(low)}"
@@ -304,11 +277,6 @@ def refuse_unread(
         Names of the options that have an effect.
     where : str
         The case in question, such as "for the model vdp".
-
-    Raises
-    ------
-    ParameterError
-        If an option without effect is not at its default.
 
     Examples
     --------
@@ -333,11 +301,6 @@ def count_within(
 ) -> int:
     """Return ``value`` as an int if it is a whole number with ``low <= value <= high``.
 
-    Raises
-    ------
-    ParameterError
-        If it is not a whole number in the range.
-
     Examples
     --------
     >>> count_within("number of sites n", 31.0, 2, 100)
@@ -359,11 +322,6 @@ def real_number(quantity: str, value: object, low: float, high: float, remedy: s
 
     Only numbers are accepted, including those of numpy; text, truth values and arrays are refused.
 
-    Raises
-    ------
-    ParameterError
-        If it is not a real number, or not in the range.
-
     Examples
     --------
     >>> real_number("coupling c", 1, 0.0, 1e6, "give a coupling")
@@ -383,11 +341,6 @@ def real_number(quantity: str, value: object, low: float, high: float, remedy: s
 def random_seed(value: object) -> int:
     """Return the seed of a random number generator as an int: a whole number below 2³².
 
-    Raises
-    ------
-    ParameterError
-        If it is none.
-
     Examples
     --------
     >>> random_seed(7.0)
@@ -398,11 +351,6 @@ def random_seed(value: object) -> int:
 
 def truth(quantity: str, value: object) -> bool:
     """Return a flag as a bool if it is true or false; numbers, text, arrays and None are refused.
-
-    Raises
-    ------
-    ParameterError
-        If the value is not a truth value.
 
     Examples
     --------
@@ -426,11 +374,6 @@ def _is_truth(value: object) -> bool:
 def word(quantity: str, value: object, words: Iterable[str], remedy: str = "name one") -> str:
     """Return a word if it is one of ``words``; numbers, arrays and lists are refused.
 
-    Raises
-    ------
-    ParameterError
-        If the value is not one of the words.
-
     Examples
     --------
     >>> word("method", "run", ("run", "wave"))
@@ -449,12 +392,6 @@ name one.
 
 def need_instance(quantity: str, value: object, kinds: tuple[type, ...], remedy: str) -> None:
     """Refuse a value that is not an instance of one of these classes.
-
-    Raises
-    ------
-    ParameterError
-        If it is not an instance; the message names the type of the value, or quotes it if it is
-        text.
 
     Examples
     --------
@@ -487,11 +424,6 @@ def end_time(quantity: str, value: float) -> float:
 
     At larger times double precision does not resolve the phase to one part in a million, and a
     simulation takes days.
-
-    Raises
-    ------
-    ParameterError
-        If the time is not in this range.
     """
     allowed = f"positive and at most {as_text(LATEST)}"
     return _checked(

@@ -11,7 +11,7 @@ import pytest
 
 from paper_checks.claim import Method
 from paper_checks.discover import find_entries
-from paper_checks.independence import engines
+from tests.independence import engines
 
 CLAIMS = {entry.claim.key: entry.claim for entry in find_entries()}
 TWO = [key for key, claim in CLAIMS.items() if len(claim.methods) == 2]

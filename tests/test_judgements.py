@@ -17,7 +17,6 @@ from paper_checks import prose
 from paper_checks.claim import Claim, Method, Repeat
 from paper_checks.discover import Entry, UnknownKeyError, select
 from paper_checks.finding import Erratum, Fault, Finding, Formula, Picture
-from paper_checks.independence import engines
 from paper_checks.outcome import (
     FAILED,
     JudgedClaim,
@@ -29,6 +28,7 @@ from paper_checks.outcome import (
 )
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.ruling import Verdict, fails, holds, partly
+from tests.independence import engines
 
 FINDING = Finding(
     verdict=Verdict.REPRODUCED, value="1", error="0", methods=("one", "other"), tolerance="none",

@@ -5,8 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+
+from theory.chains.friction import FrictionChain
+from theory.chains.vdp import VdpChain
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.series import sum_by_roots
+from verification.execution.sweep import sweep
+from verification.maps.task import StateTask, state_points
+from verification.maps.vdp_rules import FIGURE_15
+from verification.runs.excite import excite, excite_edge
+from verification.runs.simulate import simulate
 
 
 @dataclass(frozen=True)
@@ -45,37 +58,19 @@ class Work:
     remark: str = ""
 
 
-def front(sites: float) -> object:
-    return _front(int(sites), 24)
-
-
-def full_front(sites: float) -> object:
-    return _front(int(sites), 24, full=True)
-
-
-def whole_front(sites: float) -> object:
-    return _front(int(sites), 0)
-
-
-def _front(sites: int, behind: int, full: bool = False) -> object:
-    from theory.chains.vdp import VdpChain
-    from verification.runs.excite import excite_edge
-    from verification.runs.simulate import simulate
-
-    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=sites)
-    filled = min(24, sites // 2)
+def front(sites: float, *, behind: int = 24, full: bool = False) -> object:
+    """Let a front of (43), or of (8) if ``full``, run through a chain of this length."""
+    n = int(sites)
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=n)
+    filled = min(24, n // 2)
     return simulate(
-        chain if full else chain.averaged(), excite_edge(chain, filled), sites / 0.72 / chain.eps,
+        chain if full else chain.averaged(), excite_edge(chain, filled), n / 0.72 / chain.eps,
         tolerance=1e-6 if full else 1e-9, trailing_sites=min(behind, filled),
         estimate_error=False, samples=2,
     )  # fmt: skip
 
 
 def friction_front(sites: float) -> object:
-    from theory.chains.friction import FrictionChain
-    from verification.runs.excite import excite
-    from verification.runs.simulate import simulate
-
     chain = FrictionChain(c=0.05, sites=int(sites))
     return simulate(
         chain, excite(chain, [1]), sites / 0.0438, tolerance=1e-6, samples=2, estimate_error=False
@@ -84,63 +79,36 @@ def friction_front(sites: float) -> object:
 
 def friction_sites(sites: float) -> object:
     """Integrate a chain from random initial positions to τ = 20."""
-    from theory.chains.friction import FrictionChain
-    from verification.runs.simulate import simulate
-
     rng, n = np.random.default_rng(1), int(sites)
     start = np.array([rng.uniform(-1.0, 2.0, n), rng.uniform(-1.0, 1.0, n)])
     return simulate(FrictionChain(c=0.02, sites=n), start, 20.0, samples=2, estimate_error=False)
 
 
 def series(digits: float) -> object:
-    from theory.piecewise.sums.series import sum_by_roots
-
     return sum_by_roots("0.3", "0.5", int(digits))
 
 
 def integral(digits: float) -> object:
-    from theory.piecewise.sums.precise import precise_sum_by_integral
-
     return precise_sum_by_integral("0.3", "0.5", int(digits))
 
 
 def slow_sum(inverse: float) -> object:
-    from theory.piecewise.sums.integral import sum_by_integral
-
     return sum_by_integral(1.0 / inverse, 0.5)
 
 
 def slow_front(inverse: float) -> object:
     """Solve for every v at which |Σ| equals its value at v = 1/inverse."""
-    from theory.piecewise.branch_search import all_velocities
-    from theory.piecewise.sums.integral import sum_by_integral
-
     target = abs(sum_by_integral(1.0 / inverse, 0.5).value)
     return all_velocities(np.array([0.5]), np.array([target]))
 
 
-def one_worker(points: float) -> object:
-    return _map(int(points), 1)
-
-
-def workers(count: float) -> object:
-    return _map(4096, int(count))
-
-
-def full_workers(count: float) -> object:
-    return _map(144, int(count), full=True)
-
-
-def _map(points: int, count: int, full: bool = False) -> object:
-    from verification.execution.sweep import sweep
-    from verification.maps.task import StateTask, state_points
-    from verification.maps.vdp_rules import FIGURE_15
-
-    side = math.isqrt(points)
+def state_map(points: float, workers: float = 1, *, full: bool = False) -> object:
+    """Compute a square map of the states of (43), or of (8) if ``full``."""
+    side = math.isqrt(int(points))
     etas, couplings = np.linspace(0.01, 0.14, side), np.linspace(0.05, 1.0, side)
     task = StateTask(chain=FIGURE_15 if full else FIGURE_15.averaged())
     plane = state_points(task, {"eta": etas.tolist(), "c": couplings.tolist()})
-    return sweep(task, plane, workers=count)
+    return sweep(task, plane, workers=int(workers))
 
 
 WORKS = (
@@ -150,12 +118,12 @@ WORKS = (
         "the crossing time grows as N, the window is constant",
     ),
     Work(
-        "front of (8), moving window", "sites", full_front, (10, 100, 300),
+        "front of (8), moving window", "sites", partial(front, full=True), (10, 100, 300),
         (10, 30, 100, 300, 1000, 3000, 10_000), 1.0,
         "the crossing time grows as N, the window is constant",
     ),
     Work(
-        "front of (43), all sites", "sites", whole_front, (50, 100, 200),
+        "front of (43), all sites", "sites", partial(front, behind=0), (50, 100, 200),
         (50, 100, 200, 400, 800, 1600), 2.0, "the crossing time and the number of sites grow as N",
     ),
     Work(
@@ -195,16 +163,18 @@ WORKS = (
         "|Σ| is flat to rounding",
     ),
     Work(
-        "map of states, averaged, one worker", "points", one_worker, (4, 16, 64),
+        "map of states, averaged, one worker", "points", state_map, (4, 16, 64),
         (16, 64, 256, 1024, 4096), 1.0, "the points are independent",
     ),
     Work(
-        "map of states, averaged, 4096 points", "workers", workers, (1, 2), (1, 2), -1.0,
+        "map of states, averaged, 4096 points", "workers", partial(state_map, 4096),
+        (1, 2), (1, 2), -1.0,
         "half the points per worker", 1, True,
         "a point takes a millisecond, and starting workers and transferring points cost more",
     ),
     Work(
-        "map of states, (8), 144 points", "workers", full_workers, (1, 2), (1, 2), -1.0,
+        "map of states, (8), 144 points", "workers",
+        partial(state_map, 144, full=True), (1, 2), (1, 2), -1.0,
         "half the points per worker", 1, True,
         "each worker takes a second to start, and the cores share their memory",
     ),

@@ -117,12 +117,10 @@ def _regularised(
     delta: float,
     tolerance: float,
 ) -> MethodAnswer:
-    run = run_regularised(
+    y = run_regularised(
         chain, start, end, solver=solver, delta=delta, tolerance=tolerance, samples=SAMPLES
     )
-    if not run.finished:
-        raise ArithmeticError("the solver failed")
-    return MethodAnswer(value=run.y)
+    return MethodAnswer(value=y)
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:

@@ -16,6 +16,7 @@ from verification.pictures.data_table import long_table
 from verification.pictures.figures import COLOURS, new_axes, new_panels, picture
 
 if TYPE_CHECKING:
+    from theory.arrays import FloatArray
     from theory.cells.friction import FrictionCell
     from verification.cells.diagram import Bifurcation
     from verification.cells.result import BeltCell
@@ -28,8 +29,6 @@ VELOCITIES = (0.5, 1.0, 1.2, 1.5, 1.8, 1.9)
 LONG = 300.0
 AGREE = 1e-8
 """Largest difference between shooting and runs with scipy; both are accurate to 1e-9."""
-ACCURATE = {"tolerance": 1e-12, "longest_step": 0.4}
-"""Of runs with scipy: the period of the cycle is then right to 1e-12."""
 SETTLED = 500.0
 """τ after which sliding is steady on the scale of the picture: beats decay like exp(-0.009 τ)."""
 
@@ -45,12 +44,17 @@ def _orbits() -> BeltCell:
 @lru_cache(maxsize=32)
 def _scipy(cell: FrictionCell, y: float, t_end: float, samples: int = 1001) -> EventRun:
     """Run from rest."""
+    return _scipy_at(cell, y, np.linspace(0.0, t_end, samples))
+
+
+def _scipy_at(cell: FrictionCell, y: float, times: FloatArray) -> EventRun:
+    """Run from rest to the last of the times; the period of the cycle is right to 1e-12."""
     from theory.chains.friction import FrictionChain
     from verification.references.friction_events import run_events
 
-    chain = FrictionChain.of(cell, c=0.0, sites=1)
-    times = np.linspace(0.0, t_end, samples)
-    return run_events(chain, np.array([[y], [0.0]]), t_end, times=times, **ACCURATE)
+    chain, start = FrictionChain.of(cell, c=0.0, sites=1), np.array([[y], [0.0]])
+    end = float(times[-1])
+    return run_events(chain, start, end, times=times, tolerance=1e-12, longest_step=0.4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -319,17 +323,15 @@ class Stick:
 def stick() -> Stick:
     """Compute the force that holds the cell over every stick interval of two runs, to its end."""
     from theory.chains.friction import FrictionChain
-    from verification.references.friction_events import run_events
     from verification.runs.simulate import simulate
 
     cell = _orbits().cell
     chain, start = FrictionChain.of(cell, c=0.0, sites=1), np.array([[2.0], [0.0]])
-    runs: tuple[EventRun, Trajectory] = (
-        _scipy(cell, 2.0, 40.0),
-        simulate(chain, start, 40.0, samples=1001, logged_events=1000),
-    )
+    reference = _scipy(cell, 2.0, 40.0)
+    ours = simulate(chain, start, 40.0, samples=1001, logged_events=1000)
+    runs: tuple[EventRun | Trajectory, ...] = (reference, ours)
     largest, sticks = [], []
-    logs = [runs[0].log, runs[1].event_log]
+    logs = [reference.log, ours.event_log]
     for each, log in zip(runs, logs, strict=True):
         held = each.velocity[:, 0] == V_D
         largest.append(float(np.abs(each.y[held, 0] + 2.0 * cell.xi * V_D).max()))
@@ -337,7 +339,7 @@ def stick() -> Stick:
         sticks.append([float(b - a) for a, b in zip(begin, end, strict=False)])
     stops = [log[log[:, 2] == 1, 0] for log in logs]
     ends = (
-        run_events(chain, start, 40.0, times=stops[0], **ACCURATE),
+        _scipy_at(cell, 2.0, stops[0]),
         simulate(chain, start, 40.0, times=stops[1].tolist()),
     )
     forces = [np.abs(end.y[:, 0] + 2.0 * cell.xi * V_D) for end in ends]

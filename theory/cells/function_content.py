@@ -28,6 +28,11 @@ _LIBRARIES = {*sys.stdlib_module_names, "numpy", "numba", "scipy"}
 def function_content(function: Any) -> str:
     """Return a text that is different for functions that do different things once compiled.
 
+    Parameters
+    ----------
+    function : callable
+        A function compiled by ``numba.njit``, or one that can be.
+
     Raises
     ------
     ParameterError

@@ -20,11 +20,18 @@ def read_model(
 
     Parameters
     ----------
+    path : Path
+        The model file, in TOML; a file of weights is searched for in the same directory.
     known : sequence of str
         Names of the attributes.
     changes : mapping or None
         Attributes that replace those in the file; in ``values`` and ``disorder`` only the named
         entries are replaced.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be read, or contains a key that is not an attribute.
     """
     try:
         found = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -88,6 +88,11 @@ class VanDerPolChain(SmoothChain):
         Number of oscillators N, {sites}.
     ends : Ends
         Free or periodic.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is out of range.
     """
 
     allowed_ends: ClassVar[tuple[Ends, ...]] = (Ends.FREE, Ends.PERIODIC)

@@ -15,7 +15,7 @@ from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability
 from theory.piecewise.stability_limit import _crossing, _Leading, stability_limit
 from theory.piecewise.sums.series import sum_by_roots
-from theory.piecewise.symbol import symbol_coefficients
+from theory.piecewise.symbol import Symbol, symbol_coefficients
 from verification.piecewise.run import FrontStatus
 from verification.piecewise.simulation import simulate_front
 
@@ -53,6 +53,20 @@ def test_the_coefficients_are_the_same_in_however_many_pieces_points_are_summed(
     whole = symbol_coefficients(0.4, 0.7, 40, 256)
     monkeypatch.setattr(symbol, "_PIECE", piece)
     assert np.allclose(symbol_coefficients(0.4, 0.7, 40, 256), whole, rtol=0, atol=1e-16)
+
+
+def test_where_the_first_coefficient_exceeds_all_others_there_is_no_zero(monkeypatch):
+    q = np.array([1.01, -0.7, 0.3])
+    assert min(abs(np.roots(q[::-1]))) > 1.0
+    assert Symbol(q, 0.02).zeros_within(1.0) == 0
+    monkeypatch.setattr(np.fft, "rfft", None)
+    assert Symbol(q, 0.0).zeros_within(1.0) == 0
+
+
+@pytest.mark.parametrize(("first", "uncertainty", "count"), [(0.99, 0.0, 1), (1.01, 0.02, None)])
+def test_where_it_does_not_zeros_are_counted(first, uncertainty, count):
+    # E(1) is first - 1
+    assert Symbol(np.array([first, -0.7, -0.3]), uncertainty).zeros_within(1.0) == count
 
 
 @pytest.mark.parametrize(

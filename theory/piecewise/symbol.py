@@ -75,14 +75,18 @@ class Symbol:
     def zeros_within(self, radius: float) -> int | None:
         """Return the number of zeros of E(w) in |w| < radius; None if one is too near the circle.
 
-        The winding number over M points is correct if |E| at each of them exceeds the largest
+        With the radius ρ, there is none if |q_0| exceeds the sum of all other |q_j| ρ^j. Otherwise
+        the winding number over M points is correct if |E| at each of them exceeds the largest
         change of E up to the midpoint between neighbours, which is half a step times the bound Σ j
-        |q_j| ρ^{j-1} on |E'|, ρ being the radius.
+        |q_j| ρ^{j-1} on |E'|.
         """
         order = np.arange(self.q.size)
         with np.errstate(over="ignore"):
             scaled = self.q * radius**order
-            slope = float(np.sum(np.abs(scaled) * order)) / radius
+            sizes = np.abs(scaled)
+            if sizes[0] - self.uncertainty > np.sum(sizes[1:]):
+                return 0
+            slope = float(np.sum(sizes * order)) / radius
         points = 1 << math.ceil(math.log2(8 * self.q.size))
         while points <= _MAX_POINTS:
             values = np.fft.rfft(scaled, points)  # the other half is complex conjugate

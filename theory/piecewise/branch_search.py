@@ -150,11 +150,13 @@ def _brackets(
         # Where g is below its rounding error its sign means nothing; see `_distinct`.
         differ = (ga > 0) != (gb > 0)
         flattest = np.minimum(steep_a, steep_b)
-        monotone = np.abs(da - db) < 0.5 * flattest
-        monotone &= np.abs(gb - ga - 0.5 * width * (da + db)) < 0.5 * width * flattest
+        # The slope of the cubic through the ends, even if twice as far from linear, keeps its sign.
+        monotone = (da > 0) == (db > 0)
+        monotone &= 3.0 * np.abs(gb - ga - 0.5 * width * (da + db)) < width * flattest
         flat = size_a + size_b > 2.0 * width * np.maximum(steep_a, steep_b)
         short = width < _SHORTEST
-        (found,) = (differ & (monotone | short)).nonzero()
+        single = monotone & (np.abs(da - db) < 2.0 * flattest)  # where t(g) is nearly a cubic
+        (found,) = (differ & (single | short)).nonzero()
         done_owner.append(owner.take(found))
         done_cells.append(cells.take(found, axis=1))
         # A short cell without change of sign, zero at an end to within rounding, is an exact fold.
@@ -166,7 +168,7 @@ def _brackets(
             done_owner.append(owner[touches])
             done_cells.append(cells[:, touches])
         # The remaining cells are not short and have neither surely one solution nor surely none.
-        (rest,) = (~(short | monotone | (flat & ~differ))).nonzero()
+        (rest,) = (~(short | np.where(differ, single, monotone | flat))).nonzero()
         owner, cells = owner.take(rest), cells.take(rest, axis=1)
         if owner.size:
             middle = np.empty((4, owner.size))
@@ -225,38 +227,37 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
 def _refined(
     relation: _Relation, owner: IntArray, cells: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the zero of g in each bracket by safeguarded Newton steps, its spread, and the values.
+    """Return the zero of g in each bracket by cubic interpolation, its spread, and the values.
 
     For the spread and the values see `_confirmed_spread`. The last step, after which g is zero to
     within rounding, is evaluated together with the points on both sides.
     """
-    ta, ga, tb = cells[0], cells[1], cells[4]
-    # about twice the error of a Newton step, times the slope and divided by the step²
-    curvature = np.abs(cells[6] - cells[2]) / (tb - ta)
     t = _crossing(cells)
     here = relation(owner, t)
+    tried = False
     for _ in range(30):
         g, by_t, error = here[:3]
-        left = (g > 0) == (ga > 0)
-        ta, tb = np.where(left, t, ta), np.where(left, tb, t)
-        level = by_t == 0
-        steep = np.where(level, 1.0, by_t)
-        newton = t - g / steep
-        inside = (newton >= ta) & (newton <= tb) & ~level
-        new = np.where(inside, newton, 0.5 * (ta + tb))
-        step, steep = np.abs(new - t), np.abs(steep)
+        left = (g > 0) == (cells[1] > 0)
+        dropped = np.where(left, t - cells[0], cells[4] - t)
+        middle = np.array([t, g, by_t, error])
+        cells = np.concatenate(
+            [np.where(left, middle, cells[:4]), np.where(left, cells[4:], middle)]
+        )
+        new = _crossing(cells)
+        step, steep = np.abs(new - t), np.where(by_t == 0, 1.0, np.abs(by_t))
         rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / steep
         far = step > rounding
         (open_,) = far.nonzero()
         if open_.size == 0:
             break
         t[open_] = new[open_]
-        if (far & inside & (step**2 * curvature <= rounding * steep)).all():
+        # The error is proportional to the squared distances from both ends: about step³/dropped².
+        if not tried and (far & (step**3 <= rounding * dropped**2)).all():
             spread = _least_spread(t, by_t, error)
             around = _values_at(relation, owner, t, t - spread, t + spread)
             if _differ_surely(around).all():
                 return t, spread, around
-            here, curvature = around[:, 0], np.full(t.shape, 1e300)  # only once
+            here, tried = around[:, 0], True
         else:
             here[:, open_] = relation(owner[open_], t[open_])
     return t, *_confirmed_spread(relation, owner, t, here)
@@ -265,15 +266,15 @@ def _refined(
 def _crossing(cells: FloatArray) -> FloatArray:
     """Return where the cubic t(g) through the ends of each cell, with their slopes, has g = 0.
 
-    Where the result lies outside the cell, as for an end without slope, the chord is used instead.
+    Where the result lies outside the cell, as for an end without slope, the middle is used instead.
     """
     ta, ga, da, _, tb, gb, db, _ = cells
+    width = tb - ta
     rise = np.where(ga == gb, 1.0, gb - ga)
-    s = np.where(ga == gb, 0.0, -ga / rise)
-    straight = ta + s * (tb - ta)
-    start, end = (rise / np.where(d == 0.0, 1e-300, d) - (tb - ta) for d in (da, db))
-    cubic = straight + s * (1.0 - s) * ((1.0 - s) * start - s * end)
-    inside: FloatArray = np.where((cubic >= ta) & (cubic <= tb), cubic, straight)
+    s = -ga / rise
+    start, end = (rise / np.where(d == 0.0, 1e-300, d) - width for d in (da, db))
+    cubic = ta + s * (width + (1.0 - s) * ((1.0 - s) * start - s * end))
+    inside: FloatArray = np.where((cubic >= ta) & (cubic <= tb), cubic, ta + 0.5 * width)
     return inside
 
 

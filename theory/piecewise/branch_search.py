@@ -5,8 +5,8 @@ the roots k into -k and exchanges the half-planes. Both equations have the form 
 with shift 0 or 2. The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative. It
 starts from the points of ``theory.piecewise.first_points`` and bisects each cell until one of three
 conditions holds: g cannot vanish inside even if its slope is twice that at the ends (the cell is
-dropped); g changes sign and is monotone (one solution); or the cell is as short as rounding allows
-(a fold to within rounding).
+dropped); g is monotone (one solution if it changes sign, none if not); or the cell is as short as
+rounding allows (a fold to within rounding).
 """
 
 from __future__ import annotations

@@ -8,13 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from theory.parameters import MissingPackageError, ParameterError, Range, with_ranges, within
+from theory.parameters import (
+    MissingPackageError,
+    ParameterError,
+    Range,
+    check_progress,
+    file_path,
+    need_instance,
+    with_ranges,
+    within,
+)
+from verification.runs.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-
-    from verification.runs.trajectory import Trajectory
 
 FORMATS = (".gif", ".mp4")
 
@@ -55,7 +63,7 @@ def animate(
     Raises
     ------
     ParameterError
-        If the name of the file has another ending.
+        If the name of the file has another ending, or an argument is of another kind.
     MissingPackageError
         If ffmpeg is not installed.
 
@@ -69,7 +77,10 @@ def animate(
     ...     animate(run, Path(folder) / "run.gif").name
     'run.gif'
     """
-    path = Path(path)
+    need_instance("run", run, (Trajectory,), "give the result of simulate")
+    need_instance("note", note, (str,), "give a text, or leave it out")
+    check_progress(progress)
+    path = file_path("file of a film", path)
     kind = path.suffix.lower()
     if kind not in FORMATS:
         raise ParameterError("file of a film", path, "one ending in .gif or .mp4", "rename it")

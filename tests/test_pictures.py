@@ -27,6 +27,7 @@ from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
 from verification.pictures.figures import COLOURS, new_axes, new_panels, use_style
+from verification.runs.trajectory import Trajectory
 
 mpl.use("Agg")
 
@@ -308,6 +309,13 @@ def _run(amplitude: np.ndarray, **chain: Any) -> Any:
     return SimpleNamespace(amplitude=amplitude, chain=SimpleNamespace(**chain))
 
 
+def _trajectory(amplitude: np.ndarray, times: Any = ()) -> Trajectory:
+    """Return a trajectory of which nothing is known but what a film shows."""
+    run = Trajectory.__new__(Trajectory)
+    vars(run).update(vars(_run(amplitude)), times=np.asarray(times))
+    return run
+
+
 def test_a_frame_of_a_chain_leaves_no_amplitude_out_and_half_of_it_is_not_empty() -> None:
     axes = Figure().subplots()
     show = snapshot(_run(np.array([[1.0, 0.5], [3.0, 2.0]])), axes)
@@ -324,10 +332,10 @@ def test_a_film_in_mp4_is_refused_without_the_program_that_writes_it(
 ) -> None:
     monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
     with pytest.raises(MissingPackageError, match="ffmpeg"):
-        animate(_run(np.zeros((2, 3))), tmp_path / "run.mp4")
+        animate(_trajectory(np.zeros((2, 3))), tmp_path / "run.mp4")
     for rate in (0.5, 61.0):
         with pytest.raises(ParameterError, match="frames per second"):
-            animate(_run(np.zeros((2, 3))), tmp_path / "run.gif", frames_per_second=rate)
+            animate(_trajectory(np.zeros((2, 3))), tmp_path / "run.gif", frames_per_second=rate)
 
 
 def test_each_frame_of_a_film_shows_its_own_sample_and_no_other(tmp_path: Path) -> None:
@@ -335,8 +343,7 @@ def test_each_frame_of_a_film_shows_its_own_sample_and_no_other(tmp_path: Path) 
     one, other = np.array([1.0, 2.0, 3.0]), np.array([3.0, 1.0, 2.0])
     films = []
     for samples in ([one, other, one], [other, one]):
-        run = _run(np.array(samples))
-        run.times = np.arange(float(len(samples)))
+        run = _trajectory(np.array(samples), np.arange(float(len(samples))))
         path = animate(run, tmp_path / "run.gif")
         with Image.open(path) as film:
             frames = [np.array(each.convert("L"), int) for each in ImageSequence.Iterator(film)]
@@ -372,8 +379,7 @@ def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
     titles: list[str] = []
     monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: True)
     monkeypatch.setattr("fronts.animation._writer", writer)
-    run = _run(np.array([[1e-3, 2e-3], [2e-3, 1.1e-3]]))
-    run.times = np.array([0.0, 5.0])
+    run = _trajectory(np.array([[1e-3, 2e-3], [2e-3, 1.1e-3]]), [0.0, 5.0])
     assert animate(run, "run.mp4") == Path("run.mp4")
     assert titles == ["t = 0", "t = 5"]
 

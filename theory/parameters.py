@@ -9,6 +9,8 @@ import math
 import numbers
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat, TypeVar
 
 if TYPE_CHECKING:
@@ -405,6 +407,45 @@ class int or list; give a number or sites.
         given = _shown(value) if isinstance(value, str) else type(value).__name__
         names = " or ".join(kind.__name__ for kind in kinds)
         raise ParameterError(quantity, given, f"an object of the class {names}", remedy)
+
+
+def file_path(quantity: str, value: object) -> Path:
+    """Return the path of a file that is given as text or as a path.
+
+    Raises
+    ------
+    ParameterError
+        If the value is neither.
+
+    Examples
+    --------
+    >>> file_path("out", "map.csv").suffix
+    '.csv'
+    """
+    need_instance(quantity, value, (str, PathLike), "name a file")
+    assert isinstance(value, (str, PathLike))
+    return Path(value)
+
+
+def check_progress(progress: object) -> None:
+    """Refuse a progress callback that cannot be called; None stands for no report.
+
+    Raises
+    ------
+    ParameterError
+        If the value can be neither.
+
+    Examples
+    --------
+    >>> check_progress(3)
+    Traceback (most recent call last):
+    ...
+    theory.parameters.ParameterError: progress = 3 is not allowed: it must be a function of the \
+fraction done; give one, as print, or leave it out.
+    """
+    if progress is not None and not callable(progress):
+        allowed, remedy = "a function of the fraction done", "give one, as print, or leave it out"
+        raise ParameterError("progress", _shown(progress), allowed, remedy)
 
 
 def _shown(value: object) -> str:

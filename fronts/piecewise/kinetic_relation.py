@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from theory.arrays import FloatArray
-from theory.parameters import ParameterError, real_array, truth, with_ranges
+from theory.parameters import ParameterError, check_progress, real_array, truth, with_ranges
 from theory.piecewise.kinetic_relation import (
     COUPLINGS,
     KineticRelation,
@@ -116,6 +116,7 @@ def kinetic_relation(
     [0, 2, 1]
     """
     stability, certify = truth("stability", stability), truth("certify", certify)
+    check_progress(progress)
     eta_ = damping_ratio(eta, a, b)
     c_ = real_array("coupling c", c)
     _check_curve(c_, np.asarray(eta_))

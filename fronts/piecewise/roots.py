@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from theory.parameters import ParameterError, RunError, count_within, decimal, truth, with_ranges
+from theory.parameters import (
+    ParameterError,
+    RunError,
+    check_progress,
+    count_within,
+    decimal,
+    truth,
+    with_ranges,
+)
 from theory.piecewise.sums.result import DIGITS, DOUBLE
 from theory.result import Result
 from verification.execution.progress import ProgressCallback, of_part
@@ -133,6 +141,7 @@ def roots(
     from theory.piecewise.roots import nearest_roots, roots_within
 
     v, c, certify = decimal("velocity v", v), decimal("coupling c", c), truth("certify", certify)
+    check_progress(progress)
     v_, c_ = float(v), float(c)
     remedy = (
         "certified radii are available in double precision only: leave one of them out"

@@ -19,7 +19,7 @@ import numpy as np
 from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.chains.chain import MAX_SITES
 from theory.chains.vdp import VanDerPolChain
-from theory.parameters import ParameterError, count_within
+from theory.parameters import ParameterError, count_within, need_instance
 from theory.status import Status
 
 STEPS = {"+": 0.5 * np.pi, "-": -0.5 * np.pi, "0": 0.0, "x": np.pi}
@@ -84,6 +84,7 @@ class Nucleus:
                 "give one sign for each link",
             )
         object.__setattr__(self, "place", Place(self.place))
+        need_instance("relaxed_from", self.relaxed_from, (str,), "give a pattern, or leave it out")
 
     def to_dict(self) -> dict[str, Any]:
         """Return size, pattern and place, and the pattern from which it relaxed, if it did."""

@@ -7,7 +7,7 @@ from theory.chains.chain import Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
-from theory.parameters import ParameterError, with_ranges
+from theory.parameters import ParameterError, check_progress, with_ranges
 from verification.cells import friction, shooting
 from verification.cells.friction import friction_cell
 from verification.cells.oscillator import oscillator_cell
@@ -65,6 +65,7 @@ def cell(
     >>> cell(VdpChain(a=1.0, b=0.2, c=0.0)).status.sentence
     'rest is stable, and there is no cycle.'
     """
+    check_progress(progress)
     if isinstance(of, FrictionChain):
         of = of.cell
     if isinstance(of, FrictionCell):

@@ -152,6 +152,8 @@ def _listed(points: Any) -> Grid | tuple[Point, ...]:
         _need_names(points)
         axes = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in points.items()}
         return Grid(axes) if axes else ()
+    if not isinstance(points, Iterable):
+        raise TypeError("they are not a sequence")
     given = (points,) if isinstance(points, Point) else tuple(points)
     for each in given:
         if not isinstance(each, Mapping):

@@ -17,6 +17,8 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TextIO, TypeAlias
 
+from theory.parameters import count_within, need_instance, truth
+
 if TYPE_CHECKING:
     from rich.progress import Progress as Live
     from rich.progress import TaskID
@@ -65,7 +67,12 @@ class Progress:
         quiet: bool = False,
         stream: TextIO | None = None,
     ) -> None:
-        self._name, self._steps, self._at_once, self._quiet = name, steps, at_once, quiet
+        need_instance("name", name, (str,), "say what is running")
+        self._name, self._quiet = name, truth("quiet", quiet)
+        self._steps = count_within("steps", steps, 0, sys.maxsize)
+        self._at_once = count_within("steps at once", at_once, 1, sys.maxsize)
+        if stream is not None and not hasattr(stream, "write"):
+            need_instance("stream", stream, (io.TextIOBase,), "give sys.stderr, or leave it out")
         self._stream = stream or sys.stderr or io.StringIO()
         self._live: Live | None = None
         self._task: TaskID | None = None

@@ -17,14 +17,13 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, nullcontext
 from dataclasses import dataclass, field, replace
-from os import PathLike
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from theory.parameters import ParameterError, need_instance, truth
+from theory.parameters import ParameterError, check_progress, file_path, need_instance, truth
 from theory.result import is_cell, with_infinities
 from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_json, to_json
 from verification.execution.digest import digest_of
@@ -149,10 +148,11 @@ def sweep(
     if dims is not None:
         need_instance("dims", dims, (Mapping,), 'give names, as {"profile": "site"}')
     resume = truth("resume", resume)
+    check_progress(progress)
+    need_instance("command", command, (str,), "give a text, or leave it out")
     asked = points_of(points)
     if out is not None:
-        need_instance("out", out, (str, PathLike), "name a file")
-        out = Path(out)
+        out = file_path("out", out)
     metadata = _metadata(function, asked, command, needed=out is not None)
     if out is not None and resume and not part_path(out).exists():
         finished = _finished(out, metadata, dims or {})

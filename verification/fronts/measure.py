@@ -25,7 +25,14 @@ from theory.chains.friction import FrictionChain
 from theory.chains.own import OwnChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain
-from theory.parameters import ParameterError, need_instance, with_ranges, word
+from theory.parameters import (
+    ParameterError,
+    check_progress,
+    need_instance,
+    number,
+    with_ranges,
+    word,
+)
 from verification.execution.progress import ProgressCallback
 from verification.fronts import friction, network, smooth
 from verification.fronts.friction import friction_front
@@ -154,6 +161,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     word("method", method, ("run", "wave"))
+    check_progress(progress)
     request = Request(
         accuracy=accuracy,
         tolerance=tolerance,
@@ -161,7 +169,7 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         max_sites=max_sites,
         stall_time=stall_time,
         left_boundary=LeftBoundary(left_boundary),
-        point=StartPoint(point) if isinstance(point, str) else point,
+        point=StartPoint(point) if isinstance(point, str) else number("start point", point),
         directions=directions,
         progress=progress,
     )

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray, IntArray
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
-from theory.parameters import ParameterError, RunError, need_instance, random_seed
+from theory.parameters import ParameterError, RunError, check_progress, need_instance, random_seed
 from theory.result import Result
 from verification.execution.pool import answers_in_order
 from verification.execution.progress import ProgressCallback
@@ -188,6 +188,7 @@ def ensemble(
         raise ParameterError("disorder", "none", "a spread", "give one, as disorder={'a': 0.1}")
     if not callable(function):
         raise ParameterError("function", function, "a function of a chain", "give measure_front")
+    check_progress(progress)
     given = _distinct(seeds)
     task = SeedTask(function=function, chain=chain, options=options)
     points = [{"seed": seed} for seed in given]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from os import PathLike
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -17,8 +16,10 @@ from theory.parameters import (
     LATEST,
     ParameterError,
     Range,
+    check_progress,
     count_within,
     end_time,
+    file_path,
     need_instance,
     positive,
     real_array,
@@ -144,6 +145,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         raise ParameterError("option", "end", "absent beside t_end", "give t_end only")
     options["end"] = t_end
     compared = truth("estimate_error", estimate_error)
+    check_progress(progress)
     sampled, places = _with_comparisons(asked, chain) if compared else (asked, None)
     first = integration(chain, start, sampled, **options)
     runs = [first]
@@ -154,9 +156,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     if budget is None:
         budget = first.default_budget
     budget = count_within("budget of sites times steps", budget, 1, 10**12)
-    if checkpoint is not None:
-        need_instance("checkpoint", checkpoint, (str, PathLike), "name a file")
-    file = None if checkpoint is None else Path(checkpoint)
+    file = None if checkpoint is None else file_path("checkpoint", checkpoint)
     spent = run_to_end(runs, t_end, budget, file, progress)
     return _trajectory(chain, t_end, runs, spent - begin, places)
 

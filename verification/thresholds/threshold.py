@@ -16,6 +16,7 @@ from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import (
     ParameterError,
     Range,
+    check_progress,
     need_instance,
     random_seed,
     refuse_unread,
@@ -161,6 +162,7 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     """
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     need_instance("nucleus", nucleus, (Nucleus,), "give one, as Nucleus(3)")
+    check_progress(progress)
     how = _method(chain, method)
     what = _definition(how, definition)
     given = {

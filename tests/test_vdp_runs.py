@@ -353,9 +353,10 @@ def test_excited_sites_may_be_whole_numbers_of_any_kind() -> None:
         ({"longest_step": "1"}, "longest step = '1' .* a number"),
         ({"shortest_step": -1.0}, "shortest step = -1.0 .* from 0"),
         ({"drift": 0.1}, "drift = float .* Mapping"),
-        ({"drift": {"d": 0.1}}, "drift = d .* one of a, b, c, eps"),
-        ({"drift": {"sites": 0.1}}, "drift = sites .* one of a, b, c, eps"),
-        ({"drift": {"c": "1"}}, "drift of c = '1' .* a number"),
+        ({"drift": {"d": 0.1}}, "drifting parameter = d .* one of a, b, c, eps;"),
+        ({"drift": {"sites": 0.1}}, "drifting parameter = sites .* one of a, b, c, eps;"),
+        ({"drift": {"c": "1"}}, "rate of change of c = '1' .* a number .* per unit of t"),
+        ({"drifts": {}}, "option = drifts .* drift, .* for the model vdp; leave it out"),
     ],
 )
 def test_options_of_a_run_are_not_rounded_or_replaced(options: Any, words: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from inspect import signature
 from pathlib import Path
@@ -432,6 +433,25 @@ def test_what_is_not_asked_for_is_refused_in_a_sentence(name: str) -> None:
     ask, quantity = REFUSED[name]
     with pytest.raises(fr.ParameterError, match=f"^{quantity}.* is not allowed: it must be"):
         ask()
+
+
+@pytest.mark.parametrize("axis", ["ends", "law", "coupling", "eta", "foo"])
+@pytest.mark.parametrize("model", ["vdp", "averaged", "friction", "own"])
+def test_the_axes_that_a_refusal_names_are_taken_by_maps(model: str, axis: str) -> None:
+    """They are numbers, so that the chain itself, or one of constant damping, is a point."""
+    task = StateTask(chain=CHAINS[model])
+    if axis == "eta" and model in ("vdp", "averaged"):
+        return
+    with pytest.raises(fr.ParameterError, match=f"^axis = {axis} .* must be one of ") as refused:
+        fr.state_map(task, **{axis: [1.0]})
+    named = re.search("one of (.*);", str(refused.value))
+    assert named is not None
+    axes = named[1].split(", ")
+    assert {"c", "sites"} <= {*axes}
+    for name in axes:
+        own = getattr(task.chain, name)
+        at = 1.0 if isinstance(own, str) else float(own)  # a damping is text, or a number
+        assert isinstance(task.at({name: at}), type(task.chain))
 
 
 def test_a_whole_number_of_any_size_is_exact() -> None:

@@ -18,8 +18,9 @@ from typing import Any
 
 from theory.chains.chain import Chain
 from theory.chains.nucleus import Nucleus
+from theory.chains.own import OwnChain
 from theory.chains.vdp import VdpChain
-from theory.parameters import ParameterError, random_seed, real_array, truth, within
+from theory.parameters import ParameterError, random_seed, real_array, truth, within, word
 from verification.execution.columns import Cell, Scalar
 from verification.execution.points import Grid, Point
 from verification.maps.rules import rules_of
@@ -133,13 +134,14 @@ class StateTask:
         ParameterError
             If an axis is not a parameter of the chain, or its value is out of range.
         """
+        known = axes_of(self.chain)
+        for name in point:
+            word("axis", name, known, "name a parameter that is a number")
         changes = {name: float(value) for name, value in point.items() if name != "eta"}
         chain = self.chain.replace(**changes)
         if "eta" not in point:
             return chain
         eta = within("eta = b/a^2", point["eta"], 1e-6, 1e3)
-        if not {"a", "b"} <= {each.name for each in fields(chain)}:  # type: ignore[arg-type]
-            raise ParameterError("axis", "eta", "one for a chain with a and b", "name another")
         if self.held == "a":
             return chain.replace(b=eta * chain.a**2)  # type: ignore[attr-defined]
         return chain.replace(a=math.sqrt(chain.b / eta))  # type: ignore[attr-defined]
@@ -173,6 +175,21 @@ class StateTask:
             # time.
             row["amplitude"], row["amplitude_time"] = found[0].amplitude, found[0].time
         return row
+
+
+def axes_of(chain: Chain) -> list[str]:
+    """Return the parameters of a chain that may be axes of a map: those that are numbers.
+
+    Examples
+    --------
+    >>> axes_of(VdpChain(a=4, b=0.5, c=0))
+    ['a', 'b', 'c', 'eps', 'sites', 'eta']
+    """
+    given = {each.name: each.type for each in fields(chain)}  # type: ignore[arg-type]
+    found = [name for name, kind in given.items() if kind in ("float", "int")]
+    if isinstance(chain, OwnChain):
+        found += [*chain.names, "damping"]  # which may be a number
+    return [*found, "eta"] if {"a", "b"} <= given.keys() else found
 
 
 def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:

@@ -53,8 +53,7 @@ def integration(
     known = [name for name in signature(kind).parameters if name not in {"chain", "start", "times"}]
     for name in options:
         if name not in known:
-            raise ParameterError(
-                "option", name, f"one of {', '.join(known)}", f"the stepper is: {kind.method}"
-            )
+            allowed = f"one of {', '.join(known)} for the model {chain.model}"
+            raise ParameterError("option", name, allowed, "leave it out")
     run: Integration = kind(chain, start, times, **options)
     return run

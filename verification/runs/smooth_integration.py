@@ -16,6 +16,7 @@ from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import (
     ParameterError,
+    Range,
     count_within,
     need_instance,
     positive,
@@ -63,6 +64,8 @@ MARGIN, WEAK_COUPLING = 4, 3.0
 above the second number. The effect of the active window is then below a hundredth of the
 tolerance."""
 
+_RATES = Range(-1e300, 1e300)
+"""Range of the rates of change of drifting parameters."""
 _DECAYED = 0.5
 """Fraction of the unstable amplitude, or of the level, below which every site decays to rest."""
 
@@ -176,8 +179,9 @@ class SmoothIntegration(Integration):
         need_instance("drift", rates, (Mapping,), 'give rates by parameter, as {"c": 1e-5}')
         known = [each.name for each in fields(self.chain) if each.type == "float"]
         for name, rate in rates.items():
-            word("drift", name, known)
-            real_number(f"drift of {name}", rate, -1e300, 1e300, "give a rate")
+            word("drifting parameter", name, known)
+            what, remedy = f"rate of change of {name}", "give its change per unit of t"
+            real_number(what, rate, *_RATES, remedy)
             # The kernel's parameters are affine in each chain parameter that may drift.
             ahead = self.chain.replace(**{name: getattr(self.chain, name) + 1.0})
             found += rate * (np.array(ahead.kernel_parameters()) - p)

@@ -50,6 +50,16 @@ def test_a_run_of_the_envelope_is_that_of_scipy(ends: Ends) -> None:
     assert np.abs(run_envelope(chain, phi, 20.0).phi - exact).max() < 1e-10
 
 
+def test_a_run_of_the_envelope_at_small_eta_is_that_of_scipy() -> None:
+    """Its stable cycle attracts at a rate of 1/(2η), for which a step of a tenth is unstable."""
+    chain = AveragedChain(a=1.0, b=2e-3, c=0.02, sites=3)
+    phi = chain.stable_amplitude * np.array([0.1, 0.8, 0.1j])
+    exact = solve_ivp(
+        lambda _, x: envelope_rate(x, chain), (0, 3), phi, "DOP853", rtol=1e-11, atol=1e-12
+    ).y[:, -1]
+    assert np.abs(run_envelope(chain, phi, 3.0).phi - exact).max() < 1e-4 * np.abs(exact).max()
+
+
 def test_a_coupling_that_grows_is_that_of_its_time() -> None:
     """c = c₀ + rate·T: held within a step, whose middle it is taken at, so of second order."""
     chain, rate = VdpChain(a=2.5, b=0.5, c=0.05, sites=5), 0.01
@@ -116,6 +126,24 @@ def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
     assert delay.c_0 is not None
     assert delay.error is not None
     assert abs(delay.c_0 - fold) <= delay.error
+
+
+@pytest.mark.parametrize("method", ["sweep", "hold"])
+def test_runs_that_would_take_hours_at_small_eta_are_refused_by_that_name(method: str) -> None:
+    with pytest.raises(ParameterError, match=r"^eta = b/a\^2 = 0.0009 .* method envelope"):
+        threshold(AveragedChain(a=1.0, b=9e-4, c=0.0), method=method)
+
+
+@pytest.mark.parametrize(("eta", "place"), [(0.1004957490665929, "edge"), (0.0068, "edge")])
+def test_the_error_of_a_sweep_covers_the_step_in_which_the_nucleus_escapes(
+    eta: float, place: str
+) -> None:
+    """At the first η the two extrapolations agree by chance; at the second, rates are large."""
+    chain, nucleus = AveragedChain(a=1.0, b=eta, c=0.0), Nucleus(1, place=Place(place))
+    fold = threshold(chain, nucleus, method=ThresholdMethod.ENVELOPE)
+    swept = threshold(chain, nucleus, method=ThresholdMethod.SWEEP)
+    assert swept.method is ThresholdMethod.SWEEP
+    assert abs(swept.c_crit - fold.c_crit) <= swept.error < 1e-3 * fold.c_crit + 6e-5
 
 
 def test_a_sweep_of_what_holds_nowhere_is_refused() -> None:

@@ -211,6 +211,16 @@ def test_the_clock_loses_nothing_over_many_equal_steps() -> None:
     assert np.abs(run.samples[-1] - state).max() < 3e-11
 
 
+@pytest.mark.parametrize("duration", [1.14, 1.17, 1.28])
+def test_equal_steps_whose_sum_rounds_to_the_end_take_the_sample_there(duration: float) -> None:
+    """Time plus step is just below the end; with what rounding has lost so far it is the end."""
+    chain = AveragedChain(a=4.0, b=0.5, c=0.6, sites=3)
+    step = duration / round(10.0 * duration)
+    run = SmoothIntegration(chain, excite(chain, [1]), [duration / chain.eps], step=step)
+    run.advance(10**5)
+    assert run.finished
+
+
 @pytest.mark.parametrize("displacement", [30.0, 100.0, 300.0])
 def test_a_step_that_explodes_never_passes(displacement: float) -> None:
     """The damping rate is up to 4e7: most of these steps are unstable, some end near 1e150."""

@@ -124,6 +124,18 @@ def threshold_ratio(eta: float) -> float:
     return math.sqrt(8.0 * eta) / (1.0 + math.sqrt(1.0 - 8.0 * eta))
 
 
+def attraction_rate(eta: float) -> float:
+    """Return the rate per unit of slow time at which the stable cycle attracts, for η up to 1/8.
+
+    Examples
+    --------
+    >>> round(attraction_rate(0.03125), 6)
+    12.928203
+    """
+    root = math.sqrt(1.0 - eta / ETA_END)
+    return (1.0 + root) * root / (4.0 * eta)
+
+
 def eta_from_ratio(r: float) -> float:
     """Return the η at which |φ_us|/|φ_s| = r, the inverse of :func:`threshold_ratio`.
 

@@ -31,7 +31,13 @@ from typing import ClassVar
 import numpy as np
 
 from theory.arrays import ComplexArray, FloatArray
-from theory.cells.vdp import ETA_END, eta_of_fronts, threshold_ratio, threshold_ratio_slope
+from theory.cells.vdp import (
+    ETA_END,
+    attraction_rate,
+    eta_of_fronts,
+    threshold_ratio,
+    threshold_ratio_slope,
+)
 from theory.parameters import Range, RunError, with_ranges, within
 from theory.result import Result
 from verification.continuation.newton import BranchPoint, NotConvergedError, System, solve_at
@@ -206,8 +212,7 @@ class Window:
     @property
     def attraction(self) -> float:
         """Rate at which the stable cycle attracts."""
-        root = math.sqrt(1.0 - self.chain.eta / ETA_END)
-        return (1.0 + root) * root / (4.0 * self.chain.eta)
+        return attraction_rate(self.chain.eta)
 
     @property
     def place(self) -> float:

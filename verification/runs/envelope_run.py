@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from theory.arrays import BoolArray, ComplexArray, FloatArray
+from theory.cells.vdp import attraction_rate
 from theory.chains.vdp import VanDerPolChain
 from verification.runs.excite import as_psi
 from verification.runs.smooth_integration import SmoothIntegration
@@ -19,7 +20,10 @@ from verification.steppers.kernel import fast
 from verification.steppers.runge_kutta import Step
 
 STEP = 0.1
-"""Step in T of the method of order 8; the rates are of order 1."""
+"""Longest step in T of the method of order 8, for rates of order 1."""
+_ATTRACTED = 2.0
+"""Largest product of a step and the rate at which the stable cycle attracts, some 1/(2η): the
+method is unstable from about 5."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +110,8 @@ def run_envelope(
     """
     averaged = chain.averaged()
     mask = np.ones(chain.sites) if watched is None else np.asarray(watched, dtype=float)
-    steps = max(1, round(duration / STEP))
+    attraction = attraction_rate(chain.eta) if chain.bistable else 0.0
+    steps = max(1, round(duration / min(STEP, _ATTRACTED / max(attraction, 1.0))))
     run = SmoothIntegration(
         averaged,
         np.asarray(phi, dtype=complex),

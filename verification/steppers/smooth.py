@@ -242,9 +242,10 @@ def _try_steps(take_step: Step, task: LoopTask, clock: FloatArray, rows: Rows, e
 
 @inner()
 def _sample_is_due(task: LoopTask, run: LoopState, h: float) -> bool:
-    """Return whether the next sample lies within the step."""
+    """Return whether the next sample lies within the step, whose end is that of `_pass_time`."""
     place = run.counters[SAMPLED]
-    return bool(place < task.times.size and task.times[place] <= run.clock[0] + h)
+    end = run.clock[0] + (h + run.clock[4])
+    return bool(place < task.times.size and task.times[place] <= end)
 
 
 @inner()

@@ -239,12 +239,14 @@ class Delay(Result):
     rates : tuple of float
         dc/dT, in descending order.
     escapes : tuple of float
-        c at which the nucleus escaped, for each rate; no error is known.
+        c at which the nucleus escaped, for each rate; too large by up to 0.1 of the rate, the step
+        in slow time; apart from this no error is known.
     c_0 : float or None
         Extrapolation to zero rate by c_0 + K rate^{2/3} + K' rate through the three slowest sweeps;
         None if the escapes do not follow this law.
     error : float or None
-        Difference from the extrapolation without K' through the two slowest sweeps.
+        Difference from the extrapolation without K' through the two slowest sweeps, and the effect
+        of the step on the escapes.
     delay_exponent : float or None
         ln((c₁ - c₂)/(c₂ - c₃))/ln(ratio of rates) of the three slowest sweeps: 2/3 at a fold; None
         if the escapes do not decrease with the rate. It shows which law holds; no error is known.

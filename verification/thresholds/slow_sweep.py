@@ -17,7 +17,7 @@ import numpy as np
 from theory.arrays import ComplexArray, FloatArray
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, positive
-from verification.runs.envelope_run import run_envelope
+from verification.runs.envelope_run import STEP, run_envelope
 from verification.thresholds.escape import LOWEST, escape_range
 from verification.thresholds.preparation import NucleusPreparation, hold
 from verification.thresholds.result import (
@@ -119,11 +119,15 @@ def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float) 
 
 
 def _extrapolated(speed: FloatArray, c: FloatArray) -> tuple[float, float]:
-    """Return c at zero rate, and its change due to the next term of the law."""
+    """Return c at zero rate, and its error: the next term of the law, and that of the escapes."""
     # At a fold the delay is K rate^{2/3}; the next term is linear in the rate.
     terms = np.column_stack([np.ones_like(speed), speed ** (2.0 / 3.0), speed])
-    c_0 = float(np.linalg.solve(terms[-3:], c[-3:])[0])
-    return c_0, abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
+    weights = np.linalg.inv(terms[-3:])[0]
+    c_0 = float(weights @ c[-3:])
+    next_term = abs(c_0 - float(np.linalg.solve(terms[-2:, :2], c[-2:])[0]))
+    # An escape is noticed at the end of a step, so that each coupling is too large by up to a step.
+    late = weights * speed[-3:] * STEP
+    return c_0, next_term + float(max(late[late > 0.0].sum(), -late[late < 0.0].sum()))
 
 
 def measure_delay(chain: VanDerPolChain, preparation: NucleusPreparation) -> Delay:

@@ -42,6 +42,8 @@ MAX_NUCLEUS = 41
 """Largest nucleus whose breather is followed; the matrices are dense."""
 NOISE = Range(0.0, 0.1)
 """Range of the standard deviation of the noise on the start."""
+SWEPT_ETA = Range(1e-3, 0.125)
+"""Range of η of the methods sweep and hold, whose steps become shorter in proportion to η."""
 _OF_BREATHERS = (Definition.EXISTENCE, Definition.STABILITY)
 _DEFINITIONS = {
     ThresholdMethod.ENVELOPE: _OF_BREATHERS,
@@ -73,7 +75,7 @@ _OPTIONS = {
 """Options that apply to each method; continuation and the closed form have none."""
 
 
-@with_ranges(noise=NOISE.high)
+@with_ranges(noise=NOISE.high, swept=SWEPT_ETA.low)
 def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which method is said)
     chain: Chain,
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
@@ -106,7 +108,8 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         ``envelope`` (default for an `AveragedChain`) and ``orbit`` (default for a `VdpChain`;
         possible for an `OscillatorChain`): continuation of the breather to its fold.
         ``closed-form``: fold of (29) with (37). ``sweep`` and ``hold``: runs of (43) from an
-        in-phase start; if a sweep shows no escape at a fold, ``hold`` is used instead.
+        in-phase start, for η from {swept}; if a sweep shows no escape at a fold, ``hold`` is used
+        instead.
         ``bisection`` (default for any other chain): bisection between runs of the chain itself that
         spread and runs that do not.
     definition : Definition or str, optional
@@ -329,6 +332,7 @@ def _by_runs_of_43(
         raise ParameterError(
             "pattern", repr(nucleus.pattern), f"in phase for the method {how}", "leave it out"
         )
+    within("eta = b/a^2", chain.eta, *SWEPT_ETA, "take the method envelope at smaller eta")
     within("perturbation", noise, *NOISE)
     first = random_seed(seed)
     preparation = NucleusPreparation(nucleus.size, nucleus.place, noise, first)

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from tests.settling import settle
+from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
@@ -268,22 +269,31 @@ def test_counters_of_a_friction_chain_beyond_what_they_count_are_refused(
             run.check_state()
 
 
-def test_the_mean_over_seeds_errs_by_its_spread_and_by_the_errors_of_the_values() -> None:
+def _ensemble(values: FloatArray, errors: FloatArray) -> Ensemble:
+    return Ensemble(
+        chain=None, quantity="v", seeds=np.arange(values.size), values=values, errors=errors,
+        reasons=np.full(values.size, ""), seconds=0.0,
+    )  # fmt: skip
+
+
+def test_the_mean_over_seeds_errs_by_the_errors_of_the_values() -> None:
     """Equal values have the error of one; those that are missing do not count."""
-    rng = np.random.default_rng(0)
     for values, errors in (
         (np.ones(5), np.full(5, 1e-3)),
-        (rng.normal(size=400), np.zeros(400)),
-        (np.append(np.ones(4), math.nan), np.append(np.full(4, 2e-3), math.nan)),
+        (np.append(np.ones(4), math.nan), np.append(np.full(4, 1e-3), math.nan)),
     ):
-        found = Ensemble(
-            chain=None, quantity="v", seeds=np.arange(values.size), values=values, errors=errors,
-            reasons=np.full(values.size, ""), seconds=0.0,
-        )  # fmt: skip
-        known = values[np.isfinite(values)]
-        spread = math.sqrt(np.sum((known - known.mean()) ** 2) / (known.size - 1) / known.size)
-        assert found.mean_error == pytest.approx(spread + np.nanmax(errors))
-        assert found.missing == values.size - known.size
+        found = _ensemble(values, errors)
+        assert found.mean_error == pytest.approx(1e-3)
+        assert found.missing == np.isnan(values).sum()
+
+
+@pytest.mark.parametrize("count", [2, 3, 8, 64])
+def test_the_error_of_a_mean_over_seeds_covers_it_in_95_of_100_cases(count: int) -> None:
+    """Of normal values with mean zero; the standard error alone covers 50 to 68 of 100."""
+    drawn = np.random.default_rng(count).normal(size=(2000, count))
+    found = [_ensemble(values, np.zeros(count)) for values in drawn]
+    covered = sum(abs(each.mean) <= (each.mean_error or 0.0) for each in found) / len(found)
+    assert covered == pytest.approx(0.95, abs=4.0 * math.sqrt(0.95 * 0.05 / len(found)))
 
 
 @pytest.mark.parametrize(("value", "error"), [(0.5, 0.1), (0.5, None)])

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import stdtrit
 
 from theory.arrays import FloatArray, IntArray
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
@@ -22,6 +23,9 @@ from verification.execution.progress import ProgressCallback
 
 VALUES = ("v", "c_crit", "frequency", "value")
 """Attributes of a result that may be its value; the first one present is taken."""
+
+_CONFIDENCE = 0.975
+"""Probability below the upper end of a confidence interval of 95 per cent."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,11 +75,16 @@ class Ensemble(Result):
 
     @property
     def mean_error(self) -> float | None:
-        """Standard error of the mean plus the largest error stated for a value."""
+        """Half of the 95 per cent confidence interval of the mean, plus the largest error stated.
+
+        The interval is Student's, for values with a normal distribution over the seeds; values
+        without an error count as exact. None if there is only one value.
+        """
         if self.spread is None:
             return None
         largest = float(np.nanmax(self.errors, initial=0.0))
-        return self.spread / math.sqrt(self._known.size) + largest
+        count = self._known.size
+        return float(stdtrit(count - 1, _CONFIDENCE)) * self.spread / math.sqrt(count) + largest
 
     @property
     def missing(self) -> int:
@@ -178,7 +187,7 @@ def ensemble(
     >>> def mean_threshold(chain):
     ...     return chain.site_values["alpha"].mean()
     >>> found = ensemble(mean_threshold, nagumo, range(100), workers=1)
-    >>> abs(found.mean - 0.2) < 4 * found.mean_error, abs(found.spread - 0.02 / 3) < 1e-3
+    >>> abs(found.mean - 0.2) < found.mean_error, abs(found.spread - 0.02 / 3) < 1e-3
     (True, True)
     """
     begin = perf_counter()

@@ -60,6 +60,16 @@ def test_a_run_of_the_envelope_at_small_eta_is_that_of_scipy() -> None:
     assert np.abs(run_envelope(chain, phi, 3.0).phi - exact).max() < 1e-4 * np.abs(exact).max()
 
 
+def test_a_breather_by_runs_of_the_envelope_at_small_eta_is_that_of_the_equation() -> None:
+    """It was said to have escaped, since the run overflowed; far smaller η are refused."""
+    chain = AveragedChain(a=1.0, b=1e-4, c=5e-4, sites=9)
+    run, solved = (breather(chain, method=each) for each in ("simulation", "envelope"))
+    assert run.error is not None
+    assert np.abs(run.amplitudes - solved.amplitudes).max() <= run.error < 1e-6
+    with pytest.raises(ParameterError, match=r"^eta = b/a\^2 = 9e-06 .* at least 1e-05"):
+        breather(chain.replace(b=9e-6), method="simulation")
+
+
 def test_a_coupling_that_grows_is_that_of_its_time() -> None:
     """c = c₀ + rate·T: held within a step, whose middle it is taken at, so of second order."""
     chain, rate = VdpChain(a=2.5, b=0.5, c=0.05, sites=5), 0.01

@@ -14,6 +14,7 @@ import numpy as np
 from theory.arrays import BoolArray, ComplexArray, FloatArray
 from theory.cells.vdp import attraction_rate
 from theory.chains.vdp import VanDerPolChain
+from theory.parameters import ParameterError
 from verification.runs.excite import as_psi
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.steppers.kernel import fast
@@ -24,6 +25,8 @@ STEP = 0.1
 _ATTRACTED = 2.0
 """Largest product of a step and the rate at which the stable cycle attracts, some 1/(2η): the
 method is unstable from about 5."""
+SMALLEST_ETA = 1e-5
+"""Smallest η, at which a slow time of 1 takes 25 000 steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,6 +103,11 @@ def run_envelope(
     limit : float, optional
         Amplitude that ends the run.
 
+    Raises
+    ------
+    ParameterError
+        If η is below `SMALLEST_ETA`.
+
     Examples
     --------
     >>> from theory.chains.vdp import AveragedChain
@@ -108,6 +116,11 @@ def run_envelope(
     >>> round(float(abs(run_envelope(chain, start, 100.0).phi[2])), 6)
     2.828427
     """
+    if chain.eta < SMALLEST_ETA:
+        raise ParameterError(
+            "eta = b/a^2", chain.eta, f"at least {SMALLEST_ETA:g} for runs of (43) at equal steps",
+            "take the method envelope, or a larger eta",
+        )  # fmt: skip
     averaged = chain.averaged()
     mask = np.ones(chain.sites) if watched is None else np.asarray(watched, dtype=float)
     attraction = attraction_rate(chain.eta) if chain.bistable else 0.0

@@ -833,6 +833,9 @@ def test_the_law_beside_the_fold_is_that_of_its_second_derivative() -> None:
     )
     square_root, _ = resting._beside(chain, fold.u, fold.parameter)
     assert square_root == pytest.approx(math.sqrt(alpha * beta) / math.pi, rel=1e-5)
+    inverse = np.linalg.pinv(matrix, rcond=1e-6)  # without the null vectors
+    sensitive = np.linalg.norm(matrix, 2) * np.linalg.norm(inverse, 2)
+    assert resting._condition(chain, fold) == pytest.approx(sensitive, rel=1e-6)
 
 
 def _rest_at_the_fold(eta: float, start: Any, c: float) -> tuple[float, float, float]:

@@ -1372,7 +1372,7 @@ def _computation(*of: Axis) -> Computation:
     return Computation(
         name="made-up", title="for this test", axes=of, seconds=1.0,
         compute=lambda _: StatedValue(value=1.0, error=0.0),
-        check=lambda *_: ReferenceCheck.exact(True, "this test"),
+        check=lambda *_: ReferenceCheck.exact(True, method="this test"),
     )  # fmt: skip
 
 
@@ -1387,7 +1387,7 @@ def test_an_error_belongs_to_a_value_and_a_yes_or_no_is_certain() -> None:
     found = SimpleNamespace(error=1e-3)
     assert [StatedValue.of(found, value).error for value in (0.5, None)] == [1e-3, 0.0]
     for held, distance in ((True, 0.0), (False, math.inf)):
-        check = ReferenceCheck.exact(held, "this test")
+        check = ReferenceCheck.exact(held, method="this test")
         assert (check.distance, check.uncertainty, check.method) == (distance, 0.0, "this test")
 
 

@@ -304,6 +304,8 @@ def test_steps_of_the_switch_model_are_bounded_and_their_refusals_counted() -> N
     chosen = run_switch(chain, start, 4.0, band=1e-6, relative=1e-8, absolute=1e-10)
     assert chosen.rejected > 0
     assert chosen.unconverged == 0
+    usual = run_switch(chain, start, 4.0, relative=1e-3, absolute=1e-6)  # MATLAB's
+    assert np.array_equal(run_switch(chain, start, 4.0).y, usual.y)
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.3])

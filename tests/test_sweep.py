@@ -41,6 +41,7 @@ from verification.execution.store import Store
 from verification.execution.sweep import SweepError, part_path, sweep
 from verification.execution.table import Table, load_table, record_path, zarr_writer
 from verification.execution.task import parameters_of
+from verification.runs.trajectory import RunStatus
 
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))  # inherited by spawned processes
@@ -891,6 +892,7 @@ def test_an_array_of_a_point_has_signed_numbers_or_what_they_cannot_hold() -> No
         assert isinstance(found, np.ndarray)
         assert found.dtype.kind == kind
         assert found.tolist() == np.asarray(given).tolist()
+    assert columns.cell_of(RunStatus.RESOLVED) == "resolved"  # a word, though not a plain one
 
 
 def test_arrays_are_on_disk_where_a_folder_is_named_and_numbers_never(

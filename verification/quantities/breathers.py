@@ -149,7 +149,7 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
     if stated.value is None:
         # The true fold cannot lie farther beyond the stated one than that is from its reference.
         fold = _check_fold(at, StatedValue.of(stated.extra.fold, top))
-        return ReferenceCheck.exact(at["c"] > top - fold.distance, fold.method)
+        return ReferenceCheck.exact(at["c"] > top - fold.distance, method=fold.method)
     a, b = _coefficients(at)
     with mp.workdps(60):
         least = _true_fold(at)[0] * (1 - 2 * stated.error)
@@ -166,7 +166,7 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
             x, y = mp.findroot(both, (mp.mpf(1), mp.mpf(1)), tol=1e-40)
         except (ValueError, ZeroDivisionError):
             if at["c"] > top * (1.0 - 1e-12):
-                return ReferenceCheck.exact(True, "at the fold to within rounding")
+                return ReferenceCheck.exact(True, method="at the fold to within rounding")
             raise NoReferenceError("Newton in 60 digits does not converge.") from None
         off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1)) if S * x >= least else mp.inf
         return ReferenceCheck(distance=float(off), method="Newton in 60 digits")
@@ -186,7 +186,9 @@ def _check_envelope(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
             raise NoReferenceError("the quarter-turn reduction has no fold.")
         # Nine sites with free ends are not the infinite chain; their folds differ by the effect of
         # the tail.
-        return ReferenceCheck.exact(at["c"] > 0.98 * fold.parameter, "quarter-turn reduction")
+        return ReferenceCheck.exact(
+            at["c"] > 0.98 * fold.parameter, method="quarter-turn reduction"
+        )
     phi, omega = np.asarray(stated.value[:-1]), complex(stated.value[-1]).real
     true = locked_state(at["eta"], at["c"], phi, omega)
     given = np.array([*phi.real, *phi.imag, omega])

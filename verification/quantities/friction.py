@@ -85,10 +85,10 @@ def cycle_by_scipy(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
         small = max(min(_ROUGH[0], 1e-6 * cell.v_d), _TIGHT[0])
         soon, late = 0.1 * _SLIP, _SLIP  # most cells that stick do so in the first slip
         sticks = any(run(end, (small, _ROUGH[1])).when(BEGINS).size for end in (soon, late))
-        return ReferenceCheck.exact(not sticks, _BY)
+        return ReferenceCheck.exact(not sticks, method=_BY)
     true, looser = (run(2.2 * period, each).last_cycle for each in (_TIGHT, _LOOSE))
     if true is None or looser is None:
-        return ReferenceCheck.exact(False, _BY)
+        return ReferenceCheck.exact(False, method=_BY)
     return ReferenceCheck(
         distance=float(np.abs(true - stated.value).max()),
         uncertainty=float(np.abs(np.subtract(true, looser)).max()),
@@ -166,7 +166,9 @@ def within_the_work_of_friction(at: Mapping[str, float], stated: StatedValue) ->
     most = _root_energy(at["c"], *stated.extra) + added
     # A bound, with an allowance for the rounding of thousands of steps; it only tells right from
     # wrong.
-    return ReferenceCheck.exact(float(stated.value) <= (1.0 + 1e-9) * most, "the work of friction")
+    return ReferenceCheck.exact(
+        float(stated.value) <= (1.0 + 1e-9) * most, method="the work of friction"
+    )
 
 
 QUANTITIES = (

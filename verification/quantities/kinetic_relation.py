@@ -135,12 +135,12 @@ def _by_newton(
     def check(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
         if stated.value is None or not exists(at[name]):
             return ReferenceCheck.exact(
-                (stated.value is not None) == exists(at[name]), "whether it exists"
+                (stated.value is not None) == exists(at[name]), method="whether it exists"
             )
         with mp.workdps(100):
             x, given = mp.mpf(stated.value), mp.mpf(at[name])
             if x == 0:
-                return ReferenceCheck.exact(defect(x, given) == 0, "substitution of zero")
+                return ReferenceCheck.exact(defect(x, given) == 0, method="substitution of zero")
             h = x * mp.mpf(10) ** -40
             here = defect(x, given)
             slope = (defect(x + h, given) - defect(x - h, given)) / (2 * h)
@@ -175,7 +175,7 @@ def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
     """Compare the maximum of |Σ| near the fold's velocity with 2r on both sides of c_fold."""
     eta, below_end = at["eta"], at["eta"] < ETA_PIN_END
     if stated.value is None or not below_end:
-        return ReferenceCheck.exact((stated.value is None) != below_end, "existence")
+        return ReferenceCheck.exact((stated.value is None) != below_end, method="existence")
     if stated.extra.velocity == 0.0:  # the fold is at pinning itself
         with mp.workdps(60):
             h = mp.mpf(stated.value) * mp.mpf(10) ** -25
@@ -199,7 +199,7 @@ def _check_height(
     above = excess(v, 1)
     beside = [excess(v * (1.0 + t), -1) for t in (-1e-7, 0.0, 1e-7)]
     held = above >= 0 and all(value <= 0 for value in beside)
-    return ReferenceCheck.exact(held, "height of the maximum in many digits")
+    return ReferenceCheck.exact(held, method="height of the maximum in many digits")
 
 
 def _eta_fold(at: Mapping[str, float]) -> StatedValue:

@@ -201,7 +201,7 @@ class ReferenceCheck:
     method: str
 
     @classmethod
-    def exact(cls, held: bool, method: str) -> Self:
+    def exact(cls, held: bool, *, method: str) -> Self:
         """Return the check of a method that can only tell right from wrong."""
         return cls(distance=0.0 if held else math.inf, method=method)
 

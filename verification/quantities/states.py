@@ -83,7 +83,7 @@ def _label_holds(at: Mapping[str, float], stated: StatedValue, full: bool) -> Re
     else:
         early, late = np.split(np.linalg.norm(amplitude, axis=0), 2)
         held = bool(late.mean() < early.mean() and not above.any())
-    return ReferenceCheck.exact(held, "scipy's DOP853, to more than twice the time")
+    return ReferenceCheck.exact(held, method="scipy's DOP853, to more than twice the time")
 
 
 _AXES = (

@@ -29,9 +29,6 @@ from theory.parameters import ParameterError, positive, within
 from verification.execution.compiled import inner, outer
 
 PAPER_BAND = 1e-4
-ODE23T_RELATIVE, ODE23T_ABSOLUTE = 1e-3, 1e-6
-"""MATLAB's default tolerances; the paper names none."""
-
 _ITERATIONS = 50
 _CONVERGED = 1e-13
 _SHORTEST = 1e-12
@@ -83,8 +80,8 @@ def run_switch(
     t_end: float,
     *,
     step: float | None = None,
-    relative: float = ODE23T_RELATIVE,
-    absolute: float = ODE23T_ABSOLUTE,
+    relative: float = 1e-3,
+    absolute: float = 1e-6,
     band: float = PAPER_BAND,
     samples: int = 201,
 ) -> SwitchRun:
@@ -101,7 +98,8 @@ def run_switch(
     step : float, optional
         Fixed step, at most 1/(√(1 + 4c) + 2ξ); by default the step is chosen by the tolerances.
     relative, absolute : float
-        Tolerances of the adaptive step control.
+        Tolerances of the adaptive step control; by default those of MATLAB, as the paper names
+        none.
     band : float
         Half-width of the stick band in v_rel, positive.
     samples : int

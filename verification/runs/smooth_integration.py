@@ -53,9 +53,6 @@ _PACE_CHANGE, _PACE_GAIN = 0.2, 0.4
 """Relative change of the state within which steps grow by at most the inverse of the second
 number: a damping rate like y⁴ falls by this factor."""
 
-SHORTEST_STEP = 1e-13
-"""Kernel time of the shortest step; a start of 1e3 in (43) needs about 1e-11."""
-
 REVIEW = 6.5
 """Kernel time after which the step of an oscillation may grow: slightly more than a period."""
 
@@ -99,8 +96,8 @@ class SmoothIntegration(Integration):
     step : float, optional
         Take equal steps of this length, in kernel time, instead of using the tolerance.
     shortest_step, longest_step : float
-        Limits of the step in kernel time: the run fails if a shorter one is needed, and no step is
-        longer than the second.
+        Limits of the step in kernel time: the run fails if a shorter one is needed (a start of 1e3
+        in (43) needs about 1e-11), and no step is longer than the second.
     watch, memory : optional
         A stop condition (``steppers.smooth.Condition``) and its numbers.
     """
@@ -121,7 +118,7 @@ class SmoothIntegration(Integration):
         left_boundary_wave: bool = False,
         drift: dict[str, float] | None = None,
         step: float | None = None,
-        shortest_step: float = SHORTEST_STEP,
+        shortest_step: float = 1e-13,
         longest_step: float = math.inf,
         watch: smooth.Condition | None = None,
         memory: FloatArray | None = None,

@@ -92,7 +92,7 @@ def exponents(
     """
     parity = 0
     if mirrored:  # the phase mode iφ has the parity of φ
-        parity = 1 if np.abs(phi + phi[::-1]).sum() > np.abs(phi - phi[::-1]).sum() else -1
+        parity = 1 if np.linalg.norm(phi - phi[::-1]) < np.linalg.norm(phi) else -1
     # The error of φ is that of its real and of its imaginary part; sites do not affect one another.
     aside = math.sqrt(2.0) * error
     off = omega_error + _bend(float(np.abs(phi).max()) + aside, chain) * aside

@@ -33,7 +33,7 @@ from verification.execution import columns
 from verification.execution import sweep as sweeping
 from verification.execution import table as tables
 from verification.execution.columns import column_of, on_disk, python_rows
-from verification.execution.files import FileError
+from verification.execution.files import FileError, write_json
 from verification.execution.metadata import COMMAND_LINE
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
@@ -762,9 +762,15 @@ def test_what_is_no_record_is_one_sentence(body: object) -> None:
         Record.from_dict(body, "map")
 
 
-def test_a_record_is_read_as_its_kind_and_format_only_and_as_it_was_written() -> None:
+def test_a_record_is_read_as_its_kind_and_format_only_and_as_it_was_written(
+    tmp_path: Path,
+) -> None:
     with pytest.raises(ValueError, match="JSON"):  # which has no such number
         Record(kind="map", content={"c": [math.nan]}).to_dict()
+    with pytest.raises(ValueError, match="JSON"):
+        write_json(tmp_path / "out.json", {"c": math.nan})
+    Record(kind="map", content={"unit": "η"}).save(tmp_path / "out.json")
+    assert '"η"' in (tmp_path / "out.json").read_text("utf-8")
     written = Record(kind="map", content={"c": [0.5, 1e-300]}).to_dict()
     assert Record.from_dict(written, "map").content == {"c": [0.5, 1e-300]}
     for kind, change in (("table", {}), ("map", {"format": 2}), ("map", {"c": [0.5, 0.0]})):

@@ -240,16 +240,18 @@ def test_of_tests_that_take_no_time_those_of_few_functions_come_first() -> None:
     assert [test[0] for test in found] == ["c", "d", "b", "a"]
 
 
-def test_of_a_change_of_a_constant_the_tests_of_files_that_name_it_come_first() -> None:
+def test_of_a_change_of_a_constant_the_tests_that_name_or_use_it_come_first() -> None:
     survey = Survey()
-    (mutant, *_) = mutants_of("m.py", "LIMIT = 2.0\ndef f(): return LIMIT")
+    source = "LIMIT = 2.0\ndef f(): return LIMIT\nclass C:\n  def g(self): return 1.0"
+    (mutant, *_) = mutants_of("m.py", source)
     texts = {"a.py": "near m", "b.py": "m.LIMITS", "c.py": "m.LIMIT", "d.py": "n.LIMIT"}
+    texts["e.py"] = "m.f"
     importing = {file: frozenset({"n.py" if file == "d.py" else "m.py"}) for file in texts}
+    entered = {"b.py": ["m.py:C.g"], "c.py": ["m.py:C.g", "n.py:f"], "e.py": ["m.py:f"]}
     for file in texts:
-        entered = ["m.py:f"] if file == "b.py" else []
-        survey.add([{"test": f"{file}::t", "seconds": 0.1, "entered": entered}])
+        survey.add([{"test": f"{file}::t", "seconds": 0.1, "entered": entered.get(file, [])}])
     found = survey.reaching(mutant, True, importing, texts)
-    assert [test[0] for test in found] == ["c", "b", "a"]
+    assert [test[0] for test in found] == ["e", "c", "b", "a"]
 
 
 def test_libraries_are_those_that_functions_import_too(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import sys
 from collections import defaultdict
@@ -12,6 +13,7 @@ from pathlib import Path
 from benchmarks.mutation.children import STOPPED, Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import Mutant
+from benchmarks.mutation.places import outermost_functions
 from benchmarks.mutation.put import names_bound
 from benchmarks.mutation.records import Records
 from benchmarks.mutation.session import Session, dotted
@@ -73,14 +75,24 @@ class Survey:
 
         These tests enter the function. A change of code that runs on import may affect other tests.
         Of those of the files that import the module the first are those of files that name what is
-        changed (a constant, say), then those that enter any function of the module.
+        changed (a constant, say), and those that enter a function of the module that uses it; then
+        those that enter any function of the module.
         """
         near = [file for file, modules in importing.items() if mutant.module in modules]
         tiers = [self._entering[mutant.function_at]]
         if on_import:
-            words = [re.compile(rf"\b{name}\b") for name in names_bound(mutant.statement)]
+            names = names_bound(mutant.statement)
+            words = [re.compile(rf"\b{name}\b") for name in names]
             files = {file for file in near if any(word.search(texts[file]) for word in words)}
-            tiers.append({test for test in self.seconds if test.partition("::")[0] in files})
+            naming = {test for test in self.seconds if test.partition("::")[0] in files}
+            using = (
+                self._entering[f"{mutant.module}:{name}"]
+                for name, function in outermost_functions(mutant.tree)
+                if any(
+                    isinstance(each, ast.Name) and each.id in names for each in ast.walk(function)
+                )
+            )
+            tiers.append(naming.union(*using))
             tiers.append(self._entering[mutant.module])
             tiers.append({test for test in self.seconds if test.partition("::")[0] in near})
 

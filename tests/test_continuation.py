@@ -210,6 +210,20 @@ def test_where_two_branches_nearly_cross_the_one_that_is_followed_is_not_left() 
     assert abs(kept.fold.parameter + 1e-3) <= kept.fold.error < 1e-9
 
 
+def test_a_step_across_a_bifurcation_is_taken_whole_if_no_shorter_one_avoids_it() -> None:
+    """From a millionth before the bifurcation of u² = c² all of them lead across."""
+
+    def crossing(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 - c**2, np.diag(2.0 * u), np.array([-2.0 * c])
+
+    start = solve_at(crossing, np.array([-1e-6]), -1e-6)
+    start = start if start.tangent[-1] > 0.0 else start.reversed()
+    new, length = branches._next(crossing, start, 0.3, StepControl(generic=True))
+    assert length == 0.3
+    assert new.u[0] == pytest.approx(new.parameter, rel=1e-9)
+    assert new.parameter > 0.0
+
+
 def test_of_two_folds_within_one_step_the_first_is_found() -> None:
     """A branch that turns at u = 0.4, back at 0.5 and again at 0.6."""
 

@@ -766,7 +766,8 @@ def test_a_branch_of_fronts_is_followed_from_the_largest_value_past_the_smallest
 
 
 @pytest.mark.parametrize(
-    ("c", "eta", "v"), [(0.6, 0.03125, 0.72), (3.0, 0.1, 3.6), (0.1, 0.01, 0.3)]
+    ("c", "eta", "v"),
+    [(0.6, 0.03125, 0.72), (3.0, 0.1, 3.6), (0.1, 0.01, 0.3), (100.0, 0.1, 102.3)],
 )
 def test_a_front_dies_away_by_its_tails(c: float, eta: float, v: float) -> None:
     """vλ = c sinh λ + f'(ρ): the one root ahead, and behind the one with the least real part."""

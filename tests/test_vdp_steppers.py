@@ -169,7 +169,10 @@ def test_a_mirrored_state_has_the_mirrored_slope_to_the_last_bit(full: bool) -> 
 @pytest.mark.parametrize("full", [True, False])
 @pytest.mark.parametrize("ends", VdpChain.allowed_ends)
 def test_the_compiled_slope_is_the_kernel_at_every_site(full: bool, ends: Ends) -> None:
-    """The kernel in numpy, its neighbours by padding: the loop over sites is not used."""
+    """The kernel in numpy, its neighbours by padding: the loop over sites is not used.
+
+    Of a wave that goes on beyond the first site, the part from the second site on has its slope.
+    """
     chain = _of(VdpChain(a=2.5, b=0.5, c=0.3, eps=0.2, sites=6, ends=ends), full)
     y, w = state = np.random.default_rng(5).standard_normal((2, 6))
     mode = "wrap" if ends is Ends.PERIODIC else "edge"
@@ -182,6 +185,11 @@ def test_the_compiled_slope_is_the_kernel_at_every_site(full: bool, ends: Ends) 
     slope = _called(slope_of(chain))
     slope(state.ravel(), np.array(chain.kernel_parameters()), code, code, out)
     assert np.abs(out - expected.ravel()).max() < 1e-14
+    wave = excite(chain, range(1, 7), quarter_turns=[-n for n in range(6)])
+    part = np.zeros(10)
+    slope(wave.ravel(), np.array(chain.kernel_parameters()), FREE, FREE, out)
+    slope(wave[:, 1:].ravel(), np.array(chain.kernel_parameters()), FOLLOWING, FREE, part)
+    assert np.abs(part.reshape(2, 5) - out.reshape(2, 6)[:, 1:]).max() < 1e-14
 
 
 @pytest.mark.parametrize("full", [True, False])

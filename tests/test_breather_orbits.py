@@ -372,6 +372,7 @@ def test_the_errors_of_a_fold_of_orbits_cover_those_of_their_steps() -> None:
         branch = trace(orbits.system(), orbits.start(0.2, 0.15), 2.0)
         assert branch.fold is not None
         found.append(_described(orbits, branch.fold, 1))
+        assert orbits.unit == 1.0  # displacements as they are
     *rough, fine = found
     for each in rough:
         assert abs(each.c - fine.c) <= each.error + fine.error

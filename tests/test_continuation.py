@@ -239,6 +239,11 @@ def test_of_two_folds_within_one_step_the_first_is_found() -> None:
     branch = trace(course, start, 1.0, None, StepControl(length=0.6))
     assert branch.fold is not None
     assert branch.fold.u[0] == pytest.approx(0.4, abs=1e-3)
+    found = branches._earlier(course, branch.points[0], 0.25, StepControl())
+    assert found is not None
+    place, turned = found
+    assert place == 0.125
+    assert turned == step_along(course, branch.points[0], place).tangent[-1]
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -382,6 +382,8 @@ def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
         ("from functools import lru_cache\n@lru_cache\ndef k(c): return 1", "k(c)",
          ("turn 1", "turn 2")),
         ("k = {'a', 'b'}", "[c in {'a', 'b'} for c in k]", ("= {'a'", "= {'c'")),
+        ("import math as k", "k.sqrt(c)", ("math", "cmath")),
+        ("import math, cmath\nk = [math]", "k[0].sqrt(c)", ("[math", "[cmath")),
     ],
 )  # fmt: skip
 def test_what_a_session_defines_is_seen_to_change(given, use, changed, monkeypatch):

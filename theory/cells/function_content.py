@@ -137,13 +137,19 @@ class ContentReader:
         return self._without_modules(found | captured_in_closure(plain), attributes)
 
     def _without_modules(self, found: dict[str, Any], attributes: frozenset[str]) -> dict[str, Any]:
-        """Return the values with each module replaced by those of its attributes that are used."""
+        """Return the values with each module replaced by those of its attributes that are used.
+
+        A module that determines what it defines is replaced by its name.
+        """
         places, read = list(found), []
         for place in places:
             if not isinstance(found[place], ModuleType):
                 continue
             module = found.pop(place)
-            if self.determines(module.__name__) or module in read:
+            if self.determines(module.__name__):
+                found[place] = module.__name__
+                continue
+            if module in read:
                 continue
             read.append(module)
             for name in attributes & {*vars(module)}:

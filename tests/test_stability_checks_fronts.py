@@ -208,6 +208,24 @@ def test_a_plain_grid_sees_every_velocity(c: float, eta: float) -> None:
     assert relation._changes_of_sign({"c": c, "eta": eta}) == len(branches)
 
 
+@pytest.mark.parametrize(
+    ("off", "error", "changes"), [(1e-6, 6e-7, 0), (1e-6, 4e-7, 1), (5e-13, 0.0, 0)]
+)
+def test_a_sum_within_twice_its_error_of_the_limit_has_no_sign(
+    off: float, error: float, changes: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor one within 1e-12 of it."""
+
+    def made(v: Any, *_: float) -> Any:
+        value = target + off * np.where(np.arange(v.size) < 9, 1.0, -1.0)
+        return SimpleNamespace(value=value, error=np.full(v.size, error))
+
+    at = {"c": 0.5, "eta": 0.1}
+    target = 2.0 * float(relation.threshold_ratio(at["eta"]))
+    monkeypatch.setattr(relation, "sums", made)
+    assert relation._changes_of_sign(at) == changes
+
+
 @pytest.mark.parametrize("value", [None, 0.0])
 def test_a_closed_form_without_a_value_has_no_error(value: float | None) -> None:
     found = relation._closed(lambda _: value, "eta")({"eta": 0.05})

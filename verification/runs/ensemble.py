@@ -110,19 +110,19 @@ class SeedTask:
             found = self.function(self.chain.replace(seed=point["seed"]), **self.options)
         except (ParameterError, ArithmeticError) as refusal:
             return _MISSING | {"reason": str(refusal)}
-        name = next((each for each in VALUES if hasattr(found, each)), "")
-        value = getattr(found, name) if name else found
+        name = next((each for each in VALUES if hasattr(found, each)), "value")
+        value = getattr(found, name, found)
         if value is None:
             status = getattr(found, "status", None)
             return _MISSING | {
                 "reason": getattr(status, "sentence", "the result has no such number.")
             }
-        value = _number(name or "value", value)
+        value = _number(name, value)
         error = getattr(found, f"{name}_error", getattr(found, "error", None))
         if not math.isfinite(value):
             return _MISSING | {"reason": "the number is not finite."}
         return {
-            "quantity": name or "value",
+            "quantity": name,
             "value": value,
             "error": math.nan if error is None else _number("error", error),
             "reason": "",

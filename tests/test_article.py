@@ -131,6 +131,10 @@ def test_latex_sets_the_article_on_two_pages(tmp_path: Path) -> None:
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "article.tex"],
         cwd=tmp_path / "papers" / "article",
         capture_output=True, text=True, check=False, errors="replace",
+
+
+        cwd=tmp_path / "papers" / "article", capture_output=True, text=True, check=False,
+        errors="replace",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-2000:]
     assert "(2 pages," in done.stdout

@@ -390,7 +390,7 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
     """
     cell = FrictionCell(v_d=fig02.V_D, mu_st=1.25)
     log = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.0, 0, 0], [7.0, 0, 1]])
-    later = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.25, 0, 0], [7.125, 0, 1]])
+    later = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.25, 0, 0], [7.0, 0, 1]])
 
     def run(release: float = 0.0) -> Any:
         def made(_: Any, __: Any, end: float, *, times: Any = None, **___: Any) -> Any:
@@ -417,7 +417,7 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
         assert found.at_release == pytest.approx(0.25)
         assert found.largest == pytest.approx(0.75)
         assert found.releases == 2
-        assert found.gap == pytest.approx(0.125)
+        assert found.gap == pytest.approx(0.25)
 
 
 def test_the_cell_of_fig_2_is_run_from_rest(monkeypatch: Patch) -> None:
@@ -667,6 +667,23 @@ def test_sites_are_counted_until_all_have_stuck_or_none_does_for_the_stall_time(
     monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
     monkeypatch.setattr("verification.runs.excite._turning_points", lambda _: (0.0, 1.0))
     assert fig04._reached(0.01, 1, "edge", at.size, stall) == reached
+
+
+def test_amplitudes_of_fig_3_are_compared_behind_the_front_and_well_ahead_of_it(
+    monkeypatch: Patch,
+) -> None:
+    def run(chain: Any, _: Any, end: float, *, times: Any) -> Any:
+        assert (end, times) == (fig03.TIMES_B[-1], fig03.TIMES_B)
+        sites = np.arange(chain.sites)
+        amplitude = 100.0 * np.arange(1.0, 4.0)[:, None] - sites
+        return SimpleNamespace(arrivals=100.0 * sites, amplitude=amplitude, arrival_error=1e-9)
+
+    monkeypatch.setattr("verification.runs.simulate.simulate", run)
+    monkeypatch.setattr(fig03, "disagreement", lambda *_: 1e-6)
+    found = fig03.front()
+    assert found.arrived == (5, 8, 11)  # at the time itself, too
+    assert (found.trailing, found.ahead) == ((97.0, 194.0, 291.0), (90.0, 187.0, 284.0))
+    assert (found.arrival_error, found.gap) == (1e-9, 1e-6)
 
 
 @pytest.mark.parametrize(("at_rest", "last"), [(False, 1), (True, 0)])
@@ -1051,7 +1068,7 @@ def test_phase_steps_are_followed_along_the_run_and_shapes_are_those_without_noi
 
     monkeypatch.setattr("verification.runs.envelope_run.run_envelope", run)
     monkeypatch.setattr("verification.thresholds.preparation.hold", held)
-    steps = np.array([0.25, -0.5])
+    steps = np.array([0.5, -0.25])
     monkeypatch.setattr("verification.thresholds.preparation.phase_steps", lambda *_: steps)
     monkeypatch.setattr(fig10, "flow", lambda state, *_: state)
     for lost in (False, True):
@@ -1380,11 +1397,12 @@ def test_a_breather_is_followed_beyond_its_end_and_its_growth_is_that_at_the_las
         fig11._orbit_end(branch)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_rest(
-    monkeypatch: Patch,
+    side: float, monkeypatch: Patch
 ) -> None:
     """And its growth rate is that of the largest multiplier but the trivial one."""
-    frequency, period, growth = 0.25, 6.5, -0.125
+    frequency, period, growth = 0.25, 6.5, 0.125
     waves = np.array([0.5, 2.0 * np.exp(2.75j), 0.5j, 0.0])
     eps, seen = fig11.EPS, []
 
@@ -1397,12 +1415,13 @@ def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_
         seen.append(guess)
         return SimpleNamespace(u=np.array([*guess[:-1], period]))
 
-    def monodromy(_: Any, c: float, time: float) -> Any:
-        assert (c, time) == (fig11.ORBIT_AT, period)
-        return np.diag([0.5, 1.0, -np.exp(growth * eps * period)])
+    def monodromy(state: Any, c: float, time: float) -> Any:
+        assert (state.size, c, time) == (2 * waves.size, fig11.ORBIT_AT, period)
+        return np.diag([0.5, 1.0, side * np.exp(growth * eps * period)])
 
     class Shooting:
-        def __init__(self, *_: Any) -> None: ...
+        def __init__(self, chain: Any, nucleus: Any) -> None:
+            assert (chain.sites, nucleus.size) == (waves.size, 1)
 
         def system(self, *, centre: int) -> int:
             return centre
@@ -1412,9 +1431,10 @@ def test_a_stable_breather_is_shot_at_from_its_averaged_wave_with_its_middle_at_
     monkeypatch.setattr("verification.breathers.orbits.Orbits", Shooting)
     monkeypatch.setattr(fig11, "monodromy_by_differences", monodromy)
     stable, lost = ((0.0, fig11.ORBIT_AT + 0.001),), ((0.0, fig11.ORBIT_AT - 0.001),)
-    branches: Any = [SimpleNamespace(stable=each, first="first") for each in (stable, lost, ())]
-    assert fig11._orbit_growth(branches) == pytest.approx((growth,))
-    ((*state, time),) = seen
+    every = (stable, stable, lost, ())
+    branches: Any = [SimpleNamespace(stable=each, first="first") for each in every]
+    assert fig11._orbit_growth(branches) == pytest.approx((growth, growth))
+    (*state, time), _ = seen
     start = np.array(state[4:]) + 1j * np.array(state[:4])
     assert start == pytest.approx(waves * np.exp(-2.75j))
     # One turn of a wave that gains ε times its frequency.
@@ -1541,6 +1561,7 @@ def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
         assert end >= last
         arrivals = np.full(chain.sites, np.nan)
         arrivals[:reached] = delay * np.arange(min(reached, chain.sites))
+        arrivals[list(moved)] = list(moved.values())
         times = np.linspace(0.0, end, 206)
         ones = np.ones((206, chain.sites))
         return SimpleNamespace(
@@ -1559,6 +1580,7 @@ def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
 
     monkeypatch.setattr("verification.runs.simulate.simulate", run)
     monkeypatch.setattr("verification.references.passages.arrivals_of_chain", by_scipy)
+    moved: dict[int, float] = {}
     monkeypatch.setattr(fig12, "SITES", reached + 20)
     for apart[3] in (0.25, -0.25):
         assert fig12.steady().gap == pytest.approx(0.25)
@@ -1567,9 +1589,15 @@ def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
     assert found.gap == pytest.approx(0.25)
     assert found.places == pytest.approx([1.0 + time / delay for time in fig12.TIMES])
     assert (found.delay, found.spread, found.in_order) == pytest.approx((delay, 0.0, True))
+    assert found.arrival_error == 1e-6
     shown = [shape[0] for shape in found.shapes]
     assert shown == pytest.approx(fig12.TIMES, abs=0.5 * last / 205)
     assert found.amplitudes[0][0] == pytest.approx(2.0 * shown[0])
+    for moved, in_order in (
+        ({9: 8.005 * delay}, True), ({9: 8.0 * delay}, False), ({9: 7.5 * delay}, False),
+        ({9: np.nan}, False),
+    ):  # fmt: skip
+        assert fig12.steady().in_order is in_order
 
 
 def test_of_a_collapsed_curve_the_range_of_velocities_and_of_fast_fronts_are_stated() -> None:

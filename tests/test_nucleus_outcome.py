@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from fronts.cli import main
 from fronts.nucleus_evolution import evolution_in_time
 from paper_checks.claims import text_nuclei
+from theory.chains.ends import Ends
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from verification.breathers.outcome import (
@@ -249,3 +250,5 @@ def test_the_evolution_of_a_nucleus_is_judged_from_the_last_sample(
     )  # fmt: skip
     assert evolution_in_time(run)["nucleus"]["size"] == 3
     assert asked == [(9.0, 3)]
+    for chain in (VdpChain(a=4, b=2.5, c=0.1), VdpChain(a=4, b=0.5, c=0.1, ends=Ends.PERIODIC)):
+        assert not evolution_in_time(SimpleNamespace(**{**vars(run), "chain": chain}))

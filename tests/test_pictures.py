@@ -920,6 +920,20 @@ def test_the_page_shows_its_program_or_in_its_place_a_defect(
         return said
 
     assert shown(lambda _: {}) == [{"object": "<pre>1 &lt; 2</pre>"}]
+    asked: list[str] = []
+
+    def executed(name: str) -> None:
+        asked.append(name)
+        page.current = None  # the controls are moved
+
+    settings = Settings()
+    page: Any = SimpleNamespace(current=settings, _later=lambda _: None, _shower=Mock())
+    monkeypatch.setattr(module, "outcome", executed)
+    names = ("point", "profile", "curve", "run")
+    monkeypatch.setattr(module, "calls", lambda _: dict(zip(names, names, strict=True)))
+    for _ in range(2):  # what is fast is shown all the same, what is slow is not begun
+        module.ExplorerPage._work(page, settings)
+        assert asked == ["point", "profile"]
     defect = Mock(side_effect=ZeroDivisionError("a < b"))
     assert shown(defect) == [{"object": "a defect of this toolkit: ZeroDivisionError: a &lt; b"}]
 

@@ -68,7 +68,7 @@ def check(
     full: bool = False,
     record: bool = False,
     listing: bool = False,
-    quiet: bool = False,
+    quiet: bool,
 ) -> Answer:
     """Judge the chosen claims, and write the report if requested.
 

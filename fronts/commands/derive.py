@@ -54,7 +54,7 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
     weights: str | None = None,
     value: Sequence[str] = (),
     no_front: bool = False,
-    quiet: bool = False,
+    quiet: bool,
 ) -> Answer:
     """List the derivations; or derive, check and show equations.
 

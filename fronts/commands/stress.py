@@ -51,7 +51,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
     listing: bool = False,
     record: bool = False,
     work_reduction: bool = False,
-    quiet: bool = False,
+    quiet: bool,
 ) -> Answer:
     """Evaluate the points, list the quantities, or measure the work reductions.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
 from paper_checks.claims._fronts import EPS, A, B
+from paper_checks.claims._required import required
 from paper_checks.ruling import fails, holds
 from theory.arrays import FloatArray
 from verification.pictures.data_table import long_table
@@ -75,7 +76,7 @@ def steady() -> Steady:
         delay=float(late.mean()),
         spread=float(np.ptp(late) / late.mean()),
         in_order=bool(np.all(np.diff(arrivals) > 0.0) and np.all(np.diff(reached) == 1)),
-        arrival_error=run.arrival_error or np.inf,
+        arrival_error=required(run.arrival_error, "error of the arrivals"),
         gap=float(np.max(np.abs(by_scipy[:COMPARED] - arrivals[:COMPARED]))),
         shapes=tuple(run.psi[k].imag for k in at),
         amplitudes=tuple(run.amplitude[k] for k in at),

@@ -243,6 +243,6 @@ def _help(each: Described, default: Any, ranged: str) -> str:
     said = (
         isinstance(value, (str, int, float, Path)) and value != "" and not isinstance(value, bool)
     )
-    if default is not REQUIRED and said:
+    if said:
         words += f" (default {value:g})" if isinstance(value, float) else f" (default {value})"
     return words.replace("%", "%%")

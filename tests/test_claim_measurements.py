@@ -1529,12 +1529,21 @@ def test_a_law_is_off_by_what_the_error_of_the_run_does_not_explain(side: float)
 
 def test_a_front_of_the_law_has_a_velocity_if_it_is_steady(monkeypatch: Patch) -> None:
     run = SimpleNamespace(v=1.0, error=0.1, steady=False)
-    monkeypatch.setattr("verification.fronts.measure.measure_front", lambda *_, **__: run)
+    at: list[tuple[float, float]] = []
+
+    def measure(chain: Any, **_: Any) -> Any:
+        at.append((chain.b / chain.a**2, chain.c))
+        return run
+
+    monkeypatch.setattr("verification.fronts.measure.measure_front", measure)
     passages = "verification.references.passages.velocity_on_few_sites"
     monkeypatch.setattr(passages, lambda _: 1.0)
     monkeypatch.setattr(fig13, "_belt", lambda v_d: (v_d, 1.0, 0.1, 1.0))
     for run.steady, v in ((False, None), (True, 1.0)):
-        assert {found for _, _, found, *_ in fig13.velocity_law().rows} == {v}
+        at.clear()
+        rows = fig13.velocity_law().rows
+        assert {found for _, _, found, *_ in rows} == {v}
+        assert at == [*((eta, c) for eta, c, *_ in rows), (fig13.ETA, fig13.ONE)]
 
 
 def test_averaged_cells_agree_if_they_are_on_the_same_side_of_one() -> None:
@@ -1593,10 +1602,8 @@ def test_a_front_is_steady_by_its_arrivals_and_apart_from_scipy_by_the_worst(
     shown = [shape[0] for shape in found.shapes]
     assert shown == pytest.approx(fig12.TIMES, abs=0.5 * last / 205)
     assert found.amplitudes[0][0] == pytest.approx(2.0 * shown[0])
-    for moved, in_order in (
-        ({9: 8.005 * delay}, True), ({9: 8.0 * delay}, False), ({9: 7.5 * delay}, False),
-        ({9: np.nan}, False),
-    ):  # fmt: skip
+    for time, in_order in ((8.005, True), (8.0, False), (7.5, False), (np.nan, False)):
+        moved[9] = time * delay
         assert fig12.steady().in_order is in_order
 
 

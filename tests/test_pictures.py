@@ -818,6 +818,16 @@ def test_the_explorer_colours_the_largest_amplitude_at_first_and_that_of_the_cyc
 
 
 @needs_explorer
+def test_errors_of_the_run_of_the_explorer_are_not_visible() -> None:
+    from fronts.explore.calls import Settings, calls
+
+    shown = calls(Settings())["run"]
+    finer = replace(shown, options=tuple((dict(shown.options) | {"tolerance": 1e-10}).items()))
+    off = np.abs(shown.run().amplitude - finer.run().amplitude).max()
+    assert 0.0 < off < 1e-5
+
+
+@needs_explorer
 def test_the_explorer_fills_the_map_once_and_moves_the_place_in_it() -> None:
     from fronts.explore.calls import Settings
     from fronts.explore.pictures import StatesPicture

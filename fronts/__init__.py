@@ -19,7 +19,6 @@ from __future__ import annotations
 import ast
 import importlib
 import importlib.util
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -128,9 +127,8 @@ def _refuse_hidden() -> None:
 
 def _place(name: str) -> Path | None:
     """Return the folder of the package, or the file of the module, that would be imported."""
-    module = sys.modules.get(name)
     try:
-        spec = module.__spec__ if module is not None else importlib.util.find_spec(name)
+        spec = importlib.util.find_spec(name)
     except (ImportError, ValueError):
         return None
     if spec is None:

@@ -92,16 +92,14 @@ def animate(
 
     if kind == ".mp4" and not animation.FFMpegWriter.isAvailable():
         raise MissingPackageError("ffmpeg", "films", "a film in .mp4")
-    with mpl.rc_context({
-        "savefig.bbox": None, "figure.autolayout": False, "figure.constrained_layout.use": False,
-    }):  # fmt: skip
+    with mpl.rc_context({"savefig.bbox": None}):
         figure = Figure(figsize=(4.6, 4.0), dpi=100, layout="compressed")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         show = snapshot(run, axes)
         axes.set_title("t")
         figure.draw_without_rendering()
-        figure.set_layout_engine(None)  # the layout takes longer than a frame and never changes
+        figure.set_layout_engine("none")  # the layout takes longer than a frame and never changes
         for each in _moving(axes):
             each.set_animated(True)
         writer = _writer(animation, kind, frames_per_second, note, axes)

@@ -1781,8 +1781,8 @@ def test_a_chain_that_moves_at_an_inadmissible_velocity_is_told(
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_range_of_a_nearly_linear_velocity_is_below_the_resonances(side: float) -> None:
-    c = (0.5, 1.0, 2.0, 4.0, 50.0)
-    exponent = (0.5, 1.0 + 0.09 * side, 1.0 - 0.09 * side, 1.0 + 0.2 * side, 1.0)
+    c = (0.5, 1.0, 2.0, 4.0, 7.0, 50.0)
+    exponent = (0.5, 1.0 + 0.09 * side, 1.0 - 0.09 * side, 1.0 + 0.2 * side, 1.0, 1.0)
     found = evidence(fig17.PiecewiseScaling, c=c, exponent=exponent, by_series=1.0 + 0.25 * side)
     assert found.linear_range == (1.0, 2.0)
     assert found.series_gap == 0.25
@@ -1912,9 +1912,12 @@ def test_the_profiles_of_three_methods_are_apart_by_their_largest_difference(
     monkeypatch.setattr(
         at + "kinetic_relation.kinetic_relation", lambda *_: SimpleNamespace(branches=(branch,))
     )
-    monkeypatch.setattr(
-        at + "profile.front_profile", lambda z, *_: SimpleNamespace(phi=wave(z), error=2e-12)
-    )
+
+    def integral(zeta: Any, v: float, c: float) -> Any:
+        assert (v, c) == (0.5, fig16.C)
+        return SimpleNamespace(phi=wave(zeta), error=2e-12)
+
+    monkeypatch.setattr(at + "profile.front_profile", integral)
     monkeypatch.setattr(at + "profile.front_profile_by_roots", by_roots)
     monkeypatch.setattr(at + "profile.tail_bound", lambda v, c, way: (2.0 if way else 1.0, 3.0))
     verdict = SimpleNamespace(admissible=True, proven_beyond=(-9.0, 9.0))

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from paper_checks.claim import Claim, Picture, Ruling
+from paper_checks.claims._required import required
 from paper_checks.ruling import fails, holds
 from theory.arrays import ComplexArray, FloatArray
 from verification.pictures.data_table import Curves, long_table
@@ -62,10 +63,10 @@ def profile() -> ProfileValues:
     (branch,) = kinetic_relation(C, eta).branches
     zeta = np.linspace(-10.0, 10.0, 401)
     integral = front_profile(zeta, branch.v, C)
-    few = np.setdiff1d(np.arange(-9.25, 10.0, 0.75), [0.0])
+    few = np.arange(-9.25, 10.0, 0.75)
     series = front_profile_by_roots(few, branch.v, C, 4000)
     run = simulate_front(C, eta)
-    latest = run.final.latest or 0
+    latest = required(run.final.latest, "front in the chain")
     sites = np.arange(run.final.phi.size) - latest
     near = np.abs(sites) <= 10
     chain = run.final.phi[near]

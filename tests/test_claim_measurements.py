@@ -1745,6 +1745,28 @@ def test_a_steady_run_counts_and_the_worst_of_them(side: float) -> None:
     assert alike.gap == 0.25
 
 
+@pytest.mark.parametrize(("v", "gap"), [(2.75, 0.25), (3.25, 0.25), (None, math.inf)])
+def test_the_moving_chain_is_held_against_the_fastest_solution_at_its_coupling(
+    v: float | None, gap: float, monkeypatch: Patch
+) -> None:
+    def branches(c: float, eta: float) -> Any:
+        assert eta == fig17.ETA
+        found = [run_of(1.0), run_of(2.0), run_of(3.0)][: 3 if c < 0.45 else 1]
+        return SimpleNamespace(branches=found, c_fold=c, c_pin=c + 0.1)
+
+    def states(eta: float, couplings: Sequence[float]) -> Any:
+        at = couplings.index(0.445)
+        runs = [SimpleNamespace(v=9.0, status=SimpleNamespace(value="x")) for _ in couplings]
+        runs[at] = SimpleNamespace(v=v, status=SimpleNamespace(value="here"))
+        return SimpleNamespace(moving=runs, resting=runs)
+
+    monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", branches)
+    monkeypatch.setattr("verification.piecewise.simulation.hysteresis", states)
+    found = fig17.implicit()
+    assert (found.gap, found.below, found.above, found.resting) == (gap, 3, 1, "here")
+    assert (found.c_fold, found.c_pin) == (0.445, 0.545)
+
+
 def test_of_several_steady_runs_the_one_farthest_from_a_solution_counts() -> None:
     assert evidence(fig17.AdmissibilityRuns, nearest=(0.1, 0.3, 0.2)).gap == 0.3
 

@@ -185,7 +185,7 @@ def test_a_profile_from_a_negative_position_in_powers_of_ten(capsys):
 
 
 def test_only_values_are_joined():
-    words = ["-1", "--json", "-h", "-3", "--c=1", "-2", "--v", "--c", "-", "--", "-3"]
+    words = ["-1", "--json", "-h", "-3", "--c=1", "-2", "--v", "--c", "-", "--", "-3", "--all", "x"]
     assert with_values_joined(words) == words
 
 

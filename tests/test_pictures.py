@@ -399,6 +399,7 @@ def test_sites_of_a_lattice_are_drawn_where_they_are() -> None:
     assert np.array_equal(dots.get_offsets(), places)
     assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_aspect()) == ("column", "row", 1.0)
     assert dots.colorbar.ax.get_ylabel() == "amplitude"
+    assert list(dots.get_array()) == [1.0, 2.0, 3.0, 4.0]
     show(1)
     assert list(dots.get_array()) == [5.0, 6.0, 7.0, 8.0]
 

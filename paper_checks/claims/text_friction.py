@@ -37,8 +37,8 @@ class Scales:
 def spring() -> Scales:
     """Compare eigenfrequencies of (1) over ω_n with those of (5) for c = η_c/k and c = η_c."""
     generator = np.random.default_rng(4)
-    springs = 2.0 * np.eye(5) - np.eye(5, k=1) - np.eye(5, k=-1)
-    springs[0, 0] = springs[-1, -1] = 1.0
+    stretch = np.diff(np.eye(5), axis=0)
+    springs = stretch.T @ stretch
     off: dict[bool, list[float]] = {True: [], False: []}
     for m, k, eta_c in generator.uniform(0.5, 3.0, (5, 3)):
         scaled = np.sqrt(np.linalg.eigvalsh((k * np.eye(5) + eta_c * springs) / m) / (k / m))
@@ -102,21 +102,26 @@ def rule_ends(e: UnbalancedForce) -> Ruling:
 
 @dataclass(frozen=True, kw_only=True)
 class Trapezoid:
-    """Damping of the trapezoidal rule: amplitude after 200 turns, and amplification factors."""
+    """Damping of the trapezoidal rule."""
 
     drift: float
+    """Change of the amplitude in 200 turns at a step of 0.1."""
     factor: float
+    """Largest distance of an amplification factor from one, at steps from 0.001 to 1000."""
 
 
 def trapezoid() -> Trapezoid:
     """Advance a harmonic oscillator by the trapezoidal rule."""
-    step, turns = 0.1, 200
     generator, eye = np.array([[0.0, 1.0], [-1.0, 0.0]]), np.eye(2)
-    rule = np.linalg.solve(eye - 0.5 * step * generator, eye + 0.5 * step * generator)
-    state = np.linalg.matrix_power(rule, round(turns * 2 * math.pi / step)) @ [1.0, 0.0]
-    factors = [abs((1 + 0.5j * z) / (1 - 0.5j * z)) for z in np.geomspace(1e-3, 1e3, 61)]
+
+    def rule(step: float) -> FloatArray:
+        return np.linalg.solve(eye - 0.5 * step * generator, eye + 0.5 * step * generator)
+
+    step, turns = 0.1, 200
+    state = np.linalg.matrix_power(rule(step), round(turns * 2 * math.pi / step)) @ [1.0, 0.0]
+    factors = np.abs([np.linalg.eigvals(rule(each)) for each in np.geomspace(1e-3, 1e3, 61)])
     return Trapezoid(
-        drift=abs(float(np.hypot(*state)) - 1.0), factor=max(abs(x - 1.0) for x in factors)
+        drift=abs(float(np.hypot(*state)) - 1.0), factor=float(np.abs(factors - 1.0).max())
     )
 
 

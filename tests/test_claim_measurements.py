@@ -916,7 +916,7 @@ def test_the_trapezoidal_rule_is_followed_for_two_hundred_turns(monkeypatch: Pat
     count = 200.0 * 2.0 * math.pi / steps[0]
     assert found.drift == pytest.approx(1.0 - math.exp(-1e-7 * count), rel=1e-3)
     assert found.factor == pytest.approx(1e-6)
-    assert min(steps) < 0.01 < 100.0 < max(steps)
+    assert (min(steps) < 0.01, max(steps) > 100.0) == (True, True)
 
 
 AWAY = np.abs(np.arange(SITES) - SITES // 2).astype(float)
@@ -955,6 +955,21 @@ def test_a_front_is_one_in_which_every_site_joins_after_the_one_before(
     fronts = 2 * len(text_friction.FRICTION)
     assert found.outward == (*(late is None,) * fronts, True)
     assert found.ends == {"front"}
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "outward"),
+    [
+        ([1.0, 2.0], [1.5, 2.0], True), ([1.0], [1.0, 2.0, 3.0], False), ([1.0], [1.0], False),
+        ([1.0, 1.0], [1.0, 2.0], False), ([1.0, 2.0], [2.0, 1.0], False),
+    ],
+)  # fmt: skip
+def test_a_front_runs_outwards_that_takes_in_two_sites_or_more_on_either_side(
+    left: list[float], right: list[float], outward: bool
+) -> None:
+    never = [np.nan] * 3
+    arrivals = np.array([*never, *left[::-1], 0.0, *right, *never])
+    assert text_friction._outward(arrivals, 3 + len(left)) is outward
 
 
 @pytest.mark.parametrize("part", [0.9, 1.05])

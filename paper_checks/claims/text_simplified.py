@@ -89,18 +89,17 @@ def equilibria() -> Equilibria:
     root = math.sqrt(1.0 - 8.0 * ETA)
     stable, unstable = (math.sqrt(A / B * (1.0 + sign * root)) for sign in (1.0, -1.0))
 
-    def at(start: float, time: float) -> float:
-        """Follow one uncoupled site of (44) from a start on the line through φ_s."""
-        target = stable if abs(start) > unstable else 0.0
-        # dφ/dT = -(φ - target)/2 never crosses |φ_us| from either side.
-        return target + (start - target) * math.exp(-0.5 * time)
+    def left(start: float, time: float) -> float:
+        """Return how far one uncoupled site of (44), on the line through φ_s, is from its goal."""
+        goal = stable if start > unstable else 0.0
+        # dφ/dT = -(φ - goal)/2 never crosses |φ_us| from either side.
+        return abs(start - goal) * math.exp(-0.5 * time)
 
-    low, high = at(0.999 * unstable, 40.0), at(1.001 * unstable, 40.0)
-    later = at(0.999 * unstable, 41.0), at(1.001 * unstable, 41.0)
+    now, later = ([left(side * unstable, time) for side in (0.999, 1.001)] for time in (40.0, 41.0))
     return Equilibria(
-        rest=abs(low) / stable,
-        cycle=abs(high - stable) / stable,
-        rates=(math.log(low / later[0]), math.log((high - stable) / (later[1] - stable))),
+        rest=now[0] / stable,
+        cycle=now[1] / stable,
+        rates=(math.log(now[0] / later[0]), math.log(now[1] / later[1])),
         envelope_rates=(0.5, 0.5 * (1.0 - 0.75 * A * stable**2 + 0.625 * B * stable**4)),
     )
 

@@ -47,9 +47,7 @@ def _trajectory(
     run = solve_ivp(
         rate, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-13, dense_output=True
     )
-    dense = run.sol
-    if dense is None:
-        raise ArithmeticError("the integrator kept no solution.")
+    dense = required(run.sol, "solution kept by the integrator")
     return lambda time: np.asarray(dense(time), dtype=float)
 
 

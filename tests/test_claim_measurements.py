@@ -1012,22 +1012,24 @@ def text_vdp_centre() -> float:
     return CELL.steady_sliding
 
 
-class Off:
-    """NumPy with a sine that is wrong at one of the numbers that it is asked for."""
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("name", ["sin", "exp"])
+def test_a_display_that_fails_at_one_of_its_random_values_fails(
+    name: str, side: float, monkeypatch: Patch
+) -> None:
+    """With a sine, or powers of e, that are wrong at one of the numbers that are asked for."""
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(np, name)
+    def wrong(x: Any) -> Any:
+        found = getattr(np, name)(x)
+        found[7] += 0.25 * side
+        return found
 
-    def sin(self, x: Any) -> Any:
-        wrong = np.sin(x)
-        wrong[7] += 0.25
-        return wrong
-
-
-def test_a_display_that_fails_at_one_of_its_random_values_fails(monkeypatch: Patch) -> None:
-    assert text_vdp.displays().wave < 1e-14
-    monkeypatch.setattr(text_vdp, "np", Off())
-    assert text_vdp.displays().wave == pytest.approx(0.25)
+    right = text_vdp.displays()
+    monkeypatch.setattr(text_vdp, "np", SimpleNamespace(**{**vars(np), name: wrong}))
+    found = text_vdp.displays()
+    assert (right.wave, right.envelope) == pytest.approx((0.0, 0.0), abs=1e-8)
+    assert found.wave > 0.1
+    assert found.envelope > 0.01 if name == "exp" else found.envelope == right.envelope
 
 
 # ------------------------------------------------------------------- breathers and their thresholds

@@ -1938,7 +1938,7 @@ def test_the_profiles_of_three_methods_are_apart_by_their_largest_difference(
         return 1.0 / (1.0 + np.exp(np.asarray(zeta, dtype=float))) + 0j
 
     def by_roots(zeta: Any, v: float, c: float, terms: int) -> Any:
-        assert (v, c) == (0.5, fig16.C)
+        assert (v, c) == (0.25, fig16.C)
         assert terms >= 1000
         phi = wave(zeta)
         phi[3] -= 0.125 * side
@@ -1952,14 +1952,14 @@ def test_the_profiles_of_three_methods_are_apart_by_their_largest_difference(
         return SimpleNamespace(final=SimpleNamespace(latest=latest, phi=phi))
 
     latest = 60
-    branch = SimpleNamespace(v=0.5, error=1e-12)
+    branch = SimpleNamespace(v=0.25, error=1e-12)
     at = "theory.piecewise."
     monkeypatch.setattr(
         at + "kinetic_relation.kinetic_relation", lambda *_: SimpleNamespace(branches=(branch,))
     )
 
     def integral(zeta: Any, v: float, c: float) -> Any:
-        assert (v, c) == (0.5, fig16.C)
+        assert (v, c) == (0.25, fig16.C)
         return SimpleNamespace(phi=wave(zeta), error=2e-12)
 
     monkeypatch.setattr(at + "profile.front_profile", integral)

@@ -31,6 +31,7 @@ from fronts import cli
 from fronts.answer import Answer, UsageError
 from fronts.bound import BoundCall
 from fronts.catalogue import COMMANDS
+from fronts.checking import DerivedEquations
 from fronts.cli import main
 from fronts.curves import Curve, Refusal
 from fronts.files import Listing
@@ -39,10 +40,12 @@ from fronts.options import REQUIRED, _help
 from fronts.piecewise.kinetic_relation import KineticCurve
 from fronts.wording import WIDTH, in_words, table_lines
 from paper_checks.claims import fig05
+from paper_checks.shipped import FOLDER, Shipped
 from theory.cells.vdp import eta_from_damping
 from theory.parameters import MissingPackageError, ParameterError
 from theory.piecewise.sums.result import DOUBLE
 from theory.result import Result, summary
+from verification.execution.imports import SOURCES
 
 Capture = pytest.CaptureFixture[str]
 
@@ -818,6 +821,16 @@ def test_of_a_curve_of_cells_the_rows_have_the_cycles() -> None:
     assert found.to_xarray()["unstable_cycle_min"].shape == (2,)
 
 
+def test_a_step_without_a_number_has_an_empty_one_in_a_table(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    row = dict.fromkeys(("name", "kind", "operation", "expression", "latex"), "x")
+    steps = [{**row, "holds": True, "number": number} for number in (34, None)]
+    monkeypatch.setattr("derivations.algebra.rendering.records", lambda _: {"steps": steps})
+    derived = DerivedEquations(of="cell", order=1, title="", derivation=cast(Any, None))
+    assert derived.columns()["number"].tolist() == ["34", ""]
+
+
 def test_expensive_claims_are_judged_by_stored_findings_unless_all_is_asked_for() -> None:
     import inspect
 
@@ -839,6 +852,7 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
 
     followed: list[Any] = []
     monkeypatch.setattr(branches, "follow_breather", lambda *given, **_: followed.append(given))
+    monkeypatch.setattr(branches, "follow_front", lambda *given, **_: followed.append(given))
     full, mean = (fr.VdpChain(a=4, b=0.5, c=0.1), fr.AveragedChain(a=4, b=0.5, c=0.1))
     for chain, own, other in ((full, "orbit", "envelope"), (mean, "envelope", "orbit")):
         followed.clear()
@@ -848,6 +862,10 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
         branches.breather_branch([chain], "c", [0.1], method=own)
         branches.breather_branch([chain], "c", [0.1])
         assert len(followed) == 2
+    followed.clear()
+    for along, method in (("a", "wave"), ("c", "run"), ("c", "wave"), ("eta", "wave")):
+        branches.front_branch([mean], along, [0.1], method=method)
+    assert len(followed) == 2
 
 
 def test_progress_is_told_of_a_claim_before_and_after_it_is_judged(
@@ -963,7 +981,7 @@ def test_growth_is_written_into_the_folder_that_is_named(
 @pytest.mark.parametrize("asked", [False, True])
 @pytest.mark.parametrize("count", [0, 2])
 def test_records_and_the_choice_of_defaults_are_written_into_the_folder_that_is_named(
-    asked: bool, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    asked: bool, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     from benchmarks import choice, diagram, registry, tables
     from fronts.commands.bench import _measure
@@ -972,7 +990,10 @@ def test_records_and_the_choice_of_defaults_are_written_into_the_folder_that_is_
     some: Any = tuple(SimpleNamespace(name=f"b{n}", style="style") for n in range(count))
     made = {"points": "points"}
 
-    def measured(each: Any, quick: bool, _: object) -> SimpleNamespace:
+    def measured(each: Any, quick: bool, report: Any) -> SimpleNamespace:
+        assert quick is False
+        report(f"timing {each.name}")
+
         def save(path: Path) -> None:
             written.append((each.name, path))
 
@@ -996,6 +1017,7 @@ def test_records_and_the_choice_of_defaults_are_written_into_the_folder_that_is_
         expected.append((("every", tmp_path), tmp_path / "defaults.json"))
     assert written == (expected if asked else [])
     assert (str(tmp_path) in answer.text) is asked
+    assert capsys.readouterr().err == "".join(f"timing {each.name} ...\n" for each in some)
 
 
 def test_all_is_measured_into_the_records_unless_some_are_named_or_it_is_quick(
@@ -1068,6 +1090,14 @@ def test_bad_input_to_bench_is_one_sentence(
     assert all(word in told.err for word in words)
 
 
+def test_the_claims_of_a_report_are_written_as_a_table(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "claims.csv"
+    assert main(["check", "text-trapezoid", "text-ends", "--out", str(path)]) == 0
+    rows = [line for line in path.read_text("utf-8").splitlines() if not line.startswith("#")]
+    assert [row["key"] for row in csv.DictReader(rows)] == ["text-ends", "text-trapezoid"]
+    assert str(path) in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("full", [True, False])
 def test_stored_findings_are_used_unless_all_is_asked_for_anew(
     full: bool, monkeypatch: pytest.MonkeyPatch
@@ -1075,7 +1105,7 @@ def test_stored_findings_are_used_unless_all_is_asked_for_anew(
     asked: list[Any] = []
     monkeypatch.setattr("paper_checks.run.run", lambda *_, **options: asked.append(options) or ())
     fr.judge("fig16-admissible", full=full)
-    assert (asked[0]["shipped"] is None) is full
+    assert asked[0]["shipped"] == (None if full else Shipped(FOLDER, SOURCES))
 
 
 # ----------------------------------------------------------------------------------- the explorer

@@ -943,8 +943,7 @@ def test_a_front_is_one_in_which_every_site_joins_after_the_one_before(
 
     def evolution(joined: Any, *_: Any) -> Evolution:
         assert joined[SITES // 2] == 0.0  # the one that is excited is there from the start
-        return Evolution(outcome=NucleusOutcome.FRONT, size=1, sizes=(1,), longest_pause=0.0,
-                         slow_time=1.0)  # fmt: skip
+        return Evolution(outcome=NucleusOutcome.FRONT, size=1, sizes=(1,), longest_pause=0.0)
 
     monkeypatch.setattr("verification.runs.friction_integration.FrictionIntegration", Running)
     monkeypatch.setattr("verification.runs.excite._turning_points", lambda _: (0.0, 1.0))

@@ -191,7 +191,7 @@ def test_the_averaged_front_of_friction_has_the_velocity_of_steps_of_another_met
 
 def _event_run(*log: tuple[float, int, int]) -> EventRun:
     return EventRun(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)),
-                    np.array(log, dtype=float).reshape(-1, 3), 0, 0.0)  # fmt: skip
+                    np.array(log, dtype=float).reshape(-1, 3), 0.0)  # fmt: skip
 
 
 def test_a_cycle_is_from_release_to_release_with_the_stick_before_the_last() -> None:
@@ -218,7 +218,6 @@ def test_a_site_at_the_speed_of_the_belt_sticks_if_friction_can_hold_it(
         assert run.y[0, 0] == pytest.approx(carried, abs=1e-14)
     else:
         assert (run.y[0, 0] - carried) * place < -1e-4
-    assert run.evaluations > 10
 
 
 @pytest.mark.parametrize("slope", [1.0, 1e-6, -1e-6])
@@ -245,9 +244,7 @@ def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
             run_events(chain, np.array([[0.5], [1.0]]), end, tolerance=1e-13)  # y + 2ξv_d is μ_st
 
 
-def test_a_run_with_events_is_positive_and_fast_enough_and_counts_its_evaluations(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_run_with_events_is_positive_and_fast_enough() -> None:
     chain, start = FrictionChain(c=0.0, sites=1), np.array([[2.0], [0.0]])
     for end in (0.0, -1.0):
         with pytest.raises(ParameterError, match="end time"):
@@ -258,8 +255,9 @@ def test_a_run_with_events_is_positive_and_fast_enough_and_counts_its_evaluation
     monkeypatch.setattr(_Law, "rate", lambda *given: (counted.append(given[2]), rate(*given))[1])
     pace: Any = SimpleNamespace(check=covered.append)
     found = run_events(chain, start, 12.0, tolerance=1e-9, pace=pace)
+
+    found = run_events(chain, start, 12.0, pace=SimpleNamespace(check=covered.append))  # type: ignore[arg-type]
     assert len(found.log) == 4
-    assert found.evaluations == len(counted)
     assert covered[-1] == 1.0
     assert 0.0 < covered[0] < 0.1
 

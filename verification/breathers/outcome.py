@@ -29,7 +29,6 @@ run is accurate to its tolerance for a limited time only, which is stated in ``s
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -82,15 +81,12 @@ class Evolution:
         Slow times with the number of sites that had joined by then, beginning with the start at 0.
     longest_pause : float or None
         Longest slow time between two successive joining sites; None if fewer than two joined.
-    slow_time : float
-        Length of the run.
     """
 
     outcome: NucleusOutcome
     size: int
     sizes: tuple[tuple[float, int], ...]
     longest_pause: float | None
-    slow_time: float
 
     def size_at(self, slow_time: float) -> int:
         """Return how many sites had joined by a given slow time."""
@@ -114,8 +110,6 @@ class FollowedNucleus:
         Whether that run ended with the same outcome.
     run : Trajectory
         The run.
-    seconds : float
-        Wall-clock time.
     """
 
     evolution: Evolution
@@ -123,7 +117,6 @@ class FollowedNucleus:
     same_until: float
     confirmed: bool
     run: Trajectory
-    seconds: float
 
 
 def evolution_of(run: Trajectory) -> Evolution:
@@ -189,9 +182,7 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
             if np.diff(marks).max(initial=0.0) <= pause
             else NucleusOutcome.CREEP
         )
-    return Evolution(
-        outcome=outcome, size=size, sizes=sizes, longest_pause=longest, slow_time=slow_time
-    )
+    return Evolution(outcome=outcome, size=size, sizes=sizes, longest_pause=longest)
 
 
 def follow_nucleus(
@@ -230,7 +221,6 @@ def follow_nucleus(
     >>> followed.evolution.size, followed.mirrored, followed.confirmed
     (5, True, True)
     """
-    started = time.perf_counter()
     count_within("nucleus size", size, 1, chain.sites)
     positive("slow time", slow_time)
     within("perturbation", perturbation, 0.0, 1.0)
@@ -258,7 +248,6 @@ def follow_nucleus(
         same_until=_same_until(arrivals[0], arrivals[1], slow_time),
         confirmed=found[0].outcome is found[1].outcome,
         run=runs[0],
-        seconds=time.perf_counter() - started,
     )
 
 

@@ -42,8 +42,6 @@ class EventRun:
         State at those times.
     log : ndarray, shape (K, 3)
         τ, site (from 1) and kind of every event.
-    evaluations : int
-        Evaluations of the right-hand side.
     seconds : float
         Run time.
     """
@@ -52,7 +50,6 @@ class EventRun:
     y: FloatArray
     velocity: FloatArray
     log: FloatArray
-    evaluations: int
     seconds: float
 
     def when(self, kind: int) -> FloatArray:
@@ -125,7 +122,7 @@ def run_events(
     modes = law.first_modes(state)
     samples = np.zeros((sampled.size, 2 * sites))
     log: list[tuple[float, int, int]] = []
-    t, taken, evaluations = 0.0, 0, 0
+    t, taken = 0.0, 0
     while t < t_end:
         solver = DOP853(
             partial(law.rate, modes), t, state, t_end,
@@ -144,7 +141,6 @@ def run_events(
             while taken < sampled.size and sampled[taken] <= reached:
                 samples[taken] = dense(sampled[taken])
                 taken += 1
-        evaluations += solver.nfev
         t = reached
         if event is None:
             break
@@ -155,7 +151,6 @@ def run_events(
         samples[:, :sites],
         samples[:, sites:] + chain.cell.v_d,
         np.array(log).reshape(-1, 3),
-        evaluations,
         perf_counter() - begin,
     )
 

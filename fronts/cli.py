@@ -32,20 +32,15 @@ class _Parser(argparse.ArgumentParser):
         if not flag.startswith("--"):
             self.error(f"'{word}' is not expected here")
         close = self._close_to(flag)
+        said, remedy = "has no meaning for", "leave it out"
         if close:
-            raise UsageError(
-                f"{flag} is not an option of '{self.prog}': write {close}.",
-                quantity=flag,
-                value=joined or value,
-                allowed=f"absent for {where}",
-                remedy=f"write {close}",
-            )
+            said, remedy = "is not an option of", f"write {close}"
         raise UsageError(
-            f"{flag} has no meaning for {where}: leave it out.",
+            f"{flag} {said} {where}: {remedy}.",
             quantity=flag,
             value=joined or value,
             allowed=f"absent for {where}",
-            remedy="leave it out",
+            remedy=remedy,
         )
 
     def _close_to(self, flag: str) -> str:

@@ -93,13 +93,7 @@ def stress(  # noqa: PLR0913  (options of a command, by name)
         refuse_beside("--list tries no points", **of_points, record=record)
         return _list()
     if record and quantity:
-        raise UsageError(
-            "--record keeps the table of all quantities: leave out --quantity.",
-            quantity="--quantity",
-            value=quantity[0],
-            allowed="absent when --record is given",
-            remedy="leave it out",
-        )
+        refuse_beside("--record keeps the table of all quantities", quantity=quantity[0])
     points, seed = 1000 if points is None else points, seed or 0
     table = _checked_table(out, resume, workers)
     from verification.quantities.robustness import robustness

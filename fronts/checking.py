@@ -15,14 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fronts.wording import rows_of
-from theory.parameters import (
-    ParameterError,
-    Range,
-    count_within,
-    need_instance,
-    truth,
-    with_ranges,
-)
+from theory.parameters import ParameterError, Range, count_within, need_instance, truth, with_ranges
 from theory.result import Result
 
 if TYPE_CHECKING:

@@ -11,13 +11,7 @@ import sympy as sp
 from derivations.algebra.evidence import Points, at_points, residual, slope_of
 from derivations.algebra.steps import Evidence
 from derivations.front import symbols as s
-from derivations.front.sampling import (
-    Sample,
-    SampledChecks,
-    as_point,
-    complex_number,
-    sites,
-)
+from derivations.front.sampling import Sample, SampledChecks, as_point, complex_number, sites
 from derivations.symbols import n, t
 
 _OWN = s.phi(n, t)

@@ -6,15 +6,7 @@ import sympy as sp
 
 from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Limit
-from derivations.algebra.rearrangement import (
-    Apply,
-    Form,
-    Function,
-    Isolate,
-    Join,
-    Rewrite,
-    Take,
-)
+from derivations.algebra.rearrangement import Apply, Form, Function, Isolate, Join, Rewrite, Take
 from derivations.algebra.roots import ParametriseRadical, RootTerm, SquareModulus
 from derivations.algebra.solution import SelectRoot, SolveFor
 from derivations.algebra.steps import Draft

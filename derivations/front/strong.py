@@ -14,11 +14,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivations.algebra.dispersion import (
-    AtFastestWave,
-    EnvelopeOfWave,
-    FastestWave,
-)
+from derivations.algebra.dispersion import AtFastestWave, EnvelopeOfWave, FastestWave
 from derivations.algebra.equations import equation
 from derivations.algebra.expansion import Limit, Linearise
 from derivations.algebra.lattice import InsertPlaneWave

@@ -18,12 +18,7 @@ from derivations.algebra.steps import Evidence
 from derivations.chain import ChainModel
 from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
 from derivations.multiple_scales import symbols as own
-from derivations.multiple_scales.motions import (
-    first_motion,
-    partials,
-    second_motion,
-    wave_numbers,
-)
+from derivations.multiple_scales.motions import first_motion, partials, second_motion, wave_numbers
 from derivations.symbols import (
     alpha_0,
     epsilon,

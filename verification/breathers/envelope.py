@@ -31,13 +31,7 @@ from theory.parameters import ParameterError, at_least
 from verification.breathers.exponents import BreatherStability, exponents, rotating_jacobian, unpack
 from verification.breathers.family import BreatherFamily, ReportCallback, silent
 from verification.breathers.result import Breather, BreatherMethod, wave_error_of
-from verification.continuation.branch import (
-    ContinuationBranch,
-    Fold,
-    FoldShift,
-    fold_shift,
-    trace,
-)
+from verification.continuation.branch import ContinuationBranch, Fold, FoldShift, fold_shift, trace
 from verification.continuation.newton import (
     BranchPoint,
     NotConvergedError,

@@ -29,23 +29,11 @@ from verification.execution.columns import Cell, Columns, Scalar, cell_of, from_
 from verification.execution.digest import digest_of
 from verification.execution.interruption import terminated_as_interrupted
 from verification.execution.metadata import COMMAND_LINE, Metadata
-from verification.execution.points import (
-    Grid,
-    Point,
-    coordinates,
-    digest_of_points,
-    points_of,
-)
+from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.pool import answers
 from verification.execution.progress import ProgressCallback
 from verification.execution.store import Store
-from verification.execution.table import (
-    ARRAY_FORMATS,
-    Dims,
-    Table,
-    load_table,
-    named_dims,
-)
+from verification.execution.table import ARRAY_FORMATS, Dims, Table, load_table, named_dims
 from verification.execution.task import code_of, parameters_of, task_name
 
 Task: TypeAlias = Callable[[Point], Any]

@@ -15,14 +15,7 @@ import numpy as np
 
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result, optional_package
-from verification.execution.columns import (
-    Array,
-    Cell,
-    Columns,
-    on_disk,
-    python_rows,
-    read_only,
-)
+from verification.execution.columns import Array, Cell, Columns, on_disk, python_rows, read_only
 from verification.execution.digest import digest_of_arrays
 from verification.execution.files import write_by, write_csv
 from verification.execution.metadata import Metadata

@@ -26,14 +26,7 @@ from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, Range, RunError, count_within
 from verification.fronts.network import spreading_front
 from verification.fronts.preparation import FrontPreparation, Settled
-from verification.fronts.request import (
-    RUN,
-    TOLERANCE,
-    Option,
-    Request,
-    longest_chain,
-    stall_time,
-)
+from verification.fronts.request import RUN, TOLERANCE, Option, Request, longest_chain, stall_time
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN

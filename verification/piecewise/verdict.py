@@ -10,11 +10,7 @@ from theory.arrays import FloatArray
 from verification.fronts.status import FrontStatus
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.run import FrontRun
-from verification.piecewise.window import (
-    truncation_bound,
-    widened,
-    window_length,
-)
+from verification.piecewise.window import truncation_bound, widened, window_length
 
 BLOCK = 20
 """Periods in a block; blocks are compared to distinguish transient from steady motion."""

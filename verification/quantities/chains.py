@@ -20,13 +20,7 @@ from theory.chains.chain import CHAINS, SmoothChain
 from theory.chains.friction import FrictionChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
-from verification.quantities.quantity import (
-    Computation,
-    ReferenceCheck,
-    StatedValue,
-    axes,
-    whole,
-)
+from verification.quantities.quantity import Computation, ReferenceCheck, StatedValue, axes, whole
 from verification.quantities.scipy_states import compared
 from verification.references.pace import last_state, paced
 from verification.runs.excite import excite

@@ -20,13 +20,7 @@ from theory.parameters import ParameterError, positive
 from verification.runs.envelope_run import STEP, run_envelope
 from verification.thresholds.escape import LOWEST, escape_range
 from verification.thresholds.preparation import NucleusPreparation, hold
-from verification.thresholds.result import (
-    Definition,
-    Delay,
-    Mechanism,
-    Threshold,
-    ThresholdMethod,
-)
+from verification.thresholds.result import Definition, Delay, Mechanism, Threshold, ThresholdMethod
 
 START, END = 0.15, 0.6
 """Coupling at which a sweep begins if the nucleus holds there, and coupling at which it is

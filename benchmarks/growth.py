@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import tracemalloc
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -36,31 +36,37 @@ class Growth:
 
     Attributes
     ----------
-    name, size_name, why : str
-        As in :class:`benchmarks.growth_work.Work`.
-    remark : str
-        Why the fitted exponent differs from the expected one; empty where it does not.
+    work : Work
+        The kind of work.
     sizes, seconds, megabytes : tuple of float
         Size, least time, peak memory (nan where it is not measured).
     exponent, memory_exponent : float
         Exponents of time and memory fitted over the larger half of the sizes.
-    expected : float or None
-        Expected exponent of time.
-    wall : bool
-        Whether times are wall-clock times.
     """
 
-    name: str
-    size_name: str
-    why: str
+    work: Work
     sizes: tuple[float, ...]
     seconds: tuple[float, ...]
     megabytes: tuple[float, ...]
     exponent: float
     memory_exponent: float
-    expected: float | None
-    wall: bool
-    remark: str = ""
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the row for JSON; values that are not finite are null."""
+        work = self.work
+        return {
+            "name": work.name,
+            "size_name": work.size_name,
+            "why": work.why,
+            "sizes": self.sizes,
+            "seconds": self.seconds,
+            "megabytes": tuple(map(_finite, self.megabytes)),
+            "exponent": _finite(self.exponent),
+            "memory_exponent": _finite(self.memory_exponent),
+            "expected": work.expected,
+            "wall": work.wall,
+            "remark": remark_on(work, self.exponent),
+        }
 
 
 def measure(quick: bool, report: Report) -> list[Growth]:
@@ -73,13 +79,8 @@ def measure(quick: bool, report: Report) -> list[Growth]:
         costs = [cost(work, size) for size in sizes]
         half = slice(min(len(sizes) // 2, len(sizes) - 2), None)
         seconds, memory = ([row[i] for row in costs] for i in (0, 1))
-        done.append(
-            Growth(
-                work.name, work.size_name, work.why, tuple(map(float, sizes)), tuple(seconds),
-                tuple(memory), slope(sizes[half], seconds[half]), slope(sizes[half], memory[half]),
-                work.expected, work.wall, remark_on(work, slope(sizes[half], seconds[half])),
-            )
-        )  # fmt: skip
+        powers = (slope(sizes[half], each[half]) for each in (seconds, memory))
+        done.append(Growth(work, tuple(map(float, sizes)), tuple(seconds), tuple(memory), *powers))
     return done
 
 
@@ -141,23 +142,13 @@ def slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
 
 
 def as_payload(rows: Sequence[Growth], command: str) -> dict[str, object]:
-    """Return the table for JSON; values that are not finite are null."""
+    """Return the table for JSON."""
     metadata = Metadata(
         command=command,
         versions=installed_versions(PACKAGES),
         code=Code.of(["benchmarks.growth"]),
     )
-    return metadata.to_dict() | {
-        "lines": [
-            {
-                **asdict(row),
-                "megabytes": [each if math.isfinite(each) else None for each in row.megabytes],
-                "exponent": _finite(row.exponent),
-                "memory_exponent": _finite(row.memory_exponent),
-            }
-            for row in rows
-        ],
-    }
+    return metadata.to_dict() | {"lines": [row.to_dict() for row in rows]}
 
 
 def _finite(value: float) -> float | None:
@@ -175,15 +166,16 @@ def as_text(rows: Sequence[Growth]) -> str:
         f"{'exponent':>9} {'expected':>9} {'of memory':>10}"
     ]
     for row in rows:
-        expected = "-" if row.expected is None else f"{row.expected:g}"
+        work, remark = row.work, remark_on(row.work, row.exponent)
+        expected = "-" if work.expected is None else f"{work.expected:g}"
         lines.append(
-            f"{row.name:38} {row.size_name:10} {row.sizes[0]:7g} {row.sizes[-1]:7g} "
+            f"{work.name:38} {work.size_name:10} {row.sizes[0]:7g} {row.sizes[-1]:7g} "
             f"{row.seconds[-1]:12.3g} {_shown(row.megabytes[-1], '.3g'):>8} {row.exponent:9.2f} "
             f"{expected:>9} {_shown(row.memory_exponent, '.2f'):>10}"
         )
-        lines.append(f"    {row.why}" + ("; wall-clock seconds" if row.wall else ""))
-        if row.remark:
-            lines.append(f"    not {row.expected:g}: {row.remark}")
+        lines.append(f"    {work.why}" + ("; wall-clock seconds" if work.wall else ""))
+        if remark:
+            lines.append(f"    not {work.expected:g}: {remark}")
     return "\n".join(lines)
 
 
@@ -191,5 +183,5 @@ def write_growth(payload: dict[str, object], rows: Sequence[Growth], folder: Pat
     """Write ``growth.json``, the diagram and its data."""
     from benchmarks.growth_diagram import draw_growth
 
-    draw_growth([asdict(row) for row in rows], folder)
+    draw_growth([row.to_dict() for row in rows], folder)
     write_json(folder / "growth.json", payload)

@@ -199,7 +199,9 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert flows[3:] == [(0.2, state.tolist(), period, 30)]
     assert asked[1][:2] == (period, CHAIN.eps)
     assert parities == [state.tolist()] * 2
-    family.measured(point, 0.0, split=False)
+    with monkeypatch.context() as changed:
+        changed.setattr(Made, "symmetric_chain", False)
+        family.measured(point, 0.0)
     family.stability(point.u, 0.2, split=False)
     assert [each[2]["parity"] for each in asked] == [1, 1, 0, 0]
     assert len(parities) == 2

@@ -11,7 +11,7 @@ import contextlib
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -59,6 +59,8 @@ class Orbits(BreatherFamily):
 
     method = BreatherMethod.ORBIT
     steps_along = FIRST_STEPS
+    symmetric_chain: ClassVar[bool] = True
+    """Whether the multipliers of a mirror-symmetric nucleus are split by parity."""
 
     chain: Any
     nucleus: Nucleus
@@ -170,14 +172,8 @@ class Orbits(BreatherFamily):
         fine = self.flow(c, u[:-1], float(u[-1]), max(SAMPLES, 2 * self.count))
         return largest_displacements(fine.samples)
 
-    def measured(
-        self, point: BranchPoint, started: float, fold: Fold | None = None, *, split: bool = True
-    ) -> Breather:
-        """Return an orbit as a breather, with its error from a computation with twice the steps.
-
-        The multipliers are ``split`` by parity where the nucleus is mirror-symmetric, but not where
-        the chain may lack this symmetry.
-        """
+    def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
+        """Return an orbit as a breather, with its error from a computation with twice the steps."""
         c, count = point.parameter, self.count
         state, period = point.u[:-1], float(point.u[-1])
         coarse = self.flow(c, state, period, count)
@@ -192,7 +188,7 @@ class Orbits(BreatherFamily):
             fine.monodromy,
             period,
             self.chain.eps,
-            parity=self._parity(state) if split else 0,
+            parity=self._parity(state) if self.symmetric_chain else 0,
             error=float(sum(changes)),
         )
         fold_error, aside = self.near_fold(c, fold)

@@ -21,8 +21,6 @@ from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, RunError
 from verification.breathers.family import ReportCallback, silent
 from verification.breathers.orbits import STARTS, Orbits
-from verification.breathers.result import Breather
-from verification.continuation.branch import Fold
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -41,6 +39,7 @@ _LAST = 6
 class OwnOrbits(Orbits):
     """The periodic orbits of any chain or network of oscillators, started from settled runs."""
 
+    symmetric_chain = False  # sites may differ
     chain: OscillatorChain
 
     def __post_init__(self) -> None:
@@ -91,12 +90,6 @@ class OwnOrbits(Orbits):
             If the nucleus does not stay localised.
         """
         return solve_at(self.system(), _settled_start(self.chain, self.nucleus), self.chain.c)
-
-    def measured(
-        self, point: BranchPoint, started: float, fold: Fold | None = None, *, split: bool = False
-    ) -> Breather:
-        """Return an orbit as a breather; no mirror symmetry is assumed, since sites may differ."""
-        return super().measured(point, started, fold, split=split)
 
 
 def integrate_with_tangents(

@@ -96,7 +96,7 @@ def _ours(task: TrajectoryTask, true: FloatArray, few: bool) -> list[Setting]:
     rows: list[tuple[str, str, Callable[[], MethodAnswer]]] = []
     for tolerance in tolerances:
         for name, solve in ((OURS, ours), (SERIES, by_series)):
-            call = partial(_value, partial(solve, task), tolerance)
+            call = partial(at_end, partial(solve, task), tolerance)
             rows.append((name, f"tolerance {tolerance:.1e}", call))
     for tolerance in TOLERANCES[::6]:
         rows.append((STATED, f"tolerance {tolerance:.1e}", partial(_stated, task, tolerance)))
@@ -131,7 +131,7 @@ def _peers(
             settings.append(
                 Setting(
                     method=name, knob=f"tolerance {tolerance:.1e}", reference=true, peer=True,
-                    evaluate=partial(_value, solve, tolerance),
+                    evaluate=partial(at_end, solve, tolerance),
                 )
             )  # fmt: skip
 
@@ -145,7 +145,8 @@ def _peers(
     return settings, missing
 
 
-def _value(solve: Solve, tolerance: float) -> MethodAnswer:
+def at_end(solve: Solve, tolerance: float) -> MethodAnswer:
+    """Return the final state found by a solver at a tolerance."""
     return MethodAnswer(value=solve(tolerance))
 
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.chain import Solve, compiled_by_heyoka, compiled_by_jitcode
+from benchmarks.chain import Solve, at_end, compiled_by_heyoka, compiled_by_jitcode
 from benchmarks.record import Target, WorkPoint
 from benchmarks.work_precision import (
     Effort,
@@ -110,7 +110,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
     true = last_state(rate_of(problem.values), end, start_of(chain).ravel(), 1e-13, 1e-15)
     apart = float(np.abs(ours(chain, end, 1e-13) - true).max())
     rows: list[tuple[str, float, Callable[[], MethodAnswer]]] = [
-        (OURS, tolerance, partial(_value, partial(ours, chain, end), tolerance))
+        (OURS, tolerance, partial(at_end, partial(ours, chain, end), tolerance))
         for tolerance in TOLERANCES[:: 4 if quick else 1]
     ]
     rows += [(STATED, each, partial(_stated, chain, end, each)) for each in (1e-6, 1e-9)]
@@ -127,7 +127,7 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
         except Exception as error:  # whatever another program raises is its result
             missing.append((method, f"tolerance {tolerances[0]:.0e}", str(error)[:160]))
             continue
-        rows += [(method, each, partial(_value, solve, each)) for each in tolerances]
+        rows += [(method, each, partial(at_end, solve, each)) for each in tolerances]
     settings = [
         Setting(
             method=method, knob=f"tolerance {tolerance:.0e}", evaluate=call, reference=true,
@@ -136,10 +136,6 @@ def prepare(problem: Problem, quick: bool, report: Report) -> Prepared:
         for method, tolerance, call in rows
     ]  # fmt: skip
     return Prepared(agreement=apart, settings=settings, failures=missing)
-
-
-def _value(solve: Solve, tolerance: float) -> MethodAnswer:
-    return MethodAnswer(value=solve(tolerance))
 
 
 def targets(points: Sequence[WorkPoint], quick: bool, report: Report) -> tuple[Target, ...]:

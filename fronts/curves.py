@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -140,7 +141,7 @@ def curve(
     from verification.execution.pool import answers_in_order
 
     begin = perf_counter()
-    task = _Task(function, dict(arguments))
+    task = partial(_point, function, dict(arguments))
     points = tuple(answers_in_order(task, chains, workers=workers, progress=progress))
     if all(isinstance(point, Refusal) for point in points):
         # Raises the same error as for a single point.
@@ -153,15 +154,9 @@ def curve(
     )
 
 
-@dataclass(frozen=True)
-class _Task:
-    """A function with its further arguments, which can be sent to another process."""
-
-    function: Callable[..., Result]
-    arguments: dict[str, Any]
-
-    def __call__(self, chain: Any) -> Result:
-        try:
-            return self.function(chain, **self.arguments)
-        except (ParameterError, ArithmeticError) as refusal:
-            return Refusal(reason=str(refusal))
+def _point(function: Callable[..., Result], arguments: Mapping[str, Any], chain: Any) -> Result:
+    """Return the result for a chain, or why there is none."""
+    try:
+        return function(chain, **arguments)
+    except (ParameterError, ArithmeticError) as refusal:
+        return Refusal(reason=str(refusal))

@@ -129,10 +129,6 @@ def test_latex_sets_the_article_on_two_pages(tmp_path: Path) -> None:
     assert written(tmp_path, content) == 0
     done = subprocess.run(
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "article.tex"],
-        cwd=tmp_path / "papers" / "article",
-        capture_output=True, text=True, check=False, errors="replace",
-
-
         cwd=tmp_path / "papers" / "article", capture_output=True, text=True, check=False,
         errors="replace",
     )  # fmt: skip

@@ -115,7 +115,8 @@ def trapezoid() -> Trapezoid:
     generator, eye = np.array([[0.0, 1.0], [-1.0, 0.0]]), np.eye(2)
 
     def rule(step: float) -> FloatArray:
-        return np.linalg.solve(eye - 0.5 * step * generator, eye + 0.5 * step * generator)
+        halved = 0.5 * step * generator
+        return np.asarray(np.linalg.solve(eye - halved, eye + halved), dtype=float)
 
     step, turns = 0.1, 200
     state = np.linalg.matrix_power(rule(step), round(turns * 2 * math.pi / step)) @ [1.0, 0.0]

@@ -292,10 +292,10 @@ def displays() -> Displays:
     phi = e * np.exp(1j * k)
 
     def psi(later: float) -> ComplexArray:
-        return phi * np.exp(1j * w * (t + later))
+        return np.asarray(phi * np.exp(1j * w * (t + later)))
 
     def y(later: float) -> ComplexArray:
-        return -1j * (psi(later) - psi(later).conj()) / (2 * w)
+        return np.asarray(-1j * (psi(later) - psi(later).conj()) / (2 * w))
 
     h = 1e-6
     rate = (psi(0.0) + psi(0.0).conj()) / 2

@@ -48,7 +48,7 @@ _FEW_POINTS = 1000
 _POINTS_OF_A_GROUP = 4096
 """Number of points whose evaluation costs as much as the function calls of one more group."""
 _FEW_VALUES = 3
-"""Largest number of values for which computing one by one is faster than as an array."""
+"""Largest number of values for which computing one by one is faster than as groups of an array."""
 _PIECE = 2**15
 """Number of points on the axis that are evaluated at a time."""
 
@@ -174,7 +174,7 @@ def sums_of_pairs(
     ∂Σ/∂c, shape (1, n) or (3, n); bounds on their errors; and the numbers of points.
     """
     fast = compiled_rules() if compiled else None
-    if 1 < v.size < _FEW_POINTS and not fast:
+    if 2 < v.size < _FEW_POINTS and not fast:  # two values are faster one by one
         # The bounds grow with v and with c, so that those of the largest hold for all values.
         largest = float(v.max()), float(c.max())
         count, truncation = axis.plain_points(*largest, tolerance)

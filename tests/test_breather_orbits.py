@@ -401,7 +401,7 @@ def test_within_the_error_of_a_fold_the_two_solutions_that_meet_there_are_not_di
         assert point.error is not None
         assert point.error < 1e-10
     assert {point.fold for point in found.points} == {end}
-    assert {point.fold_error for point in found.points} == {found.folds[0].c_error}
+    assert {point.fold_error for point in found.points} == {found.folds[0].error}
 
 
 def test_a_frequency_is_uncertain_by_what_the_last_step_has_left_of_it() -> None:

@@ -13,6 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
+from tests.folds import fold_of
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.ends import Ends
@@ -23,7 +24,7 @@ from verification.breathers.breather import breather
 from verification.breathers.envelope import RotatingWaves
 from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
-from verification.continuation.branch import Crossing, Fold, FoldShift
+from verification.continuation.branch import Crossing, FoldShift
 from verification.runs.envelope_run import run_envelope
 from verification.thresholds import continuation
 from verification.thresholds.continuation import breather_threshold
@@ -449,7 +450,7 @@ def test_a_breather_that_is_stable_up_to_its_fold_is_lost_by_the_fold(b: float) 
 @pytest.mark.parametrize("before", [0.5, 2.0])
 def test_a_loss_of_stability_within_the_error_of_the_steps_is_the_fold(before: float) -> None:
     shift, u = 1e-4, np.zeros(1)
-    fold = Fold(0.2, 1e-9, u)
+    fold = fold_of(0.2, 1e-9, u)
     family: Any = SimpleNamespace(fold_error=lambda given: given.error + shift)
     crossing = Crossing(0.2 - before * shift, 1e-12, u, from_start=False)
     kept = continuation._before(family, fold, crossing)

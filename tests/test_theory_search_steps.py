@@ -101,6 +101,19 @@ def test_a_pair_is_found_where_the_slope_between_the_ends_is_twice_that_at_the_e
     assert all(curve.g(np.float64(a)) * curve.g(np.float64(b)) < 0 for a, b in roots)
 
 
+def test_a_pair_is_found_beside_one_end_where_only_the_chord_is_steep() -> None:
+    # the ends are 1 and 0.002, their slopes 0 and 0.2; the least value, at 0.96, is -0.002
+    turn = math.pi / 0.96
+    curve = Curve(
+        lambda t: 0.498 + 0.5 * np.cos(turn * t), lambda t: -0.5 * turn * np.sin(turn * t)
+    )
+    cells = curve.cells([0.0, 1.0])
+    _, found = branch_search._brackets(curve, owners(cells), cells)
+    roots = found[[0, 4]].T.tolist()
+    assert len(roots) == 2
+    assert all(curve.g(a) * curve.g(b) < 0 for a, b in roots)
+
+
 def test_slopes_that_agree_hide_no_pair_where_g_does_not_rise_as_they_say() -> None:
     # the slope is -1.5 at both ends of [0, 1], while g rises by 1; its least value is -0.08
     turn = 2.0 * math.pi

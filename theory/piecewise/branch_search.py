@@ -4,9 +4,9 @@ A front that retreats with velocity -v obeys |Σ₋(v, c)| = |2 + Σ(v, c)| = 2r
 the roots k into -k and exchanges the half-planes. Both equations have the form |Σ + shift| = 2r
 with shift 0 or 2. The search works on g(ln v) = |Σ + shift| - 2r with its exact derivative. It
 starts from the points of ``theory.piecewise.first_points`` and bisects each cell until one of three
-conditions holds: g cannot vanish inside even if its slope is twice that at the ends (the cell is
-dropped); g is monotone (one solution if it changes sign, none if not); or the cell is as short as
-rounding allows (a fold to within rounding).
+conditions holds: g cannot vanish inside even if its slope is twice the largest of those at the ends
+and of the chord (the cell is dropped); g is monotone (one solution if it changes sign, none if
+not); or the cell is as short as rounding allows (a fold to within rounding).
 """
 
 from __future__ import annotations
@@ -153,7 +153,8 @@ def _brackets(
         # The slope of the cubic through the ends, even if twice as far from linear, keeps its sign.
         monotone = (da > 0) == (db > 0)
         monotone &= 3.0 * np.abs(gb - ga - 0.5 * width * (da + db)) < width * flattest
-        flat = size_a + size_b > 2.0 * width * np.maximum(steep_a, steep_b)
+        steepest = np.maximum(np.maximum(steep_a, steep_b), np.abs(gb - ga) / width)
+        flat = size_a + size_b > 2.0 * width * steepest
         short = width < _SHORTEST
         single = monotone & (np.abs(da - db) < 2.0 * flattest)  # where t(g) is nearly a cubic
         (found,) = (differ & (single | short)).nonzero()

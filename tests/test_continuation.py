@@ -224,6 +224,26 @@ def test_a_step_across_a_bifurcation_is_taken_whole_if_no_shorter_one_avoids_it(
     assert new.parameter > 0.0
 
 
+def test_a_fold_that_is_not_found_on_a_step_is_looked_for_on_its_half(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As that of ten sites near c = 0.2009 in (8), where Newton's method fails within the step."""
+    find = branches._find_fold
+    tried: list[float] = []
+
+    def seldom(*given: Any) -> Any:
+        tried.append(given[3])
+        if len(tried) < 3:
+            raise NotConvergedError("no step leads on")
+        return find(*given)
+
+    monkeypatch.setattr(branches, "_find_fold", seldom)
+    found = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
+    assert found.fold is not None
+    assert abs(found.fold.parameter - 1.7) <= found.fold.error
+    assert tried[1] < tried[0]
+
+
 def test_of_two_folds_within_one_step_the_first_is_found() -> None:
     """A branch that turns at u = 0.4, back at 0.5 and again at 0.6."""
 

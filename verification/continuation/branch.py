@@ -209,10 +209,14 @@ def trace(
     for _ in range(steps.max_steps):
         try:
             new, length = _next(system, point, length, steps)
-            if new.tangent[-1] * point.tangent[-1] <= 0.0:
+            turned = new.tangent[-1] * point.tangent[-1] <= 0.0
+            if turned:
                 fold = _find_fold(system, point, new, length, steps)
                 folds.append(replace(fold, place=len(points)))
         except NotConvergedError:
+            length *= 0.5
+            if length >= _SHORTEST:
+                continue
             if not folds:
                 raise
             break

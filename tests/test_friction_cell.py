@@ -857,6 +857,19 @@ def test_a_cell_of_strong_damping_slides_and_is_not_followed_while_it_creeps(
     assert low == high == found.steady_sliding
 
 
+@pytest.mark.parametrize("xi", [0.55, 0.7])
+def test_slip_that_does_not_creep_turns_although_it_is_slow(xi: float) -> None:
+    """Where friction hardly falls, an oscillation about sliding, begun at the speed of the belt."""
+    given = FrictionCell(xi=xi, mu_d=0.9999, v_d=0.4)
+    t, omega = np.linspace(0.0, 12.0, 4001), math.sqrt(1.0 - xi**2)
+    away = given.release - given.steady_sliding
+    turning = away * np.cos(omega * t) + (given.v_d + xi * away) / omega * np.sin(omega * t)
+    y = given.steady_sliding + np.exp(-xi * t) * turning
+    top = int(np.argmax(y))
+    expected = (y[top:].min(), y[top])
+    assert friction_cycles.cycle_turning_points(given) == pytest.approx(expected, abs=5e-4)
+
+
 @pytest.mark.parametrize(
     ("given", "slow"),
     [

@@ -331,6 +331,28 @@ def test_close_to_its_fold_a_breather_errs_by_no_more_than_it_states(
     assert np.abs(np.abs(waves) - found.amplitudes).max() <= found.error < 1e-3
 
 
+@pytest.mark.parametrize("eta", [0.12, 0.124, 0.1249])
+@pytest.mark.parametrize("size", [3, 5])
+def test_beyond_the_fold_of_a_larger_nucleus_there_is_none_where_the_cycles_nearly_meet(
+    eta: float, size: int
+) -> None:
+    """The fold vanishes like 1 - 8 eta, that of one site like its root; neither c nor the pattern
+    is to be blamed."""
+    nucleus, sites = Nucleus(size).relaxed(9), 9
+    chain = AveragedChain(a=1.0, b=eta, c=5.0, sites=sites)
+    beyond = solve_envelope_breather(chain, nucleus)
+    assert beyond.status is BreatherStatus.NONE
+    assert beyond.fold is not None
+    assert beyond.fold_error is not None
+    assert 0.5 * (1.0 - 8.0 * eta) < beyond.fold < 1.0 - 8.0 * eta
+    near = solve_envelope_breather(chain.replace(c=beyond.fold * (1.0 - 1e-6)), nucleus)
+    exact = locked_fold(eta, beyond.fold, near.waves, float(near.unknowns[-1]))
+    assert abs(beyond.fold - float(exact.value[-1])) <= beyond.fold_error < 1e-10
+    orbit = breather(VdpChain(a=1.0, b=eta, c=5.0, eps=1e-3, sites=sites), nucleus)
+    assert orbit.status is BreatherStatus.NONE
+    assert orbit.fold == pytest.approx(beyond.fold, rel=1e-2)
+
+
 def test_where_the_cycles_nearly_meet_a_fold_errs_by_the_rounding_of_the_damping() -> None:
     a = 1.3629350220887508
     chain = AveragedChain(a=a, b=0.12499423213870642 * a**2, c=1e3, sites=7)

@@ -24,6 +24,7 @@ from theory.averaged.envelope import (
     quarter_turn_phase,
     quarter_turn_rate,
 )
+from theory.cells.vdp import ETA_END
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VanDerPolChain
@@ -45,18 +46,25 @@ SMALLEST_ETA = 1e-6
 the stated error."""
 
 
-def start_of(chain: VanDerPolChain, latest: float = 0.01, part: float = 0.25) -> float:
+def start_of(
+    chain: VanDerPolChain, nucleus: Nucleus, latest: float = 0.01, part: float = 0.25
+) -> float:
     """Return the coupling at which branches leave the limit c → 0: a fraction of their fold.
 
-    The fold goes to zero like √η and agrees with that of the closed form to a few per cent.
+    The fold of a single site goes to zero like √η, and agrees with that of the closed form to a few
+    per cent. A site with an excited neighbour may be driven at first order in c, against a rate of
+    the cell that vanishes like 1 - 8η where its cycles meet; so does the fold then.
 
     Examples
     --------
     >>> from theory.chains.vdp import AveragedChain
-    >>> [f"{start_of(AveragedChain(a=1, b=b, c=0)):.4f}" for b in (0.08, 1e-4)]
+    >>> [f"{start_of(AveragedChain(a=1, b=b, c=0), Nucleus(1)):.4f}" for b in (0.08, 1e-4)]
     ['0.0100', '0.0014']
     """
-    return min(latest, part * closed_form_fold(chain).c)
+    fold = closed_form_fold(chain).c
+    if nucleus.size > 1:
+        fold = min(fold, 1.0 - chain.eta / ETA_END)
+    return min(latest, part * fold)
 
 
 @dataclass(frozen=True)
@@ -129,7 +137,11 @@ class RotatingWaves(BreatherFamily):
             If the nucleus is wider than the chain, the pattern has no breather near c = 0, or η is
             below `SMALLEST_ETA`.
         """
-        chain, nucleus, c = self.chain, self.nucleus, min(start_of(self.chain), lowest)
+        chain, nucleus, c = (
+            self.chain,
+            self.nucleus,
+            min(start_of(self.chain, self.nucleus), lowest),
+        )
         remedy = "take the closed form, whose relative difference is of order η there"
         at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, remedy)
         phi = nucleus.envelope(chain)
@@ -158,7 +170,7 @@ class RotatingWaves(BreatherFamily):
     def directly(self) -> BranchPoint | None:
         """Return the start of the branch, unless it lies beyond the coupling of the chain."""
         c = self.chain.c
-        return self.start(0.0, c) if c <= start_of(self.chain) else None
+        return self.start(0.0, c) if c <= start_of(self.chain, self.nucleus) else None
 
     def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
         """Return the exponents, without bounds on their errors."""
@@ -276,7 +288,7 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
     # In the frame of `envelope` φ is real at the centre; here it is rotated so that r is real too.
     turned = nucleus.envelope(chain) / quarter_turn_phase(chain.sites)
     r = (turned / quarter_turn_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
-    return trace(system, solve_at(system, r, start_of(chain)), 2.0)
+    return trace(system, solve_at(system, r, start_of(chain, nucleus)), 2.0)
 
 
 def _left_pattern(

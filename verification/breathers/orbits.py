@@ -126,7 +126,7 @@ class Orbits(BreatherFamily):
         return point
 
     def _first(self, c_end: float) -> BranchPoint:
-        least = start_of(self.chain, STARTS[0], 0.5)
+        least = start_of(self.chain, self.nucleus, STARTS[0], 0.5)
         starts = (least, *STARTS[1:]) if c_end > least else (0.5 * c_end,)
         for start in starts:
             if start < c_end:

@@ -127,11 +127,7 @@ class SmoothIntegration(Integration):
         wave = truth("left_boundary_wave", left_boundary_wave)
         trailing = count_within("trailing sites", trailing_sites, 0, MAX_SITES)
         first = _beyond_first_site(chain, trailing, wave)
-        if step is not None:
-            positive("step", step, "give the length of the steps in kernel time")
-        for name, limit in (("shortest step", shortest_step), ("longest step", longest_step)):
-            if limit != math.inf:
-                real_number(name, limit, 0.0, 1e300, "give a length in kernel time")
+        _check_steps(step, shortest_step, longest_step)
         self.chain, self.tolerance = chain, tolerance
         self.times = np.asarray(times, dtype=float)
         self.end = float(self.times[-1]) if end is None else end
@@ -440,6 +436,15 @@ def _at_start(
         samples=np.zeros((samples, 2, sites)),
         memory=np.zeros(1) if memory is None else memory,
     )
+
+
+def _check_steps(step: float | None, shortest: float, longest: float) -> None:
+    """Refuse lengths of steps that are none."""
+    if step is not None:
+        positive("step", step, "give the length of the steps in kernel time")
+    for name, limit in (("shortest step", shortest), ("longest step", longest)):
+        if limit != math.inf:
+            real_number(name, limit, 0.0, 1e300, "give a length in kernel time")
 
 
 def _beyond_first_site(chain: SmoothChain, trailing_sites: int, wave: bool) -> int:

@@ -131,13 +131,8 @@ def sweep(
     begin = time.perf_counter()
     if not callable(function):
         need_instance("function", function, (FunctionType,), "give one from a point to its results")
-    if executor is not None:
-        need_instance("executor", executor, (Executor,), "give one, or the number of workers")
-    if dims is not None:
-        need_instance("dims", dims, (Mapping,), 'give names, as {"profile": "site"}')
     resume = truth("resume", resume)
-    check_progress(progress)
-    need_instance("command", command, (str,), "give a text, or leave it out")
+    _check_kinds(executor, dims, progress, command)
     asked = points_of(points)
     if out is not None:
         out = file_path("out", out)
@@ -177,6 +172,16 @@ def sweep(
             table.save(out)
             store.remove()
     return table
+
+
+def _check_kinds(executor: object, dims: object, progress: object, command: object) -> None:
+    """Refuse options that are objects of the wrong kind."""
+    if executor is not None:
+        need_instance("executor", executor, (Executor,), "give one, or the number of workers")
+    if dims is not None:
+        need_instance("dims", dims, (Mapping,), 'give names, as {"profile": "site"}')
+    check_progress(progress)
+    need_instance("command", command, (str,), "give a text, or leave it out")
 
 
 def part_path(out: Path) -> Path:

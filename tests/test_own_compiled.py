@@ -334,6 +334,23 @@ def test_functions_that_call_themselves_are_copied_with_their_options() -> None:
     assert function_content(copy) == function_content(power)
 
 
+def test_a_function_that_captures_what_is_not_yet_assigned_is_refused_in_a_sentence() -> None:
+    """A copy captures as little; once it is assigned, the function is taken."""
+
+    @numba.njit
+    def damping(y, v):  # type: ignore[no-untyped-def]
+        return strength * y**2 - 1.0
+
+    copy = independent_copy(damping)
+    assert copy.py_func.__code__.co_freevars == ("strength",)
+    with pytest.raises(ValueError, match="empty"):
+        _ = copy.py_func.__closure__[0].cell_contents
+    with pytest.raises(ParameterError, match=r"function damping = .* numba compiles"):
+        OscillatorChain(damping=damping, c=0.1, sites=2)
+    strength = 2.0
+    assert independent_copy(damping)(3.0, 0.0) == 17.0
+
+
 def test_options_defaults_and_modules_of_a_function_are_part_of_what_it_does() -> None:
     settings = ModuleType("settings_of_a_user")
 

@@ -194,8 +194,10 @@ def independent_copy(function: Any, made: dict[int, Any] | None = None) -> Any:
     used, attributes = _names(plain.__code__)
     for name in used & names.keys():
         names[name] = _independent(names[name], made, attributes)
-    for own, cell in zip(cells, plain.__closure__ or (), strict=True):
-        own.cell_contents = _independent(cell.cell_contents, made, attributes)
+    captured = captured_in_closure(plain)
+    for name, own in zip(plain.__code__.co_freevars, cells, strict=True):
+        if name in captured:  # one that is not yet assigned remains so
+            own.cell_contents = _independent(captured[name], made, attributes)
     return copy
 
 

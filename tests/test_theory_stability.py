@@ -6,6 +6,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.special import jv
 
 from theory.cells.vdp import threshold_ratio
@@ -293,6 +294,22 @@ def test_what_is_not_decided_says_so(monkeypatch):
     assert "not below 60" in stability_limit(0.0795).reason
     inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]
     assert all(b.stable is None for b in inadmissible)
+
+
+@pytest.mark.parametrize(("c", "low", "high"), [(0.5, 0.21, 0.22), (2.0, 0.28, 0.29)])
+def test_where_the_threshold_may_be_passed_at_no_rate_within_the_error_of_v_nothing_is_decided(
+    c, low, high
+):
+    """The rate, by scipy's Bessel functions, changes its sign within the larger error only."""
+
+    def rate(v):
+        return by_bessel(v, c, 40).sum()
+
+    root = brentq(rate, low, high, xtol=1e-12)
+    for v in (root - 1e-9, root + 1e-9):
+        assert rate(v - 2e-10) * rate(v + 2e-10) > 0.0 > rate(v - 2e-9) * rate(v + 2e-9)
+        assert front_stability(v, c, 2e-10).stable is False
+        assert front_stability(v, c, 2e-9).stable is None
 
 
 def test_a_velocity_without_error_adds_none_to_that_of_a_multiplier(monkeypatch):

@@ -33,8 +33,9 @@ class FrontStability:
         Number of terms p_k of the symbol.
     stable : bool or None
         Whether every perturbation of the switching times decays; None where this was not decided,
-        because a multiplier lies on the unit circle to within its error, the series is too long (v
-        above a few tens), or its terms underflow (v below 7e-4).
+        because a multiplier lies on the unit circle or |φ| passes the threshold at no rate to
+        within its error, the series is too long (v above a few tens), or its terms underflow (v
+        below 7e-4).
     multiplier : float or None
         Largest modulus of a multiplier per site other than the trivial one; None where all are
         below ``floor``, or none could be determined.
@@ -89,7 +90,10 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     if symbol is None:
         return found
     rate = float(symbol.q[0])
-    if abs(rate) <= symbol.uncertainty * math.exp(-0.5 / speed):  # |p_k| ≤ e^{-k/2v}
+    off = symbol.uncertainty * math.exp(-0.5 / speed)  # |p_k| ≤ e^{-k/2v}
+    if v_error:
+        off += v_error * _rate_by_v(v, c, rate)
+    if abs(rate) <= off:
         return found
     if rate < 0.0:
         return replace(found, stable=False)
@@ -109,6 +113,13 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     if abs(modulus - 1.0) <= error:
         found = replace(found, stable=None)
     return replace(found, multiplier=modulus, angle=abs(cmath.phase(w)), error=float(error))
+
+
+def _rate_by_v(v: float, c: float, rate: float) -> float:
+    """Return |dΣp_k/dv|, doubled, by a one-sided difference from its value ``rate`` at v."""
+    beside = v * (1.0 + _BESIDE)
+    symbol = Symbol.of(beside, c)
+    return 2.0 * abs(float(symbol.q[0]) - rate) / abs(beside - v) if symbol else math.inf
 
 
 def _by_v(v: float, c: float, w: complex) -> float:

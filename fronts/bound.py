@@ -19,7 +19,7 @@ from fronts.arguments import real, real_or_range
 from fronts.catalogue import EVERY, Command, CommandCall, MapCall, MeasurementCall, RunCall
 from fronts.options import Group, option
 from fronts.output import add_output_options
-from fronts.signatures import Described, described
+from fronts.signatures import Described, described, of_kinds
 
 if TYPE_CHECKING:
     from theory.chains.chain import Chain
@@ -105,6 +105,8 @@ class BoundCall:
     def own(self) -> Group:
         """Options of the function itself, with the words that apply to the model."""
         own = described(self.function)
+        if self.call.kinds:
+            own = tuple(replace(each, help=of_kinds(each.help, self.call.kinds)) for each in own)
         if self.call.choices:
             words = located(self.call.choices)(self.chain)
             own = tuple(

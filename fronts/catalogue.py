@@ -30,6 +30,9 @@ class CommandCall:
     choices : str
         ``module:name`` of a function that returns, for the class of the chain, the words that an
         option may have and its help, by parameter; empty if they are the same for all models.
+    kinds : tuple of str
+        The kinds of chains that the model may be, of those with which sentences in the docstring of
+        the function begin (`fronts.signatures.KINDS`); empty if there are none.
     """
 
     function: str
@@ -37,6 +40,7 @@ class CommandCall:
     hidden: tuple[str, ...] = ()
     ranges: Mapping[str, str] = field(default_factory=dict)
     choices: str = ""
+    kinds: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +145,14 @@ _FRONT = "verification.fronts.measure:measure_front"
 _OF_RUNNING_FRONTS = (
     "accuracy", "tolerance", "excited", "max_sites", "stall_time", "left_boundary",
 )  # fmt: skip
-_OWN_FRONT = MeasurementCall(function=_FRONT, hidden=("point", "method"))
+_SMOOTH = ("Smooth chain",)
+_OWN_FRONT = MeasurementCall(
+    function=_FRONT,
+    hidden=("point", "method"),
+    kinds=(
+        *_SMOOTH, "Lattice", "Lattice or network", "Lattice with directions, or network",
+    ),
+)  # fmt: skip
 
 _VDP_RUN = RunCall(
     presets={**_FIG_7, "chain.c": 0.1, "t_end": 2000.0}, hidden=("start.start_point",)
@@ -251,6 +262,7 @@ COMMANDS: dict[str, Command] = {
                 function=_FRONT,
                 presets={"chain.sites": 32},
                 hidden=("point", "chain.ends", "method", "directions"),
+                kinds=_SMOOTH,
             ),
             "averaged": MeasurementCall(
                 function=_FRONT,
@@ -258,17 +270,20 @@ COMMANDS: dict[str, Command] = {
                 curve="fronts.branches:front_branch",
                 hidden=("point", "chain.ends", "directions"),
                 only=dict.fromkeys(_OF_RUNNING_FRONTS, ("run",)),
+                kinds=_SMOOTH,
             ),
             "friction": MeasurementCall(
                 function=_FRONT,
                 presets={"chain.sites": 101},
                 hidden=("left_boundary", "chain.ends", "method", "directions"),
+                kinds=("Friction chain",),
             ),
             "chain": _OWN_FRONT,
             "averaged-chain": _OWN_FRONT,
             EVERY: MeasurementCall(
                 function=_FRONT,
                 hidden=("point", "chain.ends", "method", "directions"),
+                kinds=_SMOOTH,
             ),
         },
     ),

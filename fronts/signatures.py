@@ -10,7 +10,7 @@ import dataclasses
 import inspect
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
@@ -21,6 +21,13 @@ REQUIRED = inspect.Parameter.empty
 """Value that marks a parameter without a default."""
 
 _ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :(?: (.*))?)?$")
+
+
+KINDS = frozenset({
+    "Smooth chain", "Friction chain", "Chain (44)", "Lattice", "Lattice or network",
+    "Lattice with directions, or network",
+})  # fmt: skip
+"""Kinds of chains, with which a sentence of a description begins that holds for one of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,6 +150,29 @@ def documented(doc: str) -> dict[str, tuple[str, str]]:
                 kind, text = found[name]
                 found[name] = (kind, f"{text} {line.strip()}".strip())
     return found
+
+
+def of_kinds(words: str, kinds: Collection[str]) -> str:
+    """Return a description without the sentences that hold for other kinds of chains.
+
+    Where there is one kind only, its sentences need not name it.
+
+    Examples
+    --------
+    >>> words = "Longest chain. Smooth chain: from 32. Friction chain: from 24, or 30."
+    >>> of_kinds(words, ["Friction chain"])
+    'Longest chain. From 24, or 30.'
+    >>> of_kinds(words, ["Smooth chain", "Lattice"])
+    'Longest chain. Smooth chain: from 32.'
+    """
+    kept = []
+    for sentence in re.split(r"(?<=\.) (?=[A-Z])", words):
+        kind, _, said = sentence.partition(": ")
+        if kind not in KINDS:
+            kept.append(sentence)
+        elif kind in kinds:
+            kept.append(sentence if len(kinds) > 1 else said[:1].upper() + said[1:])
+    return " ".join(kept)
 
 
 def _default(each: dataclasses.Field[Any]) -> Any:

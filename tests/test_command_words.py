@@ -38,6 +38,7 @@ from fronts.files import Listing
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help
 from fronts.piecewise.kinetic_relation import KineticCurve
+from fronts.signatures import KINDS, described
 from fronts.wording import WIDTH, in_words, table_lines
 from paper_checks.claims import fig05
 from paper_checks.shipped import FOLDER, Shipped
@@ -207,6 +208,37 @@ def test_defaults_in_help_are_values_as_one_would_write_them() -> None:
 def test_the_default_of_an_option_is_said_as_one_would_write_it(default: Any, said: str) -> None:
     each = cast("Any", SimpleNamespace(help="How long.", kind="float", allowed=None))
     assert _help(each, default, ranged=False) == f"how long{said}"
+
+
+@pytest.mark.parametrize(
+    ("model", "said", "unsaid"),
+    [
+        ("vdp", ["from 1e-13", "From 4 to 1000"], ["riction", "attice", "etwork", "(44)"]),
+        ("averaged", ["from 1e-13", "(43) only"], ["riction", "attice", "etwork", "(44)"]),
+        ("friction", ["from 1e-6", "From 1 to 100"], ["mooth", "attice", "etwork", "(44)"]),
+        ("chain", ["Smooth chain: from 4", "Lattice: the number of rows"], ["riction", "(44)"]),
+        ("piecewise", ["from 1e-13"], ["riction", "mooth", "attice", "etwork"]),
+    ],
+)
+def test_help_for_a_front_says_nothing_of_the_chains_that_the_model_is_not(
+    model: str, said: list[str], unsaid: list[str], capsys: Capture
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["front", model, "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    # Which side a chain has, or where it starts, is a matter of one kind; its help may name it.
+    words = re.sub("of a (smooth|friction) chain", "", text[text.index("the method:") :])
+    for each in said:
+        assert re.search(re.escape(each), words, re.IGNORECASE), each
+    for each in unsaid:
+        assert each not in words[: words.index("files:")], each
+
+
+def test_every_kind_of_chain_with_which_a_sentence_begins_is_one_that_help_knows() -> None:
+    begin = re.compile(r"(?<=\.) ((?:[A-Z]\w+|Chain \(44\))(?: \w+|, or \w+)*): ")
+    options = {each.name: each.help for each in described(fr.measure_front)[1:]}  # not the chain
+    found = {kind for text in options.values() for kind in begin.findall(text)}
+    assert found == KINDS
 
 
 @pytest.mark.parametrize(

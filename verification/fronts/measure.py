@@ -101,13 +101,14 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         ``run``: fit the arrival times on a running chain. ``wave``, for (43) only: solve for the
         travelling wave itself, with its multipliers; no other option applies then.
     accuracy : float, optional
-        Relative error of v below which the front counts as steady, {smooth_accuracy}; by default
-        {usual_smooth_accuracy}, and {usual_network_accuracy} on a lattice or network. For the
-        friction chain {friction_accuracy}, by default {usual_friction_accuracy}. For (44) it is the
+        Relative error of v below which the front counts as steady. Smooth chain: {smooth_accuracy},
+        by default {usual_smooth_accuracy}. Lattice or network: by default {usual_network_accuracy}.
+        Friction chain: {friction_accuracy}, by default {usual_friction_accuracy}. Chain (44): the
         relative spread of the period, {piecewise_accuracy}, by default {usual_piecewise_accuracy}.
     tolerance : float, optional
-        Local error of the integrator, {smooth_tolerance}, by default {usual_smooth_tolerance}, and
-        for the friction chain {friction_tolerance}, by default {usual_friction_tolerance}.
+        Local error of the integrator. Smooth chain: {smooth_tolerance}, by default
+        {usual_smooth_tolerance}. Friction chain: {friction_tolerance}, by default
+        {usual_friction_tolerance}.
     excited : int, optional
         Number of sites excited at the start. Smooth chain: {smooth_excited}, by default
         {usual_smooth_excited}; as many sites are kept behind a front that outruns its waves, and
@@ -119,12 +120,12 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         Length of the longest chain tried before a front is called unsteady, with the excited sites.
         Smooth chain: at least {more_smooth_sites} more than are excited, by default
         {usual_smooth_sites} more. Friction chain: at least {more_sites} more than are excited, by
-        default {usual_friction_sites}. For (44) the largest number of sites that a front may pass,
-        {piecewise_sites}, by default {usual_piecewise_sites}.
+        default {usual_friction_sites}. Chain (44): the largest number of sites that a front may
+        pass, {piecewise_sites}, by default {usual_piecewise_sites}.
     stall_time : float, optional
         Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
-        of having stopped; after twice this time it is called pinned or creeping. By default
-        {usual_smooth_stall}, and {usual_friction_stall} for the friction chain.
+        of having stopped; after twice this time it is called pinned or creeping. Smooth chain: by
+        default {usual_smooth_stall}. Friction chain: by default {usual_friction_stall}.
     left_boundary : LeftBoundary
         What is to the left of the first site of a smooth chain.
     point : StartPoint, str or float

@@ -159,7 +159,7 @@ def test_without_waves_behind_it_no_front_is_run_twice(
 
     def prepare(_: object, __: object, left: LeftBoundary, ___: int = 1) -> Any:
         made.append(left)
-        return SimpleNamespace(settled=lambda _: found, front=lambda *given: given)
+        return SimpleNamespace(settled=lambda _: found, front=lambda *given: given, compared=False)
 
     found = Settled(FrontStatus.STEADY, v, 1e-3, np.arange(3.0), 40, Counter(steps=7))
     monkeypatch.setattr(smooth, "_prepare_smooth", prepare)
@@ -243,6 +243,61 @@ def test_a_wide_front_is_measured_with_twice_as_many_sites_until_its_chain_is_to
         smooth.smooth_front(chain, _request(excited=excited, max_sites=600))
     # With the excited sites, the next chain of at least 512 is too long, or just not.
     assert [each.sites for each in made] == [40, 64, 128, 256, *([] if excited is None else [512])]
+
+
+def test_where_it_is_compared_a_velocity_errs_by_what_half_of_the_chain_changes_in_it() -> None:
+    """On the first chain there is none with which to compare it."""
+    velocities = {32: 1.0, 64: 1.5, 128: 1.52}
+
+    def trial(sites: int) -> Trial:
+        times = np.arange(float(sites)) / velocities[sites]
+        return Trial(None, times, times, Counter(steps=1))
+
+    how: dict[str, Any] = {"sites": 32, "accuracy": 0.05, "compared": True}
+    found = settle(trial, max_sites=128, **how)
+    assert (found.status, found.v) == (FrontStatus.STEADY, pytest.approx(1.52))
+    assert found.error == pytest.approx(0.02)
+    for longest, v, error in ((40, 1.0, 1.0), (100, 1.5, 0.5)):
+        found = settle(trial, max_sites=longest, **how)
+        assert (found.status, found.v) == (FrontStatus.UNSTEADY, pytest.approx(v))
+        assert found.error == pytest.approx(error)
+    assert settle(trial, max_sites=128, **how | {"compared": False}).sites == 32
+
+
+@pytest.mark.parametrize(
+    ("velocities", "trailing", "error", "status"),
+    [
+        ([2.0, 2.01], 48, 0.01, FrontStatus.STEADY),
+        ([2.0, 2.5, 2.51], 96, 0.01, FrontStatus.STEADY),
+        ([2.0, 2.5, 3.0, 4.0], 192, 1.0, FrontStatus.UNSTEADY),  # the next chain is too long
+        ([None], 24, None, FrontStatus.STEADY),
+    ],
+)
+def test_wide_fronts_of_oscillating_cells_have_more_sites_behind_them_until_v_is_the_same(
+    velocities: list[float | None], trailing: int, error: float | None, status: FrontStatus,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    made: list[FrontPreparation] = []
+
+    def settled(prepared: FrontPreparation, _: object) -> Settled:
+        made.append(prepared)
+        v = velocities[len(made) - 1]
+        off = None if v is None else 1e-3
+        return Settled(FrontStatus.STEADY, v, off, np.arange(3.0), 40, Counter(steps=7))
+
+    monkeypatch.setattr(FrontPreparation, "settled", settled)
+    cell: Any = {"damping": "1 - 4*y**2 + 0.5*y**4", "c": 0.3}
+    wide = OscillatorChain(**cell, velocity_coupling=1.0)
+    wave, found = smooth._widened(wide, _request(max_sites=600, accuracy=0.01))
+    assert len(made) == len(velocities)
+    assert wave.excited == trailing
+    assert found.v == velocities[-1]
+    assert found.error == (None if error is None else pytest.approx(error))
+    assert found.status is status
+    assert found.counts == {"steps": 7 * len(made)}
+    made.clear()
+    smooth._widened(OscillatorChain(**cell), _request())
+    assert len(made) == 1
 
 
 def test_arrivals_of_a_front_that_reached_the_end_are_complete_though_it_skipped_sites() -> None:

@@ -107,6 +107,10 @@ class FrontPreparation:
     unsettled : callable
         By what part of its amplitude a site was away from its final state when it was left out
         behind the front, in a given run.
+    compared : bool
+        Whether the error of v is at least its difference from v on a chain of half the length. This
+        shows how far v is from its limit where the arrivals scatter so much that their fit does
+        not.
     """
 
     sized: Callable[[int], Chain]
@@ -123,10 +127,11 @@ class FrontPreparation:
     other_velocity: float | None = None
     margin: int = MARGIN
     unsettled: Callable[[Integration], float] = field(default=lambda run: 0.0)
+    compared: bool = False
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
-        counts, sites = Counter[str](), self.sites
+        counts, sites, before = Counter[str](), self.sites, 0.0
         while True:
             runs = self.trial(sites, progress)
             counts += runs.counts
@@ -141,6 +146,8 @@ class FrontPreparation:
             v, error = velocity_of_arrivals(arrivals)
             other = velocity_of_arrivals(runs.coarser)[0] if runs.coarser.size else None
             error = max(error_beside(v, error, other, self.tolerance), behind * v)
+            if self.compared and math.isfinite(v):
+                error, before = max(error, abs(v - before)), v
             long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites
             if longest and not long and self.other_velocity is not None:
                 error = max(error, abs(v - self.other_velocity))

@@ -10,7 +10,10 @@ velocity of the front that has a wave behind it.
 
 A front of cells without waves and oscillations can be so wide that a site is still changing when it
 is left out behind it. The state in which sites are left out shows this; the numbers of sites
-behind the front, ahead of it and on the shortest chain are then doubled, until it is settled.
+behind the front, ahead of it and on the shortest chain are then doubled, until it is settled. Of
+cells that oscillate with coupled velocities, whose fronts are wide too, amplitudes and arrivals
+vary with the phase; these numbers are doubled until v hardly changes, and the chain until it is
+twice as long as one of nearly the same v.
 """
 
 from __future__ import annotations
@@ -66,25 +69,46 @@ def smooth_front(chain: SmoothChain, request: Request) -> Front:
 def _widened(chain: SmoothChain, request: Request) -> tuple[FrontPreparation, Settled]:
     """Return a front with a wave behind it, with so many sites behind it that the last is settled.
 
+    Where amplitudes do not show this and fronts may be wide, there are so many that half of them
+    give the same velocity; the error is at least the difference.
+
     Raises
     ------
     RunError
         If the longest chain allowed is too short for so many sites.
     """
     widening, earlier = 1, Counter[str]()
+    before: float | None = None
     while True:
         wave = _prepare_smooth(chain, request, LeftBoundary.WAVE, widening)
         found = wave.settled(request.progress)
+        counts = earlier + found.counts
         if not found.wide:
-            return wave, replace(found, counts=earlier + found.counts) if earlier else found
-        earlier += found.counts
+            alike, found = _alike(replace(found, counts=counts), before, wave)
+            if alike:
+                return wave, found
+            before = found.v
+        earlier = counts
         widening *= 2
         if widening * MORE_SITES > _most_beyond(request, _excited(request, widening)):
+            if not found.wide:
+                return wave, replace(found, status=FrontStatus.UNSTEADY)
             raise RunError(
                 "the front is too wide for chains of max_sites = "
                 f"{wave.excited + wave.max_sites} sites: take a smaller coupling, or more "
                 "max_sites."
             )
+
+
+def _alike(found: Settled, before: float | None, wave: FrontPreparation) -> tuple[bool, Settled]:
+    """Return whether v is that with half as many sites behind the front, and v with its error.
+
+    It is not asked of fronts without a velocity, and of chains whose fronts are not compared.
+    """
+    if not wave.compared or not found.v or found.error is None:
+        return True, found
+    apart = found.v if before is None else abs(found.v - before)
+    return apart < wave.accuracy * found.v, replace(found, error=max(found.error, apart))
 
 
 def _beside_longer_wave(
@@ -212,6 +236,7 @@ def _prepare_smooth(
         long_enough=long_enough,
         margin=widening * MARGIN,
         unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
+        compared=chain.oscillates and getattr(chain, "velocity_coupling", 0.0) != 0.0,
     )
 
 

@@ -138,6 +138,20 @@ def test_errors_of_phases_frequency_and_growth_bound_the_distance_from_those_of_
     assert exact.to_dict()["phases_error"] == exact.phases_error.tolist()
 
 
+def test_the_error_of_amplitudes_counts_the_sites_on_both_sides_of_the_centre() -> None:
+    """With an even number of sites those on the shorter side differ, here by more."""
+    chain = VdpChain(a=2.255944, b=0.5329118, c=0.1934357, eps=0.0468046, sites=6)
+    found = breather(chain, method="envelope")
+    u = solve_orbit(chain, Nucleus(1)).unknowns
+    times = np.linspace(0.0, u[-1], 10_001)
+    run = solve_ivp(full_rate(chain), (0.0, u[-1]), u[:-1], "DOP853", times, rtol=1e-11, atol=1e-13)
+    assert np.abs(run.y[:, -1] - u[:-1]).max() < 1e-9
+    gaps = np.abs(np.abs(run.y[: chain.sites]).max(axis=1) - found.amplitudes)
+    assert gaps[:2].max() > gaps[2:].max() + 1e-5
+    assert found.error is not None
+    assert gaps.max() <= found.error + 1e-7  # of samples of a period
+
+
 def test_the_error_of_growth_covers_that_of_an_orbit_by_too_few_steps() -> None:
     """Scipy's multipliers, by differences, do not show so small an error; the same orbit does."""
     chain = VdpChain(a=A, b=B, c=0.1, eps=0.03, sites=3)

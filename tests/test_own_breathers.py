@@ -396,3 +396,51 @@ def test_the_command_line_gives_the_breather(capsys: pytest.CaptureFixture[str])
     found = json.loads(capsys.readouterr().out)
     assert found["stable"] is True
     assert abs(found["frequency"] - 1.0009) < 1e-3
+
+
+def _in_extended_precision(chain: OscillatorChain, u: np.ndarray) -> np.ndarray:
+    """Return the state after a period, by Taylor series in extended precision."""
+    wide = np.longdouble
+    a, b = (wide(chain.values[name]) for name in ("a", "b"))
+    pull = pull_matrix(chain.sites, chain.ends).astype(wide) * wide(chain.eps) * wide(chain.c)
+    resistive, order, steps = wide(chain.velocity_coupling), 24, 40
+    h = wide(u[-1]) / steps
+    start = u[:-1].astype(wide)
+
+    def product(one: np.ndarray, other: np.ndarray, k: int) -> np.ndarray:
+        return (one[: k + 1] * other[k::-1]).sum(axis=0)
+
+    y, v, square, fourth, damping = np.zeros((5, order + 1, chain.sites), dtype=wide)
+    y[0], v[0] = start[: chain.sites], start[chain.sites :]
+    for _ in range(steps):
+        for k in range(order):
+            square[k] = product(y, y, k)
+            fourth[k] = product(square, square, k)
+            damping[k] = float(k == 0) - a * square[k] + b * fourth[k]
+            force = y[k] + wide(chain.eps) * product(damping, v, k)
+            y[k + 1] = v[k] / (k + 1)
+            v[k + 1] = -(force + pull @ (y[k] + resistive * v[k])) / (k + 1)
+        powers = h ** np.arange(order + 1)
+        y[0], v[0] = powers @ y, powers @ v
+    return np.concatenate([y[0], v[0]])
+
+
+def test_the_error_of_an_orbit_covers_its_round_off() -> None:
+    """Where the cycle attracts weakly; the distance is a step of Newton's method from the orbit."""
+    chain = OscillatorChain(
+        damping="1 - a*y**2 + b*y**4", stiffness="y + k*y**3",
+        values={"a": 1.7851875404590136, "b": 0.36532459986133087, "k": 0.0},
+        eps=0.009692391065914789, c=0.024972876825789712, velocity_coupling=0.2093680712049244,
+        sites=3, ends="periodic",
+    )  # fmt: skip
+    found = breather(chain)
+    u, step = found.unknowns, 1e-7
+
+    def gap(u: np.ndarray) -> np.ndarray:
+        back = _in_extended_precision(chain, u) - u[:-1]
+        return np.append(back, np.longdouble(u[1])).astype(float)
+
+    slope = np.array([(gap(u + step * e) - gap(u - step * e)) / (2 * step) for e in np.eye(7)]).T
+    distance = np.abs(np.linalg.solve(slope, gap(u))).max()
+    assert found.error is not None
+    assert distance <= found.error < 1e-12

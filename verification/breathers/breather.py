@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, overload
 
 import numpy as np
 
-from theory.arrays import FloatArray
+from theory.arrays import AnyArray, ComplexArray, FloatArray
 from theory.averaged.breather import (
     BreatherStatus,
     Reading,
@@ -312,8 +312,7 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
     assert found.frequency is not None  # since the breather exists
     assert found.error is not None
     assert found.frequency_error is not None
-    count = min(exact.outward.size, found.outward.size)
-    gap = float(np.abs(found.outward[:count] - exact.outward[:count]).max())
+    gap = float(_gaps(found, exact, found.amplitudes, exact.amplitudes).max())
     apart = abs(found.frequency - exact.frequency)
     return replace(
         found,
@@ -334,15 +333,27 @@ def _growth_apart(found: Breather, exact: Breather) -> float | None:
 
 
 def _turned_gaps(found: Breather, exact: Breather) -> FloatArray:
-    """Return the distance of each wave from the exact one, both rotated to be real at the centre.
+    """Return the distance of each wave from the exact one, both real at the centre."""
+
+    def turned(each: Breather) -> ComplexArray:
+        centre = each.nucleus.outward(each.chain.sites)
+        return np.asarray(each.waves / np.exp(1j * np.angle(each.waves[centre])), dtype=complex)
+
+    return _gaps(found, exact, turned(found), turned(exact))
+
+
+def _gaps(
+    found: Breather,
+    exact: Breather,
+    ours: AnyArray,
+    true: AnyArray,
+) -> FloatArray:
+    """Return the distance of the value of each site from the exact one, on both sides.
 
     Sites beyond the end of the exact chain count with their whole amplitude.
     """
     centre, other = (each.nucleus.outward(each.chain.sites) for each in (found, exact))
-    left = min(centre, other)
-    right = min(found.waves.size - centre, exact.waves.size - other)
-    ours = found.waves / np.exp(1j * np.angle(found.waves[centre]))
-    true = exact.waves / np.exp(1j * np.angle(exact.waves[other]))
+    left, right = min(centre, other), min(ours.size - centre, true.size - other)
     gaps: FloatArray = np.abs(ours)
     both = slice(centre - left, centre + right)
     gaps[both] = np.abs(ours[both] - true[other - left : other + right])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import sys
 import time
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -41,6 +42,7 @@ STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in the order in which
 they are tried: at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
 FIRST_STEPS = StepControl(length=0.3)
+_EPSILON = sys.float_info.epsilon
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
 
@@ -192,7 +194,9 @@ class Orbits(BreatherFamily):
             error=float(sum(changes)),
         )
         fold_error, aside = self.near_fold(c, fold)
-        error = solution_error(self.system(2), point.u, c, aside=aside) + point.correction
+        # Round-off of the steps, which adds up at random; the defect may be small by chance.
+        rounding = _EPSILON * math.sqrt(2 * count) * float(np.abs(state).max())
+        error = solution_error(self.system(2), point.u, c, rounding, aside) + point.correction
         frequency = 2.0 * math.pi / period
         waves = first_harmonics(fine.samples)
         turned = self.nucleus.outward(self.chain.sites)

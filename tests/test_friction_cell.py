@@ -287,6 +287,28 @@ def test_the_error_of_an_expanded_cycle_covers_the_round_off_of_its_damping() ->
     assert 1e-11 < abs(found.amplitude - true) < found.error < 1e-3 * true
 
 
+def test_the_error_of_an_unstable_cycle_covers_the_round_off_of_a_fast_belt() -> None:
+    """From one maximum to the next, a deviation of the cycle grows by e^{2πδ}."""
+    cell = FrictionCell(
+        mu_st=2.191397532018483, mu_d=1.0956987660092414, xi=0.001643550733988909,
+        v0=8.95950669321385, v_d=32.40141877153398,
+    )  # fmt: skip
+    found = unstable_once(cell, 1e-12)
+    assert found is not None
+    with mp.workdps(DIGITS):
+        drop, v0 = mp.mpf(cell.mu_st) - mp.mpf(cell.mu_d), mp.mpf(cell.v0)
+
+        def rate(_: mp.mpf, z: list[mp.mpf]) -> list[mp.mpf]:
+            mu = cell.mu_d + drop * mp.exp((z[1] - cell.v_d) / v0)
+            return [z[1], mu - 2 * mp.mpf(cell.xi) * z[1] - z[0]]
+
+        path = mp.odefun(rate, 0, [mp.mpf(found.max), mp.mpf(0)], tol=mp.mpf(10) ** (3 - DIGITS))
+        turn = mp.findroot(lambda t: path(t)[1], (found.period - 1e-3, found.period))
+        excess = float(path(turn)[0] - mp.mpf(found.max))
+    distance = abs(excess) / math.expm1(2.0 * math.pi * cell.effective_damping)
+    assert distance <= found.error < 1e-6
+
+
 @pytest.mark.parametrize("below", [1e-10, 1e-7, 1e-3])
 def test_the_error_of_a_cycle_covers_the_round_off_of_a_touch_that_nearly_grazes(
     below: float,

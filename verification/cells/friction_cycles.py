@@ -344,9 +344,10 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
     # Where the cycle nearly touches, the step is too large for a finite difference.
     resolved = abs(ahead - behind) < 1e-2 * abs(ahead)
     multiplier, wider = 0.5 * (ahead + behind), 0.5 * (farther + opposite)
-    rounding = ROUND_OFF * max(abs(y), abs(low), cell.v_d) / step
+    size = max(abs(y), abs(low), cell.v_d)
+    rounding = ROUND_OFF * size / step
     # Round-off shifts the fixed point by a relative amount 1/(multiplier - 1).
-    blurred = 0.1 * ROUND_OFF / math.expm1(period * cell.effective_damping)
+    blurred = 0.1 * ROUND_OFF * max(1.0, size) / math.expm1(period * cell.effective_damping)
     return CellCycle(
         max=y,
         min=low,

@@ -41,13 +41,14 @@ def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     side: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     exact = SimpleNamespace(
-        frequency=1.0, error=0.25, frequency_error=2.0**-5, outward=np.array([2.0, 1.0]),
-        waves=np.array([1j, 2j, 1j]), wave_error=0.125, nucleus=Nucleus(1),
+        frequency=1.0, error=0.25, frequency_error=2.0**-5, amplitudes=np.array([9.0, 2.0, 1.0]),
+        waves=np.array([9j, 2j, 1j]), wave_error=0.125, nucleus=Nucleus(1),
         chain=replace(CHAIN, sites=3),
     )  # fmt: skip
     family = SimpleNamespace(solve=lambda: exact)
     monkeypatch.setattr(breathers, "own_family", lambda *_: family)
-    amplitudes = np.array([9.0, 9.0, 9.0, 9.0, 2.0, 1.0 + 0.5 * side, 9.0, 9.0, 9.0])
+    far = [0.125] * 3
+    amplitudes = np.array([*far, 9.0, 2.0, 1.0 + 0.5 * side, *far])
     own = _breather(
         BreatherMethod.ENVELOPE, amplitudes=amplitudes, waves=amplitudes + 0j,
         frequency=1.0 + 0.125 * side, error=0.0625, frequency_error=2.0**-6,
@@ -57,7 +58,7 @@ def test_a_breather_is_as_far_off_as_from_one_that_errs_and_its_own_error(
     assert (found.error, found.error_unknown) == (0.5 + 0.25 + 0.0625, "")
     assert found.frequency_error == 0.125 + 2.0**-5 + 2.0**-6
     # sites beyond count whole, and turn by the error of a centre that is 4.5 times smaller
-    gaps = np.array([9.0, 9.0, 9.0, 8.0, 0.0, abs(1.0 + 0.5 * side - 1.0), 9.0, 9.0, 9.0])
+    gaps = np.array([*far, 0.0, 0.0, 0.5, *far])
     assert found.wave_error == pytest.approx(gaps + 0.125 + 2.0 * (1.0 + 4.5) * 0.0625)
 
 
@@ -68,7 +69,7 @@ def test_the_frequency_of_a_run_is_as_far_off_as_it_is_from_that_of_the_chain(
     chain: Any, by: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     exact = SimpleNamespace(
-        frequency=1.0, error=0.25, frequency_error=2.0**-5, outward=np.ones(2),
+        frequency=1.0, error=0.25, frequency_error=2.0**-5, amplitudes=np.ones(3),
         waves=np.ones(3, complex), wave_error=0.0, nucleus=Nucleus(1),
         chain=replace(CHAIN, sites=3),
     )  # fmt: skip

@@ -152,6 +152,18 @@ def test_the_error_of_amplitudes_counts_the_sites_on_both_sides_of_the_centre() 
     assert gaps.max() <= found.error + 1e-7  # of samples of a period
 
 
+def test_stability_is_not_decided_where_the_error_of_the_growth_spans_zero() -> None:
+    """The averaged breather is stable by little; the orbit near it, at this eps, is not."""
+    chain = VdpChain(a=2.7996171, b=0.36238435, c=0.063000117, eps=0.0250224785, sites=8)
+    found = breather(chain, Nucleus(2), method="envelope")
+    assert found.stability is not None
+    assert found.stability.stable is True
+    assert breather(chain, Nucleus(2), method="orbit").stable is False
+    assert found.stable is None
+    unknown = dataclasses.replace(found, error=None, growth_error=None)
+    assert unknown.stable is None
+
+
 def test_the_error_of_growth_covers_that_of_an_orbit_by_too_few_steps() -> None:
     """Scipy's multipliers, by differences, do not show so small an error; the same orbit does."""
     chain = VdpChain(a=A, b=B, c=0.1, eps=0.03, sites=3)

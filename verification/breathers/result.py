@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -150,13 +150,18 @@ class Breather(Result):
 
     @property
     def stable(self) -> bool | None:
-        """Whether no small perturbation grows; None where the method does not decide it.
+        """Whether no small perturbation of the chain's own breather grows; None if not decided.
 
-        Close to a fold the error of the growth rate may be larger than the rate itself.
+        Close to a fold the error of the growth rate may be larger than the rate itself, and where
+        that breather is not known, nothing is known of its stability.
         """
         if self.status is BreatherStatus.SETTLED:
             return True  # the run no longer depends on its initial noise
-        return None if self.stability is None else self.stability.stable
+        if self.stability is None or self.error is None:
+            return None
+        if self.growth_error is None:
+            return self.stability.stable
+        return replace(self.stability, growth_error=self.growth_error).stable
 
     @property
     def growth(self) -> float | None:

@@ -152,6 +152,22 @@ def test_the_error_of_amplitudes_counts_the_sites_on_both_sides_of_the_centre() 
     assert gaps.max() <= found.error + 1e-7  # of samples of a period
 
 
+def test_the_amplitudes_of_a_run_are_those_of_scipy_where_damping_is_strong() -> None:
+    """The wave of a site has corners, of which 64 samples of a period are too few."""
+    chain = VdpChain(a=3.532285, b=0.26376950, c=0.04885822, eps=0.061854, sites=7)
+    found = breather(chain, method="simulation")
+    u = solve_orbit(chain, Nucleus(1)).unknowns
+    turns = lambda t, x: x[7 + 3]  # noqa: E731  (the velocity of the centre)
+    run = solve_ivp(
+        full_rate(chain), (0.0, u[-1]), u[:-1], "DOP853", events=turns, rtol=1e-12, atol=1e-13,
+        max_step=0.02,
+    )  # fmt: skip
+    assert np.abs(run.y[:, -1] - u[:-1]).max() < 1e-9
+    highest = max(abs(state[3]) for state in run.y_events[0])
+    assert found.error is not None
+    assert abs(found.amplitudes[3] - highest) <= found.error < 1e-7
+
+
 def test_stability_is_not_decided_where_the_error_of_the_growth_spans_zero() -> None:
     """The averaged breather is stable by little; the orbit near it, at this eps, is not."""
     chain = VdpChain(a=2.7996171, b=0.36238435, c=0.063000117, eps=0.0250224785, sites=8)

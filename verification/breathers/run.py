@@ -100,7 +100,7 @@ def run_breather(
         drifts.append(drift)
         if drift < tolerance:
             status = BreatherStatus.SETTLED
-    samples = integrate_chain(chain, state, period, SAMPLES).samples
+    samples = integrate_chain(chain, state, period, max(SAMPLES, 2 * steps)).samples
     return _at_end(
         chain,
         nucleus,

@@ -22,6 +22,7 @@ import pytest
 from scipy.integrate import RK45, solve_ivp
 
 from paper_checks.claims import (
+    _closed_form,
     _friction,
     _fronts,
     _maps,
@@ -1009,6 +1010,16 @@ def text_vdp_centre() -> float:
     from verification.references.friction_cell import CELL
 
     return CELL.steady_sliding
+
+
+def test_a_solution_solves_both_equations_decays_and_is_listed_once(monkeypatch: Patch) -> None:
+    alpha, z = _closed_form.solutions(1, 0.1, np.array([[2.77, 0.2]]))[0]
+    monkeypatch.setattr("scipy.optimize.root", lambda _, start, tol: SimpleNamespace(x=start))
+    near = alpha + 0.01
+    gain = (-_closed_form.B * near**4 + 2.0 * _closed_form.A * near**2 - 8.0) / 1.6
+    assert 0.0 < gain < 1.0
+    tried = [(alpha, z), (near, gain), (-alpha, z), (alpha, z), (alpha, 0.9 * z)]
+    assert _closed_form.solutions(1, 0.1, np.array(tried)) == [(alpha, z)]
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -40,7 +40,9 @@ from fronts.options import REQUIRED, _help
 from fronts.piecewise.kinetic_relation import KineticCurve
 from fronts.signatures import KINDS, described
 from fronts.wording import WIDTH, in_words, table_lines
+from paper_checks.claim import Verdict
 from paper_checks.claims import fig05
+from paper_checks.outcome import slug
 from paper_checks.shipped import FOLDER, Shipped
 from theory.cells.vdp import eta_from_damping
 from theory.parameters import MissingPackageError, ParameterError
@@ -378,6 +380,11 @@ def test_without_a_standard_output_one_sentence_says_so(
         closed.setattr(sys, "stdout", None)
         assert main(["--version"]) == 2
     assert capsys.readouterr().err.startswith("fronts: standard output is closed: ")
+
+
+def test_of_an_option_that_has_no_meaning_the_next_word_is_the_value(capsys: Capture) -> None:
+    assert main(["kinetic", "--c", "1", "--n", "3", "4", "--json"]) == 2
+    assert json.loads(capsys.readouterr().err)["error"]["value"] == "3"
 
 
 def test_what_argparse_says_of_no_single_option_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -953,19 +960,31 @@ def test_what_was_recorded_is_named_claim_by_claim(tmp_path: Path) -> None:
     )
 
     def outcome(key: str, evidence: str, **changes: Any) -> Any:
-        claim = SimpleNamespace(key=key, evidence=evidence, expensive=True)
-        stored = changes.get("stored", False)
-        return SimpleNamespace(
-            claim=claim, finding=object(), judgement=SimpleNamespace(stored=stored), entry=key
+        claim = SimpleNamespace(
+            key=key, evidence=evidence, expensive=changes.get("expensive", True)
         )
+        judgement = SimpleNamespace(stored=changes.get("stored", False))
+        finding = changes.get("finding", object())
+        return SimpleNamespace(claim=claim, finding=finding, judgement=judgement, entry=key)
 
     several = [outcome("a", "one"), outcome("b", "one"), outcome("c", "two"),
-               outcome("d", "three", stored=True)]  # fmt: skip
+               outcome("d", "three", stored=True), outcome("e", "four", finding=None),
+               outcome("f", "five", expensive=False)]  # fmt: skip
     report: Any = SimpleNamespace(outcomes=several, versions={})
     assert _record(shipped, report) == f"Recorded in {tmp_path}: a, b, c."
     assert sorted(recorded) == ["a", "c"]  # evidence that claims share is stored once
     report = SimpleNamespace(outcomes=several[3:], versions={})
     assert "none: no expensive claim was asked" in _record(shipped, report)
+
+
+def test_a_verdict_is_named_by_its_slug_or_its_words_with_spaces_or_without() -> None:
+    from fronts.commands.check import _chosen, _verdict
+
+    for verdict in Verdict:
+        for name in (slug(verdict), verdict.value, "-".join(verdict.value.split())):
+            assert _verdict(name) is verdict
+    with pytest.raises(UsageError, match="no claim has the verdict 'partial'"):
+        _chosen((), (), "partial")
 
 
 def test_default_methods_are_judged_from_the_records_of_a_folder(

@@ -14,6 +14,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from paper_checks.claim import Method
+from paper_checks.claims._required import required
 
 A, B, C, EPS = 2.5, 0.5, 0.1, 0.01
 
@@ -51,11 +52,10 @@ def _breather(number: int, part: int | None = None) -> float:
     from theory.chains.vdp import VdpChain
 
     found = solve_breather(VdpChain(a=A, b=B, c=C, eps=EPS))
-    if found.alpha_0 is None or found.decay is None:
-        raise ArithmeticError("the closed form has no breather")
     names = {
-        "a": A, "b": B, "c": C, "epsilon": EPS, "n": 1, "alpha_0": found.alpha_0,
-        "k_1": float(np.log(found.decay)), "omega": found.frequency,
+        "a": A, "b": B, "c": C, "epsilon": EPS, "n": 1, "omega": found.frequency,
+        "alpha_0": required(found.alpha_0, "amplitude of the closed form"),
+        "k_1": float(np.log(required(found.decay, "decay of the closed form"))),
     }  # fmt: skip
     return _off(number, names, part)
 

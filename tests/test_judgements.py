@@ -199,6 +199,16 @@ def beside(monkeypatch: pytest.MonkeyPatch, section: str) -> Claim:
     return Claim.beside("one", rule=holds, evidence=dict, weight=0)
 
 
+@pytest.mark.parametrize(("line", "headline"), [("headline: Why.\n", "Why."), ("", "")])
+def test_the_text_of_a_claim_is_filled_in_as_it_is(
+    line: str, headline: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    section = f"{WORDS}\n\n{line}value: {{{{ e }}}}\nerror: 1\ntolerance: 0\n\nIt is.\n"
+    monkeypatch.setattr(prose, "_sections", lambda _: {"one": section})
+    found = prose.written(prose.__name__, "one", "a < b")
+    assert (found.value, found.headline, found.explanation) == ("a < b", headline, "It is.")
+
+
 def test_the_words_of_a_claim_are_those_of_its_text(monkeypatch: pytest.MonkeyPatch) -> None:
     claim = beside(monkeypatch, f"{WORDS}\n\nvalue: 1\n")
     assert claim == Claim(

@@ -183,7 +183,10 @@ def test_claims_are_counted_by_their_methods_and_those_that_cannot_be_judged_are
 
 
 def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> None:
-    held, failed = to_json(report_of(outcome("a"), outcome("b", None)))["claims"]
+    finding = replace(FINDING, remarks=("By the way.",))
+    held, failed = to_json(report_of(outcome("a", finding), outcome("b", None)))["claims"]
+    for name in ("methods", "remarks"):
+        assert (held[name], failed[name]) == (list(getattr(finding, name)), [])
     for name in ("value", "error", "tolerance", "explanation", "part"):
         assert held[name] == getattr(FINDING, name)
         assert failed[name] is None

@@ -1167,9 +1167,10 @@ def test_a_browser_is_opened_unless_it_is_not_wanted(
     more: list[str], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def serve(port: int, ready: Any, *, show: bool) -> None:
-        assert port == 8123
         assert show is not bool(more)
-        ready("http://here")
+        if port:
+            assert port == 8123
+            ready("http://here")
         raise KeyboardInterrupt
 
     monkeypatch.setitem(
@@ -1179,6 +1180,8 @@ def test_a_browser_is_opened_unless_it_is_not_wanted(
     shown = capsys.readouterr()
     assert json.loads(shown.out) == {"address": "http://here"}
     assert shown.err.startswith("http://here ")
+    assert main(["explore", *more, "--json"]) == 0  # at any port, and ended before it is served
+    assert json.loads(capsys.readouterr().out) == {"address": None}
 
 
 @pytest.mark.parametrize("model", ["averaged", "vdp"])

@@ -7,9 +7,11 @@ import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ import fronts as fr
 from derivations import catalogue, judgement
 from derivations.algebra import rendering
 from derivations.cell import steps
+from fronts.answer import Answer, UsageError
 from fronts.cli import main
 from fronts.commands import derive
 from fronts.commands.derive import _verdict_lines
@@ -395,3 +398,52 @@ def test_the_coupling_of_a_cell_is_named_as_it_is_asked_for(given, read, monkeyp
     with pytest.raises(LookupError) as begun:
         derive._cell(cell, 1, None, "text", front=False)
     assert begun.value.args == ("1 - y**2", "k*y", read)
+
+
+@pytest.mark.parametrize("form", ["text", "latex", "json"])
+def test_the_text_of_an_equation_or_a_cell_is_json_only_if_it_is_asked_for(form, monkeypatch):
+    @dataclass(frozen=True)
+    class Envelope:
+        order: int = 1
+        front: bool = False
+        derivation: str = "cell"
+
+        def with_values(self, _):
+            return self
+
+    single = SimpleNamespace(only=lambda equation: f"only {equation}")
+    judged = SimpleNamespace(record=dict, confirmed=True)
+    monkeypatch.setattr(catalogue, "load", lambda *_: single)
+    monkeypatch.setattr(derive, "_shown", lambda what, form: Answer({"of": what}, form))
+    monkeypatch.setattr(judgement, "judge", lambda *_: judged)
+    monkeypatch.setattr(derive, "_verdict_lines", lambda _: "verdict")
+    answer = derive._one("averaging", 1, 34, form, None)
+    payload = {"of": "only 34", "judgement": {}}
+    assert answer.payload == payload
+    assert answer.text == {"text": "text\n\nverdict", "json": json.dumps(payload)}.get(form, form)
+    monkeypatch.setattr("derivations.cell.envelope.derive_envelope", lambda *_: Envelope())
+    monkeypatch.setattr("fronts.checking.DerivedCell", lambda **_: SimpleNamespace(to_dict=dict))
+    cell = derive._Cell(damping="1 - y**2", stiffness=None, coupling=None, weights=None, values=())
+    answer = derive._cell(cell, 1, None, form, front=False)
+    assert answer.text == (json.dumps({"of": "cell"}) if form == "json" else form)
+
+
+def test_a_file_ending_in_json_has_rows_or_the_text_of_another_form(tmp_path):
+    out = tmp_path / "x.json"
+    assert derive._written(Answer({}, "x = 1"), out, {}, "latex").text == f"wrote {out}"
+    assert out.read_text("utf-8").strip() == "x = 1"
+    with pytest.raises(UsageError, match="this answer has no rows"):
+        derive._written(Answer({}, "x = 1"), out, {}, "text")
+
+
+@pytest.mark.parametrize("form", ["latex", "mathml"])
+def test_every_step_is_verified_before_all_derivations_are_typeset(form, monkeypatch):
+    steps = [SimpleNamespace(verify=Mock()) for _ in range(3)]
+    made = [SimpleNamespace(steps=steps[:2]), SimpleNamespace(steps=steps[2:])]
+    monkeypatch.setattr(catalogue, "everything", lambda: made)
+    monkeypatch.setattr(rendering, "document", lambda *found: f"{len(found)} in LaTeX")
+    monkeypatch.setattr(rendering, "mathml", lambda _: "one in MathML")
+    text = {"latex": "2 in LaTeX", "mathml": "one in MathML\none in MathML"}[form]
+    assert derive._all(None, form, as_json=False).text == text
+    for each in steps:
+        each.verify.assert_called_once_with()

@@ -212,6 +212,11 @@ def test_pictures_of_the_gallery_are_captioned_with_their_figure_or_else_the_fir
 def test_a_claim_without_pictures_is_shown_by_those_of_the_figure_that_its_place_names() -> None:
     text = replace(outcome("b", replace(FINDING, pictures=())), entry=Entry("text", claim("b")))
     assert pictures_of([outcome("a"), text])["b"] == pictures_of([outcome("a")])["a"] != ()
+    other = replace(FINDING, pictures=(Picture("fig16-other", "Other.", "<svg/>", ""),))
+    bare = outcome("d", replace(FINDING, pictures=()), place="Fig. 3")  # its module comes first
+    found = pictures_of([outcome("a"), outcome("c", other), bare])
+    assert found == {"a": ("fig16-speed",), "c": ("fig16-other",),
+                     "d": ("fig16-speed", "fig16-other")}  # fmt: skip
 
 
 def test_test_problems_stand_with_the_reference_of_their_quantity(tmp_path: Path) -> None:

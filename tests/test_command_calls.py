@@ -561,6 +561,7 @@ def test_a_file_holds_every_parameter_of_what_was_computed(tmp_path):
             {"nucleus": {"size": 1, "pattern": "", "place": "bulk"}},
         ),
         ("profile --c 0.5 --eta 0.03125 --points 3", {"c": 0.5, "points": 3}),
+        ("map averaged --c 0.5 --eta 0.13:0.14:2 --n 8 --workers 1", {"sites": 8, "nucleus": None}),
         (
             "breather vdp --c 0.05:0.1:2 --method closed-form",
             {"c": [0.05, 0.1, 2], "eps": 0.01, "sites": 15, "ends": "free", "seed": 0},

@@ -24,7 +24,7 @@ from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
 from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.inline_svg import width_of
-from paper_checks.report.mathml import WIDE, _opened, formula, mathml_element
+from paper_checks.report.mathml import WIDE, _opened, _parts, formula, mathml_element
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.table import NARROWEST, entries_as_text
 from paper_checks.report.terminal import NAMED, _headline, report_as_text
@@ -467,6 +467,17 @@ def test_brackets_are_taken_apart_where_more_is_in_them_than_a_line_holds() -> N
         sizes.add(size := len(list(bracket.iter())))
         assert (len(_opened(row)) > 1) is (size > WIDE)
     assert {WIDE, WIDE + 1} <= sizes
+
+
+@pytest.mark.parametrize(
+    ("latex", "lines"),
+    [("a = -b + (c - d)", ["a", "=−b", "+(c−d)"]), ("= a + b", ["=a", "+b"]),
+     (r"a,\quad b", ["a,", "b"]), (r"a \left(b + c\right) - [d + e]", ["a(b+c)", "−[d+e]"])],
+)  # fmt: skip
+def test_a_line_breaks_before_signs_of_two_sides_outside_brackets_and_after_spaces(
+    latex: str, lines: list[str]
+) -> None:
+    assert ["".join(part.itertext()) for part in _parts(mathml_element(latex))] == lines
 
 
 def test_what_is_no_bracket_stays_whole_however_wide_it_is() -> None:

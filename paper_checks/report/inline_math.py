@@ -99,8 +99,8 @@ def _latex(plain: str) -> str:
     --------
     >>> _latex("mu_st"), _latex("e^(k_1)"), _latex("A_nn"), _latex("mu*"), _latex("A^*")
     ('\\mu _{\\mathrm{st}}', 'e^{k_1}', 'A_{nn}', '\\mu ^*', 'A^*')
-    >>> _latex("var^2"), _latex("ab^2")
-    ('\\text{var}^{2}', 'ab^{2}')
+    >>> _latex("var^2"), _latex("ab^−2"), _latex("^2")
+    ('\\text{var}^{2}', 'ab^{-2}', '{}^{2}')
     """
 
     def index(letters: str) -> str:

@@ -46,7 +46,7 @@ def _parts(root: Element) -> list[Element]:
     parts = [Element("math")]
     depth, after_space = 0, False
     for node in nodes:
-        sign = node.text if node.tag == "mo" else None
+        sign = node.text
         breaks = sign in _BREAKS and node.get("form") != "prefix"
         if len(parts[-1]) and not depth and (breaks or after_space):
             parts.append(Element("math"))

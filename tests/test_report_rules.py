@@ -394,6 +394,22 @@ def test_where_a_range_ends_before_its_parameter_does_the_reason_is_beside_it(
     assert rows[-1]["Points"] == "6"
 
 
+def test_growth_is_shown_with_its_diagram_and_why_it_is_not_as_expected(tmp_path: Path) -> None:
+    line = {"name": "run", "size_name": "N", "sizes": [10, 100], "seconds": [0.1, 1.0],
+            "exponent": 1.004, "expected": 1, "why": "of each", "memory_exponent": None}  # fmt: skip
+    record = {"lines": [line, line | {"remark": "a cache"}], "command": "c", "date": "d",
+              "versions": {}, "machine": {"processor": "made up", "cores": 2}}  # fmt: skip
+    for pictures in ((), ("<svg/>",)):
+        found = measurements._growth({"growth": record}, tmp_path)
+        assert found is not None
+        assert tuple(each.svg for each in found.diagrams) == pictures
+        (tmp_path / "growth.svg").write_text("<svg/>", encoding="utf-8")
+    one, other = (dict(zip(found.head, row, strict=True)) for row in found.rows)
+    assert (one["Size"], one["Time"], one["Power"]) == ("N, 10 to 100", "0.1 to 1 s", "1.00")
+    reasons = "Reason for the difference"
+    assert (one[reasons], other[reasons]) == ("", "a cache")
+
+
 def test_sections_have_an_address_a_title_and_a_lead(monkeypatch: pytest.MonkeyPatch) -> None:
     folder = Path(__file__).parent / "report_example" / "measured"
     monkeypatch.setattr(measurements, "RESULTS", folder)

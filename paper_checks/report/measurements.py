@@ -297,6 +297,8 @@ def _decades(errors: Iterable[float]) -> str:
     --------
     >>> _decades([1e-3, 1e-4, 1e-5, 1e-8])
     '10⁻³ to 10⁻⁵, 10⁻⁸'
+    >>> _decades([1e-5, 1e-4])
+    '10⁻⁵, 10⁻⁴'
     """
     runs: list[list[float]] = []
     for error in errors:

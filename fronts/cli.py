@@ -129,7 +129,7 @@ def _chosen(
     from fronts import derived
     from fronts.bound import BoundCall, configure, models_of
 
-    calls = command.calls if "" in command.calls else models_of(command)
+    calls = models_of(command)
     model, rest = _model(name, command, calls, rest)
     bound = BoundCall(calls[model], model)
     examples = _examples(command, model, f"{name} {model} {bound.required()}".rstrip())

@@ -30,7 +30,7 @@ import fronts as fr
 from fronts import cli
 from fronts.answer import Answer, UsageError
 from fronts.bound import BoundCall
-from fronts.catalogue import COMMANDS
+from fronts.catalogue import COMMANDS, Command
 from fronts.checking import DerivedEquations
 from fronts.cli import main
 from fronts.curves import Curve, Refusal
@@ -380,6 +380,49 @@ def test_without_a_standard_output_one_sentence_says_so(
         closed.setattr(sys, "stdout", None)
         assert main(["--version"]) == 2
     assert capsys.readouterr().err.startswith("fronts: standard output is closed: ")
+
+
+@pytest.mark.parametrize(
+    ("default", "words", "found"),
+    [
+        ("vdp", "", "vdp"), ("vdp", "--c 1", "vdp --c 1"), ("vdp", "--help", "vdp --help"),
+        ("vdp", "averaged --c 1", "averaged --c 1"), ("vdp", "envelope", "averaged"),
+        ("vdp", "--model envelope --c 1", "averaged --c 1"), ("", "vdp --c 1", "vdp --c 1"),
+        ("vdp", "x", "'x' is not a model"), ("", "--c 1", "'--c' is not a model"),
+        ("", "", "a model is missing"),
+    ],
+)  # fmt: skip
+def test_the_model_is_the_first_word_or_else_the_default(
+    default: str, words: str, found: str
+) -> None:
+    calls: Any = dict.fromkeys(("vdp", "averaged"))
+    command = Command(line="x", calls=calls, default=default)
+    if "model " in found or found.endswith("model"):
+        with pytest.raises(UsageError, match=f"^{found}: choose one of vdp, averaged; see"):
+            cli._model("x", command, calls, words.split())
+        return
+    model, *rest = found.split()
+    assert cli._model("x", command, calls, words.split()) == (model, rest)
+    alone: Any = {"": None}
+    assert cli._model("x", command, alone, words.split()) == ("", words.split())
+    only: Any = {"vdp": None}
+    assert cli._renamed("vdp", ["--model", "x"], only, "x") == ("vdp", ["--model", "x"])
+
+
+def test_the_examples_of_a_command_are_those_of_its_model_or_what_it_requires() -> None:
+    calls: Any = dict.fromkeys(("vdp", "friction"))
+    command = Command(line="x", calls=calls, default="vdp", notes="Note.",
+                      examples="examples:\n  fronts x vdp --c 1\n  fronts x own.py")  # fmt: skip
+    assert cli._examples(command, "vdp", "x vdp") == (
+        f"{command.examples}\n\nNote.\n\nThe model is vdp unless another one is named:\n"
+        "  fronts x friction --help"
+    )
+    assert cli._examples(command, "friction", "x friction --c C") == (
+        "examples:\n  fronts x friction --c C\n\nNote."
+    )
+    without: Any = {"": None}
+    alone = replace(command, calls=without, default="")
+    assert cli._examples(alone, "", "x").endswith("\n\nNote.")
 
 
 def test_of_an_option_that_has_no_meaning_the_next_word_is_the_value(capsys: Capture) -> None:

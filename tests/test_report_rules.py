@@ -396,7 +396,7 @@ def test_where_a_range_ends_before_its_parameter_does_the_reason_is_beside_it(
 
 def test_growth_is_shown_with_its_diagram_and_why_it_is_not_as_expected(tmp_path: Path) -> None:
     line = {"name": "run", "size_name": "N", "sizes": [10, 100], "seconds": [0.1, 1.0],
-            "exponent": 1.004, "expected": 1, "why": "of each", "memory_exponent": None}  # fmt: skip
+            "exponent": 1.004, "expected": 1, "why": "sites", "memory_exponent": None}  # fmt: skip
     record = {"lines": [line, line | {"remark": "a cache"}], "command": "c", "date": "d",
               "versions": {}, "machine": {"processor": "made up", "cores": 2}}  # fmt: skip
     for pictures in ((), ("<svg/>",)):

@@ -36,7 +36,7 @@ from fronts.cli import main
 from fronts.curves import Curve, Refusal
 from fronts.files import Listing
 from fronts.notebook import _cell, _word
-from fronts.options import REQUIRED, _help
+from fronts.options import REQUIRED, _help, options_of
 from fronts.piecewise.kinetic_relation import KineticCurve
 from fronts.signatures import KINDS, described
 from fronts.wording import WIDTH, in_words, table_lines
@@ -49,6 +49,7 @@ from theory.parameters import MissingPackageError, ParameterError
 from theory.piecewise.sums.result import DOUBLE
 from theory.result import Result, summary
 from verification.execution.imports import SOURCES
+from verification.fronts.status import FrontStatus
 
 Capture = pytest.CaptureFixture[str]
 
@@ -423,6 +424,40 @@ def test_the_examples_of_a_command_are_those_of_its_model_or_what_it_requires() 
     without: Any = {"": None}
     alone = replace(command, calls=without, default="")
     assert cli._examples(alone, "", "x").endswith("\n\nNote.")
+
+
+def test_what_is_said_of_a_status_is_its_sentence_or_else_the_reason() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Told(Result):
+        status: Any
+        reason: str | None = None
+
+    steady = Told(status=FrontStatus.STEADY, reason="a reason")
+    assert in_words(steady).splitlines()[0] == f"steady: {FrontStatus.STEADY.sentence}"
+    assert in_words(Told(status="none", reason="a reason")) == "none: a reason"
+
+
+def test_a_script_of_completion_is_printed_and_no_failure(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(cli, "_completion", " ".join)
+    assert main(["--print-completion", "a", "shell"]) == 0
+    assert capsys.readouterr().out == "a shell\n"
+
+
+def test_a_flag_that_is_on_can_be_taken_back() -> None:
+    def made_up(*, on: bool = True, off: bool = False) -> None:
+        """Do nothing.
+
+        Parameters
+        ----------
+        on, off : bool
+            Whether.
+        """
+
+    parser = cli.new_parser("x", "x", "")
+    options_of(made_up).declare(parser)
+    assert vars(parser.read(["--no-on", "--off"])) == {"json": False, "on": False, "off": True}
 
 
 def test_of_an_option_that_has_no_meaning_the_next_word_is_the_value(capsys: Capture) -> None:

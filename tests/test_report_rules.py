@@ -93,7 +93,7 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     tried: list[tuple[str, ...]] = []
 
     def answers(judges: Any, keys: Any, *, workers: int, begun: Any) -> Any:
-        assert judges.args == (run.PACKAGE,)
+        assert judges.args == (package or run.PACKAGE,)
         assert pickle.loads(pickle.dumps(judges)).args == judges.args
         assert workers == 2
         for index, group in enumerate(keys):
@@ -106,6 +106,10 @@ def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_agai
     monkeypatch.setattr(run, "answers", answers)
     entries = [Entry("fig16", claim(key, evidence=tuple)) for key in ("holds", "dies")]
     entries.append(Entry("fig16", claim("other", evidence=list)))
+    package = "examples"
+    assert len(run.run(entries[:1], jobs=2, package=package)) == 1
+    package = ""
+    tried.clear()
     found = run.run(entries, jobs=2, started=told.append, done=ended.append)
     assert tried == [("holds", "dies"), ("other",), ("holds",), ("dies",)]
     assert told == ["holds", "dies", "other", "holds", "dies"]

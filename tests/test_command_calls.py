@@ -36,7 +36,7 @@ from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
 from verification.fronts.switchings import front_by_switchings
 from verification.runs import simulate
-from verification.runs.excite import as_psi
+from verification.runs.excite import StartPoint, as_psi
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.threshold import threshold
 
@@ -272,6 +272,9 @@ def test_a_run_starts_from_the_middle_as_a_nucleus_of_one_does(count):
         place = Place.EDGE if isinstance(chain, FrictionChain) else Place.BULK
         (site,) = Nucleus(1, place=place).excited(count)
         assert start.parameters["sites"] == [site]
+        for point in (None, StartPoint.MAXIMUM):
+            named = prepared(chain, start_point=point).parameters.get("start_point")
+            assert named is point
         away = np.abs(start.state - np.median(start.state, axis=1, keepdims=True)).max(axis=0)
         assert np.argmax(away) == site - 1
 

@@ -153,10 +153,9 @@ class Breather(Result):
         """Whether no small perturbation of the chain's own breather grows; None if not decided.
 
         Close to a fold the error of the growth rate may be larger than the rate itself, and where
-        that breather is not known, nothing is known of its stability.
+        that breather is not known, nothing is known of its stability. A run may settle beside a
+        breather that loses stability slowly, and does not decide it either.
         """
-        if self.status is BreatherStatus.SETTLED:
-            return True  # the run no longer depends on its initial noise
         if self.stability is None or self.error is None:
             return None
         if self.growth_error is None:

@@ -674,6 +674,7 @@ def test_every_straight_line_and_every_column_of_the_explorer_is_in_its_figure()
             glyphs = [each.glyph for each in picture.figure.renderers if each.data_source is source]
             drawn = {getattr(glyph, at) for glyph in glyphs for at in ("x", "y")}
             assert glyphs, (kind, source.name)
+            assert not [glyph for glyph in glyphs if (glyph.x, glyph.y) == ("y", "x")]
             assert drawn >= set(source.column_names) or kind is RunPicture, (kind, source.name)
     assert lines == 5
 

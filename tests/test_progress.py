@@ -14,6 +14,7 @@ from typing import TextIO
 
 import pytest
 
+import fronts as fr
 from verification.execution import progress
 from verification.execution.progress import Progress, Remaining
 
@@ -265,3 +266,9 @@ def test_a_live_line_names_a_step_that_has_not_ended() -> None:
     done.begin("second")
     done.end("first", "steady")
     assert [each for each in shown if each] == ["first", "first and 1 more", "second"]
+
+
+def test_a_curve_tells_its_progress_point_by_point():
+    told = []
+    fr.kinetic_relation(c=[0.5, 0.6], eta=0.03125, progress=told.append)
+    assert (told, told[-1]) == (sorted(told), 1.0)

@@ -54,7 +54,7 @@ def settled_by_scipy(c: float) -> np.ndarray:
     start = np.zeros(2 * SITES)
     start[SITES // 2] = math.sqrt(A / B * (1 + math.sqrt(1 - 8 * B / A**2)))
     late = np.linspace(2000.0, 2000.0 + 2 * math.pi, 400)
-    run = solve_ivp(rate, (0, late[-1]), start, "DOP853", late, rtol=1e-9, atol=1e-11)
+    run = solve_ivp(rate, (0, late[-1]), start, "DOP853", late, rtol=1e-7, atol=1e-9)
     return np.abs(run.y[:SITES]).max(axis=1)
 
 
@@ -64,7 +64,7 @@ def test_the_error_of_every_method_bounds_its_distance_from_a_run_of_scipy() -> 
     assert list(found.methods) == ["closed-form", "envelope", "orbit", "simulation"]
     for name, each in found.methods.items():
         assert each.error is not None, name
-        # scipy's samples miss the largest by 3e-5 of it, and its tolerance adds 1e-6
+        # scipy's samples miss the largest by 3e-5 of it, and its tolerance adds 4e-6
         assert np.abs(each.amplitudes - true).max() <= each.error + 1e-4, name
         assert each.stable is (None if name == "simulation" else True)
     errors = [found[name].error for name in ("closed-form", "envelope", "orbit")]

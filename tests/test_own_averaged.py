@@ -41,11 +41,11 @@ CELLS = {
 def test_the_averaged_chain_is_first_order_close_to_the_full_one(name: str) -> None:
     """Distance Cε(1 + O(ε)), so the slope is 1 + O(ε); a wrong average would make it 0."""
     chain = OscillatorChain(
-        damping=GENERAL, stiffness="y + k*y**3", values=CELLS[name], c=0.5, eps=0.01, sites=6,
+        damping=GENERAL, stiffness="y + k*y**3", values=CELLS[name], c=0.5, eps=0.02, sites=6,
         coupling="next-nearest:1,0.2",
     )  # fmt: skip
     found = averaging_error(chain, excite(chain, [3, 4], quarter_turns=[0, 1]), slow_time=2.0)
-    assert found.eps.tolist() == [0.01, 0.005, 0.0025]
+    assert found.eps.tolist() == [0.02, 0.01, 0.005]
     assert np.all(found.errors < 1e-3 * found.distances)
     assert found.slope == pytest.approx(1.0, abs=0.1)
 

@@ -194,7 +194,7 @@ def test_a_ring_by_name_is_run_as_the_ring_that_its_matrix_is(kind: type[Oscilla
     matrix = np.roll(np.eye(12), 1, axis=1) + np.roll(np.eye(12), -1, axis=1)
     cell: Any = {"damping": PAPER, "values": VALUES, "c": 0.6, "sites": 12}
     named, given = (kind(**cell, coupling=each) for each in ("ring", matrix))
-    runs = [simulate(each, excite(each, [1, 2]), 300.0, tolerance=1e-10) for each in (named, given)]
+    runs = [simulate(each, excite(each, [1, 2]), 100.0, tolerance=1e-10) for each in (named, given)]
     last = [run.states[-1] for run in runs]
     assert np.abs(last[1]).max() > 0.5
     assert runs[0].error is not None
@@ -255,7 +255,7 @@ def kinds() -> dict[str, tuple[OscillatorChain, Any, list[int]]]:
 def test_the_error_of_a_run_bounds_its_distance_from_scipy(name: str) -> None:
     chain, rate, excited = kinds()[name]
     start = excite(chain, excited)
-    run = simulate(chain, start, 60.0, samples=4, tolerance=1e-8)
+    run = simulate(chain, start, 30.0, samples=4, tolerance=1e-8)
     assert run.status is RunStatus.RESOLVED
     assert run.error is not None
     flat = start.ravel() if chain.oscillates else start[0]

@@ -213,7 +213,7 @@ def test_the_front_of_a_duffing_cell_is_that_of_its_averaged_chain() -> None:
         return cell.rate(state, left, right)
 
     times = np.linspace(0.0, 22.0, 1101)
-    amplitude = np.abs(states_by_scipy(rate, phi, times, 1e-8))
+    amplitude = np.abs(states_by_scipy(rate, phi, times, 1e-6))
     reached = [times[np.argmax(amplitude[:, n] > full.unstable_amplitude)] for n in (45, 65)]
     assert speed(full) == pytest.approx(20.0 / (reached[1] - reached[0]), rel=0.02)
 

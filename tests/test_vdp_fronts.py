@@ -27,7 +27,7 @@ from verification.references.passages import quarter_turn_velocity
 
 
 @pytest.mark.parametrize(
-    ("eta", "c", "sites"), [(0.002, 0.3, 24), (0.03125, 0.15, 60), (0.05, 1.0, 60), (0.09, 0.3, 60)]
+    ("eta", "c", "sites"), [(0.002, 0.3, 24), (0.03125, 0.15, 40), (0.05, 1.0, 60), (0.09, 0.3, 40)]
 )
 def test_the_velocity_is_that_of_the_real_chain_of_quarter_turns(
     eta: float, c: float, sites: int
@@ -179,7 +179,7 @@ def test_kappa_is_the_limit_of_the_chain(eta: float) -> None:
     kappa = strong_coupling_front(eta).kappa
     values = []
     for c in (1.0, 8.0):
-        v = quarter_turn_velocity(1.0, eta, c, 120)
+        v = quarter_turn_velocity(1.0, eta, c, 80)
         values.append((v - c) / math.cbrt(c / 6.0))
     extrapolated = values[1] + (values[1] - values[0]) / (4.0 - 1.0)
     assert abs(values[1] - kappa) < abs(values[0] - kappa)

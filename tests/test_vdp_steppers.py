@@ -140,7 +140,7 @@ def _by_series(full: bool, tolerance: float, end: float) -> ComplexArray:
 def test_a_tighter_tolerance_gives_a_smaller_error(
     method: Callable[[bool, float, float], ComplexArray], full: bool
 ) -> None:
-    end = 60.0
+    end = 20.0
     exact = reference(CHAIN, _start(CHAIN), end, full)
     errors = [
         float(np.abs(method(full, tolerance, end) - exact).max())

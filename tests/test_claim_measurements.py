@@ -221,8 +221,9 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
         f"for sizes {listed(fig11.FAMILY, ' and ')} the family",
     ),
     "fig11-all-lost": lambda: (
-        f"stable at {fig11.LAST} would", f"sizes {fig11.RANGE[0]} to {fig11.RANGE[-1]}, "
-        f"{listed(fig11.FAMILY, ' and ')}, none is stable at {fig11.LAST}.",
+        f"tolerance: {plain(fig11.CONVERGED)},", f"sizes {fig11.RANGE[0]} to {fig11.RANGE[-1]}, "
+        f"{listed(fig11.FAMILY, ' and ')}, none is stable beyond {fig11.LAST} to the digits",
+        f"it has {fig11.FAMILY[-1]} sites",
     ),
     "fig12-steady": lambda: (
         f"the first {fig12.COMPARED} arrivals", f"{plain(fig12.STEADY)} between",
@@ -395,7 +396,7 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
 
     def run(release: float = 0.0) -> Any:
         def made(_: Any, __: Any, end: float, *, times: Any = None, **___: Any) -> Any:
-            assert end == 40.0
+            assert end == 40.0 or end == times[-1]
             at = np.arange(0.0, 8.0) if times is None else np.asarray(times)
             sticks = ((at >= 1) & (at <= 3)) | (at >= 5)
             force = (0.75 if release == 0.0 else 0.5) * cell.mu_st
@@ -1325,14 +1326,16 @@ def test_of_many_breathers_the_largest_couplings_count() -> None:
         fig11.Nuclei,
         branches={1: (ended(0.19, (0.0, 0.18)),), 2: (ended(0.195, (0.0, 0.1), (0.15, 0.16)),),
                   3: (ended(0.2), ended(0.1)), 5: (ended(0.199), ended(0.15, (0.1, 0.12)))},
-        growth_here={1: 0.1, 3: 0.3}, growth_by_envelope={1: 0.2, 3: 0.25},
+        growth_here={1: 0.1, 3: 0.3}, growth_by_envelope={1: 0.2, 3: 0.25}, left=(),
     )  # fmt: skip
     assert found.stable == {1: 0.18, 2: 0.16, 5: 0.12}
     assert found.odd_stable == (5,)
     assert found.last == (3, 0.2)
     assert found.last_stable == (1, 0.18)
-    assert evidence(fig11.Nuclei, growth_left=()).slowest_left == math.inf
-    assert evidence(fig11.Nuclei, growth_left=(0.2, -0.1)).slowest_left == -0.1
+    left = ((0.203, 0.2), (0.202, -0.1), (0.201, 0.0))
+    some = replace(found, left=left)
+    assert some.unstable_left == (0.2,)
+    assert (found.lost, some.lost) == (0.18, 0.202)
     assert found.solvers_apart == pytest.approx(0.1)
 
 
@@ -1390,7 +1393,7 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     large = [ends["some"], ends["few"]]
     assert counts == {n: [0.1] for n in fig11.RANGE} | dict.fromkeys(fig11.FAMILY, large)
     assert found.orbit_end == 0.6  # of those that end near the last
-    assert found.growth_left == (0.02,) * len(fig11.FAMILY)
+    assert found.left == ((2.0 * ends["some"], 0.02),) * len(fig11.FAMILY)
     assert found.orbit_growth == (0.1,)
     assert found.solvers_apart == pytest.approx(0.2)
     assert 0.15 in fig11.MIRRORED_AT[1:-1]  # where the largest of each is

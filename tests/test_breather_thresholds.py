@@ -145,11 +145,21 @@ def test_runs_that_would_take_hours_at_small_eta_are_refused_by_that_name(method
         threshold(AveragedChain(a=1.0, b=9e-4, c=0.0), method=method)
 
 
-@pytest.mark.parametrize(("eta", "place"), [(0.1004957490665929, "edge"), (0.0068, "edge")])
-def test_the_error_of_a_sweep_covers_the_step_in_which_the_nucleus_escapes(
-    eta: float, place: str
-) -> None:
-    """At the first η the two extrapolations agree by chance; at the second, rates are large."""
+@pytest.mark.parametrize(
+    ("eta", "place"),
+    [
+        (0.1004957490665929, "edge"),
+        (0.0068, "edge"),
+        (0.012165893361963, "bulk"),
+        (0.058489375756792, "bulk"),
+    ],
+)
+def test_the_error_of_a_sweep_covers_its_steps_and_its_start(eta: float, place: str) -> None:
+    """The two extrapolations agree by chance at the first η; rates are large at the second one.
+
+    At the others a starting coupling lies just above the fold, where the nucleus holds for long, or
+    just below it.
+    """
     chain, nucleus = AveragedChain(a=1.0, b=eta, c=0.0), Nucleus(1, place=Place(place))
     fold = threshold(chain, nucleus, method=ThresholdMethod.ENVELOPE)
     swept = threshold(chain, nucleus, method=ThresholdMethod.SWEEP)

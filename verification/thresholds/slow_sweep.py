@@ -23,10 +23,9 @@ from verification.thresholds.preparation import NucleusPreparation, hold
 from verification.thresholds.result import Definition, Delay, Mechanism, Threshold, ThresholdMethod
 
 START, END = 0.15, 0.6
-"""Coupling at which a sweep begins if the nucleus holds there, and coupling at which it is
-stopped."""
+"""First coupling tried for the start of a sweep, and coupling at which it is stopped."""
 LOWER = 0.8
-"""Factor by which the starting coupling is lowered until the nucleus holds."""
+"""Factor by which the starting coupling is lowered until the nucleus holds, and once more."""
 RATES = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
 SETTLING = 300.0
 """Slow time spent at the starting coupling before a sweep begins."""
@@ -60,16 +59,20 @@ def sweep_envelope(
 def _settled(
     chain: VanDerPolChain, preparation: NucleusPreparation
 ) -> tuple[VanDerPolChain, ComplexArray]:
-    """Return φ_n and the chain at the first coupling, from `START` downwards, at which it holds."""
+    """Return φ_n and the chain at a coupling below the first, from `START` downwards, that holds.
+
+    Just above a fold a nucleus may hold for longer than it settles; `LOWER` times this lies below.
+    """
     c = START
-    while (run := hold(chain, preparation, c, SETTLING)).escaped:
+    while hold(chain, preparation, c, SETTLING).escaped:
         c *= LOWER
         if c < LOWEST:
             raise ParameterError(
                 "nucleus", preparation.size, f"one that holds at some c from {LOWEST:g}",
                 "take another size, a smaller perturbation, or change a or b",
             )  # fmt: skip
-    return preparation.chain(chain, c), run.phi
+    c *= LOWER
+    return preparation.chain(chain, c), hold(chain, preparation, c, SETTLING).phi
 
 
 def fit_delay(rates: Sequence[float], escapes: Sequence[float], seconds: float) -> Delay:

@@ -19,7 +19,7 @@ from fronts.commands import bench
 from fronts.commands.stress import _MAX_SHOWN, _text
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
-from verification.quantities import breathers, fronts, judging
+from verification.quantities import breathers, fronts, judging, own_chains
 from verification.quantities.friction import cycle_by_scipy, stable_cycle
 from verification.quantities.judging import BAD, PointOutcome, is_clear, judge
 from verification.quantities.quantity import Axis, Computation, ReferenceCheck, StatedValue
@@ -114,6 +114,7 @@ SLIDING = {
 def test_costly_computations_are_right_at_single_points(
     name: str, values: Mapping[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(own_chains, "_END", 10.0)  # so do steps in extended precision
     monkeypatch.setattr(breathers, "_SITES", 3)  # eigenvalues in many digits take long
     found = judge(computation_named(name), values)
     assert found["outcome"] == PointOutcome.RIGHT.value, found

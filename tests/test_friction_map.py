@@ -52,7 +52,7 @@ def test_a_label_holds_in_an_independent_run(
     assert result["label"] == label
     chain = task.at({"c": c, "v_d": v_d})
     end = min(float(result["time"]), 250.0)
-    run = run_events(chain, excite(chain, [4]), end, tolerance=1e-9, longest_step=0.5)
+    run = run_events(chain, excite(chain, [4]), end, tolerance=1e-7, longest_step=1.0)
     sticks = run.log[run.log[:, 2] == 0]
     late = sticks[sticks[:, 0] > end - WINDOW]
     if label is State.FRONT:

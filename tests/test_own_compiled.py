@@ -130,7 +130,7 @@ def test_the_error_of_a_run_bounds_its_distance_from_scipy() -> None:
         pull_matrix(9), c=1.0, eps=0.1, d=0.2,
     )  # fmt: skip
     start = excite(chain, [2, 3])
-    run = simulate(chain, start, 60.0, samples=4, tolerance=1e-8)
+    run = simulate(chain, start, 30.0, samples=4, tolerance=1e-8)
     assert run.error is not None
     exact = states_by_scipy(rate, start.ravel(), run.times)
     assert 1e-12 < np.abs(run.states.reshape(4, -1) - exact).max() <= run.error < 1e-4

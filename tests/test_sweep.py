@@ -474,8 +474,7 @@ def _shapes_by_a_loop() -> dict[str, list[object]]:
     return {"profile": profile, "counts": counts, "label": label}
 
 
-@pytest.mark.parametrize("ending", [".zarr", ".npz"])
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(("ending", "workers"), [(".zarr", 1), (".npz", 1), (".zarr", 2)])
 def test_arrays_of_points_are_those_of_a_loop_through_a_stop_and_a_file(
     ending: str, workers: int, tmp_path: Path
 ) -> None:

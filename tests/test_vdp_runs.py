@@ -370,14 +370,14 @@ def test_a_stiff_start_in_a_long_chain_leaves_out_sites_at_rest(c: float) -> Non
     """The same as with all sites stepped, and the cost does not follow the length."""
     chain = VdpChain(a=4.0, b=0.5, c=c, eps=0.01, sites=100)
     start = excite(chain, [50], 200.0)
-    part = simulate(chain, start, 2.0, samples=3, tolerance=1e-9)
-    whole = simulate(chain, start, 2.0, samples=3, tolerance=1e-9, active_window=False)
+    part = simulate(chain, start, 1.0, samples=3, tolerance=1e-9)
+    whole = simulate(chain, start, 1.0, samples=3, tolerance=1e-9, active_window=False)
     assert part.counts["stiff_steps"] > 0
     assert part.mean_active < 0.9 * chain.sites
     assert part.error is not None
     assert np.abs(part.psi - whole.psi).max() < 1e-6
     long = replace(chain, sites=10_000)
-    far = simulate(long, excite(long, [50], 200.0), 2.0, samples=3, tolerance=1e-9)
+    far = simulate(long, excite(long, [50], 200.0), 1.0, samples=3, tolerance=1e-9)
     assert far.mean_active < 1.5 * part.mean_active + 60.0
     assert np.abs(far.psi[:, :80] - whole.psi[:, :80]).max() < 1e-6
 

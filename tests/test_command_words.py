@@ -907,7 +907,7 @@ def test_a_curve_of_several_methods_has_a_row_for_each_with_its_amplitudes(
 ) -> None:
     """As the methods alone at these couplings; digits of which no error is known are not said."""
     paths = [tmp_path / "all.json", tmp_path / "all.csv", tmp_path / "all.png"]
-    line = shlex.split("breather --nucleus 3 --c 0.1:0.2:2 --eps 0.12 --method all --n 7")
+    line = shlex.split("breather --nucleus 3 --c 0.1:0.2:2 --eps 0.12 --method all --n 5")
     assert main([*line, *(word for path in paths for word in ("--out", str(path)))]) == 0
     with paths[1].open(encoding="utf-8", newline="") as file:
         lines = [each for each in file if not each.startswith("#")]

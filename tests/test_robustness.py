@@ -114,8 +114,8 @@ SLIDING = {
 def test_costly_computations_are_right_at_single_points(
     name: str, values: Mapping[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(own_chains, "_END", 10.0)  # so do steps in extended precision
-    monkeypatch.setattr(breathers, "_SITES", 3)  # eigenvalues in many digits take long
+    monkeypatch.setattr(own_chains, "_END", 10.0)  # steps in extended precision take long
+    monkeypatch.setattr(breathers, "_SITES", 3)  # so do eigenvalues in many digits
     found = judge(computation_named(name), values)
     assert found["outcome"] == PointOutcome.RIGHT.value, found
 

@@ -88,7 +88,7 @@ SLIDING = {
         ("envelope-breather", {"eta": 0.124875, "c": 1e-8}),
         ("sigma-series", {"v": 0.3, "c": 0.5, "digits": 40}),
         ("run-vdp", {**RUN, "displacement": 1e3, "eps": 1e-3}),
-        ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 24.0}),
+        ("run-vdp", {**RUN, "eps": 0.37, "c": 6.7, "sites": 12.0}),
         ("orbit", {"eta": 0.08, "c": 0.1, "eps": 0.01}),
         ("multipliers", {"eta": 0.03125, "c": 0.1, "eps": 0.01}),
         ("envelope-threshold", {"eta": 0.08}),

@@ -574,18 +574,27 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
 
     def trace(*given: Any) -> Any:
         asked["trace"] = given
-        return SimpleNamespace(folds=("first", "second"), fold=None)
+        return SimpleNamespace(folds=folds, fold=folds[0])
+
+    def measured(c: int, _: float, near: Any) -> Breather:
+        asked.setdefault("near", []).append(near)
+        return Breather(chain=AVERAGED.replace(c=9.0), nucleus=Nucleus(1), seconds=0.0,
+                        method=BreatherMethod.ENVELOPE, status=BreatherStatus.EXISTS)  # fmt: skip
+
+    folds = tuple(SimpleNamespace(parameter=c) for c in (0.75, 1.5))
 
     along = StepControl(length=0.7)
     family = SimpleNamespace(
         system=lambda: "system",
         start=start,
         step_control=along,
-        measured=lambda *_: SimpleNamespace(chain=AVERAGED.replace(c=9.0)),
+        measured=measured,
+        fold_error=lambda fold: 0.01 * fold.parameter,
     )
     monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
-    monkeypatch.setattr(follow, "solutions_at", lambda *_: [(k, k) for k in (0, 1, 1, 2)])
+    points = [(SimpleNamespace(parameter=k), k) for k in (0, 1, 1, 2)]
+    monkeypatch.setattr(follow, "solutions_at", lambda *_: points)
     monkeypatch.setattr(follow, "_described", lambda _, fold, place: (fold, place))
     found = follow.follow(AVERAGED, couplings, nucleus=Nucleus(1), folds=turns)
     end, lowest = asked["start"]
@@ -596,7 +605,9 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     assert steps == replace(along, folds=turns)
     assert furthest <= until < furthest * (1.0 + 1e-11)
     assert until > max(couplings)
-    assert found.folds == (("first", 1), ("second", 3))
+    assert found.folds == ((folds[0], 1), (folds[1], 3))
+    assert asked["near"] == [folds[0]] * 3 + [folds[1]]
+    assert {(point.fold, point.fold_error) for point in found.points} == {(1.5, 0.015)}
     assert [point.chain.c for point in found.points[4:]] == couplings
     assert {point.status for point in found.points[4:]} == {BreatherStatus.NONE}
 

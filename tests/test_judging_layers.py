@@ -1503,6 +1503,7 @@ def test_the_left_end_of_a_smooth_chain_is_run_where_it_can_matter(
     class Prepared:
         accuracy: float = 1e-3
         other_velocity: float | None = None
+        compared: bool = False
 
         def settled(self, _: object) -> Settled:
             return _settled(v, 1e-4, FrontStatus.STEADY)

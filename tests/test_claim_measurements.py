@@ -222,8 +222,8 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     ),
     "fig11-all-lost": lambda: (
         f"tolerance: {plain(fig11.CONVERGED)},", f"sizes {fig11.RANGE[0]} to {fig11.RANGE[-1]}, "
-        f"{listed(fig11.FAMILY, ' and ')}, none is stable beyond {fig11.LAST} to the digits",
-        f"it has {fig11.FAMILY[-1]} sites",
+        f"{listed(fig11.FAMILY, ' and ')}. As ε → 0 all of them lose their stability below "
+        f"{fig11.LAST}.",
     ),
     "fig12-steady": lambda: (
         f"the first {fig12.COMPARED} arrivals", f"{plain(fig12.STEADY)} between",
@@ -1332,10 +1332,10 @@ def test_of_many_breathers_the_largest_couplings_count() -> None:
     assert found.odd_stable == (5,)
     assert found.last == (3, 0.2)
     assert found.last_stable == (1, 0.18)
-    left = ((0.203, 0.2), (0.202, -0.1), (0.201, 0.0))
-    some = replace(found, left=left)
+    left = ((8, 0.203, 0.2), (10, 0.202, -0.1), (12, 0.201, 0.0), (10, 0.2015, -0.2))
+    some = replace(found, left=tuple(fig11.Left(size=n, end=c, growth=x) for n, c, x in left))
     assert some.unstable_left == (0.2,)
-    assert (found.lost, some.lost) == (0.18, 0.202)
+    assert some.stable_left == {10: 0.202, 12: 0.201}
     assert found.solvers_apart == pytest.approx(0.1)
 
 
@@ -1393,7 +1393,9 @@ def test_every_sign_is_tried_of_small_nuclei_and_a_family_of_large_ones(
     large = [ends["some"], ends["few"]]
     assert counts == {n: [0.1] for n in fig11.RANGE} | dict.fromkeys(fig11.FAMILY, large)
     assert found.orbit_end == 0.6  # of those that end near the last
-    assert found.left == ((2.0 * ends["some"], 0.02),) * len(fig11.FAMILY)
+    assert found.left == tuple(
+        fig11.Left(size=n, end=2.0 * ends["some"], growth=0.02) for n in fig11.FAMILY
+    )
     assert found.orbit_growth == (0.1,)
     assert found.solvers_apart == pytest.approx(0.2)
     assert 0.15 in fig11.MIRRORED_AT[1:-1]  # where the largest of each is

@@ -193,7 +193,8 @@ def family(size: int, a: float, b: float) -> list[LockedBreather]:
     """Return the breathers of an even size with steps δ, π/2, δ, π/2, …, of one sense or mirrored.
 
     For large sizes, for which there are too many combinations of signs. Every second step keeps one
-    sign throughout (running) or changes it at the middle (mirrored), and so does δ.
+    sign throughout (running) or changes it at the middle (mirrored), and so does δ; a step δ in the
+    middle is then 0 or π.
     """
     links = size - 1
     patterns = []
@@ -202,6 +203,8 @@ def family(size: int, a: float, b: float) -> list[LockedBreather]:
             steps = np.where(np.arange(links) % 2 == 0, sense * delta, side * 0.5 * np.pi)
             if mirrored:
                 steps[: links // 2] *= -1.0
+                if links // 2 % 2 == 0:
+                    steps[links // 2] = 0.0 if delta < 0.5 * np.pi else np.pi
             patterns.append(steps)
     return _distinct(patterns, size, a, b)
 

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba.core import config, types
+from numba.core import caching, config, types
 from numba.core.dispatcher import Dispatcher
 
 import verification
@@ -447,3 +447,18 @@ def test_an_interrupt_waits_until_numba_has_compiled(
     assert reached == ["interrupted"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     assert call() == 3.0
+
+
+@pytest.mark.parametrize("error", [OSError, ModuleNotFoundError])
+def test_code_on_disk_that_cannot_be_loaded_is_compiled_again(
+    error: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file of a function may since have been imported under another name."""
+
+    def load(*_: object) -> Any:
+        raise error("no module named as it was when the code was stored")
+
+    monkeypatch.setattr(caching.FunctionCache, "_load_overload", load)
+    stored = object.__new__(caching.FunctionCache)
+    context = SimpleNamespace(refresh=lambda: None)
+    assert stored.load_overload(None, context) is None  # nothing found, so that it is compiled

@@ -287,10 +287,14 @@ def _can_be_written(folder: Path) -> bool:
 
 @contextmanager
 def _storing_may_fail(_: object) -> Iterator[None]:
-    """Replace numba's guard of its files, which lets a full disk abort the computation."""
+    """Replace numba's guard of its files, which lets a full disk abort the computation.
+
+    Stored code names the module in which its function was defined; where the file of the function
+    has since been imported under another name, it is compiled again.
+    """
     try:
         yield
-    except OSError as error:
+    except (OSError, ImportError) as error:
         logger.info("compiled code is not on disk: %s", error)
 
 

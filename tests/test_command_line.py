@@ -378,7 +378,7 @@ def test_sweeps_that_follow_no_law_are_replaced_by_held_runs(capsys):
     line = "threshold vdp --nucleus 4 --method sweep"
     found = _json(capsys, line)
     assert found["method"] == "hold"
-    assert abs(found["delay_exponent"] - 2 / 3) > 1
+    assert abs(found["delay_exponent"] - 2 / 3) > 0.5  # 0.06 is allowed
     assert found["range"][0] <= found["c_crit"] <= found["range"][1]
     assert main(shlex.split(line)) == 0
     assert ["method", "hold"] in map(str.split, capsys.readouterr().out.splitlines())

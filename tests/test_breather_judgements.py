@@ -589,7 +589,7 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
         start=start,
         step_control=along,
         measured=measured,
-        fold_error=lambda fold: 0.01 * fold.parameter,
+        fold_error=lambda fold: fold.parameter,
     )
     monkeypatch.setattr(follow, "own_family", lambda *_: family)
     monkeypatch.setattr(follow, "trace", trace)
@@ -607,7 +607,7 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     assert until > max(couplings)
     assert found.folds == ((folds[0], 1), (folds[1], 3))
     assert asked["near"] == [folds[0]] * 3 + [folds[1]]
-    assert {(point.fold, point.fold_error) for point in found.points} == {(1.5, 0.015)}
+    assert {(point.fold, point.fold_error) for point in found.points} == {(1.5, 1.5)}
     assert [point.chain.c for point in found.points[4:]] == couplings
     assert {point.status for point in found.points[4:]} == {BreatherStatus.NONE}
 

@@ -117,6 +117,8 @@ class MissingPackageError(ImportError):
 
     Parameters
     ----------
+    package : str
+        Name of the package.
     extra : str
         Extra of this distribution that installs it.
     purpose : str
@@ -412,11 +414,6 @@ class int or list; give a number or sites.
 def file_path(quantity: str, value: object) -> Path:
     """Return the path of a file that is given as text or as a path.
 
-    Raises
-    ------
-    ParameterError
-        If the value is neither.
-
     Examples
     --------
     >>> file_path("out", "map.csv").suffix
@@ -429,11 +426,6 @@ def file_path(quantity: str, value: object) -> Path:
 
 def check_progress(progress: object) -> None:
     """Refuse a progress callback that cannot be called; None stands for no report.
-
-    Raises
-    ------
-    ParameterError
-        If the value can be neither.
 
     Examples
     --------

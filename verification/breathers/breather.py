@@ -342,12 +342,7 @@ def _turned_gaps(found: Breather, exact: Breather) -> FloatArray:
     return _gaps(found, exact, turned(found), turned(exact))
 
 
-def _gaps(
-    found: Breather,
-    exact: Breather,
-    ours: AnyArray,
-    true: AnyArray,
-) -> FloatArray:
+def _gaps(found: Breather, exact: Breather, ours: AnyArray, true: AnyArray) -> FloatArray:
     """Return the distance of the value of each site from the exact one, on both sides.
 
     Sites beyond the end of the exact chain count with their whole amplitude.

@@ -137,11 +137,8 @@ class RotatingWaves(BreatherFamily):
             If the nucleus is wider than the chain, the pattern has no breather near c = 0, or η is
             below `SMALLEST_ETA`.
         """
-        chain, nucleus, c = (
-            self.chain,
-            self.nucleus,
-            min(start_of(self.chain, self.nucleus), lowest),
-        )
+        chain, nucleus = self.chain, self.nucleus
+        c = min(start_of(chain, nucleus), lowest)
         remedy = "take the closed form, whose relative difference is of order η there"
         at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, remedy)
         phi = nucleus.envelope(chain)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from theory.arrays import FloatArray
@@ -76,10 +75,11 @@ def follow(
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
     steps = replace(family.step_control, folds=folds)
     branch = trace(system, start, furthest, None, steps)
-    end = _end(family, branch.folds)
+    with_errors = [(fold, family.fold_error(fold)) for fold in branch.folds]
+    end = _end(with_errors)
     points, folds_passed = [], []
     for point, passed in solutions_at(system, branch, required):
-        near = min(branch.folds, key=partial(_apart, point.parameter), default=None)
+        near = _fold_at(with_errors, point.parameter)
         points.append(replace(family.measured(point, started, near), **end))
         folds_passed.append(passed)
         started = time.perf_counter()
@@ -103,17 +103,18 @@ def follow(
     return FollowedBreather(points=tuple(points), folds=tuple(turned))
 
 
-def _apart(c: float, fold: Fold) -> float:
-    """Return the distance of a fold from a coupling."""
-    return abs(fold.parameter - c)
+def _fold_at(folds: Sequence[tuple[Fold, float]], c: float) -> Fold | None:
+    """Return the nearest of the folds (given with their errors) whose error reaches a coupling."""
+    near = [fold for fold, error in folds if abs(fold.parameter - c) <= error]
+    return min(near, key=lambda fold: abs(fold.parameter - c), default=None)
 
 
-def _end(family: BreatherFamily, folds: Sequence[Fold]) -> dict[str, Any]:
+def _end(folds: Sequence[tuple[Fold, float]]) -> dict[str, Any]:
     """Return the largest coupling of a branch with its error; nothing if it has no fold."""
     if not folds:
         return {}
-    last = max(folds, key=lambda fold: fold.parameter)
-    return {"fold": last.parameter, "fold_error": family.fold_error(last)}
+    last, error = max(folds, key=lambda each: each[0].parameter)
+    return {"fold": last.parameter, "fold_error": error}
 
 
 def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:

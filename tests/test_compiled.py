@@ -24,6 +24,7 @@ from numba.core import caching, config, types
 from numba.core.dispatcher import Dispatcher
 
 import verification
+from theory import compiler
 from theory.compiled_code import FOLDER
 from verification.execution import compiled
 from verification.execution.compiled import files_with_compiled_functions, inner, outer
@@ -307,7 +308,7 @@ def test_what_an_operation_gives_is_looked_up_once_but_with_named_arguments_each
     found: list[Any] = []
 
     def compiled_and_failed() -> None:
-        with compiled._operations_resolved_once():
+        with compiler._operations_resolved_once():
             found.extend(
                 types.Function.get_call_type(function, None, given, named)
                 for function, given, named in (
@@ -324,7 +325,7 @@ def test_what_an_operation_gives_is_looked_up_once_but_with_named_arguments_each
 
 
 def test_options_of_a_compilation_are_those_with_the_same_values() -> None:
-    one, same, other = compiled._Flags(), compiled._Flags(), compiled._Flags()
+    one, same, other = compiler._Flags(), compiler._Flags(), compiler._Flags()
     other.nrt = True
     assert (one == same, hash(one) == hash(same)) == (True, True)
     assert (one == other, one == "options") == (False, False)
@@ -378,7 +379,7 @@ def test_what_a_part_calls_is_linked_into_it_once() -> None:
             return self.name
 
     called = [Called("a"), Called("b")]
-    part: Any = compiled._PartOfItsCallers.__new__(compiled._PartOfItsCallers)
+    part: Any = compiler._PartOfItsCallers.__new__(compiler._PartOfItsCallers)
     part._finalized, part._linking_libraries = False, [*called, called[0]]
     part._final_module = SimpleNamespace(
         link_in=lambda module, *, preserve: linked.append((module, preserve))
@@ -420,7 +421,7 @@ def test_an_interrupt_waits_until_numba_has_compiled(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It would leave numba's tables half set up, and every later compilation would fail."""
-    whole = compiled.OuterCompiler.compile_extra
+    whole = compiler.OuterCompiler.compile_extra
     reached: list[str] = []
 
     def interrupted(self: Any, function: Any) -> Any:
@@ -440,7 +441,7 @@ def test_an_interrupt_waits_until_numba_has_compiled(
 
     function, mark = outer()(double), "interrupted"
     with monkeypatch.context() as during:
-        during.setattr(compiled.OuterCompiler, "compile_extra", interrupted)
+        during.setattr(compiler.OuterCompiler, "compile_extra", interrupted)
         during.setattr("verification.steppers.specialise.DISTINCT_NAMES", False)  # not from disk
         with pytest.raises(KeyboardInterrupt):
             call()

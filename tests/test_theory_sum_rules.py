@@ -22,7 +22,7 @@ from numba.core.dispatcher import Dispatcher
 from theory.interruption import compile_uninterrupted
 from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
-from theory.piecewise.sums import axis, beside_roots, compiled, poles, segments
+from theory.piecewise.sums import arithmetic, axis, beside_roots, compiled, poles, segments
 from theory.piecewise.sums.integral import MANY, sum_by_integral, sums
 from theory.piecewise.sums.precise import departing_labels, precise_sum_by_integral
 from theory.piecewise.sums.series import sum_by_roots
@@ -198,6 +198,38 @@ def test_compiled_or_not_the_rules_give_the_same(slopes: bool) -> None:
     if slopes:
         assert (np.abs(plain.by_v - fast.by_v) <= 0.2 * plain.error_by_v).all()
         assert (np.abs(plain.by_c - fast.by_c) <= 0.2 * plain.error_by_c).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "tolerance"),
+    [
+        ("exponential", np.linspace(-699.0, 699.0, 999), 3e-16),
+        ("exponential", np.linspace(-1.0, 1.0, 999), 3e-16),
+        ("logarithm", np.linspace(1.0, 3.0, 999), 1e-15),
+        ("logarithm", np.geomspace(1.0, 1e300, 999), 1e-15),
+    ],
+)
+def test_functions_without_branches_are_those_of_python(
+    name: str, arguments: FloatArray, tolerance: float
+) -> None:
+    plain, other = (getattr(arithmetic, name + end) for end in ("", "_without_branches"))
+    for x in arguments.tolist():
+        assert abs(other(x) - plain(x)) <= tolerance * abs(plain(x)), x
+
+
+def test_exponents_without_branches_are_limited() -> None:
+    assert arithmetic.exponential_without_branches(-700.1) == 0.0
+    assert arithmetic.exponential_without_branches(-5e9) == 0.0
+    for x in (701.0, 1e300):
+        assert arithmetic.exponential_without_branches(x) == pytest.approx(math.exp(700.0))
+
+
+@pytest.mark.parametrize("x", [0.0, 3.0, 2.0 * math.pi, 6.3, 700.0, 1e7, 1e15, 1e40])
+def test_a_remainder_without_branches_is_known_to_the_rounding_of_the_number(x: float) -> None:
+    found = arithmetic.remainder_without_branches(x, 2.0 * math.pi)
+    assert 0.0 <= found <= 2.0 * math.pi
+    apart = abs(found - arithmetic.remainder(x, 2.0 * math.pi))
+    assert min(apart, 2.0 * math.pi - apart) <= 2.0 * math.ulp(x)
 
 
 def test_roots_that_do_not_settle_are_computed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -377,10 +409,10 @@ def test_compiled_rules_of_other_sources_are_kept_for_a_week(
 ) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     rules: Any = compiled.compiled_rules.__wrapped__()
-    folder, state = Path(rules.exponentials.stats.cache_path), compiled._state_of_sources()
+    folder, state = Path(rules.block_values.stats.cache_path), compiled._state_of_sources()
     folder.mkdir(parents=True, exist_ok=True)
     names = {
-        days: [f"blocks.exponentials_{days:012x}-3.py312{ending}" for ending in (".nbi", ".1.nbc")]
+        days: [f"axis.block_values_{days:012x}-3.py312{ending}" for ending in (".nbi", ".1.nbc")]
         for days in (6, 8)
     }
     others = ["blocks.cpython-312.pyc", "other.function-3.py312.nbi", f"a_{8:012x}-3.py312.pyc"]
@@ -390,7 +422,7 @@ def test_compiled_rules_of_other_sources_are_kept_for_a_week(
     compiled.compiled_rules.__wrapped__()
     assert {each.name for each in folder.iterdir()} == {*names[6], *others}
     # Files of numba itself have such names; where those of these sources are, nothing is looked at.
-    rules.exponentials(np.ones((3, 1)))
+    rules.block_values(np.ones(1), np.ones(1), 4)
     made = [each for each in folder.iterdir() if state in each.name]
     assert len(made) == 2
     for each in made:

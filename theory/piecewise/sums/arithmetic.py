@@ -18,6 +18,14 @@ _PI = (math.floor(math.pi * 2.0**28) / 2.0**28, math.pi % 2.0**-28, math.sin(mat
 """π in three parts; the product of n and the first part is exact for n up to 2²³."""
 _SINE = tuple((-1) ** n / math.factorial(2 * n + 1) for n in range(12))
 _COSINE = tuple((-1) ** n / math.factorial(2 * n) for n in range(13))
+_LN2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10
+"""ln 2 in two parts; the product of n and the first part is exact for n up to 2²⁰."""
+_EXPONENTIAL = tuple(1.0 / math.factorial(n) for n in range(14))
+_LOGARITHM = tuple(2.0 / (2 * n + 1) for n in range(11))
+_FRACTION, _BIAS = 52, 1023
+"""Number of bits of the fraction of a double, and the stored exponent of 1."""
+_UNIT = _BIAS << _FRACTION
+_LARGEST_EXPONENT = 700.0
 NEAR = 1.7
 """Largest modulus for which `sine_and_cosine_near` is exact up to rounding."""
 
@@ -67,6 +75,69 @@ def square_root_without_branches(z: complex) -> complex:
     re = larger if z.real >= 0.0 else smaller
     im = smaller if z.real >= 0.0 else larger
     return complex(re, im if z.imag >= 0.0 else -im)
+
+
+def exponential(x: float) -> float:
+    """Return e^x."""
+    return math.exp(x)
+
+
+def exponential_without_branches(x: float) -> float:
+    """Return e^x to 3e-16 of its value for |x| ≤ 700; 0 below, and e^{700} above this range."""
+    limited = min(max(x, -_LARGEST_EXPONENT), _LARGEST_EXPONENT)
+    n = np.rint(limited * (1.0 / math.log(2.0)))
+    r = (limited - n * _LN2[0]) - n * _LN2[1]
+    rest = _EXPONENTIAL[12] + r * _EXPONENTIAL[13]
+    rest = _EXPONENTIAL[11] + r * rest
+    rest = _EXPONENTIAL[10] + r * rest
+    rest = _EXPONENTIAL[9] + r * rest
+    rest = _EXPONENTIAL[8] + r * rest
+    rest = _EXPONENTIAL[7] + r * rest
+    rest = _EXPONENTIAL[6] + r * rest
+    rest = _EXPONENTIAL[5] + r * rest
+    rest = _EXPONENTIAL[4] + r * rest
+    rest = _EXPONENTIAL[3] + r * rest
+    rest = _EXPONENTIAL[2] + r * rest
+    power = np.int64((np.int64(n) + _BIAS) << _FRACTION).view(np.float64)
+    found: float = (1.0 + r * (1.0 + r * rest)) * power * (1.0 if x >= -_LARGEST_EXPONENT else 0.0)
+    return found
+
+
+def logarithm(x: float) -> float:
+    """Return ln x."""
+    return math.log(x)
+
+
+def logarithm_without_branches(x: float) -> float:
+    """Return ln x to 1e-15 of its value, for finite x ≥ 1."""
+    bits = np.float64(x).view(np.int64)
+    above = np.int64((bits & ((1 << _FRACTION) - 1)) | _UNIT).view(np.float64)  # from 1 to 2
+    halved = 1.0 if above > math.sqrt(2.0) else 0.0
+    n = float((bits >> _FRACTION) - _BIAS) + halved
+    m = above * (1.0 - 0.5 * halved)
+    t = (m - 1.0) / (m + 1.0)  # ln m = 2 artanh t
+    w = t * t
+    rest = _LOGARITHM[9] + w * _LOGARITHM[10]
+    rest = _LOGARITHM[8] + w * rest
+    rest = _LOGARITHM[7] + w * rest
+    rest = _LOGARITHM[6] + w * rest
+    rest = _LOGARITHM[5] + w * rest
+    rest = _LOGARITHM[4] + w * rest
+    rest = _LOGARITHM[3] + w * rest
+    rest = _LOGARITHM[2] + w * rest
+    rest = _LOGARITHM[1] + w * rest
+    found: float = n * _LN2[0] + (n * _LN2[1] + t * (2.0 + w * rest))
+    return found
+
+
+def remainder(x: float, y: float) -> float:
+    """Return x mod y."""
+    return x % y
+
+
+def remainder_without_branches(x: float, y: float) -> float:
+    """Return x mod y for x ≥ 0, to the rounding error of x."""
+    return min(max(x - y * np.floor(x * (1.0 / y)), 0.0), y)
 
 
 def cosine_and_sine(theta: float) -> tuple[float, float]:

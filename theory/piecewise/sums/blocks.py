@@ -1,7 +1,8 @@
-"""Loops over many values of Σ by the rules that subtract roots, written for compilation.
+"""Many values of Σ by the rules that subtract roots, written for compilation.
 
-The loop over values is the innermost one; it is free of branches and calls, and thus vectorised.
-``theory.piecewise.sums.beside_roots`` combines the loops.
+The values are divided into blocks whose tables fit the processor's cache. The loop over the values
+of a block is the innermost one; it is free of branches and calls, and thus vectorised.
+``theory.piecewise.sums.beside_roots`` calls `arches` and `corrections_on_axis`.
 """
 
 from __future__ import annotations
@@ -11,8 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from theory.piecewise.sums.arithmetic import cosine_and_sine, modulus, sine_and_cosine_near, size_of
-from theory.piecewise.sums.axis import BLOCK
+from theory.piecewise.sums.arithmetic import (
+    cosine_and_sine,
+    exponential,
+    modulus,
+    sine_and_cosine_near,
+    size_of,
+)
+from theory.piecewise.sums.axis import BLOCK, EPS, SLOWEST
 from theory.piecewise.sums.corrected_axis import (
     PAIR_FROM,
     points_beside_roots,
@@ -29,6 +36,7 @@ from theory.piecewise.sums.poles import (
     two_roots_near,
 )
 from theory.piecewise.sums.segments import (
+    CLEAR,
     SEGMENT_SHARE,
     SEGMENT_TURN,
     clearance_of,
@@ -48,6 +56,132 @@ if TYPE_CHECKING:
 
 _LARGEST_EXPONENT = 100.0
 """Largest exponent z used in e^z; beyond it the pole correction is zero."""
+
+
+def arches(
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, steps: int, found: FloatArray
+) -> None:
+    """Write the results of `segments.arch` as rows.
+
+    They are Re and Im of Σ, ∂Σ/∂v and ∂Σ/∂c; the error bounds of Σ and of v ∂Σ/∂v and c ∂Σ/∂c; the
+    number of nodes; and 1 where a root did not converge in the given number of ``steps``.
+    """
+    n = min(BLOCK, v.size)
+    plan, parts, rows = np.empty((4, n)), np.empty((4, n)), np.empty((10, n))
+    nodes, sums, poles = np.empty((6, n)), np.empty((8, n)), np.empty((8, n))
+    roots, equation = np.empty((2, 11, n)), np.empty((7, n))
+    for start in range(0, v.size, n):
+        first = min(start, v.size - n)  # the last two blocks may overlap
+        some_v, some_c = v[first : first + n], c[first : first + n]
+        fill(rows, 0.0)
+        for segment in range(2):
+            second = segment == 1
+            plan_segments(some_v, some_c, tolerance, slopes, second, plan)
+            if not second:
+                static_parts(some_v, some_c, plan[0], parts)
+            offset = corrections_on_segment(
+                some_v, some_c, plan, second, slopes, steps, roots, equation, poles, rows[9]
+            )
+            add_all_nodes(some_v, some_c, plan, offset, second, slopes, nodes, sums)
+            add_segment(some_v, some_c, plan, sums, poles, second, rows)
+            if slopes:
+                add_segment_slopes(some_v, some_c, plan, sums, poles, second, rows)
+        for i in range(n):
+            rows[0, i] += parts[0, i] - 1.0
+            rows[1, i] += parts[1, i]
+            rows[4, i] += parts[2, i]
+            rows[5, i] += parts[3, i]
+            rows[6, i] += 8.0 * EPS
+            rows[7, i] += 8.0 * EPS
+        write(rows, found, first)
+
+
+def corrections_on_segment(
+    v: FloatArray, c: FloatArray, plan: FloatArray, second: bool, slopes: bool, steps: int,
+    roots: FloatArray, equation: FloatArray, poles: FloatArray, unconverged: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Write the pole corrections of one segment; return the position of its first node in steps."""
+    step, psi = plan[0], plan[3]
+    q, rho, near, moving = equation[0], equation[1], equation[2], equation[3]
+    along, sign, offset = equation[4], equation[5], equation[6]
+    for i in range(v.size):
+        q[i], rho[i] = 0.5 / v[i], c[i] / v[i]
+        near[i] = 1.0 if v[i] >= SLOWEST else 0.0
+        along[i] = 2.0 * rho[i] - psi[i] if second else 0.0
+    start_roots(q, psi, rho, roots)
+    fill(poles, 1.0)  # its first two rows hold the clearances of a root that is far away
+    for root in range(2):
+        at, power, turn = roots[root, :6], roots[root, 6:9], roots[root, 9:]
+        converge(at, q, psi, rho, near, steps, moving, unconverged)
+        exponents_on_segments(rho, step, at, power, turn)
+        exponentials(power)
+        if second:
+            clearances(power, poles[0], poles[1])
+    for i in range(v.size):
+        at_0 = poles[0, i] < CLEAR and poles[1, i] > poles[0, i]
+        offset[i], sign[i] = (0.0, 1.0) if at_0 else (0.5, -1.0)
+    fill(poles, 0.0)
+    for root in range(2):
+        at, power, turn = roots[root, :6], roots[root, 6:9], roots[root, 9:]
+        add_pole_corrections(v, c, at, along, power, turn, sign, near, poles)
+        if slopes:
+            add_pole_correction_slopes(v, c, at, along, power, turn, sign, near, poles)
+    return offset
+
+
+def corrections_on_axis(
+    v: FloatArray, c: FloatArray, tolerance: float, slopes: bool, steps: int, found: FloatArray
+) -> None:
+    """Write the pole corrections of `corrected_axis` as rows.
+
+    They are the eight of `add_pole_corrections`; the number of points; the truncation error; and 1
+    where a root did not converge in the given number of ``steps``.
+    """
+    n = min(BLOCK, v.size)
+    rows, roots, equation = np.empty((11, n)), np.empty((3, 11, n)), np.empty((7, n))
+    q, rho, every, paired = equation[0], equation[1], equation[2], equation[3]
+    moving, zero, sign = equation[4], equation[5], equation[6]
+    for start in range(0, v.size, n):
+        first = min(start, v.size - n)  # the last two blocks may overlap
+        some_v, some_c = v[first : first + n], c[first : first + n]
+        fill(rows, 0.0)
+        for i in range(n):
+            q[i], rho[i] = 0.5 / some_v[i], some_c[i] / some_v[i]
+            every[i], zero[i], sign[i] = 1.0, 0.0, -1.0
+            paired[i] = 1.0 if rho[i] > PAIR_FROM else 0.0
+        start_roots(q, zero, rho, roots)
+        for i in range(n):  # used where no pair is subtracted
+            roots[1, 0, i] = roots[2, 0, i] = roots[0, 0, i]
+            roots[1, 1, i] = roots[2, 1, i] = roots[0, 1, i]
+        start_resonant_pairs(q, rho, roots)
+        number = 3 if paired.max() > 0.0 else 1
+        for root in range(number):
+            taken = every if root == 0 else paired
+            converge(roots[root, :6], q, zero, rho, taken, steps, moving, rows[10])
+        plan_axis(some_v, some_c, tolerance, roots, rows[8:10])
+        for root in range(number):
+            taken = every if root == 0 else paired
+            at, power, turn = roots[root, :6], roots[root, 6:9], roots[root, 9:]
+            exponents_on_axis(rows[8], at, power, turn)
+            exponentials(power)
+            add_pole_corrections(some_v, some_c, at, zero, power, turn, sign, taken, rows)
+            if slopes:
+                add_pole_correction_slopes(some_v, some_c, at, zero, power, turn, sign, taken, rows)
+        write(rows, found, first)
+
+
+def fill(table: FloatArray, value: float) -> None:
+    """Write one value everywhere."""
+    for row in range(table.shape[0]):
+        for i in range(table.shape[1]):
+            table[row, i] = value
+
+
+def write(rows: FloatArray, found: FloatArray, first: int) -> None:
+    """Write the rows of a block into those of all values."""
+    for row in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            found[row, first + i] = rows[row, i]
 
 
 def plan_segments(
@@ -102,15 +236,20 @@ def step_all(
 
 
 def converge(
-    at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, moving: FloatArray, steps: int
-) -> None:
-    """Iterate to the moving roots; write p, sin(p/2), cos(p/2), and which roots still move."""
+    at: FloatArray, q: FloatArray, psi: FloatArray, rho: FloatArray, required: FloatArray,
+    steps: int, moving: FloatArray, unconverged: FloatArray,
+) -> None:  # fmt: skip
+    """Iterate to the required roots; write p, sin(p/2), cos(p/2), and which did not converge."""
+    for i in range(q.size):
+        moving[i] = required[i]
     halves(at)
     for _ in range(steps):
         step_all(at, q, psi, rho, moving)
         halves(at)
         if moving.max() == 0.0:
             return
+    for i in range(q.size):
+        unconverged[i] = max(unconverged[i], moving[i])
 
 
 def exponents_on_segments(
@@ -138,7 +277,7 @@ def exponentials(z: FloatArray) -> None:
     """Replace Re and Im of z by those of e^z."""
     re, im, size = z[0], z[1], z[2]
     for i in range(re.size):
-        size[i] = math.exp(min(re[i], _LARGEST_EXPONENT))
+        size[i] = exponential(min(re[i], _LARGEST_EXPONENT))
     for i in range(re.size):
         x, y = cosine_and_sine(im[i])
         re[i], im[i] = size[i] * x, size[i] * y
@@ -205,7 +344,7 @@ def start_nodes(
     products accumulate where e^{-u²} is small.
     """
     for i in range(v.size):
-        decay, gauss = math.exp(-0.5 / v[i]), math.exp(-0.25 * step[i] * step[i])
+        decay, gauss = exponential(-0.5 / v[i]), exponential(-0.25 * step[i] * step[i])
         x, y = cosine_and_sine(psi[i])
         at[0, i], at[1, i] = decay * x, -decay * y
         fourth = gauss * gauss * gauss * gauss
@@ -269,32 +408,27 @@ def add_node_slopes(
 
 def add_all_nodes(
     v: FloatArray, c: FloatArray, plan: FloatArray, offset: FloatArray, second: bool, slopes: bool,
-    sums: FloatArray,
+    at: FloatArray, sums: FloatArray,
 ) -> None:  # fmt: skip
     """Write the sums of g, and with ``slopes`` of its derivatives, over the nodes of a segment.
 
-    ``plan`` is that of `plan_segments`.
+    ``plan`` is that of `plan_segments`; ``at`` is that of `start_nodes`.
     """
-    for first in range(0, v.size, BLOCK):
-        part = slice(first, first + BLOCK)
-        some_v, some_c, step, count = v[part], c[part], plan[0][part], plan[1][part]
-        at, found = np.empty((6, some_v.size)), np.zeros((8, some_v.size))
-        start_nodes(some_v, some_c, plan[3][part], step, offset[part], at)
-        for j in range(int(count.max())):
-            add_nodes(j, some_v, some_c, step, offset[part], count, at, second, found)
-            if slopes:
-                add_node_slopes(j, some_v, some_c, step, offset[part], count, at, second, found)
-            next_nodes(at)
-        for row in range(8):
-            for i in range(some_v.size):
-                sums[row, first + i] = found[row, i]
+    step, count, psi = plan[0], plan[1], plan[3]
+    fill(sums, 0.0)
+    start_nodes(v, c, psi, step, offset, at)
+    for j in range(int(count.max())):
+        add_nodes(j, v, c, step, offset, count, at, second, sums)
+        if slopes:
+            add_node_slopes(j, v, c, step, offset, count, at, second, sums)
+        next_nodes(at)
 
 
 def add_segment(
     v: FloatArray, c: FloatArray, plan: FloatArray, sums: FloatArray, taken: FloatArray,
-    second: bool, rows: FloatArray, bounds: FloatArray,
+    second: bool, rows: FloatArray,
 ) -> None:  # fmt: skip
-    """Add Re and Im of the contribution of one segment to Σ, and the error bounds.
+    """Add Re and Im of the contribution of one segment to Σ, its error bounds and its nodes.
 
     ``sums`` holds the sums over the nodes, and ``taken`` the pole corrections, to be subtracted.
     For the second segment the complex conjugate is added.
@@ -310,8 +444,9 @@ def add_segment(
         rounding, rough = segment_errors(
             v[i], c[i], second, truncation[i], size, steep, taken[6, i], taken[7, i]
         )
-        bounds[0, i] += truncation[i] + rounding
-        bounds[1, i] += rough
+        rows[6, i] += truncation[i] + rounding
+        rows[7, i] += rough
+        rows[8, i] += plan[1, i]
 
 
 def add_segment_slopes(

@@ -31,9 +31,14 @@ _WITHOUT_BRANCHES = {
     "quotient": "quotient_without_branches",
     "modulus": "modulus_without_branches",
     "square_root": "square_root_without_branches",
+    "exponential": "exponential_without_branches",
+    "logarithm": "logarithm_without_branches",
+    "remainder": "remainder_without_branches",
 }
 _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
+    "exponential_without_branches", "logarithm_without_branches", "remainder_without_branches",
+    "segment_nodes", "_segment_size", "second_phase", "static_part",
     "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_add_slopes_of", "step_to_root",
     "has_converged", "pair_of_the_parabola", "pole_correction", "clearance_of", "segment_unit",
     "segment_term", "segment_slopes", "segment_width", "size_of", "over_root",
@@ -44,29 +49,16 @@ _WITHIN_LOOPS = (
 
 @dataclass(frozen=True, kw_only=True)
 class CompiledRules:
-    """The compiled functions that are called from Python; each writes into its last arguments.
+    """The compiled functions that are called from Python.
 
-    They are described where they are defined: the first two, which return their results as rows, in
-    ``axis``, the others in ``blocks``.
+    They are described where they are defined: the first two, which return rows, in ``axis``; the
+    others, which write rows into their last argument, in ``blocks``.
     """
 
     block_values: Callable[..., FloatArray]
     block_slopes: Callable[..., FloatArray]
-    plan_axis: Callable[..., None]
-    plan_segments: Callable[..., None]
-    static_parts: Callable[..., None]
-    start_roots: Callable[..., None]
-    start_resonant_pairs: Callable[..., None]
-    converge: Callable[..., None]
-    exponents_on_segments: Callable[..., None]
-    exponents_on_axis: Callable[..., None]
-    exponentials: Callable[..., None]
-    clearances: Callable[..., None]
-    add_pole_corrections: Callable[..., None]
-    add_pole_correction_slopes: Callable[..., None]
-    add_all_nodes: Callable[..., None]
-    add_segment: Callable[..., None]
-    add_segment_slopes: Callable[..., None]
+    arches: Callable[..., None]
+    corrections_on_axis: Callable[..., None]
 
 
 def _state_of_sources() -> str:
@@ -99,11 +91,9 @@ def _remove_older(folder: Path, state: str) -> None:
 
 
 def _compile(state: str) -> CompiledRules:
-    import numba
+    from theory.compiler import inner, outer
 
-    njit: Any = numba.njit
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
-    inner: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     called = [each.name for each in fields(CompiledRules)]
     namespace: dict[str, Any] = {}
     for module in _MODULES:
@@ -113,9 +103,11 @@ def _compile(state: str) -> CompiledRules:
             if isinstance(plain, FunctionType) and plain.__module__ == module.__name__:
                 copy = FunctionType(plain.__code__, namespace, name)
                 copy.__module__, copy.__qualname__ = plain.__module__, f"{name}_{state}"
-                options |= {"forceinline": name in _WITHIN_LOOPS}
-                kind = {"cache": True} if name in called else inner
-                namespace[name] = njit(**(options | kind))(copy)
+                if name in called:
+                    namespace[name] = outer(**options, no_cfunc_wrapper=True, cache=True)(copy)
+                else:
+                    inline = name in _WITHIN_LOOPS
+                    namespace[name] = inner(**options, forceinline=inline)(copy)
     for plain_name, name in _WITHOUT_BRANCHES.items():
         namespace[plain_name] = namespace[name]
     return CompiledRules(**{name: namespace[name] for name in called})

@@ -7,9 +7,12 @@ import math
 from typing import Any
 
 from theory.piecewise.sums.arithmetic import (
+    exponential,
+    logarithm,
     modulus,
     over_root,
     quotient,
+    remainder,
     size_of,
     square_root,
 )
@@ -47,13 +50,13 @@ def segment_nodes(
     Beyond u = U ≥ √3 the terms are below 2.7 (1 + 2Y) e^{-q - u²} √m/|A|.
     """
     size = _segment_size(rho, far, second)
-    required = math.log(1.0 + max(1.5 * size / tolerance, 1.0))
+    required = logarithm(1.0 + max(1.5 * size / tolerance, 1.0))
     step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / required
     m, q = 0.5 / rho, 0.5 / v
-    U = math.sqrt(max(3.0, math.log(1.0 + 4.0 / (math.sqrt(rho) * far * tolerance)) - q))
+    U = math.sqrt(max(3.0, logarithm(1.0 + 4.0 / (math.sqrt(rho) * far * tolerance)) - q))
     count = math.ceil(U / step)
     U = count * step
-    rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * math.exp(-q - U * U) / math.pi
+    rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * exponential(-q - U * U) / math.pi
     rest *= (step + 0.5 / U) / max(0.5 * far, v * U * U)  # 1 - e^{-x} is at least x/(1 + x)
     return step, count, tolerance / 1.5 + rest  # size/(e^required - 1), and the part beyond U
 
@@ -196,7 +199,8 @@ def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
     """Return 1/√(1 - 4ic) on the nodes of the first segment, and its derivative by c."""
     static = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
     pole = math.pi / (step * math.sqrt(2.0 * v))  # from the pole of -1/2A at u = i/√(2v)
-    share = math.tanh(pole)
+    decay = exponential(-2.0 * pole)
+    share = (1.0 - decay) / (1.0 + decay)  # tanh(pole)
     # at fixed nodes this scales like c^{-1/2} and does not depend on v
     by_c = static * (2j * static * static * share - 0.5 * pole / c * (1.0 - share * share))
     return share * static, by_c
@@ -204,7 +208,7 @@ def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
 
 def second_phase(v: float, c: float) -> float:
     """Return the phase ψ of e^{-a} on the second segment, from -π to π."""
-    return 2.0 * c / v % TURN - math.pi
+    return remainder(2.0 * c / v, TURN) - math.pi
 
 
 def arch(

@@ -137,7 +137,8 @@ def remainder(x: float, y: float) -> float:
 
 def remainder_without_branches(x: float, y: float) -> float:
     """Return x mod y for x ≥ 0, to the rounding error of x."""
-    return min(max(x - y * np.floor(x * (1.0 / y)), 0.0), y)
+    found: float = min(max(x - y * np.floor(x * (1.0 / y)), 0.0), y)
+    return found
 
 
 def cosine_and_sine(theta: float) -> tuple[float, float]:

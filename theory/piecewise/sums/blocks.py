@@ -103,7 +103,8 @@ def corrections_on_segment(
     """Write the pole corrections of one segment; return the position of its first node in steps."""
     step, psi = plan[0], plan[3]
     q, rho, near, moving = equation[0], equation[1], equation[2], equation[3]
-    along, sign, offset = equation[4], equation[5], equation[6]
+    along, sign = equation[4], equation[5]
+    offset: FloatArray = equation[6]
     for i in range(v.size):
         q[i], rho[i] = 0.5 / v[i], c[i] / v[i]
         near[i] = 1.0 if v[i] >= SLOWEST else 0.0

@@ -28,7 +28,6 @@ from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.curves import curve
 from fronts.piecewise.profile import _chosen
-from paper_checks.outcome import slug
 from paper_checks.report.document import Report
 from paper_checks.ruling import Verdict, agrees
 from tests.folds import fold_of
@@ -1531,7 +1530,7 @@ def test_arrivals_that_come_earlier_are_as_far_off_as_those_that_come_later() ->
 def test_headlines_are_what_disagrees_by_the_weight_of_its_claim() -> None:
     def outcome(key: str, weight: int, verdict: Verdict, headline: str = "") -> SimpleNamespace:
         return SimpleNamespace(
-            key=key, finding=SimpleNamespace(headline=headline), status=slug(verdict),
+            key=key, finding=SimpleNamespace(headline=headline, verdict=verdict),
             claim=SimpleNamespace(weight=weight), entry=SimpleNamespace(group=key[:4]),
         )  # fmt: skip
 
@@ -1544,7 +1543,7 @@ def test_headlines_are_what_disagrees_by_the_weight_of_its_claim() -> None:
         outcome("fig2 heavy too", 3, Verdict.NOT_REPRODUCED),
     ]
     found = Report.headlines.fget(SimpleNamespace(outcomes=every))  # type: ignore[attr-defined]
-    assert [each.key for each in found] == ["fig5 said", "fig2 heavy too", "fig4 middle"]
+    assert [each.key for each, _ in found] == ["fig5 said", "fig2 heavy too", "fig4 middle"]
 
 
 def test_as_many_sites_as_a_method_may_have_are_not_too_many() -> None:

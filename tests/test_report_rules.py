@@ -65,7 +65,7 @@ def test_a_part_of_the_claims_is_said_to_be_one_and_a_headline_gives_its_reason(
     assert report_as_text(report_of(outcome("one")), 100).startswith("1 of 9 claims in ")
     plain = replace(FINDING, verdict=Verdict.REPRODUCED, because="", part="")
     for finding, because in ((FINDING, "It is off."), (plain, "as the paper says.")):
-        assert _headline(outcome("one", finding)).endswith(f": {because} (one)")
+        assert _headline(outcome("one", finding), finding).endswith(f": {because} (one)")
 
 
 # ------------------------------------------------------------------------------------- judging

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from paper_checks.finding import Erratum
+from paper_checks.finding import Erratum, Finding
 from paper_checks.outcome import FAILED, JudgedClaim, slug
 from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.safe_svg import safe_svg
@@ -136,22 +136,23 @@ class Report:
         )
 
     @property
-    def headlines(self) -> tuple[JudgedClaim, ...]:
-        """The three findings that a reader should see first.
+    def headlines(self) -> tuple[tuple[JudgedClaim, Finding], ...]:
+        """The three claims that a reader should see first, with their findings.
 
         Findings that have a headline come first, followed by those that disagree with the paper, in
         order of the weight of their claims, then of the degree of disagreement, then of the claims.
         As far as possible, each is from a different module.
         """
-        found = [outcome for outcome in self.outcomes if outcome.finding is not None]
+        found = [(one, one.finding) for one in self.outcomes if one.finding is not None]
 
-        def rank(outcome: JudgedClaim) -> tuple[bool, bool, int, int]:
-            plain = not (outcome.finding and outcome.finding.headline)
-            agrees = outcome.status == slug(Verdict.REPRODUCED)
-            return plain, agrees, -outcome.claim.weight, _SEVERITY.index(outcome.status)
+        def rank(one: tuple[JudgedClaim, Finding]) -> tuple[bool, bool, int, int]:
+            outcome, finding = one
+            agrees = finding.verdict is Verdict.REPRODUCED
+            severity = _SEVERITY.index(finding.verdict)
+            return not finding.headline, agrees, -outcome.claim.weight, severity
 
         ranked = sorted(found, key=rank)
-        groups = [outcome.entry.group for outcome in ranked]
+        groups = [outcome.entry.group for outcome, _ in ranked]
         again = [group in groups[:place] for place, group in enumerate(groups)]
         chosen = sorted(range(len(ranked)), key=lambda place: (again[place], place))[:3]
         return tuple(ranked[place] for place in sorted(chosen))
@@ -159,15 +160,12 @@ class Report:
 
 _MUTE = Verdict.UNTESTABLE
 
-_SEVERITY = tuple(
-    slug(verdict)
-    for verdict in (
-        Verdict.NOT_REPRODUCED,
-        Verdict.PARTIAL,
-        Verdict.CORRECTED,
-        Verdict.UNTESTABLE,
-        Verdict.REPRODUCED,
-    )
+_SEVERITY = (
+    Verdict.NOT_REPRODUCED,
+    Verdict.PARTIAL,
+    Verdict.CORRECTED,
+    Verdict.UNTESTABLE,
+    Verdict.REPRODUCED,
 )
 
 
@@ -206,7 +204,7 @@ def to_json(report: Report) -> Json:
         "counts": report.counts,
         "changed": [outcome.claim.key for outcome in report.changed],
         "stale": [outcome.claim.key for outcome in report.stale],
-        "headlines": [outcome.claim.key for outcome in report.headlines],
+        "headlines": [outcome.claim.key for outcome, _ in report.headlines],
         "errata": [
             {"key": outcome.claim.key, "place": outcome.claim.place, **asdict(erratum)}
             for outcome, erratum in report.errata

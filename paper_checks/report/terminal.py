@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from paper_checks.claim import Verdict
+from paper_checks.finding import Finding
 from paper_checks.outcome import FAILED, JudgedClaim, slug
 from paper_checks.report.document import Report
 from paper_checks.report.table import NARROWEST, duration
@@ -34,7 +35,7 @@ def report_as_text(report: Report, width: int) -> str:
     if len(report.outcomes) <= FEW:
         text = "\n".join(_filled(line, width) for line in lines)
         return "\n\n".join([text, *(_whole(one, report, width) for one in report.outcomes)])
-    lines += [_headline(one) for one in report.headlines]
+    lines += [_headline(*one) for one in report.headlines]
     lines.append(f"{len(report.errata)} errata. 'fronts check KEY' shows a claim whole.")
     return "\n".join(lines)
 
@@ -57,12 +58,12 @@ def _methods(report: Report) -> str:
     )
 
 
-def _headline(outcome: JudgedClaim) -> str:
-    claim, finding = outcome.claim, outcome.finding
-    if finding is not None and finding.headline:
+def _headline(outcome: JudgedClaim, finding: Finding) -> str:
+    claim = outcome.claim
+    if finding.headline:
         return f"- {finding.headline} ({claim.key})"
-    verdict = finding.verdict.capitalize() if finding else FAILED
-    because = outcome.because or "as the paper says."
+    because = finding.because or "as the paper says."
+    verdict = finding.verdict.capitalize()
     return f"- {claim.place}: {claim.statement} {verdict}: {because} ({claim.key})"
 
 

@@ -70,9 +70,7 @@ def _computed(
     nucleus = bound.nucleus.given(options)
     named = any(hasattr(options, f"nucleus.{name}") for name in nucleus)
     if named or (nucleus and takes["nucleus"].default is not None):
-        parameters["nucleus"] = _nucleus(nucleus)
-    if named:
-        arguments["nucleus"] = parameters["nucleus"]
+        parameters["nucleus"] = arguments["nucleus"] = _nucleus(nucleus)
     further = {"progress": progress} if "progress" in takes else {}
     new_chain = bound.chain
     if new_chain is None:

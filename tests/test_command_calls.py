@@ -19,6 +19,7 @@ from fronts.bound import BoundCall, located
 from fronts.branches import follow_breather
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
+from fronts.files import Listing
 from fronts.initial_state import prepared
 from fronts.options import QUIET
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
@@ -38,6 +39,7 @@ from verification.fronts.switchings import front_by_switchings
 from verification.runs import simulate
 from verification.runs.excite import StartPoint, as_psi
 from verification.thresholds import threshold as thresholds
+from verification.thresholds.result import ThresholdMethod
 from verification.thresholds.threshold import threshold
 
 OF_THE_LIBRARY = {
@@ -89,7 +91,7 @@ def bound_to(line):
 @pytest.mark.parametrize(
     ("line", "sites", "nucleus"),
     [
-        ("breather --c 0.1", 15, None),
+        ("breather --c 0.1", 15, Nucleus(1)),
         ("breather --c 0.1 --nucleus 3", 17, Nucleus(3, pattern="00")),
         ("breather --c 0.1 --nucleus 3 --n 9 --pattern=-+", 9, Nucleus(3, pattern="-+")),
         ("breather averaged --c 0.1 --place edge", 15, Nucleus(1, place=Place.EDGE)),
@@ -311,6 +313,7 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
         line = f"threshold vdp --method {method} --perturbation 1e-4 --seed 5"
         _, options, _ = called(line)
         assert (options["perturbation"], options["seed"]) == (1e-4, 5)
+        assert options["method"] is ThresholdMethod(method)  # a member, not its word
 
 
 @pytest.mark.parametrize(
@@ -377,7 +380,8 @@ def test_a_chain_without_an_end_is_offered_where_something_answers_only(command)
 def test_the_threshold_of_a_model_is_that_of_the_function(called):
     # the envelope has no eps: as a default it answered for (43) where (8) was named
     (chain, *_), options, _ = called("threshold vdp --eps 0.1")
-    assert chain.eps == 0.1
+    assert (chain.eps, chain.sites) == (0.1, 31)
+    assert chain.c == 0.0  # of which the threshold is looked for
     assert options.get("method") is None
 
 
@@ -688,14 +692,18 @@ def test_a_range_is_a_low_a_high_and_a_count_and_no_list_of_sites():
     assert not any(map(is_range, [(0.0, 1.0), (14, 15.0, 16), (14, 15, 16), 0.5, "0:1:5"]))
 
 
-def test_a_file_states_the_nucleus_and_what_the_chains_of_a_range_share(tmp_path, capsys):
+def test_a_file_states_the_nucleus_and_what_the_chains_of_a_range_share(tmp_path, monkeypatch):
+    monkeypatch.setattr(curves, "curve", lambda *_, **__: Listing(payload={}, listed=()))
     out = tmp_path / "breathers.json"
-    assert main(shlex.split(f"breather averaged --c 0.05:0.1:2 --out {out}")) == 0
-    parameters = json.loads(out.read_text())["provenance"]["parameters"]
-    assert parameters["nucleus"] == {"size": 1, "pattern": "", "place": "bulk"}
-    assert parameters["c"] == [0.05, 0.1, 2]
-    shared = {name: parameters[name] for name in ("model", "a", "b", "ends")}
-    assert shared == {"model": "averaged", "a": 2.5, "b": 0.5, "ends": "free"}
+    for line, shared in (
+        ("--c 0.05:0.1:2", {"a": 2.5, "b": 0.5, "c": [0.05, 0.1, 2]}),
+        ("--eta 0.02:0.03:2 --c 0.1", {"a": 1.0, "b": None, "c": 0.1, "eta": [0.02, 0.03, 2]}),
+    ):
+        assert main(shlex.split(f"breather averaged {line} --out {out}")) == 0
+        parameters = json.loads(out.read_text())["provenance"]["parameters"]
+        assert parameters["nucleus"] == {"size": 1, "pattern": "", "place": "bulk"}
+        shared |= {"model": "averaged", "ends": "free"}
+        assert {name: parameters.get(name) for name in shared} == shared
 
 
 def test_an_eta_that_is_too_small_is_refused_with_the_advice_to_enlarge_it(capsys):

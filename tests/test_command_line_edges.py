@@ -8,7 +8,7 @@ import json
 import math
 import shlex
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import mpmath as mp
@@ -527,7 +527,13 @@ def test_words_without_a_name_and_those_after_it_are_read_from_the_signature():
             What.
         """
 
+    @dataclass(frozen=True)
+    class Made:
+        given: float
+        derived: float = field(init=False, default=0.0)
+
     assert [each.positional for each in described(judged)] == [True, False]
+    assert [each.name for each in described(Made)] == ["given"]
     prose = "Note : this is prose.\n\nParameters\n----------\na : float\n    A.\n"
     assert documented(prose) == {"a": ("float", "A.")}
     parser = argparse.ArgumentParser()

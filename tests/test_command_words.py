@@ -484,6 +484,9 @@ def test_a_terminal_is_told_that_the_first_run_compiles(
     monkeypatch.setattr(logger, "handlers", [])
     level = logger.level
     begin()
+    with monkeypatch.context() as without:
+        without.setattr(sys, "stderr", None)
+        begin()
     assert not logger.handlers
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     try:
@@ -559,7 +562,6 @@ def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
 
 
 def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> None:
-    assert KineticCurve.is_curve  # one table of all its points
     single = in_words(fr.kinetic_relation(c=1e4, eta=0.03))
     assert single.count("not decided") == 1
     curve = in_words(fr.kinetic_relation(c=[1e4, 0.5], eta=0.03, stability=True))
@@ -570,6 +572,7 @@ def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> No
 
 
 def test_flags_of_a_curve_stay_flags_and_numbers_are_numbers() -> None:
+    assert KineticCurve.is_curve  # one table of all its points
     points = (_Value(v=0.5, error=0.0), _Value(v=None, error=0.0, known=False))
     table = Curve(along="c", values=np.array([1.0, 2.0]), points=points, seconds=0.0).columns()
     assert table["known"].tolist() == [True, False]
@@ -595,14 +598,25 @@ def test_a_status_without_sentence_or_reason_stands_alone() -> None:
 
 def test_an_error_stands_beside_its_number_and_how_it_was_found_at_the_end() -> None:
     plain = Curve(along="c", values=np.array([]), points=(), seconds=0.0)
-    found = {"seconds": 0.5, "method": "wave", "v": 0.25, "v_error": 1e-3, "held": [*range(8)]}
+    found = {"seconds": 0.5, "method": "wave", "v": 0.25, "v_error": 1e-3, "held": [*range(8)],
+             "third": 1 / 3}  # fmt: skip
     assert in_words(plain, found).splitlines() == [
         "v        0.250, uncertain by 1.0e-03",
         "held     [0, 1, 2, 3, 4, 5, 6, 7]",
+        "third    0.3333333333",
         "seconds  0.5",
         "method   wave",
     ]
-    assert in_words(plain, {"x": [0.5] * 9}) == f"x  [{', '.join(['0.5'] * 8)}, … (9 values)]"
+    nine = f"x  [{', '.join(['0.3333333'] * 8)}, … (9 values)]"
+    assert in_words(plain, {"x": [1 / 3] * 9}) == nine
+    alone = {"x": [0.5], "x_error": [0.1, 0.2], "y_error": [0.1]}  # not an error of each number
+    assert in_words(plain, alone).splitlines() == [
+        "x        [0.5]",
+        "x_error  [1.0e-01, 2.0e-01]",
+        "y_error  [1.0e-01]",
+    ]
+    ways = {"a": {"way": "a", "v": 0.5}, "b": {"way": "b", "v": 0.25}}  # named by themselves
+    assert in_words(plain, {"ways": ways}).split() == ["ways:", "way", "v", "a", "0.5", "b", "0.25"]
 
 
 def test_lists_and_mappings_have_no_column_and_numbers_beside_them_do() -> None:
@@ -626,6 +640,9 @@ def test_a_table_that_is_too_wide_goes_on_below_with_its_first_column() -> None:
     assert [name for head in heads for name in head[1:]] == names[1:]
     assert all(len(line) <= WIDTH for line in lines)
     assert [line.split()[0] for line in lines] == ["c", "0.5", "0.25"] * len(heads)
+    for lengths, tables in (((32, 32, 30), 1), ((32, 32, 31), 2), ((60, 60), 1)):
+        row = {name * length: 0.5 for name, length in zip("cde", lengths, strict=False)}
+        assert len([*table_lines([row], units=None)]) == 2 * tables  # of up to 100 characters
 
 
 def test_in_a_notebook_words_are_those_of_the_member_and_what_is_missing_is_empty() -> None:

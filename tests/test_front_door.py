@@ -178,6 +178,7 @@ def test_a_notebook_shows_what_a_result_holds(results):
         assert f"<td>{root.re:.15g}</td><td>{root.im:.15g}</td>" in roots._repr_html_()
     many = fr.roots(0.3, 0.5, count=12)
     assert f"and {len(many.upper) - 10} more" in many._repr_html_()
+    assert "more" not in roots._repr_html_()
     shown = results["breather"]._repr_html_()
     assert "<th>eps</th>" in shown
     assert f"<td>{results['breather'].chain.a:g}</td>" in shown

@@ -516,7 +516,7 @@ def test_beyond_the_range_of_eta_all_fronts_rest_or_all_travel(c: float, travels
 def test_a_fold_of_the_branch_has_both_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
     """No branch of fronts that was tried has one; a made-up fold stands before its front."""
     found = follow_front_wave([0.02], 0.15, "eta")
-    fold = fold_of(0.05, 1e-12, np.array([0.5, 0.125]))
+    fold = fold_of(0.05, 1e-12, np.array([0.5, 0.25, 0.125]))
     folded = replace(found, folds=((fold, 0),))
     monkeypatch.setattr(follow, "follow_front_wave", lambda *_: folded)
     chain = fr.AveragedChain(a=2, b=1, c=0.15)

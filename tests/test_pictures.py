@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
-from unittest.mock import Mock
+from unittest.mock import Mock, call
 
 import matplotlib as mpl
 import numpy as np
@@ -647,6 +647,7 @@ def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> No
         (each.x, each.y, each.width, each.height) for each in glyphs if hasattr(each, "width")
     ]
     assert squares == [("x", "y", steps["eta"].step, steps["c"].step)] * len(StatesPicture.COLOURS)
+    assert steps["refine"] == 0.0  # boundaries would take longer, and are not drawn
     figure = RunPicture().figure
     (image,) = (each.glyph for each in figure.renderers)
     across, up = figure.x_range, figure.y_range
@@ -672,10 +673,11 @@ def test_every_straight_line_and_every_column_of_the_explorer_is_in_its_figure()
         lines += len(spans)
         for source in (x for some in held for x in some if isinstance(x, ColumnDataSource)):
             glyphs = [each.glyph for each in picture.figure.renderers if each.data_source is source]
-            drawn = {getattr(glyph, at) for glyph in glyphs for at in ("x", "y")}
+            across = {glyph.x for glyph in glyphs}
+            drawn = {getattr(glyph, at, "x") for glyph in glyphs for at in ("x", "y", "image")}
             assert glyphs, (kind, source.name)
-            assert not [glyph for glyph in glyphs if (glyph.x, glyph.y) == ("y", "x")]
-            assert drawn >= set(source.column_names) or kind is RunPicture, (kind, source.name)
+            assert across == ({0.0} if kind is RunPicture else {"x"})
+            assert drawn >= set(source.column_names), (kind, source.name)
     assert lines == 5
 
 
@@ -697,6 +699,7 @@ def test_the_explorer_draws_modulus_real_and_imaginary_part_of_the_profile() -> 
     assert np.array_equal(shape["x"], front.zeta)
     assert np.allclose(np.hypot(shape["re"], shape["im"]), shape["modulus"])
     assert np.array_equal(shape["re"] + 1j * shape["im"], front.phi)
+    assert np.array_equal(front.columns()["abs_phi"], shape["modulus"])
     said = f"v = {front.v:.6g}, admissible; "
     assert picture.caption.text.startswith(said)
     assert picture.threshold.location == front.threshold
@@ -737,6 +740,21 @@ def test_the_explorer_draws_the_chain_without_a_breather() -> None:
         picture = _frame(1, breather)
         assert not len(picture.breather.data["x"])
         assert [each.location for each in picture.cycles] == [2.0, 1.0]
+
+
+@needs_explorer
+@pytest.mark.parametrize(("fold", "where"), [(0.25, " The fold is at c = 0.25."), (None, "")])
+def test_the_explorer_says_why_there_are_no_multipliers(fold: float | None, where: str) -> None:
+    from fronts.explore.calls import Settings
+    from fronts.explore.pictures import MultipliersPicture
+
+    status = SimpleNamespace(sentence="no breather exists.")
+    picture = MultipliersPicture()
+    breather = SimpleNamespace(multipliers=None, fold=fold, status=status)
+    picture.show(Settings(), {"breather": breather})
+    assert picture.refusal.text == f"No breather exists.{where}"
+    picture.show(Settings(), {"breather": "refused in a sentence"})
+    assert picture.refusal.text == "refused in a sentence"
 
 
 @needs_explorer
@@ -880,11 +898,13 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     from panel.io.state import set_curdoc
 
     from fronts.explore.page import ExplorerPage
+    from fronts.explore.pictures import RunPicture
 
     asked: list[Any] = []
     monkeypatch.setattr(ExplorerPage, "_work", lambda _, settings: asked.append(settings))
     with set_curdoc(Document()):
         page = ExplorerPage()
+    assert not page.code.visible
     view: Any = page.view()
     title, first, code, (*cards,) = view
     assert (title.object, code) == ("<h1>Excitation fronts</h1>", page.code)
@@ -897,6 +917,8 @@ def test_the_page_follows_every_new_setting_once_until_it_is_closed(
     page.follow()
     page.worker.submit(lambda: None).result()  # after all before it
     assert asked == [replace(page.controls.settings(), c=0.5), page.controls.settings()]
+    (run,) = (each for each in page.pictures if isinstance(each, RunPicture))
+    assert run.now.tags == [0]  # the sample at which the clock stands
     (closed,) = page.document.session_destroyed_callbacks
     ready = page.document.callbacks._js_event_callbacks
     assert list(ready) == ["document_ready"]  # which starts the clock of the run
@@ -939,13 +961,16 @@ def test_the_page_shows_its_program_or_in_its_place_a_defect(
         page.current = None  # the controls are moved
 
     settings = Settings()
-    page: Any = SimpleNamespace(current=settings, _later=lambda _: None, _shower=Mock())
+    page: Any = SimpleNamespace(current=settings, _later=Mock(), _shower=Mock())
     monkeypatch.setattr(module, "outcome", executed)
     names = ("point", "profile", "curve", "run")
     monkeypatch.setattr(module, "calls", lambda _: dict(zip(names, names, strict=True)))
     for _ in range(2):  # what is fast is shown all the same, what is slow is not begun
         module.ExplorerPage._work(page, settings)
         assert asked == ["point", "profile"]
+    found = {"point": None}, {"point": None, "profile": None}
+    assert page._shower.call_args_list == [call(settings, each) for each in found]
+    assert page._later.call_args_list == [call(page._shower.return_value)] * len(found)
     defect = Mock(side_effect=ZeroDivisionError("a < b"))
     assert shown(defect) == [{"object": "a defect of this toolkit: ZeroDivisionError: a &lt; b"}]
 

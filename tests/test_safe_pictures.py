@@ -29,6 +29,7 @@ FORGED = {
     "style sheet": "<style>@import url(https://example.org/x.css);</style>",
     "style": '<path style="fill: url(https://example.org/x)" d="M0 0"/>',
     "escaped style": r'<path style="fill: u\72l(https://example.org/x)" d="M0 0"/>',
+    "rule of a style": """<path style="fill: none; @import 'https://example.org/x'" d="M0 0"/>""",
     "escaped bracket": r'<path style="fill: url\28 https://example.org/x\29" d="M0 0"/>',
     "another function": """<path style="fill: image('https://example.org/x')" d="M0 0"/>""",
     "style breaking out": "<style><![CDATA[</style><script>f()</script>]]></style>",

@@ -111,7 +111,7 @@ def origin_of(record: Json) -> Origin:
         for name, version in record["versions"].items()
         if version not in (None, "not installed")
     )
-    where = f"{machine['processor']}, {machine['cores']} cores" + (versions and f"; {versions}")
+    where = f"{machine['processor']}, {machine['cores']} cores; {versions}"
     return Origin(record["command"], record["date"], where, staleness(record.get("code")))
 
 

@@ -73,11 +73,11 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float]:
 
     Eliminating c from (29) and (37) gives a quadratic equation for S at given w,
     b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η. A maximum
-    exists, since c is zero at w = 0 on both sheets and positive between.
+    exists, since c is zero at w = 0 on both sheets and positive between. It tends to w = 2η/3 as
+    η → 0 and to (1 - 8η)/2 as η → 1/8, so that w is larger than 1e-18 for any η.
     """
     eta = at["eta"]
-    gap = max(1.0 - 8.0 * eta, 1e-16)
-    w = np.geomspace(1e-6 * min(gap, eta * eta), 0.999, 6000)
+    w = np.geomspace(1e-18, 0.999, 6000)
     first = eta * (2.0 * w**3 + 1.0 - w)
     second = -(4.0 * w**2 + 2.0 * (1.0 - w))
     inside = second**2 - 4.0 * first * (8.0 + 8.0 * w)
@@ -88,10 +88,9 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float]:
         path.append(((-second[order] + sign * root) / (2.0 * first[order]), w[order]))
     S, w = (np.concatenate(each) for each in zip(*path, strict=True))
     s = S * w
-    with np.errstate(all="ignore"):  # beyond double precision nothing decreases
-        c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
-        falls = np.flatnonzero(np.diff(c) < -1e-13 * c[:-1])
-    return float(S[falls[0]]), float(w[falls[0]])
+    c = np.sqrt(s * S) * (1.0 - s / 4.0 + eta * s * s / 8.0) / (S - s)
+    top = np.flatnonzero(np.diff(c) < 0.0)[0]
+    return float(S[top]), float(w[top])
 
 
 def _true_fold(at: Mapping[str, float]) -> tuple[Any, Any]:
@@ -103,17 +102,17 @@ def _true_fold(at: Mapping[str, float]) -> tuple[Any, Any]:
     start = _scan(at)
     S, w = mp.mpf(start[0]) / a, mp.mpf(start[1])
     try:
-        S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-40)
+        S, w = mp.findroot(lambda S, w: _tangency(S, w, a, b), (S, w), tol=1e-80)
     except (ValueError, ZeroDivisionError):
-        raise NoReferenceError("Newton in 60 digits does not converge.") from None
+        raise NoReferenceError("Newton in 80 digits does not converge.") from None
     return S, _gain(S, a, b) / mp.sqrt(w)
 
 
 def _check_fold(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Compare the coupling of the fold with its value computed in 60 digits."""
-    with mp.workdps(60):
+    """Compare the coupling of the fold with its value computed in 80 digits."""
+    with mp.workdps(80):
         off = abs(_true_fold(at)[1] - stated.value)
-        return ReferenceCheck(distance=float(off), method="fold in 60 digits")
+        return ReferenceCheck(distance=float(off), method="fold in 80 digits")
 
 
 def _on_branch(S: Any, w: Any, a: Any, b: Any) -> Any:
@@ -123,14 +122,18 @@ def _on_branch(S: Any, w: Any, a: Any, b: Any) -> Any:
 
 
 def _tangency(S: Any, w: Any, a: Any, b: Any) -> tuple[Any, Any]:
-    """Return (37) and ∂(37, ln c)/∂(S, w), scaled: both are zero where c is stationary."""
+    """Return (37) and ∂(37, ln c)/∂(S, w), both zero where c is stationary.
+
+    The first is divided by η, as w is for small η, and not by w: Newton's steps would then be
+    halved again and again where w tends to zero as η → 1/8.
+    """
     s, G = S * w, _gain(S, a, b)
     G_S = (a - b * S) / 8
     shape = 1 - a * s / 4 + b * s**2 / 8
     bend = -a / 4 + b * s / 4
     P_S = w * w * bend - G_S * (1 - w)
     P_w = shape + w * S * bend + G
-    return _on_branch(S, w, a, b) / w, (P_S * (-G / (2 * w)) - P_w * G_S) * S
+    return _on_branch(S, w, a, b) * a * a / b, (P_S * (-G / (2 * w)) - P_w * G_S) * S
 
 
 def _breather(at: Mapping[str, float]) -> StatedValue:
@@ -140,7 +143,7 @@ def _breather(at: Mapping[str, float]) -> StatedValue:
 
 
 def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCheck:
-    """Solve (29) and (37) for S and w by Newton in 60 digits; return the relative distance.
+    """Solve (29) and (37) for S and w by Newton in 80 digits; return the relative distance.
 
     Newton starts from the stated values; the branch before the fold is the one whose S is above
     that of the fold.
@@ -151,7 +154,7 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
         fold = _check_fold(at, StatedValue.of(stated.extra.fold, top))
         return ReferenceCheck.exact(at["c"] > top - fold.distance, method=fold.method)
     a, b = _coefficients(at)
-    with mp.workdps(60):
+    with mp.workdps(80):
         least = _true_fold(at)[0] * (1 - 2 * stated.error)
         c = mp.mpf(at["c"])
         S, w = mp.mpf(stated.value[0]) ** 2, mp.mpf(stated.value[1]) ** 2
@@ -167,9 +170,9 @@ def _check_breather(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
         except (ValueError, ZeroDivisionError):
             if at["c"] > top * (1.0 - 1e-12):
                 return ReferenceCheck.exact(True, method="at the fold to within rounding")
-            raise NoReferenceError("Newton in 60 digits does not converge.") from None
+            raise NoReferenceError("Newton in 80 digits does not converge.") from None
         off = max(abs(mp.sqrt(x) - 1), abs(mp.sqrt(y) - 1)) if S * x >= least else mp.inf
-        return ReferenceCheck(distance=float(off), method="Newton in 60 digits")
+        return ReferenceCheck(distance=float(off), method="Newton in 80 digits")
 
 
 def _envelope(at: Mapping[str, float]) -> StatedValue:
@@ -329,7 +332,7 @@ QUANTITIES = (
     Quantity(
         name="closed-form", title="closed form of a breather, and its largest coupling",
         equation="(29), (37)", problems="breather", accuracy=1e-15, default="closed form",
-        reference="Newton in 60 digits from a plain scan",
+        reference="Newton in 80 digits from a plain scan",
         computations=(
             Computation(
                 name="closed-form-fold", title="the largest coupling of the closed form (29), (37)",

@@ -91,7 +91,7 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     filled = np.where(np.arange(sites) < _FILLED, chain.stable_amplitude, 0.0)
     amplitude, level = amplitude_of if full else np.abs, chain.unstable_amplitude
     rate = full_rate(chain, wave=True) if full else quarter_turn_rate(chain, wave=True)
-    turns = np.array([1j * (-1j) ** n for n in range(sites)])
+    turns = np.array([(-1j) ** n for n in range(sites)])
     start = as_state(turns * filled) if full else filled
     pace = Pace()
 

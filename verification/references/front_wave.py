@@ -105,8 +105,8 @@ def _matrix(R: FloatArray, v: float, c: float, eta: float, m: int) -> Any:
 def _guess(
     c: float, eta: float, xi: FloatArray, stable: float, unstable: float
 ) -> tuple[FloatArray, float]:
-    """Run the chain of real amplitudes from a step, and obtain R and v from two of its sites."""
-    sites, first, watched = 60, 8, 20
+    """Run a chain of real amplitudes from rest beside a site on the cycle; return R and v."""
+    sites, watched = 60, 20
 
     def rate(_: float, r: FloatArray) -> FloatArray:
         whole = np.concatenate([[stable], r, [0.0]])
@@ -117,9 +117,8 @@ def _guess(
         return float(r[watched + 4] - unstable)
 
     arrived.terminal = True  # type: ignore[attr-defined]
-    start = np.where(np.arange(sites) < first, stable, 0.0)
-    run = solve_ivp(rate, (0.0, 1e3), start, "DOP853", rtol=1e-8, atol=1e-9, events=arrived,
-                    dense_output=True)  # fmt: skip
+    run = solve_ivp(rate, (0.0, 1e3), np.zeros(sites), "DOP853", rtol=1e-8, atol=1e-9,
+                    events=arrived, dense_output=True)  # fmt: skip
     end, states = float(run.t[-1]), run.sol
     assert states is not None
     times = np.linspace(0.0, end, 4000)

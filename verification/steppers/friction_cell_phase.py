@@ -107,14 +107,14 @@ def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
     y, w : float
         State at τ = 0, which does not itself count as an end.
     """
-    found = np.array([0.0, y, w])
+    found = np.array([math.nan, y, w])
     _follow(phase, found)
     return float(found[0]), float(found[1]), float(found[2])
 
 
 @outer(cache=True)
 def _follow(phase: Phase, found: FloatArray) -> None:
-    """Put τ, y and w at the end of the phase into ``found``, which holds 0 and the start."""
+    """Put τ, y and w at the end of the phase into ``found``, whose last two are the start."""
     numbers, law, room = phase.numbers, phase.law, phase.room
     end, longest = phase.end, phase.longest
     order, f = room.shape[1] - 1, room[POLYNOMIAL]

@@ -48,7 +48,7 @@ def test_the_static_sum_keeps_its_digits_at_small_couplings(c: float) -> None:
 
 
 def test_resonant_velocities_are_the_maxima_of_the_phase_velocity() -> None:
-    velocities, widths = resonant_velocities(7.0, 4)
+    velocities, widths = resonant_velocities(7.0, np.arange(4))
     q = np.linspace(1e-3, 2 * np.pi, 2_000_001)
     for j, (v, width) in enumerate(zip(velocities, widths, strict=True)):
         phase_velocity = 7.0 * (1 - np.cos(q)) / (q + 2 * np.pi * j)

@@ -145,7 +145,7 @@ def test_none_just_below_the_fold_and_two_just_above(eta: float) -> None:
 
 def test_the_resonances_of_large_c_carry_branches_of_their_own() -> None:
     c, eta = 100.0, 1e-4
-    peaks, widths = resonant_velocities(c, 3)
+    peaks, widths = resonant_velocities(c, np.arange(3))
     # max (1 - cos k)/k over k, at k = 2.3311
     assert peaks[0] == pytest.approx(72.4611, rel=1e-6)
     size = np.abs(

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 from theory.piecewise import first_points
-from theory.piecewise.limits import resonant_velocities, static_sum, static_sum_distance
-from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.limits import (
+    resonance_number,
+    resonant_velocities,
+    static_sum,
+    static_sum_distance,
+)
+from theory.piecewise.sums.integral import sum_by_integral, sums
 from theory.piecewise.sums.series import sum_by_roots
 
 
@@ -118,7 +124,7 @@ def test_the_first_points_are_as_near_as_the_waves_of_the_sum_ask_for(refine):
 def test_the_first_points_hold_every_resonance_and_both_its_sides():
     c = 8.0
     t = points_of_one(c, 0.6, 0.0, 2.0)
-    velocities, widths = resonant_velocities(c, 4)
+    velocities, widths = resonant_velocities(c, np.arange(4))
     held = 0
     for centre, width in zip(velocities, widths, strict=True):
         for v in (centre, centre - width / 2, centre + width / 2):
@@ -126,3 +132,44 @@ def test_the_first_points_hold_every_resonance_and_both_its_sides():
                 held += 1
                 assert np.abs(t - math.log(v)).min() < 1e-12
     assert held >= 6
+
+
+@pytest.mark.parametrize(
+    ("c", "target", "shift", "low", "high"),
+    [
+        # pairs beside a resonance: of number 15 and 24, and at the foot of the third
+        (32201.40274441094, 1.998349188874283, 2.0, 655.0, 666.0),
+        (69195.2, 0.04626, 0.0, 850.0, 890.0),
+        (378.3933383389198, 0.1564503721704097, 0.0, 33.5, 35.0),
+    ],
+)
+def test_no_pair_of_velocities_beside_a_narrow_resonance_is_lost(c, target, shift, low, high):
+    v = np.linspace(low, high, 20_001)
+    g = np.abs(sums(v, np.full(v.size, c), 1e-13).value + shift) - target
+    (changes,) = np.nonzero(g[1:] * g[:-1] < 0)
+    found = all_velocities(np.array([c]), np.array([target]), shift == 2.0).v
+    within = found[(found > low) & (found < high)]
+    assert changes.size == within.size == 3
+    assert np.all((v[changes] < within) & (within < v[changes + 1]))
+
+
+def test_points_beside_a_resonance_are_as_far_apart_as_they_are_from_it():
+    """The sides of the narrow resonances at large v, up to the distance of the other points."""
+    c = 32201.4
+    t = points_of_one(c, 1.99834919, 2.0, 1.0)
+    centre, width = (float(x[0]) for x in resonant_velocities(c, np.array([15])))
+    v = np.exp(t)
+    spacing = centre**2 * math.pi / (4 * c)
+    beside = np.sort(np.abs(v - centre))
+    beside = beside[(beside > 0.5 * width) & (beside < spacing)]
+    assert beside[0] == pytest.approx(width, rel=1e-6)
+    assert np.max(beside[1:] / beside[:-1]) <= first_points._GRADING * (1 + 1e-6)
+    assert spacing / beside[-1] <= first_points._GRADING
+
+
+def test_the_number_of_a_resonance_is_that_of_its_velocity():
+    number = np.array([0, 1, 12, 1000, 10**7])
+    v, _ = resonant_velocities(3.0, number)
+    assert resonance_number(v / 3.0) == pytest.approx(number, rel=1e-9, abs=1e-9)
+    assert -0.1 < resonance_number(np.array([0.9]))[0] < 0.0  # above all of them
+    assert -0.1 < resonance_number(np.array([50.0]))[0] < 0.0

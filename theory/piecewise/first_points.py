@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from theory.arrays import FloatArray, IntArray
-from theory.piecewise.limits import resonant_velocities, static_sum
+from theory.piecewise.limits import resonance_number, resonant_velocities, static_sum
 from theory.piecewise.smooth_part import WEAKEST, smooth_part_of_sum
 from theory.piecewise.sums.result import PrecisionError
 
@@ -24,8 +24,9 @@ _WIDEST, _PARTS = 2.0, 8
 """Length of the intervals of ln v that are examined first, and number of parts of each."""
 _FEW_POINTS = 4.0
 """Number of points of an interval at or below which it is not divided further."""
-_RESONANCES = 12
-"""Largest number of resonances that are considered at one coupling."""
+_GRADING = 4.0
+"""Ratio of the distances of successive points beside a resonance, where g varies as a power of the
+distance."""
 MAX_POINTS = 200_000
 """Largest number of starting points for one coupling: about ten seconds."""
 NEAREST_TO_PINNING = 1e-12
@@ -88,15 +89,31 @@ def _resonances(
 
     ``c``, ``bounds`` (in ln v) and ``fine`` are given for each interval.
     """
+    nothing = np.empty(0, dtype=np.int64), np.empty(0)
     if c.max(initial=0.0) <= 1.0:  # no resonance is narrow
-        return np.empty(0, dtype=np.int64), np.empty(0)
-    places, widths = (np.array(row) for row in resonant_velocities(1.0, _RESONANCES))
-    centre, width = c[:, None] * places, widths / refine
-    spacing = np.minimum(_COARSEST / refine, centre * fine[:, None])
-    narrow = np.tile(width < centre * spacing, 3) & (c[:, None] > 1.0)
-    near = np.concatenate([centre, centre - width, centre + width], axis=1)
-    taken = narrow & (near > np.exp(bounds[0])[:, None]) & (near < np.exp(bounds[1])[:, None])
-    return np.nonzero(taken)[0], np.log(near[taken])
+        return nothing
+    # The width is above v/4c and has to be below v² fine, so that v is above 1/π.
+    first = np.floor(resonance_number(np.exp(bounds[1]) / c)).clip(0.0)
+    last = np.ceil(resonance_number(np.maximum(np.exp(bounds[0]), 1.0 / math.pi) / c))
+    count = np.where(c > 1.0, last - first + 1.0, 0.0).clip(0.0).astype(np.int64)
+    interval = np.arange(c.size).repeat(count)
+    if interval.size == 0:
+        return nothing
+    number = np.arange(interval.size) + (first - (count.cumsum() - count))[interval]
+    centre, width = resonant_velocities(c[interval], number)
+    ratio = np.minimum(_COARSEST, centre * fine[interval] * refine) * centre / width
+    (narrow,) = (ratio > 1.0).nonzero()
+    interval = interval[narrow]
+    centre, width, ratio = (row[narrow] for row in (centre, width, ratio))
+    # On both sides, distances from one width to the spacing, by factors of `_GRADING`.
+    pairs = 1 + (np.log(ratio) / math.log(_GRADING)).astype(np.int64)
+    which = np.arange(interval.size).repeat(pairs)
+    power = np.arange(which.size) - (pairs.cumsum() - pairs)[which]
+    side = width[which] / refine * _GRADING**power
+    near = np.log(np.concatenate([centre, centre[which] - side, centre[which] + side]))
+    interval = np.concatenate([interval, interval[which], interval[which]])
+    taken = (near > bounds[0][interval]) & (near < bounds[1][interval])
+    return interval[taken], near[taken]
 
 
 def _where_oscillations_matter(

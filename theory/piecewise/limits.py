@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import cmath
 import math
-from functools import lru_cache
 from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import ComplexArray, FloatArray, IntArray
 from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import Range, positive, with_ranges, within
 
@@ -224,33 +223,44 @@ def weak_threshold_velocity(c: float, eta: float) -> float:
     return math.sqrt(positive("coupling c", c) / (8.0 * threshold_ratio(eta)))
 
 
-def resonant_velocities(c: float, count: int) -> tuple[list[float], list[float]]:
+def resonant_velocities(c: float | FloatArray, number: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the velocities at which the front is in resonance with a linear wave, and the widths.
 
     At v = c max_k (1 - cos k)/(k + 2πj), j = 0, 1, …, two roots of opposite half-planes nearly
     meet, and |Σ| has a peak of half-width about 1/(2(k + 2πj)), which is narrow at large c.
 
-    Returns
-    -------
-    velocities, widths : list of float
-        In descending order of velocity, ``count`` of them.
+    Parameters
+    ----------
+    c : float or ndarray of float
+        Coupling.
+    number : ndarray of int
+        The number j of each resonance; their velocities descend.
+
+    Examples
+    --------
+    >>> resonant_velocities(100.0, np.arange(2))[0].round(4).tolist()
+    [72.4611, 21.4661]
     """
-    velocities, widths = [], []
-    for j in range(count):
-        k = _resonant_wave(j)
-        velocities.append(c * math.sin(k))
-        widths.append(0.5 / (k + 2.0 * math.pi * j))
-    return velocities, widths
+    # At the maximum x = k + 2πj obeys x = 2πj + 2 arctan x, and (1 - cos k)/x = 2x/(1 + x²).
+    turns = 2.0 * np.pi * number.astype(float)
+    x = turns + 2.4
+    for _ in range(4):
+        square = 1.0 + x * x
+        x = x - (x - turns - 2.0 * np.arctan(x)) * square / (square - 2.0)
+    return c * (2.0 * x / (1.0 + x * x)), 0.5 / x
 
 
-@lru_cache(maxsize=64)
-def _resonant_wave(j: int) -> float:
-    """Return the solution k of (k + 2πj) sin k = 1 - cos k between 2 and π."""
-    low, high = 2.0, math.pi
-    for _ in range(60):
-        k = 0.5 * (low + high)
-        if (k + 2.0 * math.pi * j) * math.sin(k) > 1.0 - math.cos(k):
-            low = k
-        else:
-            high = k
-    return k
+def resonance_number(share: FloatArray) -> FloatArray:
+    """Return the number j, not rounded, of the resonance at v/c = ``share``: 2x/(1 + x²) = v/c.
+
+    It is negative where v is above that of every resonance.
+
+    Examples
+    --------
+    >>> v, _ = resonant_velocities(3.0, np.array([0, 5]))
+    >>> resonance_number(v / 3.0).round(9).tolist()
+    [0.0, 5.0]
+    """
+    share = np.minimum(share, 1.0)
+    x = (1.0 + np.sqrt(1.0 - share * share)) / share
+    return (0.5 * x - np.arctan(x)) / np.pi

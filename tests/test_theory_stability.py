@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import jv
 
 from theory.cells.vdp import threshold_ratio
-from theory.piecewise import stability, symbol
+from theory.piecewise import symbol
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability
@@ -312,10 +312,37 @@ def test_where_the_threshold_may_be_passed_at_no_rate_within_the_error_of_v_noth
         assert front_stability(v, c, 2e-9).stable is None
 
 
+@pytest.mark.parametrize(
+    ("v", "c", "error"),
+    [
+        (0.70068681, 79.661579, 3.6e-6),
+        (1.33769106, 25.753805, 2.8e-5),
+        (5.64837793, 27.189748, 1.5e-4),
+        (-0.16871188, 31.403357, 7.7e-7),
+    ],
+)
+def test_where_a_multiplier_may_cross_the_circle_within_the_error_of_v_nothing_is_decided(
+    v, c, error
+):
+    """Its size at v is not known, or is that of another one, farther inside the circle at v."""
+    sides = {front_stability(v + part * error, c).stable for part in (-0.9, 0.9)}
+    assert sides == {True, False}
+    assert front_stability(v, c, 1e-3 * error).stable is True
+    assert front_stability(v, c, error).stable is None
+
+
+def test_an_error_of_v_over_which_the_coefficients_turn_leaves_stability_open():
+    """Slow fronts at strong coupling: the coefficients p_k oscillate with the phase c/v."""
+    v, c, error = 0.054528, 73.51524, 1.53e-5
+    assert {front_stability(v - part * error, c).stable for part in (0.0, 1.0)} == {True, False}
+    assert front_stability(v, c, error).stable is None
+    assert front_stability(v, c, 1e-10).stable is False
+
+
 def test_a_velocity_without_error_adds_none_to_that_of_a_multiplier(monkeypatch):
     first = kinetic_relation(2.4, ETA).branches[0]
     found = front_stability(first.v, 2.4)
-    monkeypatch.setattr(stability, "_by_v", lambda *_: math.inf)
+    monkeypatch.setattr(symbol.Symbol, "zero_near", lambda *_: complex(math.nan))
     assert front_stability(first.v, 2.4) == found
     assert front_stability(first.v, 2.4, first.error).stable is None
 

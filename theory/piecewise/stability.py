@@ -16,8 +16,9 @@ from theory.piecewise.symbol import Symbol, terms_at
 
 _ROOM = 1e-9
 """Distance of a multiplier from the unit circle below which stability is not decided."""
-_BESIDE = 1e-6
-"""Relative step of the difference by which a multiplier depends on v."""
+_BESIDE, _FIRST_ORDER = 1e-6, 1e-2
+"""Changes of phase in the coefficients p_k over the shortest step in v by which differences are
+taken, and over the largest error of v whose effect is still proportional to it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +34,9 @@ class FrontStability:
         Number of terms p_k of the symbol.
     stable : bool or None
         Whether every perturbation of the switching times decays; None where this was not decided,
-        because a multiplier lies on the unit circle or |φ| passes the threshold at no rate to
-        within its error, the series is too long (v above a few tens), or its terms underflow (v
-        below 7e-4).
+        because within the error of v a multiplier may lie on the unit circle or |φ| may pass the
+        threshold at no rate, the series is too long (v above a few tens), or its terms underflow
+        (v below 7e-4).
     multiplier : float or None
         Largest modulus of a multiplier per site other than the trivial one; None where all are
         below ``floor``, or none could be determined.
@@ -89,18 +90,24 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     symbol = Symbol.of(v, c)
     if symbol is None:
         return found
+    phase = (1.0 + c / speed) * (1.0 + 1.0 / speed)  # change of phase in p_k per change of v
+    if v_error * phase > _FIRST_ORDER:
+        return found
+    step = max(v_error, _BESIDE / phase)
+    beside = Symbol.of(v + math.copysign(step, v), c) if v_error else symbol
+    if beside is None:
+        return found
+    around = symbol.up_to(beside, 2.0 * v_error / step)
     rate = float(symbol.q[0])
     off = symbol.uncertainty * math.exp(-0.5 / speed)  # |p_k| ≤ e^{-k/2v}
-    if v_error:
-        off += v_error * _rate_by_v(v, c, rate)
-    if abs(rate) <= off:
+    if abs(rate) <= off + around.spread[0]:
         return found
     if rate < 0.0:
         return replace(found, stable=False)
-    if symbol.zeros_within(1.0 / found.floor) == 0:
+    if around.zeros_within(1.0 / found.floor) == 0:
         return replace(found, stable=True)
-    inside = symbol.zeros_within(1.0 - _ROOM)
-    outside = symbol.zeros_within(1.0 + _ROOM)
+    inside = around.zeros_within(1.0 - _ROOM)
+    outside = around.zeros_within(1.0 + _ROOM)
     found = replace(found, stable=None if inside is None or inside != outside else inside == 0)
     nearest = symbol.nearest_zero(1.0 / found.floor)
     if nearest is None:
@@ -109,23 +116,8 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     modulus = 1.0 / abs(w)
     error *= modulus**2
     if v_error:
-        error += v_error * _by_v(v, c, w)
+        change = abs(1.0 / abs(beside.zero_near(w)) - modulus)
+        error += 2.0 * v_error / step * change if math.isfinite(change) else math.inf
     if abs(modulus - 1.0) <= error:
         found = replace(found, stable=None)
     return replace(found, multiplier=modulus, angle=abs(cmath.phase(w)), error=float(error))
-
-
-def _rate_by_v(v: float, c: float, rate: float) -> float:
-    """Return |dΣp_k/dv|, doubled, by a one-sided difference from its value ``rate`` at v."""
-    beside = v * (1.0 + _BESIDE)
-    symbol = Symbol.of(beside, c)
-    return 2.0 * abs(float(symbol.q[0]) - rate) / abs(beside - v) if symbol else math.inf
-
-
-def _by_v(v: float, c: float, w: complex) -> float:
-    """Return |d|z|/dv| of the multiplier z = 1/w, doubled, by a one-sided difference."""
-    beside = v * (1.0 + _BESIDE)
-    symbol = Symbol.of(beside, c)
-    moved = math.nan if symbol is None else abs(symbol.zero_near(w))
-    change = abs(1.0 / moved - 1.0 / abs(w))
-    return 2.0 * change / abs(beside - v) if math.isfinite(change) else math.inf

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -54,10 +54,14 @@ class Symbol:
         Its coefficients, dimensionless.
     uncertainty : float
         Bound on the error of E for |w| < e^{1/4v}, from rounding and omitted terms.
+    spread : ndarray of float
+        Bounds on the changes of the first coefficients over the velocities for which zeros are
+        counted; empty for the given velocity alone.
     """
 
     q: FloatArray
     uncertainty: float
+    spread: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @classmethod
     def of(cls, v: float, c: float) -> Symbol | None:
@@ -75,6 +79,8 @@ class Symbol:
     def zeros_within(self, radius: float) -> int | None:
         """Return the number of zeros of E(w) in |w| < radius; None if one is too near the circle.
 
+        The number is the same for all coefficients within ``spread``.
+
         With the radius ρ, there is none if |q_0| exceeds the sum of all other |q_j| ρ^j. Otherwise
         the winding number over M points is correct if |E| at each of them exceeds the largest
         change of E up to the midpoint between neighbours, which is half a step times the bound Σ j
@@ -82,15 +88,17 @@ class Symbol:
         """
         order = np.arange(self.q.size)
         with np.errstate(over="ignore"):
-            scaled = self.q * radius**order
+            powers = radius**order
+            scaled = self.q * powers
             sizes = np.abs(scaled)
-            if sizes[0] - self.uncertainty > np.sum(sizes[1:]):
+            off = self.uncertainty + float(self.spread @ powers[: self.spread.size])
+            if sizes[0] - off > np.sum(sizes[1:]):
                 return 0
             slope = float(np.sum(sizes * order)) / radius
         points = 1 << math.ceil(math.log2(8 * self.q.size))
         while points <= _MAX_POINTS:
             values = np.fft.rfft(scaled, points)  # the other half is complex conjugate
-            least = float(np.abs(values).min()) - self.uncertainty
+            least = float(np.abs(values).min()) - off
             if least <= 0.0:
                 return None
             if least > slope * math.pi * radius / points:
@@ -98,6 +106,11 @@ class Symbol:
                 return abs(round(float(turns)))
             points *= 4
         return None
+
+    def up_to(self, other: Symbol, part: float) -> Symbol:
+        """Return E with a spread of a multiple of the differences from those of another front."""
+        count = min(self.q.size, other.q.size)
+        return Symbol(self.q, self.uncertainty, part * np.abs(other.q[:count] - self.q[:count]))
 
     def nearest_zero(self, reach: float) -> tuple[complex, float] | None:
         """Return the zero of E nearest w = 0 within ``reach``, and its error; or None.

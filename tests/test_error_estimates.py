@@ -540,11 +540,52 @@ def test_of_several_seeds_the_range_of_escape_holds_every_one(
 
     monkeypatch.setattr(escape, "hold", hold)
     noisy = NucleusPreparation(1, perturbation=1e-3)
-    found = escape.escape_range(AveragedChain(a=2.5, b=0.5, c=0.0), noisy, 500.0, 1e-4)
+    found = escape.escape_range(AveragedChain(a=2.5, b=0.5, c=0.0), noisy, 500.0, 1e-5)
     assert found.low <= ends[0]
     assert found.high >= ends[2]
     assert found.error == pytest.approx(0.01, abs=1e-4)  # half of what the seeds are apart
     assert found.monotone
+
+
+@pytest.mark.parametrize("law", [1.0, 2.0])
+@pytest.mark.parametrize("end", [0.19, 0.1901234, 0.1907])
+@pytest.mark.parametrize("constant", [1e-6, 1e-5, 1e-4])
+def test_the_error_of_a_range_of_escape_reaches_to_where_escapes_of_any_duration_end(
+    law: float, end: float, constant: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Times of escape as near a fold, (c - end)^(-1/2), or a loss of stability, 1/(c - end)."""
+    duration = 500.0
+
+    def hold(_: object, __: object, c: float, length: float) -> object:
+        time = duration * (constant / (c - end)) ** (1.0 / law) if c > end else math.inf
+        return SimpleNamespace(time=min(time, length), escaped=time <= length)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    chain, once = AveragedChain(a=2.5, b=0.5, c=0.0), NucleusPreparation(1)
+    for tolerance in (1e-5, 3e-5, 1e-4):
+        found = escape.escape_range(chain, once, duration, tolerance)
+        assert abs(found.c_crit - end) <= found.error
+        assert found.error <= 3.0 * ((2**law - 1) * constant + 2.0 * tolerance)
+        found = escape.escape_threshold(chain, once, duration=duration, tolerance=tolerance)
+        assert abs(found.c_crit - end) <= found.error
+
+
+def test_escapes_at_some_time_from_an_irregular_motion_widen_the_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From 0.19 on escapes are soon; from 0.1895 on they take more than the duration."""
+    duration = 500.0
+
+    def hold(_: object, __: object, c: float, length: float) -> object:
+        time = 0.1 * duration if c > 0.19 else 1.5 * duration if c > 0.1895 else math.inf
+        return SimpleNamespace(time=min(time, length), escaped=time <= length)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    chain = AveragedChain(a=2.5, b=0.5, c=0.0)
+    found = escape.escape_range(chain, NucleusPreparation(1), duration, 1e-5)
+    assert found.c_crit == pytest.approx(0.19, abs=1e-5)
+    assert 5e-4 < found.error < 1.1e-3  # the distances of the runs are doubled
+    assert found.runs > 20 + 8
 
 
 def test_round_off_of_an_end_of_cycles_is_that_of_the_release_over_a_strong_damping(

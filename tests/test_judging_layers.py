@@ -1222,6 +1222,7 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
 ) -> None:
     class Made:
         escapes: ClassVar[dict[float, float]] = {}
+        longer_runs = 0
 
         def __init__(self, _: object, preparation: escape.NucleusPreparation, __: float) -> None:
             self.preparation = preparation
@@ -1235,6 +1236,8 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
         def bracket(self) -> None: ...
         def refine(self, _: float) -> None: ...
         def escape(self, _: float) -> None: ...
+        def end_by_longer_runs(self, _: float) -> float:
+            return 0.185
 
     monkeypatch.setattr(escape, "_EscapeRuns", Made)
     noisy = escape.NucleusPreparation(1, perturbation=1e-3, seed=1)
@@ -1244,6 +1247,7 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
     assert found.error == pytest.approx(0.02)
     one = escape.escape_range(AveragedChain(a=4, b=0.5, c=0.6), noisy, seeds=1)
     assert (one.low, one.high, one.monotone) == (0.19, 0.21, True)
+    assert one.error == pytest.approx(0.2 - 0.185)  # to where longer runs no longer escape
 
 
 def test_the_closed_form_is_of_one_site_in_the_bulk() -> None:

@@ -3,7 +3,8 @@
 Escape need not be monotone in c, and it depends on the noise and on the duration of the run.
 Therefore not a single coupling but a range is determined: in all runs made, the nucleus held below
 the range and escaped above it. Without noise a nucleus escapes at the fold of the breather that it
-follows; the same bisection approaches this fold as closely as the duration allows.
+follows; the same bisection approaches this fold as closely as the duration allows. The stated error
+extends to where escapes end if the nucleus is held for longer (`_EscapeRuns.end`).
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from verification.thresholds.result import Definition, Mechanism, RunThreshold, 
 
 FIRST, LOWEST, HIGHEST = 0.2, 1e-3, 2.0
 """First coupling tried, and the limits of the search."""
+LONGER = 2.0
+"""Relative duration of the runs that show whether a nucleus escapes later."""
 REACH, PROBES = 0.01, 8
 """Distance beyond the range, relative to it, up to which further runs are made, and their
 number."""
@@ -38,6 +41,7 @@ class _EscapeRuns:
     preparation: NucleusPreparation
     duration: float
     escapes: dict[float, float] = field(default_factory=dict)
+    longer_runs: int = 0
 
     def escape(self, c: float) -> float:
         """Return the slow time of escape."""
@@ -83,6 +87,30 @@ class _EscapeRuns:
                 self.escape(0.5 * (low + high))
                 low, high = self.ends()[place]
 
+    def end(self) -> float:
+        """Return a coupling below that at which escapes of any duration end, by their approach.
+
+        Near a fold, c - c_0 ~ time⁻², and near a loss of stability ~ time⁻¹: c_0 is no farther
+        below the range than is its other end, above which escapes take half of the duration.
+        """
+        low, high = self.range()
+        return low - (high - low)
+
+    def end_by_longer_runs(self, tolerance: float) -> float:
+        """Return `end`, or less where longer runs show that escapes continue below it.
+
+        A nucleus that moves irregularly may escape at any time. Runs of `LONGER` times the duration
+        are made at distances below the range that are doubled from the tolerance up to `REACH`.
+        """
+        low, lowest, distance = self.range()[0], self.end(), tolerance
+        while distance <= max(REACH * low, low - lowest) and distance < low:
+            run = hold(self.chain, self.preparation, low - distance, LONGER * self.duration)
+            self.longer_runs += 1
+            distance *= 2.0
+            if run.escaped:
+                lowest = min(lowest, low - distance)
+        return lowest
+
     def monotone(self) -> bool:
         """Whether all escapes lie above all runs that held."""
         held = [c for c, time in self.escapes.items() if time == math.inf]
@@ -105,7 +133,10 @@ def escape_range(
     """Bisect for the range of escape, then extend it by runs around it until it no longer grows.
 
     Every run below ``low`` of the result held for ``duration``; every run above ``high`` escaped
-    within half of it. If escape is not monotone, both are moved outwards by `PAD` of the width.
+    within half of it. If escape is not monotone, both are moved outwards by `PAD` of the width. The
+    error extends beyond ``low``, to where escapes end if the nucleus is held for longer: by the law
+    of their approach, and by runs of twice the duration. It does not bound the effect of other
+    seeds, nor that of escapes from an irregular motion after still longer times.
 
     Parameters
     ----------
@@ -164,10 +195,11 @@ def escape_range(
     monotone = all(runs.monotone() for runs in every)
     pad = 0.0 if monotone else PAD * (high - low)
     low, high = low - pad, high + pad
+    c = 0.5 * (low + high)
+    lowest = min(low, *(runs.end_by_longer_runs(tolerance) for runs in every))
     return RunThreshold(
-        c_crit=0.5 * (low + high),
-        # The error covers the runs that were made, not longer times or other seeds.
-        error=0.5 * (high - low),
+        c_crit=c,
+        error=c - lowest,
         method=ThresholdMethod.HOLD,
         definition=Definition.FIRST,
         mechanism=Mechanism.HELD,
@@ -180,7 +212,7 @@ def escape_range(
         perturbation=preparation.perturbation,
         final_time=duration,
         monotone=monotone,
-        runs=sum(len(runs.escapes) for runs in every),
+        runs=sum(len(runs.escapes) + runs.longer_runs for runs in every),
         seconds=time.perf_counter() - started,
     )
 
@@ -194,9 +226,7 @@ def escape_threshold(
 ) -> RunThreshold:
     """Bisect for the coupling at which the prepared nucleus escapes within a time.
 
-    Near a fold runs take ever longer to escape, c - c_fold ~ duration⁻², so that escapes within
-    half of the duration begin four times as far above the fold. The difference is part of the
-    error, which then extends down to the fold.
+    The error extends down to where escapes end if the nucleus is held for longer.
 
     Raises
     ------
@@ -207,11 +237,11 @@ def escape_threshold(
     runs = _EscapeRuns(chain, preparation, duration)
     runs.bracket()
     runs.refine(tolerance)
-    (low, high), soon = runs.ends()
+    (low, high), _ = runs.ends()
     c = 0.5 * (low + high)
     return RunThreshold(
         c_crit=c,
-        error=0.5 * tolerance + abs(0.5 * sum(soon) - c),
+        error=c - runs.end(),
         method=ThresholdMethod.HOLD,
         definition=Definition.FIRST,
         mechanism=Mechanism.HELD,

@@ -81,7 +81,9 @@ class Threshold(Result):
     c_crit, error : float
         The coupling, and a bound on its error or half the width of the interval that contains it.
         It is the error with respect to ``equation``; the difference from (8) at ε > 0 is not
-        included.
+        included. Method ``hold``: it extends to where escapes end if the nucleus is held for longer
+        than ``final_time``, an estimate from the times of escape and from runs of twice that time;
+        escapes from an irregular motion may come later still, and other seeds may lie outside.
     method : ThresholdMethod
         How it was found.
     definition : Definition

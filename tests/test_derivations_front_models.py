@@ -225,6 +225,13 @@ def test_long_waves_have_a_law_where_springs_pull_or_push_them():
         assert ("strong coupling" in names) == found
 
 
+def test_springs_of_three_lengths_hold_at_strong_coupling():
+    # Roots of order 1/c cancel much of the error at 100 times the coupling, for these weights.
+    model = ChainModel(damping={0: 2, 2: -3 * a, 4: b}, coupling=-c, weights=(1, w, 1))
+    evidence = catalogue.load("piecewise-front", model=model).named("strong sum").verify()
+    assert evidence.holds, evidence.statement
+
+
 @pytest.mark.parametrize(("powers", "found"), [((0, 2, 4), True), ((0, 4, 8), True),
                                                ((0, 2, 6), False), ((2, 4, 8), False),
                                                ((0, 2), False), ((0, 2, 4, 6), False)])  # fmt: skip

@@ -148,7 +148,7 @@ def _strong(draft: Draft, chain: ChainModel, checks: LimitChecks) -> None:
     draft.derived("long-wave root", (Substitute({long_wave: 0}), SolveFor(kappa), above),
                   "long waves", check=checks.long_wave_root)
     draft.derived("strong sum", RootTerm(strong_sum), "long waves", "long-wave root",
-                  check=checks.strong_sum, note="the other roots contribute O(1/c)")
+                  check=checks.strong_sum, note="the other roots contribute O(c^(-3/4))")
     draft.derived("relation at strong coupling", Substitute({_TOTAL: strong_sum}),
                   "relation by the ratio", check=checks.named_relation(strong_sum))
     draft.derived("strong coupling", Join(), "relation at strong coupling", "strong sum",

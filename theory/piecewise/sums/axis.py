@@ -186,23 +186,19 @@ def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
 def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
     """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X and at 1 - X."""
     q, turn, decay, P_re, P_im, x, y = at[0], at[1], at[2], at[3], at[4], at[5], at[6]
+    re, im, squares, re_c, im_c = sums[0], sums[1], sums[2], sums[3], sums[4]
     for i in range(turn.size):
         x[i], y[i] = cosine_and_sine(turn[i] * X)
     for i in range(turn.size):
         E = complex(decay[i] * x[i], decay[i] * y[i])
-        _add_slopes_of(i, E, complex(q[i], -turn[i] * X), 4.0 * X, sums)
+        _, g, g_c = integrand_and_slopes(E, complex(q[i], -turn[i] * X), 4.0 * X)
         E = complex(P_re[i] * x[i] + P_im[i] * y[i], P_im[i] * x[i] - P_re[i] * y[i])
-        _add_slopes_of(i, E, complex(q[i], turn[i] * X - turn[i]), 4.0 - 4.0 * X, sums)
-
-
-def _add_slopes_of(i: int, E: complex, a: complex, X4: float, sums: FloatArray) -> None:
-    """Add the terms of one value at one point; see `integrand_and_slopes`."""
-    _, S_a, h = integrand_and_slopes(E, a, X4)
-    sums[0, i] += S_a.real
-    sums[1, i] += S_a.imag
-    sums[2, i] += S_a.real * S_a.real + S_a.imag * S_a.imag
-    sums[3, i] += h.real
-    sums[4, i] += h.imag
+        _, h, h_c = integrand_and_slopes(E, complex(q[i], turn[i] * X - turn[i]), 4.0 - 4.0 * X)
+        re[i] += g.real + h.real
+        im[i] += g.imag + h.imag
+        squares[i] += g.real * g.real + g.imag * g.imag + h.real * h.real + h.imag * h.imag
+        re_c[i] += g_c.real + h_c.real
+        im_c[i] += g_c.imag + h_c.imag
 
 
 def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:

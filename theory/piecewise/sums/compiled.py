@@ -39,7 +39,7 @@ _WITHIN_LOOPS = (
     "quotient_without_branches", "modulus_without_branches", "square_root_without_branches",
     "exponential_without_branches", "logarithm_without_branches", "remainder_without_branches",
     "segment_nodes", "_segment_size", "second_phase", "static_part",
-    "sine_and_cosine_near", "integrand", "integrand_and_slopes", "_add_slopes_of", "step_to_root",
+    "sine_and_cosine_near", "integrand", "integrand_and_slopes", "step_to_root",
     "has_converged", "pair_of_the_parabola", "pole_correction", "clearance_of", "segment_unit",
     "segment_term", "segment_slopes", "segment_width", "size_of", "over_root",
     "segment_errors", "phase_rate", "_node", "side_of", "twice_arcsine",

@@ -20,7 +20,7 @@ from theory.parameters import Range
 REQUIRED = inspect.Parameter.empty
 """Value that marks a parameter without a default."""
 
-_ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :(?: (.*))?)?$")
+_ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :(?: .*)?)?$")
 
 
 KINDS = frozenset({
@@ -110,7 +110,7 @@ def described(what: Callable[..., Any]) -> tuple[Described, ...]:
 
 
 def _of_signature(
-    each: inspect.Parameter, words: Mapping[str, tuple[str, str]], module: Mapping[str, Any]
+    each: inspect.Parameter, words: Mapping[str, str], module: Mapping[str, Any]
 ) -> Described:
     found = _described(
         each.name, str(each.annotation), each.default, words=words, module=module, metadata={}
@@ -120,8 +120,8 @@ def _of_signature(
     return replace(found, positional=each.kind is inspect.Parameter.POSITIONAL_ONLY)
 
 
-def documented(doc: str) -> dict[str, tuple[str, str]]:
-    """Return type and text of each entry of the sections Parameters and Attributes.
+def documented(doc: str) -> dict[str, str]:
+    """Return the text of each entry of the sections Parameters and Attributes.
 
     Examples
     --------
@@ -133,9 +133,9 @@ def documented(doc: str) -> dict[str, tuple[str, str]]:
     ...     Coefficients,
     ...     positive.
     ... ''')
-    {'a': ('float', 'Coefficients, positive.'), 'b': ('float', 'Coefficients, positive.')}
+    {'a': 'Coefficients, positive.', 'b': 'Coefficients, positive.'}
     """
-    found: dict[str, tuple[str, str]] = {}
+    found: dict[str, str] = {}
     lines = doc.splitlines()
     names: list[str] = []
     inside = False
@@ -144,11 +144,10 @@ def documented(doc: str) -> dict[str, tuple[str, str]]:
             inside, names = line.strip() in ("Parameters", "Attributes"), []
         elif inside and (entry := _ENTRY.match(line)):
             names = [name.lstrip("*") for name in entry[1].split(", ")]
-            found |= dict.fromkeys(names, (entry[2] or "", ""))
+            found |= dict.fromkeys(names, "")
         elif inside:
             for name in names:
-                kind, text = found[name]
-                found[name] = (kind, f"{text} {line.strip()}".strip())
+                found[name] = f"{found[name]} {line.strip()}".strip()
     return found
 
 
@@ -188,16 +187,14 @@ def _described(
     annotation: str,
     default: Any,
     *,
-    words: Mapping[str, tuple[str, str]],
+    words: Mapping[str, str],
     module: Mapping[str, Any],
     metadata: Mapping[str, Any],
 ) -> Described:
-    kind, text = words.get(name, ("", ""))
-    text = metadata.get("help", text).replace("`", "")
+    text = metadata.get("help", words.get(name, "")).replace("`", "")
     plain = annotation.strip("'\"").replace(" | None", "").replace("None | ", "")
     first = plain.partition(" | ")[0]
     plain = first if isinstance(module.get(first), type) else plain
-    listed = re.match(r"\{.*?\}", kind)
     if plain.startswith("Literal["):
         choices = ast.literal_eval(plain.removeprefix("Literal"))
         return Described(
@@ -209,9 +206,6 @@ def _described(
         return Described(
             name=name, kind="choice", default=default, help=text, choices=values, make=known
         )
-    if plain == "str" and listed:
-        values = tuple(str(each) for each in ast.literal_eval(f"[{listed[0][1:-1]}]"))
-        return Described(name=name, kind="choice", default=default, help=text, choices=values)
     kind = metadata.get("kind") or _KINDS.get(plain, plain)
     allowed = metadata.get("allowed")
     return Described(name=name, kind=kind, default=default, help=text, allowed=allowed)

@@ -33,6 +33,7 @@ from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
+from verification.breathers.breather import breather
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
 from verification.fronts.switchings import front_by_switchings
@@ -175,12 +176,13 @@ def test_a_map_gets_the_nucleus_that_is_named_and_else_that_of_the_figure(called
     ("function", "name", "choices"),
     [
         (sigma, "method", ("integral", "series", "bessel", "quadrature", "certified")),
-        (follow_breather, "method", ("orbit", "envelope")),  # not what is optional besides
+        (follow_breather, "method", ("orbit", "envelope")),
+        (breather, "method", ("envelope", "closed-form", "orbit", "simulation", "all")),
         (front_by_switchings, "start", ("moving", "resting", "step")),
         (sigma, "v", ()),
     ],
 )
-def test_words_that_a_docstring_lists_are_the_choices_of_an_option(function, name, choices):
+def test_words_that_an_annotation_lists_are_the_choices_of_an_option(function, name, choices):
     (found,) = (each for each in described(function) if each.name == name)
     assert (found.kind == "choice", found.choices) == (bool(choices), choices)
 
@@ -381,7 +383,8 @@ def test_the_threshold_of_a_model_is_that_of_the_function(called):
     # the envelope has no eps: as a default it answered for (43) where (8) was named
     (chain, *_), options, _ = called("threshold vdp --eps 0.1")
     assert (chain.eps, chain.sites) == (0.1, 31)
-    assert chain.c == 0.0  # of which the threshold is looked for
+    (belt, *_), _, _ = called("threshold friction")
+    assert (chain.c, belt.c) == (0.0, 0.0)  # of which the threshold is looked for
     assert options.get("method") is None
 
 

@@ -23,6 +23,7 @@ from fronts.arguments import site_list, with_values_joined
 from fronts.bound import BoundCall, models_of
 from fronts.catalogue import _VDP_MAP, COMMANDS
 from fronts.cli import main
+from fronts.interrupted import Interrupted, resumable_tables
 from fronts.options import options_of
 from fronts.signatures import described, documented
 from paper_checks.claims import fig15
@@ -37,6 +38,7 @@ from theory.piecewise.sums.result import DIGITS
 from verification.cells import friction as cells
 from verification.cells import shooting
 from verification.cells.vdp import EPS_RANGE
+from verification.execution.sweep import part_path
 from verification.fronts import friction, request, smooth
 from verification.maps import vdp_rules
 from verification.piecewise import simulation
@@ -396,6 +398,16 @@ def test_an_interrupted_run_names_its_checkpoint(chain, tmp_path, capsys, monkey
     assert "nothing half-written" not in said
 
 
+def test_an_interruption_names_the_tables_that_were_begun(tmp_path):
+    begun, none = tmp_path / "begun.csv", tmp_path / "none.csv"
+    part_path(begun).touch()
+    for outs, said in (((begun, none, None), f"{part_path(begun)} is there: "), ((none,), "")):
+        with pytest.raises(Interrupted) as stopped, resumable_tables(*outs):
+            raise KeyboardInterrupt
+        assert str(stopped.value).startswith(said)
+        assert bool(str(stopped.value)) is bool(said)
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -535,7 +547,7 @@ def test_words_without_a_name_and_those_after_it_are_read_from_the_signature():
     assert [each.positional for each in described(judged)] == [True, False]
     assert [each.name for each in described(Made)] == ["given"]
     prose = "Note : this is prose.\n\nParameters\n----------\na : float\n    A.\n"
-    assert documented(prose) == {"a": ("float", "A.")}
+    assert documented(prose) == {"a": "A."}
     parser = argparse.ArgumentParser()
     options_of(many).declare(parser)
     assert parser.parse_args([]) == argparse.Namespace()

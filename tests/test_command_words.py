@@ -548,6 +548,8 @@ def test_an_error_that_is_not_known_is_said_wherever_its_number_stands(
         "turns re [0], im [0.5]",
         f"turns_error [{error:.1e}]",
     ]
+    for name in ("one", "ways", "rows"):  # entries may say what they like of what is within
+        assert in_words(several, {name: "no"}) == f"{name}  no"
 
 
 def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
@@ -597,13 +599,14 @@ def test_a_status_without_sentence_or_reason_stands_alone() -> None:
 
 
 def test_an_error_stands_beside_its_number_and_how_it_was_found_at_the_end() -> None:
-    plain = Curve(along="c", values=np.array([]), points=(), seconds=0.0)
+    plain = cast("Any", SimpleNamespace(is_curve=False, units={"third": "of a site"}))
     found = {"seconds": 0.5, "method": "wave", "v": 0.25, "v_error": 1e-3, "held": [*range(8)],
-             "third": 1 / 3}  # fmt: skip
+             "third": 1 / 3, "same": 1 / 3, "same_error": 1e-20}  # fmt: skip
     assert in_words(plain, found).splitlines() == [
         "v        0.250, uncertain by 1.0e-03",
         "held     [0, 1, 2, 3, 4, 5, 6, 7]",
-        "third    0.3333333333",
+        "third    0.3333333333 of a site",
+        "same     0.333333333333333, uncertain by 1.0e-20",
         "seconds  0.5",
         "method   wave",
     ]
@@ -615,6 +618,8 @@ def test_an_error_stands_beside_its_number_and_how_it_was_found_at_the_end() -> 
         "x_error  [1.0e-01, 2.0e-01]",
         "y_error  [1.0e-01]",
     ]
+    mixed = {"of": {"a": {"v": 0.5}, "b": 0.25}, "in": [{"v": 0.5}, 0.25]}
+    assert in_words(plain, mixed).splitlines() == ["of  a v 0.5, b 0.25", "in  [v 0.5, 0.25]"]
     ways = {"a": {"way": "a", "v": 0.5}, "b": {"way": "b", "v": 0.25}}  # named by themselves
     assert in_words(plain, {"ways": ways}).split() == ["ways:", "way", "v", "a", "0.5", "b", "0.25"]
 

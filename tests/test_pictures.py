@@ -880,6 +880,7 @@ def test_the_controls_say_eta_or_what_follows_from_a_and_b() -> None:
     from fronts.explore.page import Controls
 
     controls = Controls()
+    assert (controls.a.visible, controls.b.visible, controls.eta.visible) == (False, False, True)
     controls.c.value = 0.75
     assert (controls.settings().eta, controls.settings().a) == (controls.eta.value, None)
     controls.damping.value = True

@@ -416,6 +416,7 @@ def test_growth_is_shown_with_its_diagram_and_why_it_is_not_as_expected(tmp_path
 
 def test_sections_have_an_address_a_title_and_a_lead(monkeypatch: pytest.MonkeyPatch) -> None:
     folder = Path(__file__).parent / "report_example" / "measured"
+    assert (measurements.RESULTS / "growth.json").is_file()
     monkeypatch.setattr(measurements, "RESULTS", folder)
     found = measurements.stored_sections()
     assert len({section.key for section in found}) == len(found) > 3

@@ -77,7 +77,7 @@ def breather(
     chain: VanDerPolChain | OscillatorChain,
     nucleus: Nucleus = Nucleus(1),  # noqa: B008  (frozen)
     *,
-    method: str | None = None,
+    method: Literal["envelope", "closed-form", "orbit", "simulation", "all"] | None = None,
     reading: Reading | str = Reading.NEIGHBOUR,
     seed: int = 0,
 ) -> Breather | BreatherComparison:
@@ -143,9 +143,9 @@ def breather(
             raise ParameterError("method", method, "orbit for a chain of your own", "take it")
         choice.check_read(BreatherMethod.ORBIT)
         return OwnOrbits(chain, nucleus).solve()
-    method = default if method is None else method
-    if word("method", method, [*(each.value for each in BreatherMethod), "all"]) != "all":
-        found = BreatherMethod(method)
+    chosen = default if method is None else method
+    if word("method", chosen, [*(each.value for each in BreatherMethod), "all"]) != "all":
+        found = BreatherMethod(chosen)
         _check_length(chain, found)
         choice.check_read(found)
         return _METHODS[found](chain, nucleus, choice)

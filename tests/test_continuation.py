@@ -202,8 +202,7 @@ def test_where_two_branches_nearly_cross_the_one_that_is_followed_is_not_left() 
     start = solve_at(crossing, np.array([-1.0]), -1.0)
     along = StepControl(length=0.3)
     jumped, kept = (
-        trace(crossing, start, 1.0, None, replace(along, generic=generic))
-        for generic in (False, True)
+        trace(crossing, start, 1.0, None, steps) for steps in (along, replace(along, generic=True))
     )
     assert jumped.folds == ()  # it goes on along u = c
     assert kept.fold is not None

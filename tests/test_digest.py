@@ -480,3 +480,12 @@ def test_code_whose_file_is_gone_is_known_by_what_is_executed(monkeypatch):
     one = code_of(module.f)
     exec("def f(x):\n    return x + 2", vars(module))
     assert code_of(module.f) != one
+
+
+def test_code_of_no_module_counts_with_all_of_the_project(monkeypatch):
+    """As a function that SymPy makes, which is in no module whose imports could be read."""
+    nowhere = {}
+    exec("def f(x):\n    return x + 1", nowhere)
+    one = code_of(nowhere["f"])
+    monkeypatch.setattr("verification.execution.task.digest_of_packages", lambda _: "changed")
+    assert code_of(nowhere["f"]) != one

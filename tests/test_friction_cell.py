@@ -784,6 +784,7 @@ def test_a_search_that_takes_minutes_reports_how_far_it_is(monkeypatch: pytest.M
         return friction_cycles.largest_after_release(cell, tolerance)
 
     monkeypatch.setattr(friction, "largest_after_release", counted)
+    monkeypatch.setattr(friction, "_SLIPS", 12)  # fewer than are counted: it goes on below one
     for compute in (
         partial(cell, replace(CELL, v_d=1.3)),
         partial(cell_diagram, CELL, [1.2, 1.3, 1.4]),
@@ -793,7 +794,7 @@ def test_a_search_that_takes_minutes_reports_how_far_it_is(monkeypatch: pytest.M
         reports: list[float] = []
         compute(tolerance=1e-8, progress=reports.append)
         assert len(reports) > 0.8 * len(slips)  # the error of the end takes five phases more
-        assert reports == sorted(reports)
+        assert reports == sorted(set(reports))
         assert 0.0 < reports[0] < 0.1
         assert reports[-1] <= 1.0
 

@@ -255,7 +255,7 @@ def test_a_pool_that_is_left_by_an_error_ends_its_own_processes(
     assert ended == ["own told", "own ended"]
 
 
-def test_a_pool_that_is_left_waits_until_its_processes_have_ended(
+def test_a_pool_that_is_left_waits_for_its_processes_but_not_after_an_exception(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     ended = []
@@ -271,6 +271,9 @@ def test_a_pool_that_is_left_waits_until_its_processes_have_ended(
     with pool.worker_pool(1):
         pass
     assert ended == [(True, False)]
+    with pytest.raises(KeyError, match="work"), pool.worker_pool(1):
+        raise KeyError("work")
+    assert ended[1:] == [(False, True)]  # nor begins what still waits
 
 
 def test_a_worker_ends_with_its_parent_where_the_system_does_not_see_to_it(

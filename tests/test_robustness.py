@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ import pytest
 from fronts.cli import main
 from fronts.commands import bench
 from fronts.commands.stress import _MAX_SHOWN, _text
+from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError
 from theory.piecewise.sums.result import PrecisionError
 from verification.quantities import breathers, fronts, judging, own_chains
@@ -189,7 +191,16 @@ def test_the_reference_of_a_running_front_knows_its_velocity(
     """
     monkeypatch.setattr(fronts, "_MIN_SITES", 48)
     monkeypatch.setattr(fronts, "_MAX_SITES", 48)
+    time, sizes = fronts.arrivals_by_scipy, []
+
+    def timed(*given: Any, amplitude: Any, **how: Any) -> Any:
+        sizes.extend(amplitude(given[1]))
+        return time(*given, amplitude=amplitude, **how)
+
+    monkeypatch.setattr(fronts, "arrivals_by_scipy", timed)
     found = judge(computation_named("front-vdp"), {"c": 0.6, "eta": 0.03125, "eps": 0.15})
+    stable = VdpChain(a=4.0, b=0.5, c=0.6).stable_amplitude
+    assert sizes == pytest.approx([stable] * 24 + [0.0] * 56)
     assert found["outcome"] == PointOutcome.UNDECIDED.value, found
     assert float(found["distance"]) < float(found["uncertainty"]) < 1e-3
 

@@ -800,7 +800,12 @@ def test_a_map_has_its_executor_and_is_resumed_only_if_that_is_asked(
     ):
         with pytest.raises(KeyboardInterrupt):
             state_map(FIGURE_15.averaged(), eta=[0.05], c=[0.1, 0.2, 0.3], **options)
-        assert (asked[-1]["executor"], asked[-1]["resume"]) == (executor, resume)
+        assert (asked[-1]["executor"], asked[-1]["resume"], asked[-1]["dims"]) == (
+            executor, resume, {},
+        )  # fmt: skip
+    with pytest.raises(KeyboardInterrupt):
+        state_map(StateTask(chain=FIGURE_15.averaged(), amplitudes=True), c=[0.1], workers=1)
+    assert asked[-1]["dims"] == {"amplitude": "site"}
 
 
 def test_a_task_alone_is_of_one_run_and_keeps_no_amplitudes() -> None:

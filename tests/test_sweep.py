@@ -375,7 +375,8 @@ def test_a_point_by_itself_is_one_row_and_no_grid() -> None:
 
 
 def test_a_function_without_a_name_is_computed_here_unless_more_workers_are_asked_for() -> None:
-    assert len(sweep(lambda p: p["x"], {"x": range(4)})) == 4
+    for resume in (False, True):  # which has nothing to go on from without a file
+        assert len(sweep(lambda p: p["x"], {"x": range(4)}, resume=resume)) == 4
     with pytest.raises(ParameterError, match="importable by its name") as caught:
         sweep(lambda p: p["x"], {"x": range(4)}, workers=2)
     assert "workers=1" in caught.value.remedy

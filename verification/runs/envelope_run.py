@@ -123,8 +123,8 @@ def run_envelope(
         )  # fmt: skip
     averaged = chain.averaged()
     mask = np.ones(chain.sites) if watched is None else np.asarray(watched, dtype=float)
-    attraction = attraction_rate(chain.eta) if chain.bistable else 0.0
-    steps = max(1, round(duration / min(STEP, _ATTRACTED / max(attraction, 1.0))))
+    stable = _ATTRACTED / attraction_rate(chain.eta) if chain.bistable else STEP
+    steps = max(1, round(duration / min(STEP, stable)))
     run = SmoothIntegration(
         averaged,
         np.asarray(phi, dtype=complex),

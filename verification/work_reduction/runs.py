@@ -47,7 +47,7 @@ def sites_of_the_window(c: float = 0.5, eta: float = 0.03125) -> Comparison:
 class CountedSearch(PiecewiseMotion):
     """A chain whose searches for a crossing are counted; with ``every``, none is left out."""
 
-    every = False
+    every: bool
     sought = 0
 
     def _suspects(

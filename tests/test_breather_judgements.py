@@ -587,7 +587,7 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     family = SimpleNamespace(
         system=lambda: "system",
         start=start,
-        step_control=along,
+        step_control=lambda _: along,
         measured=measured,
         fold_error=lambda fold: fold.parameter,
     )

@@ -528,7 +528,7 @@ def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
 
 def test_a_branch_that_cannot_be_followed_ends_in_a_sentence() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
-    with pytest.raises(NotConvergedError, match="did not fold in 3 steps"):
+    with pytest.raises(NotConvergedError, match=r"to c = 1\.\d+ in 3 steps without a fold"):
         trace(circle, start, 5.0, None, StepControl(longest=0.1, max_steps=3))
 
     def walled(u: Any, c: float) -> tuple[Any, Any, Any]:

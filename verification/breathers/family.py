@@ -33,8 +33,10 @@ from verification.continuation.branch import (
     arrive,
     trace,
 )
-from verification.continuation.newton import BranchPoint, System
+from verification.continuation.newton import PARAMETER_WEIGHT, BranchPoint, System
 
+MAX_STEPS = 1000
+"""Largest number of steps along a branch, some ten seconds; they suffice up to c of about 50."""
 ReportCallback: TypeAlias = Callable[[float], None]
 """Called with the amount of work done since the last call, in units of one solution."""
 
@@ -117,13 +119,16 @@ class BreatherFamily(ABC):
         """Return the error of the coupling of a fold."""
         return fold.error + self.step_error(fold).parameter
 
-    @property
-    def step_control(self) -> StepControl:
-        """How a branch is followed to its fold.
+    def step_control(self, c_end: float) -> StepControl:
+        """Return how a branch is followed to its fold, or to a coupling.
 
         Branches of a mirror-symmetric nucleus are crossed by those that break the symmetry.
         """
-        return replace(self.steps_along, generic=not self.nucleus.mirrored(self.chain.sites))
+        usual = self.steps_along
+        # A step changes c by no more than longest/PARAMETER_WEIGHT.
+        most = usual.max_steps + math.ceil(PARAMETER_WEIGHT * c_end / usual.longest)
+        generic = not self.nucleus.mirrored(self.chain.sites)
+        return replace(usual, generic=generic, max_steps=min(most, MAX_STEPS))
 
     def near_fold(self, c: float, fold: Fold | None) -> tuple[float | None, float]:
         """Return the error of a fold, if there is one, and that of a coupling.
@@ -173,7 +178,7 @@ class BreatherFamily(ABC):
         """
         monitor = self.reported_monitor(report) if monitored else None
         start = self.start(c_end, report=report)
-        return trace(self.system(), start, c_end, monitor, self.step_control)
+        return trace(self.system(), start, c_end, monitor, self.step_control(c_end))
 
     def solve(self) -> Breather:
         """Solve for the breather at the coupling of the chain.
@@ -182,6 +187,8 @@ class BreatherFamily(ABC):
         ------
         ParameterError
             If c = 0, the cell has no cycle, or the nucleus does not fit.
+        NotConvergedError
+            If c is too far along the branch.
         """
         started, c = time.perf_counter(), self.chain.c
         if c == 0:

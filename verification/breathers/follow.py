@@ -73,7 +73,7 @@ def follow(
     start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
     # To reach its fold, the branch may go beyond the couplings requested.
     furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
-    steps = replace(family.step_control, folds=folds)
+    steps = replace(family.step_control(furthest), folds=folds)
     branch = trace(system, start, furthest, None, steps)
     with_errors = [(fold, family.fold_error(fold)) for fold in branch.folds]
     end = _end(with_errors)

@@ -231,7 +231,8 @@ def trace(
     else:
         if not folds:
             raise NotConvergedError(
-                f"the branch did not fold in {steps.max_steps} steps: end it at a smaller coupling."
+                f"the branch was followed to c = {point.parameter:.6g} in {steps.max_steps} steps "
+                "without a fold: take a smaller coupling."
             )
     return ContinuationBranch(tuple(points), tuple(folds), tuple(seen))
 

@@ -232,6 +232,17 @@ def test_a_remainder_without_branches_is_known_to_the_rounding_of_the_number(x: 
     assert min(apart, 2.0 * math.pi - apart) <= 2.0 * math.ulp(x)
 
 
+@pytest.mark.parametrize("fast", [False, True])
+def test_at_negligible_coupling_the_sum_vanishes_at_every_velocity(fast: bool) -> None:
+    """Σ = 0 at c = 0; the root on the axis is then the only one, and others are far away."""
+    v = np.array([1e20, 1e19, 1e15, 1e3])
+    found = sums(v, np.full(v.size, 1e-20), 1e-12, slopes=True, compiled=fast)
+    assert (np.abs(found.value) <= found.error).all()
+    assert found.error.max() < 1e-12
+    assert (np.abs(found.by_v) <= found.error_by_v).all()
+    assert np.isfinite(found.by_c).all()
+
+
 def test_roots_that_do_not_settle_are_computed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     v, c = points_at_which_roots_are_taken_away(39, 10)
     monkeypatch.setattr(beside_roots, "_MAX_STEPS", 1)

@@ -7,7 +7,6 @@ of a block is the innermost one; it is free of branches and calls, and thus vect
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +24,7 @@ from theory.piecewise.sums.corrected_axis import (
     points_beside_roots,
     points_off_roots,
     strip_of_what_is_left,
+    truncation_beside_roots,
 )
 from theory.piecewise.sums.poles import (
     has_converged,
@@ -495,4 +495,4 @@ def plan_axis(
         if c[i] / v[i] > PAIR_FROM:
             above = complex(roots[1, 0, i], roots[1, 1, i])
             count = points_off_roots(above, complex(roots[2, 0, i], roots[2, 1, i]), count)
-        plan[0, i], plan[1, i] = count, 2.0 * bound / math.expm1(count * depth)
+        plan[0, i], plan[1, i] = count, truncation_beside_roots(bound, count, depth)

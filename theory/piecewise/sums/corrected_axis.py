@@ -29,8 +29,13 @@ def strip_of_what_is_left(v: float, c: float) -> tuple[float, float]:
 
 
 def points_beside_roots(bound: float, tolerance: float, depth: float) -> int:
-    """Return N, a multiple of 4, such that 2 bound/(e^{N depth} - 1) ≤ tolerance."""
+    """Return N, a multiple of 4, such that the truncation error is at most the tolerance."""
     return max(8, 4 * math.ceil(0.25 * math.log1p(2.0 * bound / tolerance) / depth))
+
+
+def truncation_beside_roots(bound: float, count: float, depth: float) -> float:
+    """Return 2 bound/(e^{N depth} - 1), or a larger number where that is below 1e-300."""
+    return 2.0 * bound / math.expm1(min(count * depth, 700.0))
 
 
 def is_at_a_point(k: complex, count: int) -> bool:
@@ -81,6 +86,6 @@ def corrected_axis(
         by_c -= side * found[2]
         shifts += found[3]
         gains += found[4]
-    truncation = 2.0 * bound / math.expm1(count * depth)
+    truncation = truncation_beside_roots(bound, count, depth)
     rounding, rough = corrected_errors(truncation, float(size), float(steep), shifts, gains)
     return value, by_v, by_c, truncation, rounding, rough, count // 2

@@ -1048,10 +1048,8 @@ def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
     )
     for begin in (0.005, 0.85, 1.05):
         monkeypatch.setattr(
-            friction_cycles, "_growth",
-            lambda _, y, __, begin=begin: float(
-                begin < (y - cell.steady_sliding) / reach < begin + 0.1
-            ),
+            friction_cycles, "_grows",
+            lambda _, y, __, begin=begin: begin < (y - cell.steady_sliding) / reach < begin + 0.1,
         )  # fmt: skip
         with nullcontext() if begin > 1.0 else pytest.raises(ParameterError, match="slips all"):
             friction_cycles.check_slip_cycles(cell, 1e-8)

@@ -21,6 +21,7 @@ from theory.cells.friction import (
 from theory.cells.friction_law import FrictionLaw
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
+from verification.cells import friction_cycles
 from verification.cells.diagram import cell_diagram
 from verification.cells.friction import cycle_velocities, friction_cell, unstable_cycle
 from verification.cells.result import CellStatus
@@ -410,3 +411,10 @@ def test_an_interval_is_halved_as_often_as_there_is_room_for(order: int) -> None
     rows = room.shape[0] - (friction_series.BINOMIALS + order + 1)
     assert rows > friction_series._DEPTH
     assert room[friction_series.BINOMIALS + order].sum() == 2.0**order
+
+
+def test_slip_that_reaches_the_belt_is_not_continued_beyond(monkeypatch):
+    # Strong drag: continued smoothly, it crept for thousands of steps, at each of sixty heights.
+    cell = FrictionCell(law="stribeck", v_s=2.2e-4, v_d=3.5e-4, xi=40.0, mu_d=0.1, viscous=1.5e-3)
+    monkeypatch.setattr(friction_cycles, "_growth", lambda *_, **__: pytest.fail("continued"))
+    friction_cycles.check_slip_cycles(cell, 1e-12)

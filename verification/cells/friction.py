@@ -212,13 +212,12 @@ def cycle_velocities(
         if sliding.low < _SLOW * cell.v_s < sliding.high:
             first, begin = sliding.low, _CERTAIN * cell.v_s
         tried = np.geomspace(begin, _FASTEST_STRIBECK * cell.v_s, _TRIED)
-        above = [float(v_d) for v_d in tried if excess(float(v_d)) > 0.0]
-        if not above:
+        at = next((at for at, v_d in enumerate(tried) if excess(float(v_d)) > 0.0), None)
+        if at is None:
             return 0.0, 0.0
-        low = above[0]
-        if low > tried[0]:
-            below = float(tried[np.searchsorted(tried, low) - 1])
-            first = _zero(excess, below, low)
+        low = float(tried[at])
+        if at > 0:
+            first = _zero(excess, float(tried[at - 1]), low)
     else:
         # While sliding is unstable, slip grows until it sticks, so the cycle ends above.
         hopf = 0.0 if cell.law is FrictionLaw.COULOMB else cell.hopf_velocity

@@ -240,6 +240,16 @@ def _growth(cell: FrictionCell, y: float, tolerance: float) -> float:
     return -1.0 if w <= 0.0 else 1.0
 
 
+def _grows(cell: FrictionCell, y: float, tolerance: float) -> bool:
+    """Return whether a maximum y of slip is followed by a larger one.
+
+    It is if slip reaches the belt first: the cell then sticks, and is released on the stick-slip
+    cycle. Slip continued beyond the touch does not show this, and may creep for a long time.
+    """
+    _, _, w = _slip_from(cell, y, phases.FASTEST, tolerance)
+    return w > 0.0 or _growth(cell, y, tolerance) > 0.0
+
+
 def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
     """Refuse a cell that has cycles without stick other than the unstable one.
 
@@ -267,7 +277,7 @@ def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:
     if reach == 0.0:  # the slip phase that ends in sliding without turning crosses every cycle
         return
     tried = cell.steady_sliding + np.geomspace(1e-3 * reach, 0.999 * reach, _TRIED)
-    signs = [_growth(cell, float(y), tolerance) > 0.0 for y in tried]
+    signs = [_grows(cell, float(y), tolerance) for y in tried]
     found = sum(one is not other for one, other in pairwise(signs))
     if found > (1 if cell.effective_damping > 0.0 else 0):
         raise slips_in_a_stable_cycle(cell)

@@ -19,7 +19,6 @@ from fronts.bound import BoundCall, located
 from fronts.branches import follow_breather
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
-from fronts.files import Listing
 from fronts.initial_state import prepared
 from fronts.options import QUIET
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
@@ -260,10 +259,12 @@ def test_a_range_of_eta_becomes_chains_of_that_eta_and_the_a_that_is_held(called
     assert {(chain.a, chain.c) for chain in chains} == {(1.0, 0.6)}
 
 
-@pytest.mark.parametrize("model", ["vdp --a 4 --b 0.5", "friction --v-d 1.2"])
+@pytest.mark.parametrize(
+    "model", ["vdp --a 4 --b 0.5", "friction --v-d 1.2", "chain --damping 'y**2 - 1'"]
+)
 def test_a_cell_is_one_without_neighbours_that_pull_it(model, called):
     ((chain,), _, _) = called(f"cell {model}")
-    assert getattr(chain, "c", 0.0) == 0.0
+    assert getattr(chain, "c", 0.0) == getattr(chain, "velocity_coupling", 0.0) == 0.0
 
 
 @pytest.mark.parametrize("count", [7, 8, 9, 10])
@@ -322,8 +323,13 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
     ("line", "said"),
     [
         ("threshold vdp --method orbit --seed 3", "--seed is for --method sweep or hold"),
+        ("threshold vdp --method orbit --tests 3", "--tests is for --method bisection"),
         ("breather --c 0.1 --method orbit --seed 3", "--seed is for --method simulation"),
         ("breather --c 0.1 --seed 3", "--seed is for --method simulation"),
+        (
+            "front averaged --c 0.6 --eta 0.05 --method wave --accuracy 0.1",
+            "--accuracy is for --method run",
+        ),
         ("map vdp --a 3 --b 0.5", "--b is not allowed with --a while eta varies"),
         ("front vdp --c 0.6", "give --eta, or both --a and --b"),
         ("front vdp --c 0.6 --a 4", "give --eta, or both --a and --b"),
@@ -652,6 +658,8 @@ def test_beside_a_file_a_long_table_is_shown_by_its_ends_and_the_numbers_below_i
         "  c  stable", *more[:2], "…", *more[-2:],
         "along  c", "c_pin  0.1", f"written to {Path('a.csv')}",
     ]  # fmt: skip
+    text = "\n".join(["points:", "  c  v", *rows[: MAX_LINES - 2]])
+    assert beside_files(text, [Path("a.csv")]) == f"{text}\nwritten to {Path('a.csv')}"
 
 
 def test_a_run_says_in_words_too_what_became_of_its_nucleus(capsys):
@@ -695,18 +703,21 @@ def test_a_range_is_a_low_a_high_and_a_count_and_no_list_of_sites():
     assert not any(map(is_range, [(0.0, 1.0), (14, 15.0, 16), (14, 15, 16), 0.5, "0:1:5"]))
 
 
-def test_a_file_states_the_nucleus_and_what_the_chains_of_a_range_share(tmp_path, monkeypatch):
-    monkeypatch.setattr(curves, "curve", lambda *_, **__: Listing(payload={}, listed=()))
-    out = tmp_path / "breathers.json"
-    for line, shared in (
-        ("--c 0.05:0.1:2", {"a": 2.5, "b": 0.5, "c": [0.05, 0.1, 2]}),
-        ("--eta 0.02:0.03:2 --c 0.1", {"a": 1.0, "b": None, "c": 0.1, "eta": [0.02, 0.03, 2]}),
-    ):
-        assert main(shlex.split(f"breather averaged {line} --out {out}")) == 0
-        parameters = json.loads(out.read_text())["provenance"]["parameters"]
-        assert parameters["nucleus"] == {"size": 1, "pattern": "", "place": "bulk"}
-        shared |= {"model": "averaged", "ends": "free"}
-        assert {name: parameters.get(name) for name in shared} == shared
+@pytest.mark.parametrize(
+    ("line", "shared"),
+    [
+        ("--c 0.05:0.1:2", {"a": 2.5, "b": 0.5, "c": (0.05, 0.1, 2)}),
+        ("--eta 0.02:0.03:2 --c 0.1", {"a": 1.0, "b": None, "c": 0.1, "eta": (0.02, 0.03, 2)}),
+    ],
+)
+def test_parameters_of_a_curve_are_the_nucleus_and_what_its_chains_share(line, shared, monkeypatch):
+    monkeypatch.setattr(curves, "curve", lambda *_, **__: None)
+    parser, breathers = argparse.ArgumentParser(), bound_to("breather averaged")
+    bound.configure(parser, breathers)
+    options = parser.parse_args(line.split())
+    _, parameters = derived._computed(options, breathers, lambda _: None)
+    shared |= {"model": "averaged", "ends": "free", "nucleus": Nucleus(1)}
+    assert {name: parameters.get(name) for name in shared} == shared
 
 
 def test_an_eta_that_is_too_small_is_refused_with_the_advice_to_enlarge_it(capsys):

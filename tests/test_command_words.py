@@ -574,7 +574,10 @@ def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> No
 
 
 def test_flags_of_a_curve_stay_flags_and_numbers_are_numbers() -> None:
-    assert KineticCurve.is_curve  # one table of all its points
+    single = fr.kinetic_relation(c=[0.5], eta=0.03125)
+    assert isinstance(single, KineticCurve)
+    assert single.is_curve  # one table of all its points
+    assert single.columns()["v"].tolist() == [each.v for each in single.points[0].branches]
     points = (_Value(v=0.5, error=0.0), _Value(v=None, error=0.0, known=False))
     table = Curve(along="c", values=np.array([1.0, 2.0]), points=points, seconds=0.0).columns()
     assert table["known"].tolist() == [True, False]

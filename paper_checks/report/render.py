@@ -57,8 +57,8 @@ class Paper:
 
 
 PAPER = Paper(
-    "Nucleation and propagation of excitation fronts in self-excited systems",
-    "I. B. Shiroky, A. Papangelo, N. Hoffmann, O. V. Gendelman",
+    title="Nucleation and propagation of excitation fronts in self-excited systems",
+    authors="I. B. Shiroky, A. Papangelo, N. Hoffmann, O. V. Gendelman",
 )
 
 

@@ -16,6 +16,7 @@ from theory.averaged.breather import BreatherStatus
 from theory.cells.friction import FrictionCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
+from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -293,6 +294,43 @@ def test_a_breather_says_from_which_pattern_it_has_relaxed() -> None:
         found = breather(chain, nucleus=asked, method="envelope").to_dict()
         assert found["pattern"] == "-+"
         assert found["nucleus"].get("relaxed_from", "") == was
+
+
+def test_a_run_that_settles_on_another_nucleus_has_the_name_of_that_one() -> None:
+    """Both sites start a quarter turn apart and end in phase; its errors are those in phase."""
+    chain = AveragedChain(a=1.0, b=0.09229, c=0.19292, sites=4)
+    found = breather(chain, Nucleus(2, "-"), method="simulation")
+    assert isinstance(found, Breather)
+    assert found.status is BreatherStatus.SETTLED
+    assert abs(np.angle(found.waves[2] / found.waves[1])) < 1e-3
+    assert (found.nucleus, found.nucleus.relaxed_from) == (Nucleus(2, "0"), "-")
+    exact = breather(chain, Nucleus(2, "0"), method="envelope")
+    assert isinstance(exact, Breather)
+    assert found.frequency_error is not None
+    assert exact.frequency is not None
+    assert found.frequency is not None
+    assert abs(found.frequency - exact.frequency) <= found.frequency_error < 1e-8
+
+
+def test_a_run_that_settles_on_sites_beside_the_middle_says_on_which() -> None:
+    chain = AveragedChain(a=1.0, b=0.10856, c=0.14099, sites=11)
+    found = breather(chain, Nucleus(3, "++"), method="simulation")
+    assert isinstance(found, Breather)
+    assert found.status is BreatherStatus.SETTLED
+    (above,) = np.nonzero(found.amplitudes > chain.unstable_amplitude)
+    assert above.tolist() == [4]
+    assert "another nucleus than the given one, of the sites 5" in found.error_unknown
+    assert found.frequency_error is None
+
+
+def test_an_orbit_of_a_chain_of_ones_own_has_the_pattern_on_which_its_nucleus_settled() -> None:
+    damping = "1 - y^2 + 0.08117*y^4"
+    chain = OscillatorChain(damping=damping, c=0.12464, eps=0.05, sites=7)
+    found = breather(chain, Nucleus(3, "xx"))
+    assert isinstance(found, Breather)
+    steps = np.angle(found.waves[3:5] / found.waves[2:4]) / np.pi
+    assert steps == pytest.approx([-0.5, 0.5], abs=0.1)
+    assert (found.nucleus.pattern, found.nucleus.relaxed_from) == ("-+", "xx")
 
 
 @cache

@@ -114,6 +114,42 @@ class Nucleus:
             return self
         return replace(self, pattern=outward_pattern(self.size), relaxed_from=self.pattern)
 
+    def found_in(self, waves: ComplexArray, level: float) -> Nucleus | None:
+        """Return the nucleus of a state to which this one has led; None if it has no name here.
+
+        It consists of the sites above a level, and each phase step is the nearest quarter turn. It
+        has no name if these sites are not adjacent, or not in this place of the chain.
+
+        Parameters
+        ----------
+        waves : complex array, shape (N,)
+            Amplitude and phase of every site.
+        level : float
+            Amplitude above which a site belongs to the nucleus.
+
+        Examples
+        --------
+        >>> state = np.array([0.1, 2.0, 2.0j, 0.1])
+        >>> found = Nucleus(2, "-").found_in(state, 1.0)
+        >>> found.pattern, found.relaxed_from
+        ('+', '-')
+        >>> Nucleus(2, "-").found_in(state[::-1], 1.0) == Nucleus(2, "-")
+        True
+        >>> print(Nucleus(3, "--").found_in(np.array([2.0, 0.1, 0.1, 0.1, 0.1]), 1.0))
+        None
+        """
+        (above,) = np.nonzero(np.abs(waves) > level)
+        if above.size == 0 or above[-1] - above[0] >= above.size:
+            return None
+        steps = np.angle(waves[above[1:]] / waves[above[:-1]]) / (0.5 * math.pi)
+        pattern = "".join("0+x-"[round(step) % 4] for step in steps.tolist())
+        if pattern == self.pattern:
+            found = self
+        else:
+            before = self.relaxed_from or self.pattern
+            found = replace(self, size=above.size, pattern=pattern, relaxed_from=before)
+        return found if found.first(waves.size) == above[0] else None
+
     def phases(self) -> FloatArray:
         """Return the phases θ_n of the excited sites, the first one zero."""
         return np.concatenate([[0.0], np.cumsum([STEPS[sign] for sign in self.pattern])])

@@ -272,6 +272,14 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
     else:
         found = run_averaged_breather(chain, nucleus, seed=choice.seed)
     if found.status is BreatherStatus.SETTLED:
+        settled = nucleus.found_in(found.waves, chain.unstable_amplitude)
+        if settled is None:
+            (sites,) = np.nonzero(np.abs(found.waves) > chain.unstable_amplitude)
+            listed = ", ".join(str(site + 1) for site in sites.tolist())
+            why = f"the run settled on another nucleus than the given one, of the sites {listed}"
+            return replace(found, error_unknown=why)
+        if settled != nucleus:
+            found = _renamed(found, settled)
         # A run has no equation for its frequency.
         exact = _compared(replace(found, error=0.0, frequency_error=0.0), chain)
         why = found.error_unknown or exact.error_unknown
@@ -289,6 +297,14 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
         time=found.time,
         seconds=found.seconds,
     )
+
+
+def _renamed(found: Breather, nucleus: Nucleus) -> Breather:
+    """Return a run that has settled under the name of the nucleus that it has settled on."""
+    centre = nucleus.outward(found.chain.sites)
+    error = found.error
+    wave_error = None if error is None else wave_error_of(error, found.waves, centre)
+    return replace(found, nucleus=nucleus, wave_error=wave_error)
 
 
 def _compared(found: Breather, chain: VanDerPolChain) -> Breather:

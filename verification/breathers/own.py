@@ -10,17 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import DOP853
 
 from theory.arrays import FloatArray
+from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, RunError
 from verification.breathers.family import ReportCallback, silent
 from verification.breathers.orbits import STARTS, Orbits
+from verification.breathers.result import Breather
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.runs.excite import excite
 from verification.runs.smooth_integration import SmoothIntegration
@@ -90,6 +92,16 @@ class OwnOrbits(Orbits):
             If the nucleus does not stay localised.
         """
         return solve_at(self.system(), _settled_start(self.chain, self.nucleus), self.chain.c)
+
+    def solve(self) -> Breather:
+        """Solve for the breather, under the name of the pattern on which the nucleus settles."""
+        found = super().solve()
+        if not self.chain.along_line or found.status is not BreatherStatus.EXISTS:
+            return found
+        settled = self.nucleus.found_in(found.waves, self.chain.unstable_amplitude)
+        if settled is None or settled.size != self.nucleus.size:
+            return found
+        return replace(found, nucleus=settled)
 
 
 def integrate_with_tangents(

@@ -57,7 +57,8 @@ class Breather(Result):
     chain : VdpChain, AveragedChain or OscillatorChain
         The chain to which the breather belongs: `error` is the distance from its exact solution.
     nucleus : Nucleus
-        Which sites oscillate, and their phase steps.
+        Which sites oscillate, and their phase steps; that on which a run has settled, if it has a
+        name: the pattern is then that of the nearest quarter turns.
     method : BreatherMethod
         Method by which it was found.
     status : BreatherStatus

@@ -93,7 +93,8 @@ class Threshold(Result):
     model : str
         Name of the chain's model.
     nucleus : Nucleus
-        Size, pattern and place of the nucleus.
+        Size, pattern and place of the nucleus; of runs, that of the start, which may change before
+        it escapes or spreads.
     sites : int or None
         Length of the chain; None if it is infinite.
     readings, readings_error : mapping of str to float or None, or None

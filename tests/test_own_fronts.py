@@ -76,6 +76,20 @@ def test_a_front_wider_than_the_sites_kept_behind_it_is_given_more(
     assert abs(front.v - v) <= front.error
 
 
+def test_a_nucleus_too_small_for_a_wide_front_is_not_taken_for_the_lack_of_a_front() -> None:
+    """v = √(D/2) (1 - 2α) in the continuum, where weights 1 and 0.2 give D = (1 + 4·0.2) c."""
+    chain = nagumo(c=100.0, values={"alpha": 0.4}, coupling="next-nearest:1,0.2")
+    short = {"accuracy": 0.1, "max_sites": 300}
+    front = measure_front(chain, **short)
+    assert front.v is not None
+    assert front.error is not None
+    assert front.excited == 48
+    assert abs(front.v - math.sqrt(90.0) * 0.2) <= front.error + 0.01
+    few = measure_front(chain, **short, excited=24)
+    assert few.status is FrontStatus.COLLAPSED
+    assert "or more of them must be excited" in few.status.sentence
+
+
 @pytest.mark.parametrize(("c", "d", "v", "off"), [(50.0, 1.0, 8.9925, 5e-4)])
 @pytest.mark.parametrize("options", [{"accuracy": 0.1}, {"accuracy": 0.01, "excited": 24}])
 def test_the_error_of_a_wide_front_of_oscillating_cells_bounds_that_of_its_velocity(

@@ -154,10 +154,28 @@ def own_front(chain: OwnChain, request: Request) -> Front:
     if free.network is None:
         return smooth_front(free, request)
     request.reads(*RUN, where="where sites differ or have more than two neighbours")
-    prepared = _prepare_smooth(free, request, LeftBoundary.FREE)
-    found = prepared.settled(request.progress)
+    prepared, found = _with_enough_excited(free, request)
     outruns = found.v is not None and found.v > OUTRUNS * free.trailing_wave_velocity
     return prepared.front(found, LeftBoundary.FREE, outruns)
+
+
+def _with_enough_excited(chain: SmoothChain, request: Request) -> tuple[FrontPreparation, Settled]:
+    """Return a front with a free end behind it, with so many sites excited that they persist.
+
+    At strong coupling, and where the rest state is nearly as stable as the other, fewer than some
+    widths of a front go to rest. Where waves travel, fronts are never so wide.
+    """
+    widening, earlier = 1, Counter[str]()
+    while True:
+        prepared = _prepare_smooth(chain, request, LeftBoundary.FREE, widening)
+        found = prepared.settled(request.progress)
+        counts = earlier + found.counts
+        given = request.excited is not None or chain.trailing_wave_velocity > 0.0
+        widening *= 2
+        most = _most_beyond(request, _excited(request, widening))
+        if given or found.status is not FrontStatus.COLLAPSED or widening * MORE_SITES > most:
+            return prepared, replace(found, counts=counts)
+        earlier = counts
 
 
 def _excited(request: Request, widening: int) -> int:

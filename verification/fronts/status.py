@@ -37,4 +37,7 @@ class FrontStatus(Status):
         "No site was reached for a long time, but amplitudes ahead of the front still grow, or "
         "those behind it decrease: nothing can be concluded. Allow a longer stall time.",
     )
-    COLLAPSED = "collapsed", "The excited sites went to rest: there is no front."
+    COLLAPSED = (
+        "collapsed",
+        "The excited sites went to rest: there is no front, or more of them must be excited.",
+    )

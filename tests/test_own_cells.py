@@ -224,15 +224,20 @@ def test_a_cycle_is_looked_for_between_those_beside_it(at: int) -> None:
     assert limits[at] < found < 1.05 * limits[at]
 
 
+def _limit(amplitude: float, velocity: float, frequency: float) -> Any:
+    period = 2.0 * np.pi / frequency
+    return SimpleNamespace(amplitude=amplitude, velocity=velocity, period=period)
+
+
 def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
     """Where y is largest v is zero: of a damping yv the largest is half of both sizes."""
-    limit: Any = SimpleNamespace(amplitude=2.0, velocity=3.0)
     cell: Any = SimpleNamespace(damping_at=lambda y, v: y * v)
-    for share in (0.99, 1.01):
-        eps = share * shooting._STIFFEST / 3.0
+    for share, frequency in ((0.99, 1.0), (0.99, 1e6), (1.01, 1.0), (1.01, 1e-6)):
+        limit = _limit(2.0, 3.0, frequency)
+        eps = share * frequency * shooting._STIFFEST / 3.0
         with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 60"):
             shooting._check_stiffness(cell, eps, limit)
-    cell.cycles = (SimpleNamespace(amplitude=1.0, velocity=1.0), limit)
+    cell.cycles = (_limit(1.0, 1.0, frequency), limit)
     with pytest.raises(ParameterError, match="at most 60"):  # before any turn is taken
         shooting.shot_cycles(cell, eps, 1e-9)
 

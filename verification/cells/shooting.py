@@ -27,7 +27,7 @@ TOLERANCES = Range(1e-13, 1e-6)
 ROUNDING = 1e-14
 """Relative rounding error of a period, accumulated over some hundred steps."""
 _STIFFEST = 60.0
-"""Largest ε max|h| on a cycle; DOP853 takes half a minute there."""
+"""Largest ε max|h| on a cycle over its frequency; DOP853 takes half a minute there."""
 _WIDTHS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4)
 """Relative distances from the limit ε → 0 within which the cycle is searched for."""
 _SHIFT = 3e-5
@@ -200,11 +200,11 @@ def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> No
     angle = np.linspace(0.0, 2.0 * math.pi, 201)
     with np.errstate(over="ignore", invalid="ignore"):  # an overflow is refused as well
         h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
-    stiffness = eps * float(np.max(np.abs(h)))
+    stiffness = eps * float(np.max(np.abs(h))) * limit.period / (2.0 * math.pi)
     if not stiffness <= _STIFFEST:
         raise ParameterError(
-            "eps max|damping| on a cycle", f"{stiffness:.4g}", f"at most {_STIFFEST:g} for a true "
-            "cycle", "take a smaller eps",
+            "eps max|damping| over the frequency of a cycle", f"{stiffness:.4g}",
+            f"at most {_STIFFEST:g} for a true cycle", "take a smaller eps",
         )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import statistics
 from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
@@ -294,6 +295,22 @@ def test_the_error_of_a_mean_over_seeds_covers_it_in_95_of_100_cases(count: int)
     found = [_ensemble(values, np.zeros(count)) for values in drawn]
     covered = sum(abs(each.mean) <= (each.mean_error or 0.0) for each in found) / len(found)
     assert covered == pytest.approx(0.95, abs=4.0 * math.sqrt(0.95 * 0.05 / len(found)))
+
+
+@pytest.mark.parametrize("power", [-1000, -600, 0, 600, 1000])
+def test_mean_and_spread_over_seeds_hold_at_any_scale(power: int) -> None:
+    values = np.random.default_rng(1).normal(1.0, 0.1, 8)
+    ours, found = (_ensemble(each, np.zeros(8)) for each in (values, np.ldexp(values, power)))
+    assert ours.spread == pytest.approx(statistics.stdev(values.tolist()), rel=1e-14)
+    for name in ("mean", "spread", "mean_error"):
+        assert getattr(found, name) == math.ldexp(getattr(ours, name), power) > 0.0
+
+
+@pytest.mark.parametrize("count", [3, 7, 1000])
+def test_the_error_of_a_mean_of_equal_values_covers_its_rounding(count: int) -> None:
+    found = _ensemble(np.full(count, 0.1), np.zeros(count))
+    assert abs(found.mean - 0.1) <= (found.mean_error or 0.0) < 1e-15
+    assert found.mean_error != 0.0
 
 
 @pytest.mark.parametrize(("value", "error"), [(0.5, 0.1), (0.5, None)])

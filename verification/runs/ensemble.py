@@ -26,6 +26,7 @@ VALUES = ("v", "c_crit", "frequency", "value")
 
 _CONFIDENCE = 0.975
 """Probability below the upper end of a confidence interval of 95 per cent."""
+_EPSILON = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +63,8 @@ class Ensemble(Result):
     @property
     def mean(self) -> float:
         """Mean of the values that exist."""
-        return float(self._known.mean())
+        known, exponent = self._of_order_one
+        return float(np.ldexp(math.fsum(known) / known.size, exponent))
 
     @property
     def spread(self) -> float | None:
@@ -70,26 +72,38 @@ class Ensemble(Result):
 
         No error is known.
         """
-        known = self._known
-        return float(known.std(ddof=1)) if known.size > 1 else None
+        known, exponent = self._of_order_one
+        return float(np.ldexp(known.std(ddof=1), exponent)) if known.size > 1 else None
 
     @property
     def mean_error(self) -> float | None:
-        """Half of the 95 per cent confidence interval of the mean, plus the largest error stated.
+        """Half of the 95 per cent confidence interval of the mean, with the largest error stated.
 
         The interval is Student's, for values with a normal distribution over the seeds; values
-        without an error count as exact. None if there is only one value.
+        without an error count as exact. The rounding of the mean is included. None if there is only
+        one value.
         """
         if self.spread is None:
             return None
         largest = float(np.nanmax(self.errors, initial=0.0))
         count = self._known.size
-        return float(stdtrit(count - 1, _CONFIDENCE)) * self.spread / math.sqrt(count) + largest
+        interval = float(stdtrit(count - 1, _CONFIDENCE)) * self.spread / math.sqrt(count)
+        return interval + largest + _EPSILON * float(np.abs(self._known).max())
 
     @property
     def missing(self) -> int:
         """Number of seeds without a value: a seed for which there is no front, for example."""
         return int(self.values.size - self._known.size)
+
+    @property
+    def _of_order_one(self) -> tuple[FloatArray, int]:
+        """The values that exist and a power of two, by which they are divided, exactly.
+
+        Squares of tiny or huge values would leave double precision.
+        """
+        known = self._known
+        exponent = int(np.frexp(np.abs(known).max())[1])
+        return np.ldexp(known, -exponent), exponent
 
     @property
     def _known(self) -> FloatArray:

@@ -160,7 +160,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
                 matrix[0, 1] = -1e-3
             elif duration != period:
                 matrix[2, 1] = 2e-3
-            end = start + (1e-5 if steps == 30 else 0.0)
+            end = start - (1e-5 if steps == 30 else 0.0)
             samples = np.sin(2.0 * math.pi * np.arange(64) / 64)[:, None] * np.ones(3)
             return Flow(end, matrix, np.zeros(6), samples, steps)
 

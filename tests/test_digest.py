@@ -444,13 +444,19 @@ def test_a_decorated_function_is_told_from_another_by_what_decorates_it():
 
 
 @pytest.mark.parametrize("inside", [False, True])
-@pytest.mark.parametrize("use", ["from {} import inner", "import {} as outer"])
+@pytest.mark.parametrize(
+    "use", ["from {} import inner", "import {} as outer", "from folder_{} import part as outer"]
+)
 def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(
     use, inside, tmp_path, monkeypatch
 ):
     monkeypatch.syspath_prepend(tmp_path)
     names = [f"of_a_user_{inside}_{abs(hash(use))}_{i}" for i in range(2)]
-    (tmp_path / f"{names[0]}.py").write_text(f"from {names[1]} import inner\n")
+    folder = tmp_path / f"folder_{names[0]}"
+    folder.mkdir()
+    (folder / "__init__.py").touch()
+    for file in (tmp_path / f"{names[0]}.py", folder / "part.py"):
+        file.write_text(f"from {names[1]} import inner\n")
     script = ModuleType("typed_here")
     monkeypatch.setitem(sys.modules, "typed_here", script)
     digests = []

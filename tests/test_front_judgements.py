@@ -482,7 +482,6 @@ def test_a_motion_over_a_lattice_has_what_was_excited_and_when_others_were_reach
     )  # fmt: skip
     asked: list[dict[str, Any]] = []
     steady = network.SpreadRun(stopped=None, spread=found, steps=3)
-    usual = [inspect.signature(each).parameters for each in (network.planar, network.spread)]
     for name in ("planar", "spread"):
         monkeypatch.setattr(network, name, lambda *_, **given: asked.append(given) or steady)
     monkeypatch.setattr(network, "velocity_of", lambda *_: (0.5, 0.01))
@@ -491,7 +490,7 @@ def test_a_motion_over_a_lattice_has_what_was_excited_and_when_others_were_reach
         assert (front.v, front.error, front.excited) == (0.5, 0.01, 3)
         assert front.arrivals.tolist() == [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
         assert (front.left_boundary, front.outruns_waves) == (None, False)  # there is no left end
-    assert [each["tolerance"] for each in asked] == [each["tolerance"].default for each in usual]
+    assert [each["tolerance"] for each in asked] == [1e-8, 1e-8]
 
 
 def test_a_pinned_front_is_slower_than_one_site_in_the_stall_time(
@@ -1108,7 +1107,7 @@ def test_some_sites_of_a_lattice_are_excited_and_not_all(excited: int) -> None:
         damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(3, 3)
     )
     with pytest.raises(ParameterError, match="excited sites"):
-        network.spread(lattice, excited=excited, directions=4, stall=1.0)
+        network.spread(lattice, excited=excited, directions=4, tolerance=1e-8, stall=1.0)
 
 
 def test_of_a_network_each_distance_in_links_counts_once() -> None:
@@ -1153,7 +1152,7 @@ def test_a_planar_front_is_timed_from_the_row_beyond_the_excited_ones(
     lattice = OscillatorChain(
         damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(rows, 6)
     )
-    fit: Any = network.planar(lattice, excited=excited, stall=1.0)
+    fit: Any = network.planar(lattice, excited=excited, tolerance=1e-8, stall=1.0)
     timed = np.arange(excited, rows - margin)
     outer = timed[timed.size // 2 :]
     straight = fit(times.repeat(6))
@@ -1174,7 +1173,7 @@ def test_sites_within_a_radius_of_some_three_and_a_half_are_excited_on_a_lattice
         damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(11, 11)
     )
     monkeypatch.setattr(network, "_measured", lambda _, start, *__, **___: start)
-    start: Any = network.spread(lattice, directions=4, stall=1.0)
+    start: Any = network.spread(lattice, directions=4, tolerance=1e-8, stall=1.0)
     excited = np.hypot(*start).reshape(11, 11) > lattice.unstable_amplitude
     row, column = np.indices((11, 11)) - 5
     assert np.array_equal(excited, np.hypot(row, column) < 3.5)
@@ -1255,7 +1254,7 @@ def test_a_planar_front_is_as_sure_as_its_run_at_a_coarser_tolerance(
         ((fine, None), FrontStatus.CREEPING, 0.0),  # and was not run
     ):
         _Lattice(*courses, stopped=stopped).put(monkeypatch)
-        found = network.planar(chain, stall=1.0)
+        found = network.planar(chain, tolerance=1e-8, stall=1.0)
         assert found.spread.velocities == pytest.approx(
             2.0 * (2.5 if courses[0] is coarse else 2.0)
         )
@@ -1277,7 +1276,7 @@ def test_a_motion_from_the_middle_is_as_sure_as_its_run_at_a_coarser_tolerance(
     monkeypatch.setattr(network, "excite", lambda *_, **__: "start")
     for courses, v in (((fine, coarse), 2.0), ((coarse, fine), 2.5)):
         _Lattice(*courses).put(monkeypatch)
-        found = network.spread(chain, directions=4, stall=1.0).spread
+        found = network.spread(chain, directions=4, tolerance=1e-8, stall=1.0).spread
         # Twice as much in slow time; sites beside a ray are farther than along it.
         assert found.velocities == pytest.approx([2.0 * v] * 4, rel=0.02)
         assert found.errors == pytest.approx([3.0 * 2.0 * 0.5] * 4, rel=0.05)

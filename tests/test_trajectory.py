@@ -220,7 +220,7 @@ def test_sites_stick_that_go_with_the_belt_at_the_end() -> None:
     chain = FrictionChain(c=0.0, sites=3)
     cell = chain.cell
     start = np.array([[0.0, cell.release - 1e-3, cell.steady_sliding], [cell.v_d, cell.v_d, 0.0]])
-    run = simulate(chain, start, 0.01, samples=41)
+    run = simulate(chain, start, 0.01, samples=2)
     assert run.stuck.tolist() == [True, False, False]
     assert np.array_equal(run.phase, np.angle(run.psi))  # in no turning frame
     assert run.to_dict()["width"] == 2  # sites that have stuck

@@ -117,7 +117,7 @@ def spread(
     *,
     excited: int = EXCITED,
     directions: int,
-    tolerance: float = 1e-8,
+    tolerance: float,
     stall: float,
     progress: ProgressCallback | None = None,
 ) -> SpreadRun:
@@ -296,7 +296,7 @@ def planar(
     chain: OwnChain,
     *,
     excited: int = ROWS,
-    tolerance: float = 1e-8,
+    tolerance: float,
     stall: float,
     progress: ProgressCallback | None = None,
 ) -> SpreadRun:

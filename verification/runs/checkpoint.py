@@ -256,7 +256,7 @@ def _header(box: zipfile.ZipFile) -> dict[str, Any]:
     seconds = header["seconds"]
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TypeError("seconds")
-    if not (math.isfinite(seconds) and seconds >= 0.0 and isinstance(header["digest"], str)):
+    if not (0.0 <= seconds < math.inf and isinstance(header["digest"], str)):
         raise ValueError("seconds")
     return header
 

@@ -90,6 +90,21 @@ def test_a_nucleus_too_small_for_a_wide_front_is_not_taken_for_the_lack_of_a_fro
     assert "or more of them must be excited" in few.status.sentence
 
 
+def test_a_motion_that_decays_to_nothing_is_followed_to_its_end() -> None:
+    """ẏ = -α y at the end, below 1e-155 too, where the squares of errors underflow."""
+    chain, times = nagumo(c=1.0, sites=20), [1000.0, 1500.0, 2000.0, 2500.0, 4000.0]
+    run = simulate(chain, excite(chain, [10]), 4000.0, times=times)
+    size = np.abs(run.y).max(axis=1)
+    alpha = NAGUMO["values"]["alpha"]
+    assert size[-1] < 1e-200
+    assert np.log(size[:-2] / size[1:-1]) == pytest.approx(500.0 * alpha, rel=1e-6)
+
+
+def test_too_few_excited_rows_of_a_lattice_collapse() -> None:
+    lattice = nagumo(c=1.0, coupling="hexagonal", shape=(15, 5))
+    assert measure_front(lattice, excited=1).status is FrontStatus.COLLAPSED
+
+
 @pytest.mark.parametrize(("c", "d", "v", "off"), [(50.0, 1.0, 8.9925, 5e-4)])
 @pytest.mark.parametrize("options", [{"accuracy": 0.1}, {"accuracy": 0.01, "excited": 24}])
 def test_the_error_of_a_wide_front_of_oscillating_cells_bounds_that_of_its_velocity(

@@ -65,6 +65,9 @@ _RATES = Range(-1e300, 1e300)
 """Range of the rates of change of drifting parameters."""
 _DECAYED = 0.5
 """Fraction of the unstable amplitude, or of the level, below which every site decays to rest."""
+_AT_REST = 1e-290
+"""Largest value of a state below which its errors are no longer relative to it, since they would
+underflow."""
 
 
 class SmoothIntegration(Integration):
@@ -162,7 +165,7 @@ class SmoothIntegration(Integration):
             trailing=self.trailing_sites,
             times=self.times * self._rate,
             clock_place=smooth.clock_place(chain),
-            least_size=chain.forced_size,
+            least_size=max(chain.forced_size, _AT_REST),
         )
 
     def _drift(self, rates: dict[str, float]) -> FloatArray:

@@ -38,6 +38,8 @@ STEP_SIGNATURE: Any = types.void(
 """The same in numba's notation."""
 
 
+_SMALL = 1e-150
+"""A number whose square is still far from underflow."""
 _ROWS = [*DOP853.A[1:STAGES, :STAGES], DOP853.B]
 
 
@@ -123,4 +125,6 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
         return math.inf
     if e5 == 0.0:
         return 0.0
+    if e5 < _SMALL:
+        return e5 / size / math.sqrt(1.0 + 0.01 * (e3 / e5) ** 2)
     return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))

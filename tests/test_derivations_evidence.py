@@ -7,6 +7,7 @@ import pytest
 
 from derivations.algebra.errors import DerivationInputError
 from derivations.cell.envelope import derive_envelope
+from derivations.cell.polynomial_input import coefficients
 from derivations.cell.steps import derive
 
 
@@ -24,3 +25,10 @@ def test_a_cell_with_letters_and_another_damping_at_rest():
 def test_a_refusal_shows_the_damping_as_it_was_read():
     with pytest.raises(DerivationInputError, match=re.escape("2*y**3 + 1")):
         derive_envelope("1 + 2*y**3")
+
+
+def test_a_stiffness_may_be_absent_and_a_damping_may_not():
+    assert coefficients(None, "stiffness") == {}
+    for read in (lambda: coefficients(None, "damping"), lambda: derive_envelope(None)):
+        with pytest.raises(DerivationInputError, match="damping = None is not allowed"):
+            read()

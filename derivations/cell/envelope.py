@@ -196,8 +196,6 @@ def derive_envelope(
     >>> derive_envelope("y**2 - 1").cycles[0].amplitude
     2
     """
-    if damping is None:
-        raise DerivationInputError("damping", None, "given", "give it as '1 - a*y**2 + b*y**4'")
     h, g = coefficients(damping, "damping"), coefficients(stiffness, "stiffness")
     if any(power % 2 for power in h):
         raise DerivationInputError("damping", shown(h), "even in y",

@@ -23,12 +23,14 @@ MAX_REACH = 3
 def coefficients(given: Coefficients, quantity: str) -> dict[int, sp.Expr]:
     """Return the coefficient of each power of y, exact and without zeros.
 
+    Only a stiffness may be absent; None is then no polynomial.
+
     Raises
     ------
     DerivationInputError
         If ``given`` is not a polynomial in y or contains v, or its degree is above the limit.
     """
-    if given is None:
+    if given is None and quantity == "stiffness":
         return {}
     if isinstance(given, str):
         found: dict[int, sp.Expr] = {}

@@ -124,6 +124,18 @@ def test_bisection_and_sweeps_agree_with_the_fold_within_their_errors(size: int)
     assert delay.delay_exponent == pytest.approx(2 / 3, abs=0.03)
 
 
+def test_a_nucleus_that_goes_to_rest_where_its_breather_ends_is_not_refused_for_the_rate() -> None:
+    """Near η = 1/8 the cycle holds too weakly to excite a neighbour when the breather ends."""
+    chain = AveragedChain(a=1.0, b=0.12, c=0.0)
+    with pytest.raises(ParameterError, match="not go to rest; take the method envelope") as said:
+        measure_delay(chain, NucleusPreparation(1))
+    assert (said.value.quantity, said.value.value) == ("nucleus", 1)
+    end = breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE).c_crit
+    run = hold(chain, NucleusPreparation(1), 1.1 * end, 1000.0)
+    assert not run.escaped
+    assert np.abs(run.phi).max() < 1e-6
+
+
 @pytest.mark.parametrize("size", [1, 3])
 def test_a_sweep_begins_below_the_fold_wherever_that_is(size: int) -> None:
     """At b = 0.2 nothing holds at the coupling at which sweeps usually begin."""

@@ -63,7 +63,7 @@ class _EscapeRuns:
                 "nucleus",
                 self.preparation.size,
                 f"one that holds at some c from {LOWEST:g} and escapes at some up to {HIGHEST:g}",
-                "take another size, a smaller perturbation, or change a or b",
+                "take another size, a smaller perturbation, another a or b, or the method envelope",
             )
 
     def soon(self, c: float) -> bool:

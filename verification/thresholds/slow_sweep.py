@@ -133,7 +133,8 @@ def measure_delay(chain: VanDerPolChain, preparation: NucleusPreparation) -> Del
     Raises
     ------
     ParameterError
-        If the nucleus holds at no coupling, or a sweep does not escape.
+        If the nucleus holds at no coupling, or does not escape in a sweep: near η = 1/8 it goes to
+        rest where its breather ends.
     """
     started = time.perf_counter()
     escapes = []
@@ -141,8 +142,10 @@ def measure_delay(chain: VanDerPolChain, preparation: NucleusPreparation) -> Del
         found = sweep_envelope(chain, preparation, rate)
         if found is None:
             raise ParameterError(
-                "sweep rate", rate, "such that the nucleus escapes", "use the method hold"
-            )
+                "nucleus", preparation.size, f"one that escapes as c grows to {END:g}, and does "
+                "not go to rest", "take the method envelope, which finds where its breather ends, "
+                "or hold",
+            )  # fmt: skip
         escapes.append(found)
     return fit_delay(RATES, escapes, time.perf_counter() - started)
 

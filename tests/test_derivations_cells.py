@@ -39,3 +39,11 @@ def test_the_ratio_is_that_of_54_for_the_cell_divided_by_its_rest_damping(rest, 
     for size in (inner, outer):
         assert rest - linear * size**2 / 4 + quintic * size**4 / 8 == pytest.approx(0, abs=1e-12)
     assert inner < outer
+
+
+@pytest.mark.parametrize("damping", ["0.01 - y**2 + y**4", "1e6 - 1e4*y**2 + y**4"])
+def test_a_front_of_cells_with_any_damping_at_rest_is_checked(damping):
+    # The coupling of the check is one in units of the damping at rest; else it is far from order 1.
+    step = derive_envelope(damping).derivation.named("kinetic relation at this damping")
+    evidence = step.verify()
+    assert evidence.holds, evidence.statement

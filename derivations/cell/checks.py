@@ -17,7 +17,7 @@ from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
 from derivations.front.numbers import Lattice, evaluated, kinetic_sum
 from derivations.front.symbols import v as v_front
 from derivations.multiple_scales.two_times_checks import TwoTimesChecks
-from derivations.symbols import n, t
+from derivations.symbols import c, n, t
 
 _SAMPLED = "the equation averaged by direct sampling"
 
@@ -160,10 +160,13 @@ class CellChecks:
             worst, (left, right) = 0.0, candidate.args
             for p in self._draws(known):
                 inner, outer = p.cycles()
-                rest, spring = p.damping[0], p.springs[0]
+                values, rest, spring = dict(p.values), p.damping[0], p.springs[0]
+                if self.model.is_scaled_by_c:  # otherwise c/h(0) may be of any size
+                    values[c] *= rest
+                    spring *= rest
                 # The roots are those of the scaled problem; the term contains the scaled slope.
                 lattice = Lattice(0.5, (spring / rest,))
-                found = evaluated(left, {v_front: 0.6 * rest, **p.values}, lattice, 0.6)
+                found = evaluated(left, {v_front: 0.6 * rest, **values}, lattice, 0.6)
                 worst = max(worst, abs(found - abs(kinetic_sum(lattice, 0.6))))
                 worst = max(
                     worst, abs(value(right, {**p.values, ratio: inner / outer}) - 2 * inner / outer)

@@ -80,7 +80,8 @@ class Evolution:
     sizes : tuple of (float, int)
         Slow times with the number of sites that had joined by then, beginning with the start at 0.
     longest_pause : float or None
-        Longest slow time between two successive joining sites; None if fewer than two joined.
+        Longest slow time between two successive joining sites, up to the first one at an end of
+        the chain; None if fewer than two joined by then.
     """
 
     outcome: NucleusOutcome

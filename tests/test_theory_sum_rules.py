@@ -232,6 +232,15 @@ def test_a_remainder_without_branches_is_known_to_the_rounding_of_the_number(x: 
     assert min(apart, 2.0 * math.pi - apart) <= 2.0 * math.ulp(x)
 
 
+def test_a_name_means_the_same_in_all_modules_that_are_compiled_together() -> None:
+    """Their functions share one namespace, in which the last module would win."""
+    found: dict[str, Any] = {}
+    for module in compiled._MODULES:
+        for name, value in vars(module).items():
+            if not name.startswith("__"):
+                assert found.setdefault(name, value) == value, name
+
+
 @pytest.mark.parametrize("fast", [False, True])
 def test_at_negligible_coupling_the_sum_vanishes_at_every_velocity(fast: bool) -> None:
     """Σ = 0 at c = 0; the root on the axis is then the only one, and others are far away."""

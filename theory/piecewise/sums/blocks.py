@@ -54,7 +54,7 @@ from theory.piecewise.sums.segments import (
 if TYPE_CHECKING:
     from theory.arrays import FloatArray
 
-_LARGEST_EXPONENT = 100.0
+_LARGEST_GROWTH = 100.0
 """Largest exponent z used in e^z; beyond it the pole correction is zero."""
 
 
@@ -278,7 +278,7 @@ def exponentials(z: FloatArray) -> None:
     """Replace Re and Im of z by those of e^z."""
     re, im, size = z[0], z[1], z[2]
     for i in range(re.size):
-        size[i] = exponential(min(re[i], _LARGEST_EXPONENT))
+        size[i] = exponential(min(re[i], _LARGEST_GROWTH))
     for i in range(re.size):
         x, y = cosine_and_sine(im[i])
         re[i], im[i] = size[i] * x, size[i] * y

@@ -26,6 +26,7 @@ from numba.core.dispatcher import Dispatcher
 import verification
 from theory import compiler
 from theory.compiled_code import FOLDER
+from theory.piecewise.sums import compiled as rules
 from verification.execution import compiled
 from verification.execution.compiled import files_with_compiled_functions, inner, outer
 from verification.steppers.specialise import pointer
@@ -85,6 +86,18 @@ def test_every_file_with_a_compiled_function_counts_in_the_digest() -> None:
     own = {path for path in files if path.is_relative_to(ROOT / "verification")}
     assert len(own) > 10
     assert own <= set(files_with_compiled_functions(ROOT / "verification"))
+
+
+def test_code_of_another_compiler_is_not_used(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    own = Path(str(compiler.__file__))
+    before = [compiled.source_digest(tmp_path), rules._state_of_sources()]
+    (tmp_path / own.name).write_bytes(own.read_bytes() + b"\n")
+    monkeypatch.setattr(compiler, "__file__", str(tmp_path / own.name))
+    monkeypatch.setattr(rules, "_COMPILER", tmp_path / own.name)
+    after = [compiled.source_digest(tmp_path / "none"), rules._state_of_sources()]
+    assert all(one != other for one, other in zip(before, after, strict=True))
 
 
 NOWHERE = """

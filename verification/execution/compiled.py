@@ -1,4 +1,4 @@
-"""numba's ``njit``, with compiled code kept on disk until any source file of this package changes.
+"""Compiled code, kept on disk until a source file of this package or the compiler changes.
 
 numba itself checks only the file that contains a compiled function: after a change in a function
 that is called from another file, it would silently continue to use the old code.
@@ -26,10 +26,11 @@ from pathlib import Path
 from numba.core import caching, config
 from numba.core.bytecode import FunctionIdentity
 
+from theory import compiler
 from theory.compiled_code import FOLDER, remove_unused
 from theory.compiler import COUNTED, UNCOUNTED, OuterCompiler, inner, outer
 from theory.interruption import compile_uninterrupted
-from verification.execution.digest import digest_of_files
+from verification.execution.digest import digest_of, digest_of_files
 
 __all__ = ["COUNTED", "DISTINCT_NAMES", "UNCOUNTED", "OuterCompiler", "inner", "outer"]
 
@@ -53,14 +54,16 @@ DISTINCT_NAMES = _count_from_random()
 
 
 def source_digest(folder: Path) -> str:
-    """Digest of the Python files in a folder and below that contain compiled functions.
+    """Digest of the compiler, and of the Python files below a folder with compiled functions.
 
     Examples
     --------
     >>> source_digest(_HOME) == source_digest(_HOME)
     True
     """
-    return digest_of_files(folder, files_with_compiled_functions(folder))[:16]
+    own = Path(compiler.__file__)
+    parts = (folder, files_with_compiled_functions(folder)), (own.parent, [own])
+    return digest_of([digest_of_files(*part) for part in parts])[:16]
 
 
 def files_with_compiled_functions(folder: Path) -> list[Path]:

@@ -1,7 +1,7 @@
 """Many values of Σ at once by the rules that subtract roots: `segments.arch` and `corrected_axis`.
 
-The few values for which the iteration to a
-root takes more than ``_MAX_STEPS`` steps are computed one by one.
+The few values for which the iteration to a root takes more than ``_MAX_STEPS`` steps are computed
+one by one.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Loops over many values of Σ, compiled by numba.
 
 What is compiled are the functions named in `CompiledRules`, and what they call. For this, all
-functions of the modules below are copied, so that a copy calls other copies, with the versions of
-the complex operations that have no branches; a copy is compiled when it is first called, once for
-all processes. The rules for a single value (``theory.piecewise.sums.rules``, `segments.arch`,
-`corrected_axis.corrected_axis`, `axis.plain_points`) run in Python only: since importing numba
-takes half a second, they are faster where only few values are needed.
+functions of the modules below are copied into one namespace, so that a copy calls other copies,
+with the versions of the operations that have no branches; a copy is compiled when it is first
+called, once for all processes. The rules for a single value (``theory.piecewise.sums.rules``,
+`segments.arch`, `corrected_axis.corrected_axis`, `axis.plain_points`) run in Python only: since
+importing numba takes half a second, they are faster where only few values are needed.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ from theory.interruption import compile_uninterrupted
 from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, poles, segments
 
 _MODULES = (arithmetic, axis, poles, segments, corrected_axis, blocks)
+"""The modules whose functions are compiled; a name has the same meaning in all of them."""
+_COMPILER = Path(__file__).parents[2] / "compiler.py"
 _OF_RULES = re.compile(r"_[0-9a-f]{12}-")
 """Part of the name of a file with compiled rules: the state of their sources, and what follows."""
 _WITHOUT_BRANCHES = {
@@ -62,12 +64,12 @@ class CompiledRules:
 
 
 def _state_of_sources() -> str:
-    """Return a digest of the modules and of this one, which contains the compiler options.
+    """Return a digest of the modules, of this one, which contains options, and of the compiler.
 
     numba's cache of a function is invalid only when the file of that function changes. As the
     digest is part of the function names, a change in the file of any function called counts too.
     """
-    files = (__file__, *(module.__file__ or "" for module in _MODULES))
+    files = (__file__, _COMPILER, *(module.__file__ or "" for module in _MODULES))
     sources = (Path(file).read_bytes() for file in files)
     return sha256(b"".join(sources)).hexdigest()[:12]
 

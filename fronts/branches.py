@@ -302,14 +302,19 @@ def front_branch(
 
 
 def breather_branch(
-    chains: Sequence[Any], along: str, values: Sequence[float], **options: Any
+    chains: Sequence[Any],
+    along: str,
+    values: Sequence[float],
+    *,
+    nucleus: Nucleus,
+    **options: Any,
 ) -> FollowedBranch | None:
     """Return the branch of breathers of the given chain in c; None for another method."""
     from verification.breathers.families import own_method
 
     if along != "c" or options.get("method") not in (None, own_method(chains[0]).value):
         return None
-    return follow_breather(chains[0], values, nucleus=options.get("nucleus", Nucleus(1)))
+    return follow_breather(chains[0], values, nucleus=nucleus)
 
 
 __all__ = ["BranchFold", "FollowedBranch", "follow_breather", "follow_front"]

@@ -14,7 +14,7 @@ import pytest
 
 from fronts import bound, cli, curves, derived
 from fronts.answer import UsageError
-from fronts.arguments import is_range
+from fronts.arguments import is_range, real_or_range
 from fronts.bound import BoundCall, located
 from fronts.branches import follow_breather
 from fronts.catalogue import COMMANDS
@@ -257,6 +257,8 @@ def test_a_range_of_eta_becomes_chains_of_that_eta_and_the_a_that_is_held(called
     assert along == "eta"
     assert values == [0.02, 0.04, 0.06] == [chain.b / chain.a**2 for chain in chains]
     assert {(chain.a, chain.c) for chain in chains} == {(1.0, 0.6)}
+    (_, chains, *_), _, _ = called("front piecewise --c 0.5 --eta 0.02:0.06:3")  # of eta alone
+    assert [chain.eta for chain in chains] == values
 
 
 @pytest.mark.parametrize(
@@ -526,6 +528,11 @@ def test_ranges_are_for_the_fields_of_a_chain_and_not_of_a_run():
         found = bound_to(line)
         assert bool(found.fields.ranged) is ranged
         assert not any(group.ranged for group in (found.start, found.nucleus, found.own))
+        for group in (found.fields, found.own):
+            parser = argparse.ArgumentParser()
+            group.declare(parser)
+            readers = {action.type for action in parser._actions}
+            assert (real_or_range in readers) is bool(group.ranged)
 
 
 def test_a_chain_without_sites_is_given_none(called):

@@ -34,7 +34,7 @@ from fronts.catalogue import COMMANDS, Command
 from fronts.checking import DerivedEquations
 from fronts.cli import main
 from fronts.curves import Curve, Refusal
-from fronts.files import Listing
+from fronts.files import Listing, _json
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help, options_of
 from fronts.piecewise.kinetic_relation import KineticCurve
@@ -346,6 +346,8 @@ def test_an_answer_that_is_no_number_is_a_defect_and_not_json(
     monkeypatch.setattr(cli, "_chosen", chosen)
     assert main(["sum", "--json"]) == 3
     assert capsys.readouterr().out == ""
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        _json(Listing(payload={}, listed=()), {"v": math.nan}, {})
 
 
 @pytest.mark.parametrize(
@@ -998,11 +1000,14 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
     full, mean = (fr.VdpChain(a=4, b=0.5, c=0.1), fr.AveragedChain(a=4, b=0.5, c=0.1))
     for chain, own, other in ((full, "orbit", "envelope"), (mean, "envelope", "orbit")):
         followed.clear()
-        branches.breather_branch([chain], "c", [0.1], method=other)
-        branches.breather_branch([chain], "a", [0.1], method=own)
+        branch = functools.partial(
+            branches.breather_branch, [chain], values=[0.1], nucleus=fr.Nucleus(1)
+        )
+        branch("c", method=other)
+        branch("a", method=own)
         assert not followed
-        branches.breather_branch([chain], "c", [0.1], method=own)
-        branches.breather_branch([chain], "c", [0.1])
+        branch("c", method=own)
+        branch("c")
         assert len(followed) == 2
     followed.clear()
     for along, method in (("a", "wave"), ("c", "run"), ("c", "wave"), ("eta", "wave")):
@@ -1296,6 +1301,7 @@ def test_the_chain_of_the_explorer_has_the_damping_that_was_set(model: str) -> N
         called = calls(Settings(model=model, c=0.3, **given))
         for chain in (called["run"].arguments[0], called["breather"].arguments[0]):
             made = chain.run()
+            assert (made.a, made.b) == (given.get("a", 1.0), given.get("b", given["eta"]))
             assert eta_from_damping(made.a, made.b) == pytest.approx(given["eta"])
             assert made.c == 0.3
     of_map = called["states"].arguments[0].run()

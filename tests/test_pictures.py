@@ -573,7 +573,7 @@ def test_the_explorer_draws_every_branch_and_says_the_last_two() -> None:
     kinds = ((0.25, False, None), (0.5, True, False), (0.75, None, None))
     branches = [SimpleNamespace(v=v, error=1e-9, admissible=each, stable=stable)
                 for v, each, stable in kinds]  # fmt: skip
-    point = SimpleNamespace(c=0.5, c_pin=0.1, branches=branches)
+    point = SimpleNamespace(c=0.5, c_pin=None, branches=branches)
     picture = KineticPicture()
     picture.show(Settings(), {"point": point, "curve": "refused in a sentence"})
     assert not len(picture.curve[True].data["x"])

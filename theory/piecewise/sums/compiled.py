@@ -69,7 +69,7 @@ def _state_of_sources() -> str:
     numba's cache of a function is invalid only when the file of that function changes. As the
     digest is part of the function names, a change in the file of any function called counts too.
     """
-    files = (__file__, _COMPILER, *(module.__file__ or "" for module in _MODULES))
+    files = [str(_COMPILER), __file__, *(str(module.__file__) for module in _MODULES)]
     sources = (Path(file).read_bytes() for file in files)
     return sha256(b"".join(sources)).hexdigest()[:12]
 

@@ -396,9 +396,11 @@ def test_what_cannot_be_answered_is_refused(c: float, eta: float) -> None:
 
 @pytest.mark.parametrize("eta", [0.0, 9e-4, 0.111, 0.12, 0.2, float("nan")])
 def test_the_fold_of_fronts_at_rest_is_refused_where_that_of_waves_is(eta: float) -> None:
-    """Also where a branch asks for it alone."""
+    """Also where a branch asks for it alone, or for more than η."""
     with pytest.raises(ParameterError, match=r"eta = b/a\^2"):
         static_fold(eta)
+    with pytest.raises(ParameterError, match=r"eta = b/a\^2"):
+        follow_front_wave([eta, ETA], 0.6, "eta")
 
 
 def test_the_branch_of_fronts_is_made_of_fronts() -> None:
@@ -637,7 +639,8 @@ def test_where_there_is_no_front_none_is_advised_to_be_measured(
     eta: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Above 0.11, up to 1/8, a running chain has one; from 1/8 on the cell has no two cycles."""
-    calls = (partial(front_wave, 0.3), static_fold, strong_coupling_front)
+    calls = (partial(front_wave, 0.3), static_fold, strong_coupling_front,
+             lambda eta: follow_front_wave([eta], 0.3, "eta"))  # fmt: skip
     for solve in calls:
         with pytest.raises(ParameterError) as refused:
             solve(eta)

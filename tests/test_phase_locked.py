@@ -62,6 +62,9 @@ def test_odd_sizes_have_quarter_turns_only_and_none_above_one_is_stable() -> Non
         assert not any(one.stable for one in found)
         # Beyond the first order in c the steps differ from a quarter by terms of order c.
         assert all(np.abs(np.abs(one.steps) - 0.5).max() < 0.03 for one in found)
+        for core, steps in ((one.phi[MARGIN:-MARGIN], one.steps) for one in found):
+            turned = core[1:] / core[:-1] * np.exp(-1j * np.pi * steps)
+            assert np.abs(np.angle(turned)).max() < 1e-14
 
 
 @pytest.mark.parametrize(

@@ -374,6 +374,12 @@ def test_a_fold_of_moving_fronts_holds_within_its_error_and_not_beyond(
     assert held is (abs(off) < 1e-6)
 
 
+def test_a_front_whose_sum_is_not_largest_is_no_fold(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(relation, "_DIGITS", 12)
+    (front,) = kinetic_relation(0.5, 0.03125).branches
+    assert relation._check_height(0.5, front.v, 0.03125, 1e-9, 0.0).distance == math.inf
+
+
 @pytest.mark.parametrize(
     ("name", "etas"),
     [

@@ -420,7 +420,7 @@ def test_points_are_judged_where_most_of_what_is_allowed_is_used(
         return SimpleNamespace(value=off + 0j, error=error, points=np.full(200, 3))
 
     monkeypatch.setattr(sums, "sums", made_up)
-    monkeypatch.setattr(sums, "plain_points", lambda *_: (10,))
+    monkeypatch.setattr(sums, "plain_points", lambda v, c, _: (10 if v < c else 20,))
     monkeypatch.setattr(sums, "_plain_mean", lambda *_: 1.0 + 0j)
     found = sums.few_points(100.0, 1e-13)
     assert (found.spent, found.whole, found.changed) == (600.0, 1000.0, 1e-3)

@@ -84,7 +84,7 @@ def _by_scipy(at: Mapping[str, float], stated: StatedValue, full: bool) -> Refer
     if stated.value is None:
         raise NoReferenceError(f"the front is {stated.note} and states no velocity.")
     scale = vdp_chain({**_GIVEN, **at}).eps if full else 1.0  # converts run times to slow times
-    timed = round(min(max(_TIME * scale * abs(stated.value), _MIN_SITES), _MAX_SITES))
+    timed = round(min(max(_TIME * scale * stated.value, _MIN_SITES), _MAX_SITES))
     sites = _FILLED + timed + _END
     chain = vdp_chain({**_GIVEN, **at, "sites": sites})
     end = 2.0 * _STALL_TIME if stated.value == 0.0 else 1.5 * sites / stated.value

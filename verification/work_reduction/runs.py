@@ -141,7 +141,7 @@ def _stepped_switchings(
         if found.status != 1:
             latest = None
             continue
-        gap = np.where(on, 1.0, -1.0) * (np.abs(phi) - r)
+        gap = np.abs(np.abs(phi) - r)
         latest = int(np.argmin(np.where(slots == latest, np.inf, gap)))
         on[latest] = not on[latest]
         rows.append((time, start.origin + latest, 1 if on[latest] else -1, 0.0))

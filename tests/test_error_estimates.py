@@ -605,14 +605,14 @@ def test_escapes_at_some_time_from_an_irregular_motion_widen_the_error(
     assert found.runs > 20 + 8
 
 
+@pytest.mark.parametrize(("xi", "viscous", "end"), [(50.0, 0.0, 2.0), (1.0, 98.0, 10.0)])
 def test_round_off_of_an_end_of_cycles_is_that_of_the_release_over_a_strong_damping(
-    monkeypatch: pytest.MonkeyPatch,
+    xi: float, viscous: float, end: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Slip that falls steeply with the velocity adds nothing: 2ξ = 100 and a release of 99."""
-    cell = FrictionCell(xi=50.0)
+    """Slip that falls steeply with the velocity adds nothing: 2ξ + κ = 100."""
+    cell = FrictionCell(xi=xi, viscous=viscous)
     steep = "verification.cells.friction.largest_after_release"
     monkeypatch.setattr(steep, lambda at, _: -1e9 * at.v_d)
-    release = abs(replace(cell, v_d=2.0).release)
-    assert release > 150.0
-    found = _rounding_of_end(cell, 2.0, 1e-9)
-    assert found == pytest.approx(ROUND_OFF * max(2.0, (2.0 + release) / 100.0), rel=1e-12)
+    release = abs(replace(cell, v_d=end).release)
+    found = _rounding_of_end(cell, end, 1e-9)
+    assert found / ROUND_OFF == pytest.approx(max(end, (end + release) / 100.0), rel=1e-12)

@@ -18,7 +18,7 @@ from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError
 from verification.cells.friction import cycle_end_velocity, stick_slip_cycle
-from verification.references.friction_events import run_events
+from verification.references.friction_events import _Law, run_events
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.simulate import simulate
@@ -52,6 +52,16 @@ def holding_force(chain: FrictionChain, y: np.ndarray) -> np.ndarray:
         bend[:, 0] -= y[:, 0]
         bend[:, -1] -= y[:, -1]
     return 2 * chain.cell.xi * chain.cell.v_d + y + chain.c * bend
+
+
+@pytest.mark.parametrize("direction", [-1.0, 1.0])
+def test_the_reference_releases_a_site_in_either_direction(direction: float) -> None:
+    law = _Law(FrictionChain(c=0.0, sites=1))
+    loads = [direction * part * law.cell.mu_st for part in (0.99, 1.01)]
+    stuck = np.array([[y - law.hold(np.zeros(2))[0] for y in loads], [0.0, 0.0]])
+    assert law.hold(stuck) == pytest.approx(np.array([loads]))
+    distance = law.distance(stuck, np.zeros(1, dtype=int))
+    assert distance == pytest.approx(np.array([[0.01, -0.01]]) * law.cell.mu_st)
 
 
 def sorted_log(log: np.ndarray) -> np.ndarray:

@@ -209,6 +209,22 @@ def test_a_file_that_cannot_be_read_is_said_to_be_so(path: Path) -> None:
     assert refusal.value.allowed == "a file of finished results"
 
 
+def test_a_file_of_which_one_page_cannot_be_read_is_replaced_when_it_is_opened(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "pages.part"
+    with Store(path, IDENTITY, resume=False) as store:
+        for key in range(300):
+            store.add(str(key), "x" * 200)
+    content = bytearray(path.read_bytes())
+    assert len(content) > 10 * 4096
+    content[6 * 4096 : 7 * 4096] = b"\xff" * 4096
+    path.write_bytes(content)
+    with pytest.raises(ParameterError, match="unreadable"):
+        found(path)
+    assert found(path, replace=True) == {}
+
+
 def test_results_of_another_thread_are_stored_as_well(tmp_path: Path) -> None:
     with Store(tmp_path / "threads.part", IDENTITY, resume=False) as store:
         with ThreadPoolExecutor(1) as threads:

@@ -140,7 +140,7 @@ def run_envelope(
     escaped = bool(run.outcome)
     time = chain.eps * run.time if escaped else duration
     return EnvelopeRun(
-        phi=as_psi(run.state),
+        phi=as_psi(run.state if escaped else run.samples[-1]),
         time=time,
         escaped=escaped,
         coupling=chain.c + rate * time,

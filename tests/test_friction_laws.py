@@ -418,3 +418,41 @@ def test_slip_that_reaches_the_belt_is_not_continued_beyond(monkeypatch):
     cell = FrictionCell(law="stribeck", v_s=2.2e-4, v_d=3.5e-4, xi=40.0, mu_d=0.1, viscous=1.5e-3)
     monkeypatch.setattr(friction_cycles, "_growth", lambda *_, **__: pytest.fail("continued"))
     friction_cycles.check_slip_cycles(cell, 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("cell", "falls"),
+    [
+        (FrictionCell(law="stribeck", v_s=0.0075, v_d=0.0195, xi=0.12, mu_d=0.28), False),
+        (FrictionCell(law="stribeck", v_s=0.004, v_d=0.021, xi=0.003, mu_d=0.85), True),
+    ],
+)
+def test_a_cell_whose_slip_reaches_the_belt_has_no_cycle_without_stick(cell, falls):
+    """Its slip, continued beyond the belt, turns at a smaller y: such cells were refused."""
+    found = friction_cell(cell)
+    sliding, top = found.steady_sliding, found.stable_cycle.max
+
+    def rate(_, state):
+        y, w = state
+        rel = cell.v_d - w
+        mu = cell.mu_d + (1.0 - cell.mu_d) * math.exp(-((rel / cell.v_s) ** 2))
+        return [w, mu - y - 2.0 * cell.xi * w]
+
+    def touch(_, state):
+        return state[1] - cell.v_d
+
+    def highest(t, state):
+        return state[1] if t > 1e-3 else -1.0
+
+    touch.terminal = highest.terminal = True
+    touch.direction, highest.direction = 1.0, -1.0
+
+    def lasting(y):  # whether slip from the maximum y turns at a smaller one, short of the belt
+        ends = [touch, highest]
+        run = solve_ivp(rate, (0.0, 50.0), [y, 0.0], rtol=1e-9, atol=1e-13, events=ends)
+        assert run.status == 1
+        return run.t_events[0].size == 0 and run.y[0, -1] < y
+
+    turned = [lasting(y) for y in sliding + np.geomspace(2e-3, 0.99, 25) * (top - sliding)]
+    assert turned == sorted(turned, reverse=True)  # at most one cycle without stick
+    assert any(turned) == falls == (found.status is CellStatus.BISTABLE)

@@ -15,6 +15,7 @@ PACKAGES = ("theory", "derivations", "verification", "paper_checks")
 DEFINITIONS = (
     "theory.arrays",
     "theory.compiled_code",
+    "theory.compiler",
     "theory.interruption",
     "theory.parameters",
     "theory.result",

@@ -74,8 +74,9 @@ def test_the_frequency_of_a_run_is_as_far_off_as_it_is_from_that_of_the_chain(
         chain=replace(CHAIN, sites=3),
     )  # fmt: skip
     monkeypatch.setattr(breathers, "own_family", lambda *_: SimpleNamespace(solve=lambda: exact))
+    sizes = np.where(np.arange(9) == 4, 3.0, 0.1)
     settled = replace(
-        _breather(BreatherMethod.SIMULATION, amplitudes=np.ones(9), waves=np.ones(9, complex),
+        _breather(BreatherMethod.SIMULATION, amplitudes=sizes, waves=sizes.astype(complex),
                   frequency=1.125, error=0.5), chain=chain, status=BreatherStatus.SETTLED,
     )  # fmt: skip
     monkeypatch.setattr(breathers, by, lambda *_, **__: settled)

@@ -1,5 +1,8 @@
 """Which modules pytest leaves out, no search for garbage, time limits, and who shares a process.
 
+Numbers are compared by ``pytest.approx`` with a relative tolerance alone, unless an absolute one is
+named: by default it is 1e-12 too, within which any two errors of the size of round-off are equal.
+
 Left out are modules without a doctest: importing them all, with those that an optional extra needs,
 took a sixth of collecting. Collecting makes millions of objects that live to the end: looking
 through them took a third of it, and time in every test after. Each process begins to collect at
@@ -22,6 +25,7 @@ import pytest
 
 # Twenty times as many answers as sympy keeps by default: a twelfth of the time of derivations.
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")
+setattr(type(pytest.approx(1.0)), "DEFAULT_ABSOLUTE_TOLERANCE", 0.0)  # noqa: B010
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:

@@ -102,7 +102,9 @@ def test_of_a_step_five_parts_are_tried() -> None:
 def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
     start = solve_at(circle, np.array([0.5]), 1.4)
     slope, by_c = 2.0 * start.u[0], 2.0 * (start.parameter - 1.0)
-    assert slope * start.tangent[0] + by_c * start.tangent[1] / PARAMETER_WEIGHT == pytest.approx(0)
+    assert slope * start.tangent[0] + by_c * start.tangent[1] / PARAMETER_WEIGHT == pytest.approx(
+        0, abs=1e-15
+    )
     assert np.linalg.norm(start.tangent) == pytest.approx(1.0)
     for length in (-0.3, 0.3):
         end = step_along(circle, start, length)

@@ -23,8 +23,9 @@ from verification.references.piecewise import static_sum, sum_by_quadrature, thr
 ROOT = Path(__file__).parents[1]
 REFERENCES = sorted((ROOT / "verification" / "references").glob("*.py"))
 ALLOWED = (
-    "theory.arrays", "theory.cells", "theory.chains", "theory.compiled_code", "theory.compiler", "theory.interruption",
-    "theory.parameters", "theory.status", "verification.references", "verification.execution",
+    "theory.arrays", "theory.cells", "theory.chains", "theory.compiled_code", "theory.compiler",
+    "theory.interruption", "theory.parameters", "theory.status", "verification.references",
+    "verification.execution",
 )  # fmt: skip
 """Parameters, the enum of the ends, interrupts from the keyboard, and the compiler's front with the
 folder of its code; no engine, and no other formula."""

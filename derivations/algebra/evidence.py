@@ -30,6 +30,8 @@ POINTS = 3
 TOLERANCE = 1e-9
 """Tolerance relative to the size of the terms: far above rounding, far below any wrong
 coefficient."""
+_GUARD = 25
+"""Further digits with which numbers are inserted, since terms may cancel."""
 _DOUBLE = 15
 """Digits of double precision."""
 
@@ -50,7 +52,7 @@ def _evaluated(expression: sp.Basic, point: Point, digits: int) -> Any:
     quick = in_doubles(expression, point) if digits <= _DOUBLE else None
     if quick is not None:
         return quick
-    numbers = {atom: _number(given, digits) for atom, given in point.items()}
+    numbers = {atom: _number(given, digits + _GUARD) for atom, given in point.items()}
     result = expression.xreplace(numbers).evalf(digits)
     if result.free_symbols or not result.is_number:
         raise ValueError(f"no value for {sorted(map(str, result.free_symbols))}")

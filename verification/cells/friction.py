@@ -96,8 +96,8 @@ def friction_cell(
     Raises
     ------
     ParameterError
-        If the tolerance or v_d is out of range, the cell slips both ways and never sticks, another
-        cycle without stick is stable, or Coulomb's law is used without damping.
+        If the tolerance or v_d is out of range, the cell slips both ways and never sticks, it
+        has another cycle without stick, or Coulomb's law is used without damping.
     """
     begin = perf_counter()
     coulomb = cell.law is FrictionLaw.COULOMB

@@ -74,7 +74,7 @@ def _scan(at: Mapping[str, float]) -> tuple[float, float]:
     Eliminating c from (29) and (37) gives a quadratic equation for S at given w,
     b (2w³ + 1 - w) S² - a (4w² + 2(1 - w)) S + 16w + 8(1 - w) = 0; here a = 1, b = η. A maximum
     exists, since c is zero at w = 0 on both sheets and positive between. It tends to w = 2η/3 as
-    η → 0 and to (1 - 8η)/2 as η → 1/8, so that w is larger than 1e-18 for any η.
+    η → 0 and to (1 - 8η)/2 as η → 1/8, so that w is larger than 1e-18 for η above 1.5e-18.
     """
     eta = at["eta"]
     w = np.geomspace(1e-18, 0.999, 6000)

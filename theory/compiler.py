@@ -1,4 +1,4 @@
-"""numba's compiler without what the functions of this project do not need, which saves a third.
+"""numba's compiler without what the functions of this project do not need, which is faster.
 
 Functions called only by compiled code are optimised and translated only as part of their callers.
 """

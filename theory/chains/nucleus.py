@@ -23,6 +23,8 @@ from theory.parameters import ParameterError, count_within, need_instance
 from theory.status import Status
 
 STEPS = {"+": 0.5 * np.pi, "-": -0.5 * np.pi, "0": 0.0, "x": np.pi}
+_SIGNS = {round(2.0 * step / np.pi) % 4: sign for sign, step in STEPS.items()}
+"""The sign of each number of quarter turns, from 0 to 3."""
 MARGIN = 7
 """Default number of sites at rest on each side; a tail of ratio 0.25 falls to 6e-5 there."""
 
@@ -142,7 +144,7 @@ class Nucleus:
         if above.size == 0 or above[-1] - above[0] >= above.size:
             return None
         steps = np.angle(waves[above[1:]] / waves[above[:-1]]) / (0.5 * math.pi)
-        pattern = "".join("0+x-"[round(step) % 4] for step in steps.tolist())
+        pattern = "".join(_SIGNS[round(step) % 4] for step in steps.tolist())
         if pattern == self.pattern:
             found = self
         else:

@@ -172,7 +172,7 @@ def corrections_on_axis(
 
 
 def fill(table: FloatArray, value: float) -> None:
-    """Write one value everywhere."""
+    """Write one value everywhere, by loops: compiling assignments to slices takes seconds."""
     for row in range(table.shape[0]):
         for i in range(table.shape[1]):
             table[row, i] = value

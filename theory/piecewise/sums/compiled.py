@@ -26,7 +26,6 @@ from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, pole
 
 _MODULES = (arithmetic, axis, poles, segments, corrected_axis, blocks)
 """The modules whose functions are compiled; a name has the same meaning in all of them."""
-_COMPILER = Path(__file__).parents[2] / "compiler.py"
 _OF_RULES = re.compile(r"_[0-9a-f]{12}-")
 """Part of the name of a file with compiled rules: the state of their sources, and what follows."""
 _WITHOUT_BRANCHES = {
@@ -69,7 +68,9 @@ def _state_of_sources() -> str:
     numba's cache of a function is invalid only when the file of that function changes. As the
     digest is part of the function names, a change in the file of any function called counts too.
     """
-    files = [str(_COMPILER), __file__, *(str(module.__file__) for module in _MODULES)]
+    from theory import compiler
+
+    files = [__file__, *(str(module.__file__) for module in (compiler, *_MODULES))]
     sources = (Path(file).read_bytes() for file in files)
     return sha256(b"".join(sources)).hexdigest()[:12]
 

@@ -126,7 +126,7 @@ def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArra
 
     The number of points is 0 where steepest descent is faster, or where |v| is out of range.
     """
-    speed = np.clip(np.abs(v), *PARAMETERS)
+    speed = np.minimum(np.maximum(np.abs(v), PARAMETERS.low), PARAMETERS.high)
     tails = [tail_bound(_number(speed), _number(c), side) for side in (False, True)]
     rate, size = np.reshape(tails, (2, 2, v.size)).swapaxes(0, 1)
     slowest, largest = rate.min(axis=0), size.max(axis=0)

@@ -191,10 +191,10 @@ def _distinct(
     stands for a pair of solutions, the outermost two brackets, if g has the same sign on both sides
     of the run, and for one solution if not.
     """
-    order = np.lexsort((cells[0], owner))
-    owner, cells = owner[order], cells[:, order]
     if owner.size < 2:
         return owner, cells
+    order = np.lexsort((cells[0], owner))
+    owner, cells = owner[order], cells[:, order]
     left = np.flatnonzero(owner[:-1] == owner[1:])
     g, _, e = relation(owner[left], 0.5 * (cells[4, left] + cells[0, left + 1]))[:3]
     flat = np.maximum(np.abs(cells[5, left]), np.abs(cells[1, left + 1])) <= 2.0 * e
@@ -267,14 +267,15 @@ def _refined(
 def _crossing(cells: FloatArray) -> FloatArray:
     """Return where the cubic t(g) through the ends of each cell, with their slopes, has g = 0.
 
-    Where the result lies outside the cell, as for an end without slope, the middle is used instead.
+    Where the result lies outside the cell, or does not exist because an end has no slope or both
+    have the same g, the middle is used instead.
     """
     ta, ga, da, _, tb, gb, db, _ = cells
-    width = tb - ta
-    rise = np.where(ga == gb, 1.0, gb - ga)
-    s = -ga / rise
-    start, end = (rise / np.where(d == 0.0, 1e-300, d) - width for d in (da, db))
-    cubic = ta + s * (width + (1.0 - s) * ((1.0 - s) * start - s * end))
+    width, rise = tb - ta, gb - ga
+    with np.errstate(all="ignore"):
+        s = -ga / rise
+        start, end = rise / da - width, rise / db - width
+        cubic = ta + s * (width + (1.0 - s) * ((1.0 - s) * start - s * end))
     inside: FloatArray = np.where((cubic >= ta) & (cubic <= tb), cubic, ta + 0.5 * width)
     return inside
 

@@ -241,9 +241,8 @@ def _refined(
         left = (g > 0) == (cells[1] > 0)
         dropped = np.where(left, t - cells[0], cells[4] - t)
         middle = np.array([t, g, by_t, error])
-        cells = np.concatenate(
-            [np.where(left, middle, cells[:4]), np.where(left, cells[4:], middle)]
-        )
+        np.copyto(cells[:4], middle, where=left)
+        np.copyto(cells[4:], middle, where=~left)
         new = _crossing(cells)
         step, steep = np.abs(new - t), np.where(by_t == 0, 1.0, np.abs(by_t))
         rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / steep

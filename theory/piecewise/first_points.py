@@ -48,23 +48,24 @@ def first_points(
     turn = np.minimum(np.maximum(spacing / fine, low), high)
     low, turn, high = np.log(low), np.log(turn), np.log(high)
     owner, begin, end = _where_oscillations_matter(c, target, shift, (low, turn, fine))
-    _refuse_too_many(c, target, owner, (np.exp(-begin) - np.exp(-end)) / fine[owner])
+    least, most = np.exp(-end), np.exp(-begin)
+    _refuse_too_many(c, target, owner, (most - least) / fine[owner])
     every = np.arange(c.size)
-    interval, inverse = _spaced(np.exp(-end), np.exp(-begin), fine[owner])
-    smooth, t = _spaced(turn, high, spacing)
-    owner, begin, end = (np.concatenate(x) for x in ((owner, every), (begin, turn), (end, high)))
-    points = [
-        (interval, -np.log(inverse)),
-        (smooth + owner.size - c.size, t),
-        _resonances(c[owner], (begin, end), fine[owner], refine),
-    ]
+    # below ``turn`` points are spaced in 1/v, above in ln v
+    ranges = (least, turn), (most, high), (fine[owner], spacing)
+    interval, x = _spaced(*(np.concatenate(pair) for pair in ranges))
+    below = slice(int(interval.searchsorted(owner.size)))
+    x[below] = -np.log(x[below])
+    owner, begin, end = (
+        np.concatenate(pair) for pair in ((owner, every), (begin, turn), (end, high))
+    )
+    narrow, beside = _resonances(c[owner], (begin, end), fine[owner], refine)
     order = np.lexsort((begin, owner))
     apart = np.ones(owner.size, dtype=bool)
     apart[1:] = (owner[order[1:]] != owner[order[:-1]]) | (begin[order[1:]] > end[order[:-1]])
     piece = np.empty(owner.size, dtype=np.int64)
     piece[order] = np.cumsum(apart) - 1
-    interval, t = (np.concatenate(columns) for columns in zip(*points, strict=True))
-    within = piece[interval]
+    within, t = piece[np.concatenate([interval, narrow])], np.concatenate([x, beside])
     ascending = np.lexsort((t, within))
     within, t = within[ascending], t[ascending]
     distinct = np.ones(t.size, dtype=bool)

@@ -605,6 +605,13 @@ def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
     assert abs(near.max + near.min - 2 * FrictionCell(v_d=CELL.hopf_velocity).steady_sliding) < 1e-6
 
 
+@pytest.mark.parametrize("slower", [1e-8, 1.0])
+def test_below_the_hopf_velocity_steady_sliding_has_no_basin_to_be_bounded(slower: float) -> None:
+    cell = FrictionCell(v_d=CELL.hopf_velocity - slower)
+    assert cell.effective_damping < 0.0
+    assert unstable_once(cell, 1e-8) is None
+
+
 def test_a_steep_friction_curve_is_seen_by_the_series() -> None:
     """v₀ = 1e-3: the peak of μ is far below round-off until just before the touch."""
     cell = FrictionCell(v_d=0.5, v0=1e-3)

@@ -498,6 +498,19 @@ def test_a_breather_is_stable_if_it_grows_by_no_more_than_rounding(short: int) -
     assert stable == {-1.0: True, 1e-8: True, 1e-6: False, 1.0: False}
 
 
+def test_branches_start_on_the_cycle_of_the_cell_with_tails_of_first_order(short: int) -> None:
+    """It solves (43) at c = 0; φ₁ = -icφ₀ leaves a term from φ₂ and the damping a|φ₁|²/4."""
+    steps = np.array([0.4, -0.5 * np.pi])
+    still = phase_locked.residual(phase_locked.start_from(steps, A, B, 0.0), 0.0, A, B)
+    assert np.abs(still).max() < 1e-14  # rounding
+    c, size = 0.01, steps.size + 1
+    u = phase_locked.start_from(steps, A, B, c)
+    off = phase_locked.residual(u, c, A, B)[:-1].reshape(2, -1)
+    tails = np.hypot(*np.delete(off, range(short, short + size), axis=1))
+    r = abs(u[short])  # the first site of the core is in phase with the zero
+    assert tails.max() <= c**3 * r * (0.5 + A * r**2 / 8.0)
+
+
 def test_two_sites_may_be_in_phase_opposite_or_anything_between() -> None:
     steps = [abs(float(each[0])) for each in phase_locked.phase_patterns(2)]
     assert (min(steps), max(steps)) == (0.0, pytest.approx(np.pi))

@@ -193,7 +193,7 @@ def draw_assumptions(e: Assumptions) -> tuple[Picture, ...]:
     needed = curves.add("(28)", eps=EPSILONS, delta_over_c_exp_k1=small / e.ratio)
     left.plot(*needed, "s--", color=COLOURS["vermilion"],
               label=r"$|\delta|/(c\,e^{k_1})$, as (28) needs")  # fmt: skip
-    left.axhline(SMALL, color="0.4", lw=0.8, ls=":", label="“small”: 0.1")
+    left.axhline(SMALL, color="0.4", lw=0.8, ls=":", label=f"“small”: {SMALL:g}")
     right.plot(*curves.add("(37)", eps=EPSILONS, turn=np.abs(e.turns)), "o-",
                color=COLOURS["blue"], label=r"$|k_2+\pi/2|$")  # fmt: skip
     limit = curves.add("averaged chain", eps=[0.0], delta_over_c=[0.0], turn=[0.0])

@@ -87,6 +87,14 @@ def test_claims_with_work_in_common_are_one_group_and_others_are_not() -> None:
     assert groups == [["a", "c"], ["b", "d"], ["e"]]
 
 
+def test_in_one_process_each_claim_is_done_before_the_next_begins() -> None:
+    """So that an interrupt loses none, although claims of one group would be judged together."""
+    told: list[str] = []
+    entries = [Entry("fig16", claim(key, evidence=tuple)) for key in ("a", "b")]
+    run.run(entries, started=told.append, done=lambda one: told.append(f"{one.entry.claim.key}!"))
+    assert told == ["a", "a!", "b", "b!"]
+
+
 def test_a_claim_whose_process_died_has_failed_and_of_a_group_each_is_tried_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1540,6 +1540,21 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
     assert found.runs == len(set(tried)) == len(tried)
 
 
+def test_the_error_of_a_range_reaches_to_escapes_within_twice_the_duration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """And to at most twice their distance, since distances are doubled; later ones do not count."""
+    tolerance, duration, beyond = 1e-5, 100.0, 5e-4
+
+    def hold(_: object, __: object, c: float, length: float) -> Any:
+        after = 0.25 if c > 0.2 else 1.5 if c > 0.2 - beyond else 3.0 if c > 0.198 else math.inf
+        return SimpleNamespace(escaped=after * duration <= length, time=after * duration)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    found = escape.escape_range(AVERAGED, escape.NucleusPreparation(1), duration, tolerance)
+    assert beyond <= 0.2 - (found.c_crit - found.error) < 2.0 * beyond + tolerance
+
+
 @pytest.mark.parametrize(
     "escape_after", [lambda _: math.inf, lambda _: 0.1, lambda c: 0.75 if c > 0.1 else math.inf]
 )

@@ -246,8 +246,10 @@ def _grows(cell: FrictionCell, y: float, tolerance: float) -> bool:
     It is if slip reaches the belt first: the cell then sticks, and is released on the stick-slip
     cycle. Slip continued beyond the touch does not show this, and may creep for a long time.
     """
-    _, _, w = _slip_from(cell, y, phases.FASTEST, tolerance)
-    return w > 0.0 or _growth(cell, y, tolerance) > 0.0
+    t, top, w = _slip_from(cell, y, phases.FASTEST, tolerance)
+    if t >= 0.0 and w <= 0.0:
+        t, top, _ = _phase(cell, top, w, False, phases.HIGHEST, tolerance=tolerance)
+    return w > 0.0 or (t >= 0.0 and top > y)
 
 
 def check_slip_cycles(cell: FrictionCell, tolerance: float) -> None:

@@ -123,8 +123,6 @@ def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
     e5, e3 = h * largest(five), h * largest(three)
     if not (finite(five) and finite(three)) or e3 >= size > 0.0:
         return math.inf
-    if e5 == 0.0:
-        return 0.0
     if e5 < _SMALL:
-        return e5 / size / math.sqrt(1.0 + 0.01 * (e3 / e5) ** 2)
+        return e5 / size  # which bounds the estimate
     return e5 / size * (e5 / math.sqrt(e5 * e5 + 0.01 * e3 * e3))

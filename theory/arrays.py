@@ -1,4 +1,4 @@
-"""Types of arrays."""
+"""Types of arrays, and the relative distance of neighbouring numbers in them."""
 
 from typing import Any, TypeAlias
 
@@ -10,3 +10,6 @@ ComplexArray: TypeAlias = npt.NDArray[np.complex128]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 AnyArray: TypeAlias = npt.NDArray[Any]
+
+EPS = 2.0**-52
+"""Machine epsilon: the distance from 1 to the next larger double-precision number."""

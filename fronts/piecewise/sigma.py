@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
-import numpy as np
-
+from theory.arrays import EPS
 from theory.parameters import ParameterError, count_within, decimal, with_ranges, word
 from theory.piecewise.sums.result import DIGITS, DOUBLE, KineticSum, PrecisionError
 
@@ -121,7 +120,7 @@ def _certified_sum(v: float | str, c: float | str, digits: int) -> KineticSum:
 def _rounded(found: KineticSum) -> KineticSum:
     """Return a precise sum rounded to double precision; its error includes the rounding."""
     value = complex(found.value)
-    error = float(found.error) + abs(value) * np.finfo(float).eps
+    error = float(found.error) + abs(value) * EPS
     return replace(found, value=value, error=float(error), digits=DOUBLE)
 
 

@@ -27,7 +27,7 @@ from typing import Literal, overload
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
 from theory.cells.vdp import SMALLEST_ETA
 from theory.chains.chain import MAX_SITES
@@ -38,8 +38,7 @@ from theory.status import Status
 
 SMALLEST_C = 1e-100
 """Smallest coupling; below it e^{2 k_1}, which is about c², is too small for double precision."""
-_EPS = float(np.finfo(float).eps)
-_NOISE = 64.0 * _EPS
+_NOISE = 64.0 * EPS
 """Relative rounding error of c along a branch."""
 _SCAN = 500
 
@@ -298,7 +297,7 @@ def closed_form_fold(
     if reading is Reading.TAIL:
         m = gap / (16.0 * chain.b)
         c = math.sqrt(m) * math.sqrt(1.0 + m)
-        return ClosedFormFold(c=c, error=8.0 * _EPS * c)
+        return ClosedFormFold(c=c, error=8.0 * EPS * c)
     branch = NeighbourBranch(chain.a, chain.b, gap)
     grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
     # the first decrease: c rises from zero, and decreases before S turns
@@ -334,7 +333,7 @@ def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, fl
     wide = Fraction(2.0 * float(m) + 1.0) + Fraction(math.hypot(1.0, 2.0 * chain.c))
     inside = 32 * b * (m * (1 + m) - c * c) / wide
     root = math.sqrt(max(float(inside), 0.0))
-    error = 8.0 * _EPS
+    error = 8.0 * EPS
     if inside <= 0:
         # c is beyond the fold by the rounding error of the fold only. The breather at the fold is
         # returned; the rounding error of c moves it by an amount like the square root of the error.
@@ -351,10 +350,10 @@ def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, floa
     low = min(math.log(branch.first), branch.start_at(c))
     t = top
     if branch.coupling_at(top) > c:
-        t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * _EPS)
+        t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * EPS)
     # The true t lies in an interval over which c - c(t) surely changes sign or, near the fold, at
     # both ends of which c(t) is surely below c.
-    spread = 4.0 * _EPS * max(1.0, abs(t))
+    spread = 4.0 * EPS * max(1.0, abs(t))
     noise = _NOISE * c
     for _ in range(60):
         beyond = branch.coupling_at(t + spread)
@@ -367,4 +366,4 @@ def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, floa
     w = s / S
     moved = max(abs(S_low - S) / S, abs(S_high - S) / S, abs(s_low / S_low - w) / w)
     moved = max(moved, abs(s_high / S_high - w) / w)
-    return S, w, moved + 16.0 * _EPS
+    return S, w, moved + 16.0 * EPS

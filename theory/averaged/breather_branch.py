@@ -12,10 +12,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.chains.vdp import VanDerPolChain
-
-_EPS = float(np.finfo(float).eps)
 
 
 def discriminant(chain: VanDerPolChain) -> float:
@@ -57,7 +55,7 @@ class NeighbourBranch:
             slope = 1.0 - 0.5 * self.a * s + 0.375 * self.b * s * s + G
             step = np.where(slope > 0.0, value / slope, 0.0)
             s = s - step
-            if np.all(np.abs(step) <= _EPS * s):
+            if np.all(np.abs(step) <= EPS * s):
                 break
         return S, s
 

@@ -22,9 +22,8 @@ from typing import NamedTuple
 
 from scipy.optimize import brentq
 
+from theory.arrays import EPS
 from theory.status import Status
-
-_EPSILON = sys.float_info.epsilon
 
 
 class FrictionLaw(Status):
@@ -154,7 +153,7 @@ class FrictionCurve:
             return UnstableSliding(0.0, math.inf, 0.0)
         if self.law is FrictionLaw.EXPONENTIAL:
             size = math.log((self.mu_st - self.mu_d) / (drag * self.scale))
-            error = 4.0 * _EPSILON * self.scale * (1.0 + abs(size))
+            error = 4.0 * EPS * self.scale * (1.0 + abs(size))
             return UnstableSliding(0.0, self.scale * max(0.0, size), error)
         level = math.log(drag) + math.log(self.scale) - math.log(2.0 * self.drop)
         if level >= -0.5 * (1.0 + math.log(2.0)):
@@ -166,11 +165,11 @@ class FrictionCurve:
         middle, far = math.sqrt(0.5), 2.0 + math.sqrt(-level)
         near = max(0.5 * math.exp(level), sys.float_info.min)
         low, high = (
-            float(brentq(excess, *ends, xtol=1e-300, rtol=4.0 * _EPSILON))
+            float(brentq(excess, *ends, xtol=1e-300, rtol=4.0 * EPS))
             for ends in ((near, middle), (middle, far))
         )
-        doubt = 8.0 * _EPSILON * (1.0 + abs(level))
+        doubt = 8.0 * EPS * (1.0 + abs(level))
         slopes = (1.0 / low - 2.0 * low, 2.0 * high - 1.0 / high)
         error = max(2.0 * min(doubt / max(each, doubt), math.sqrt(doubt)) for each in slopes)
-        error += 4.0 * _EPSILON * high
+        error += 4.0 * EPS * high
         return UnstableSliding(self.scale * low, self.scale * high, self.scale * error)

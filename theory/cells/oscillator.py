@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.cells.averaging import mean_of_powers
 from theory.parameters import ParameterError
 
@@ -36,7 +36,7 @@ _HALF_TURN = 0.5 * math.pi * _WEIGHTS
 _SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600
 """Range of amplitudes in which Δ, if it is not a polynomial, is evaluated, and number of values."""
 _ZERO = 1e-12
-_CLOSE = 4.0 * float(np.finfo(float).eps)
+_CLOSE = 4.0 * EPS
 """Smallest relative tolerance that scipy accepts."""
 
 

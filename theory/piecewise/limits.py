@@ -9,7 +9,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from theory.arrays import ComplexArray, FloatArray, IntArray
+from theory.arrays import EPS, ComplexArray, FloatArray, IntArray
 from theory.cells.vdp import ETA_END, bistable_eta, eta_from_ratio, threshold_ratio
 from theory.parameters import Range, positive, with_ranges, within
 
@@ -111,7 +111,7 @@ def pinning_error(eta: float) -> float | None:
         return None
     beside = [of(math.nextafter(eta, to)) for to in (0.0, ETA_END)]
     spread = max(0.5 * abs(each - value) for each in beside if each is not None)
-    return spread + 16.0 * float(np.finfo(float).eps) * value
+    return spread + 16.0 * EPS * value
 
 
 def retreat_coupling(eta: float) -> float | None:
@@ -203,7 +203,7 @@ def strong_coupling_velocity(eta: float) -> float | None:
     low, high = 0.0, 1.0
     while not beyond(high):
         high *= 2.0
-    while high - low > 4.0 * np.finfo(float).eps * high:
+    while high - low > 4.0 * EPS * high:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
     return 0.5 * (low + high)

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from theory.arrays import ComplexArray, FloatArray, IntArray
+from theory.arrays import EPS, ComplexArray, FloatArray, IntArray
 from theory.parameters import ParameterError, Range, count_within, with_ranges, within
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.roots import checked_velocity_and_coupling, nearest_roots
@@ -31,7 +31,6 @@ MAX_POINTS = 1 << 21
 TOLERANCES = Range(1e-14, 0.1)
 _AT_ONCE = 1 << 18
 """Largest number of elements of an array in a sum that is computed in parts."""
-_EPS = float(np.finfo(float).eps)
 _SMOOTH = np.unique([max(8, odd << power) for odd in (1, 3, 5, 9, 15) for power in range(1, 23)])
 """Even numbers with small prime factors, for which the Fourier transform is fast."""
 _STEPS = 5
@@ -264,7 +263,7 @@ def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tu
         )
     points = int(smooth_number(max(required, 2 * math.ceil(extent) + 2)))
     truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
-    rounding = 8.0 * _EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
+    rounding = 8.0 * EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
     return points, truncation + rounding
 
 

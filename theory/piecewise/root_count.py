@@ -7,12 +7,11 @@ import math
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray, IntArray
+from theory.arrays import EPS, ComplexArray, FloatArray, IntArray
 from theory.parameters import ParameterError
 from theory.piecewise.dispersion import dispersion, dispersion_slope
 from theory.piecewise.roots import checked_velocity_and_coupling, strip_bounds
 
-_EPS = float(np.finfo(float).eps)
 _DEEPEST = 200
 _MAX_PIECES = 4_000_000
 
@@ -149,7 +148,7 @@ def _distance_from_axes(k: ComplexArray, v: float, c: float) -> FloatArray:
     swing = np.abs(np.sin(0.5 * k) ** 2)
     real = 0.5 + c * np.abs(np.sin(k.real) * np.sinh(k.imag)) + v * np.abs(k.imag)
     imaginary = 2.0 * c * swing + v * np.abs(k.real)
-    rounding = 16.0 * _EPS
+    rounding = 16.0 * EPS
     room: FloatArray = np.maximum(
         np.abs(L.real) - rounding * real, np.abs(L.imag) - rounding * imaginary
     )

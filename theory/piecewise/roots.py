@@ -16,7 +16,7 @@ from typing import SupportsFloat
 
 import numpy as np
 
-from theory.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
+from theory.arrays import EPS, AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
 from theory.parameters import (
     ParameterError,
     Range,
@@ -34,7 +34,6 @@ MAX_LABEL = 10**12
 """Largest |label|; beyond it the rounding error of k exceeds 0.001, and it can no longer be decided
 whether a root lies inside its strip."""
 PARAMETERS = Range(1e-12, 1e12)
-_EPS = float(np.finfo(float).eps)
 
 
 class IncompleteRootsError(ArithmeticError):
@@ -205,17 +204,17 @@ def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> BoolArray:
     """
     low, high = strip_bounds(labels, upper)
     half = k.imag > 0 if upper else k.imag < 0
-    rounding = 4.0 * _EPS * np.abs(k.real) if upper else 0.0
+    rounding = 4.0 * EPS * np.abs(k.real) if upper else 0.0
     return half & (k.real > low - rounding) & (k.real < high + rounding)
 
 
 def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:
     """Return the radius that the Newton–Kantorovich theorem gives for a root; inf if it fails."""
     square = np.abs(np.sin(0.5 * k)) ** 2
-    rounding = 4.0 * _EPS * (0.5 + 2.0 * c * square + v * np.abs(k))
+    rounding = 4.0 * EPS * (0.5 + 2.0 * c * square + v * np.abs(k))
     value = np.abs(dispersion(k, v, c)) + rounding
     # v + c sin k cancels near a branch point of the labels; subtract its rounding from the slope.
-    slope = np.abs(dispersion_slope(k, v, c)) - 4.0 * _EPS * (v + c * np.abs(np.sin(k)))
+    slope = np.abs(dispersion_slope(k, v, c)) - 4.0 * EPS * (v + c * np.abs(np.sin(k)))
     step = value / slope
     bend = 2.0 * step * (c * np.cosh(np.abs(k.imag) + 2.0 * step)) / slope
     return np.where((slope > 0) & (bend < 0.5), 2.0 * step, np.inf)

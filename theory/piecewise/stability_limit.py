@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from theory.arrays import EPS
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
 from theory.parameters import Range, with_ranges, within
 from theory.piecewise.admissibility import TOLERANCE, check_admissible
@@ -17,7 +18,6 @@ from theory.piecewise.folds import fold_coupling
 from theory.piecewise.symbol import Symbol
 
 FARTHEST = Range(1e-8, 100.0)
-_EPS = float(np.finfo(float).eps)
 _SCAN = 1.03
 """Factor between successive couplings at which stability is determined."""
 _NARROW = 1e-5
@@ -183,7 +183,7 @@ def _crossing(stable: _Leading, unstable: _Leading, r: float) -> StabilityLimit:
         if not abs(step) > 1e-13 * here.c:
             break
     shift = symbol.uncertainty / symbol.slope_at(w) + abs(size)
-    error = 2.0 * shift / abs(slope) + 2.0 * here.error + 4.0 * _EPS * here.c
+    error = 2.0 * shift / abs(slope) + 2.0 * here.error + 4.0 * EPS * here.c
     if not error < _NARROW * here.c:
         return unknown
     return StabilityLimit(c=here.c, error=float(error), v=here.v, angle=abs(cmath.phase(w)))
@@ -219,7 +219,7 @@ def _narrowed(
     If a coupling ``c`` is given, only the distance from it matters, and a hundredth of it suffices.
     """
     low, high = last, beyond
-    while high.c - low.c > 4.0 * _EPS * high.c:
+    while high.c - low.c > 4.0 * EPS * high.c:
         if high.c - low.c < 0.01 * abs(low.c - c):
             break
         middle = _Leading.at(0.5 * (low.c + high.c), r, slack)

@@ -27,11 +27,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.piecewise.dispersion import onsite
 from theory.piecewise.sums.rules import sum_at
 
-_EPS = float(np.finfo(float).eps)
 _SMALLEST_TERM = 1e-30
 """e^{-K/2v} at the last term K; on the largest circle searched, that term is its square root."""
 _MAX_PRODUCTS = 10_000_000
@@ -74,7 +73,7 @@ class Symbol:
         p = symbol_coefficients(v, c, terms, points)
         # Half a unit of rounding in each factor of u^k gives Σ_k k² e^{-k/4v}; the omitted terms
         # add e^{-K/4v} = 1e-15.
-        return cls(np.cumsum(p[::-1])[::-1].copy(), _EPS * (1.0 + 4.0 * speed) ** 3)
+        return cls(np.cumsum(p[::-1])[::-1].copy(), EPS * (1.0 + 4.0 * speed) ** 3)
 
     def zeros_within(self, radius: float) -> int | None:
         """Return the number of zeros of E(w) in |w| < radius; None if one is too near the circle.
@@ -132,7 +131,7 @@ class Symbol:
             w = complex(zeros[np.argmin(np.abs(zeros))])
             if abs(w) <= 1.5 * radius and self.zeros_within(0.999 * abs(w)) == 0:
                 value, derivative = (abs(_polynomial(each, w)[0]) for each in (q, slope))
-                return w, 2.0 * (self.uncertainty + value) / derivative + 4.0 * _EPS * abs(w)
+                return w, 2.0 * (self.uncertainty + value) / derivative + 4.0 * EPS * abs(w)
         return None
 
     def zero_near(self, w: complex) -> complex:
@@ -216,7 +215,7 @@ def _newton(q: FloatArray, slope: FloatArray, starts: ComplexArray, reach: float
     w = np.array(starts, dtype=complex)
     step = np.full(w.shape, np.inf, dtype=complex)
     for _ in range(40):
-        moving = np.flatnonzero((np.abs(step) > 4.0 * _EPS * np.abs(w)) & (np.abs(w) < farthest))
+        moving = np.flatnonzero((np.abs(step) > 4.0 * EPS * np.abs(w)) & (np.abs(w) < farthest))
         if moving.size == 0:
             break
         value, derivative = _polynomial(q, w[moving]), _polynomial(slope, w[moving])

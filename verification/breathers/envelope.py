@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.averaged.breather import BreatherStatus, closed_form_fold
 from theory.averaged.envelope import (
     coupling_matrix,
@@ -194,7 +194,7 @@ class RotatingWaves(BreatherFamily):
         turns = springs + abs(omega) * np.eye(chain.sites)
         x, y = np.abs(phi.real), np.abs(phi.imag)
         terms = np.concatenate([rates * x + turns @ y, rates * y + turns @ x, [0.0]])
-        return 4.0 * float(np.finfo(float).eps) * terms / (self.unit * self.rate_unit)
+        return 4.0 * EPS * terms / (self.unit * self.rate_unit)
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution; its error is that of Newton's method plus rounding."""
@@ -221,7 +221,7 @@ class RotatingWaves(BreatherFamily):
             frequency=frequency,
             growth_error=stability.growth_error,
             error=error,
-            frequency_error=here.eps * relative + float(np.finfo(float).eps) * frequency,
+            frequency_error=here.eps * relative + EPS * frequency,
             wave_error=wave_error_of(error, phi, self.nucleus.outward(here.sites)),
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
@@ -253,7 +253,7 @@ def solve_envelope_breather(chain: VanDerPolChain, nucleus: Nucleus) -> Breather
 def _rounding(phi: ComplexArray, chain: VanDerPolChain) -> float:
     """Return the effect of rounding in the damping on an amplitude; it grows as the cycles meet."""
     gap = max(1.0 - 8.0 * chain.eta, 1e-16)
-    return 8.0 * float(np.finfo(float).eps * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
+    return 8.0 * float(EPS * np.abs(phi).max()) * (1.0 + 1.0 / math.sqrt(gap))
 
 
 def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> ContinuationBranch:

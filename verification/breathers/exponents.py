@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.averaged.envelope import envelope_jacobian
 from theory.chains.vdp import VanDerPolChain
 
@@ -231,7 +231,7 @@ def eigenvalue_bound(
     """
     size = len(matrix)
     norm = float(np.linalg.norm(matrix))
-    off += size * float(np.finfo(float).eps) * norm
+    off += size * EPS * norm
     elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
     with np.errstate(over="ignore"):  # eigenvectors may be dependent to the last bit
         radius = float(min(float(np.linalg.cond(vectors)) * off, elsner))

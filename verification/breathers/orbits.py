@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import contextlib
 import math
-import sys
 import time
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import coupling_matrix
 from theory.chains.nucleus import Nucleus
@@ -42,7 +41,6 @@ STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in the order in which
 they are tried: at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
 FIRST_STEPS = StepControl(length=0.3)
-_EPSILON = sys.float_info.epsilon
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
 
@@ -195,7 +193,7 @@ class Orbits(BreatherFamily):
         )
         fold_error, aside = self.near_fold(c, fold)
         # Round-off of the steps, which adds up at random; the defect may be small by chance.
-        rounding = _EPSILON * math.sqrt(2 * count) * float(np.abs(state).max())
+        rounding = EPS * math.sqrt(2 * count) * float(np.abs(state).max())
         error = solution_error(self.system(2), point.u, c, rounding, aside) + point.correction
         frequency = 2.0 * math.pi / period
         waves = first_harmonics(fine.samples)

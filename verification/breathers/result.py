@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.parameters import RunError
@@ -228,7 +228,7 @@ class Breather(Result):
         error = np.broadcast_to(0.0 if self.wave_error is None else self.wave_error, size.shape)
         share = np.divide(error, size, out=np.ones_like(size), where=size > error)
         turns = np.where(size > error, np.arcsin(share), np.pi)
-        return np.minimum(turns + 4.0 * float(np.finfo(float).eps), np.pi)
+        return np.minimum(turns + 4.0 * EPS, np.pi)
 
     @property
     def phase_step(self) -> float | None:

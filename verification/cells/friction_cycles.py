@@ -9,13 +9,13 @@ its largest y is a fixed point of the map from one maximum to the next.
 from __future__ import annotations
 
 import math
-import sys
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
 
+from theory.arrays import EPS
 from theory.cells.friction import FrictionCell, stick_phase
 from theory.cells.friction_law import FrictionLaw
 from theory.chains.friction import FrictionChain
@@ -32,7 +32,6 @@ _SETTLED = 1e-9
 _NO_CREEP = phases.Creep(sliding=0.0, lowest=0.0, rising=0.0, falling=0.0)
 _MAX_TURNS = 100
 ROUND_OFF = 1e-14
-_EPSILON = sys.float_info.epsilon
 _FINEST = 1e-17
 _TRIED = 60
 _STRONG = 3.0
@@ -389,7 +388,7 @@ def _rounding_near_hopf(cell: FrictionCell, amplitude: float) -> float:
     """
     steepness = (cell.v_d / cell.curve.scale) ** (2 if cell.law is FrictionLaw.STRIBECK else 1)
     falling = abs(cell.curve.slope(cell.v_d) - cell.viscous)
-    rounding = _EPSILON * (2.0 * cell.xi + cell.viscous + falling * (4.0 + 2.0 * steepness))
+    rounding = EPS * (2.0 * cell.xi + cell.viscous + falling * (4.0 + 2.0 * steepness))
     # Of δ ± r, |√(δ ± r) - √δ| is at most √r, and at most r/√δ.
     part = rounding / abs(cell.effective_damping)
     return amplitude * min(part, math.sqrt(part))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.result import Result
 from verification.continuation.newton import (
     PARAMETER_WEIGHT,
@@ -399,7 +399,7 @@ def _displaced(system: System, at: BranchPoint) -> float:
     """
     value, slope, by_p = system(at.u, at.parameter)
     inverse = np.linalg.inv(bordered(slope, by_p, at.tangent))
-    off = np.abs(value) + float(np.finfo(float).eps) * (np.abs(slope) @ np.abs(at.u))
+    off = np.abs(value) + EPS * (np.abs(slope) @ np.abs(at.u))
     displaced = 2.0 * float(np.abs(inverse[-1, :-1]) @ off) / PARAMETER_WEIGHT
     return max(displaced, 10.0 * at.residual)
 

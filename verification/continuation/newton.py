@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.parameters import RunError
 
 System = Callable[[FloatArray, float], tuple[FloatArray, FloatArray, FloatArray]]
@@ -149,7 +149,7 @@ def solution_error(
         that meet there are not distinguished.
     """
     value, slope, by_p = system(u, p)
-    off = 2.0 * np.abs(value) + float(np.finfo(float).eps) * (np.abs(slope) @ np.abs(u)) + rounding
+    off = 2.0 * np.abs(value) + EPS * (np.abs(slope) @ np.abs(u)) + rounding
     off += aside * np.abs(by_p)
     try:
         inverse = np.linalg.inv(slope)

@@ -23,7 +23,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.optimize import brentq
 
-from theory.arrays import FloatArray
+from theory.arrays import EPS, FloatArray
 from theory.cells.vdp import ETA_END, eta_of_fronts
 from theory.parameters import Range, RunError, with_ranges
 from verification.continuation.branch import Fold, StepControl, trace
@@ -35,7 +35,7 @@ ETAS = Range(1e-3, 0.11)
 it, so weakly that the windows become long, and the two cycles nearly coincide."""
 
 _WINDOWS = (12, 30), (16, 40)
-_ROUNDING = 16.0 * float(np.finfo(float).eps)
+_ROUNDING = 16.0 * EPS
 _STEPS = StepControl(length=0.05, longest=0.3, tolerance=1e-13, fold_tolerance=1e-16)
 
 

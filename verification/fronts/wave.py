@@ -30,7 +30,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.cells.vdp import (
     ETA_END,
     attraction_rate,
@@ -67,7 +67,7 @@ _PERIODS, _SETTLED = 30, 1e-4
 sites below which its front is a good enough starting point for Newton's method."""
 _LISTED = 6
 """Number of multipliers listed."""
-_ROUNDING = 64.0 * float(np.finfo(float).eps)
+_ROUNDING = 64.0 * EPS
 _NEUTRAL = 1e-8
 """Largest error allowed in a modulus that is exactly one."""
 

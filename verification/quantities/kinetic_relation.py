@@ -9,6 +9,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
+from theory.arrays import EPS
 from theory.cells.vdp import ETA_END
 from theory.piecewise.folds import fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import KineticRelation, kinetic_relation
@@ -33,7 +34,7 @@ from verification.references.piecewise import static_sum, threshold_ratio
 
 (C,) = axes(c=(1e-8, 1e8))
 ETA = Axis(name="eta", low=1e-12, high=ETA_END, near=(ETA_END, ETA_PIN_END))
-ROUNDING = 16.0 * float(np.finfo(float).eps)
+ROUNDING = 16.0 * EPS
 """Relative error of a closed form in double precision."""
 _DIGITS = 30
 

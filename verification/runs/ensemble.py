@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import stdtrit
 
-from theory.arrays import FloatArray, IntArray
+from theory.arrays import EPS, FloatArray, IntArray
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.own import OwnChain
 from theory.parameters import ParameterError, RunError, check_progress, need_instance, random_seed
@@ -26,7 +26,6 @@ VALUES = ("v", "c_crit", "frequency", "value")
 
 _CONFIDENCE = 0.975
 """Probability below the upper end of a confidence interval of 95 per cent."""
-_EPSILON = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +87,7 @@ class Ensemble(Result):
         largest = float(np.nanmax(self.errors, initial=0.0))
         count = self._known.size
         interval = float(stdtrit(count - 1, _CONFIDENCE)) * self.spread / math.sqrt(count)
-        return interval + largest + _EPSILON * float(np.abs(self._known).max())
+        return interval + largest + EPS * float(np.abs(self._known).max())
 
     @property
     def missing(self) -> int:

@@ -29,7 +29,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from theory.arrays import AnyArray, ComplexArray, FloatArray
+from theory.arrays import EPS, AnyArray, ComplexArray, FloatArray
 from theory.chains.chain import Chain
 from theory.parameters import ParameterError, RunError
 
@@ -184,7 +184,7 @@ class Integration(ABC):
 
         All sites are changed alike, so that a mirror-symmetric start stays symmetric.
         """
-        return start * (1.0 + ulps * np.finfo(float).eps)
+        return start * (1.0 + ulps * EPS)
 
 
 def checked_state(chain: Chain, start: npt.ArrayLike) -> FloatArray:

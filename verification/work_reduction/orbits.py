@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.optimize import least_squares
 
-from theory.arrays import ComplexArray, FloatArray, IntArray
+from theory.arrays import EPS, ComplexArray, FloatArray, IntArray
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from verification.breathers.orbits import STIFFEST, solve_orbit, steps_for
@@ -66,7 +66,7 @@ def _balanced(
     missed = np.linalg.lstsq(np.asarray(found.jac), np.asarray(found.fun), rcond=None)[0]
     period = 2.0 * np.pi / found.x[0]
     last = float(np.abs(parts(found.x)[1][:, -1]).max())
-    return period, float(period * (np.abs(missed).max() + last + 8.0 * np.finfo(float).eps))
+    return period, float(period * (np.abs(missed).max() + last + 8.0 * EPS))
 
 
 def fewer_steps(eta: float = 0.08, sites: int = 11) -> Comparison:

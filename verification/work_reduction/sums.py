@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import mpmath as mp
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
 from theory.piecewise.admissibility import TOLERANCE, check_admissible
@@ -23,7 +23,6 @@ from theory.piecewise.sums.series import RootSeries, sum_by_roots, tail_sum
 from verification.work_reduction.comparison import Comparison, timed
 
 _TAIL_DIGITS = 15
-_EPS = float(np.finfo(float).eps)
 _PIECE = 4096
 _FINE = 1024
 """Values per site from which the curvature of the shape is taken."""
@@ -44,7 +43,7 @@ def few_roots(v: float = 0.3, c: float = 0.5, digits: int = 6) -> Comparison:
     terms[[0, -1]] *= 0.5
     value = complex(math.fsum(terms.real), math.fsum(terms.imag))
     relative = 1.0 / np.abs(roots.k) + c * np.cosh(roots.k.imag) / np.abs(slope)
-    rounding = float(np.sum(np.abs(terms) * (relative * roots.radius + 4.0 * _EPS)))
+    rounding = float(np.sum(np.abs(terms) * (relative * roots.radius + 4.0 * EPS)))
     with mp.workdps(30):
         series = RootSeries(mp.mpf(v), mp.mpf(c), 1)
         for label, side in ((-most, -1), (most, 1)):
@@ -76,7 +75,7 @@ def few_points(c: float = 100.0, tolerance: float = 1e-13) -> Comparison:
     plain = np.array([_plain_mean(float(each), c, n) for each, n in zip(v, counts, strict=True)])
     changed = np.abs(own.value - (plain - 1.0))
     # of the plain rule: its truncation error, and the rounding of terms of order one
-    allowed = own.error + tolerance + 16.0 * _EPS * (1.0 + np.abs(plain))
+    allowed = own.error + tolerance + 16.0 * EPS * (1.0 + np.abs(plain))
     worst = int(np.argmax(changed / allowed))
     return Comparison(
         float(own.points.sum()),

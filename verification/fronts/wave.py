@@ -246,10 +246,10 @@ class Window:
         """
         eta_of_fronts(eta, ETAS)
         chain = amplitudes_of(within("coupling c", c, *COUPLINGS), eta)
-        wide = cls(chain, 0, 0, np.empty(0), along)
         width = max(1.0, math.cbrt(c))
-        left = 14 + math.ceil(10.0 * width * max(1.0, 2.0 / wide.attraction))
-        wide = replace(wide, left=left, right=12 + math.ceil(30.0 * width))
+        left = 14 + math.ceil(10.0 * width * max(1.0, 2.0 / attraction_rate(eta)))
+        right = 12 + math.ceil(30.0 * width)
+        wide = cls(chain=chain, left=left, right=right, guess=np.empty(0), along=along)
         rho, v = wide._run_to_a_front()
         return replace(wide, guess=np.append(rho, v))._resized(v, _DEPTHS[0])
 

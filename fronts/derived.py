@@ -254,8 +254,7 @@ def _with_eta(
         raise UsageError(
             "--eta determines the same ratio as --a and --b: give either --eta or --a and --b."
         )
-    from theory.cells.vdp import SMALLEST_ETA, checked_eta
-    from theory.chains.vdp import LARGEST_DAMPING
+    from theory.cells.vdp import DAMPING, SMALLEST_ETA, checked_eta
     from theory.parameters import within
 
     if is_range(eta):
@@ -267,7 +266,7 @@ def _with_eta(
         }
     # b, which is refused by its own name, is not what was given.
     checked_eta(eta)
-    number = within("eta = b/a^2", eta, SMALLEST_ETA, LARGEST_DAMPING, "give a value below 1/8")
+    number = within("eta = b/a^2", eta, SMALLEST_ETA, DAMPING.high, "give a value below 1/8")
     return {**fields, "a": 1.0, "b": number}
 
 

@@ -272,6 +272,29 @@ def test_a_quantity_has_one_range_whatever_is_wrong_with_it(capsys, lines, allow
     assert [_refused(capsys, line)["allowed"] for line in lines] == [allowed] * len(lines)
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("cell vdp --a 1e200 --b 1", "y sqrt(s), which turns a into a/s"),
+        ("front piecewise --c 0.5 --a 1 --b 1e-200", "y sqrt(s), which turns a into a/s"),
+        ("kinetic --c 0.5 --a 1e200 --b 1", "y sqrt(s), which turns a into a/s"),
+        ("cell averaged --eta 1e-30", "double precision does not resolve"),
+        ("front piecewise --c 0.5 --eta 1e-30", "double precision does not resolve"),
+        ("simulate vdp --c 1e200", "a number in this range"),
+        ("simulate friction --c 1e200", "a number in this range"),
+        ('cell chain --damping "1" --eps 1e200', "a number in this range"),
+        ("cell friction --xi 1e200", "a damping in this range"),
+        ("threshold friction --xi 0", "more damping"),
+        ('derive cell --damping "1e200*y**2"', "a decimal whose exponent has at most two digits"),
+    ],
+)
+def test_the_advice_of_a_refusal_is_not_what_was_already_done(capsys, line, said):
+    """A number of the right sign is not answered by the advice to give a positive number alone."""
+    refused = _refused(capsys, line)
+    assert said in refused["remedy"]
+    assert "inf" not in refused["allowed"]
+
+
 def test_a_coupling_of_zero_is_not_taken_for_none_given(capsys):
     assert main(shlex.split("map friction --c 0 --v-d 1.5 --t-end 400 --refine 0 --json")) == 0
     assert json.loads(capsys.readouterr().out)["points"] == 1

@@ -383,7 +383,7 @@ OUTSIDE: list[tuple[str, Callable[[Any], object], tuple[float, ...]]] = [
     (
         "lowest coupling",
         lambda one: spreading_threshold(FRICTION, Spreading(), **USUAL | {"lowest": one}),
-        (0.0, -1.0),
+        (0.0, -1.0, 1e6),
     ),
     (
         "highest coupling",

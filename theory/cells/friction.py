@@ -86,8 +86,7 @@ class FrictionCell:
                 "static friction mu_st", self.mu_st, f"greater than mu_d = {self.mu_d:g}",
                 "friction must fall with velocity for the cell to be excited",
             )  # fmt: skip
-        remedy = "give a damping that is zero or positive"
-        check("xi", "damping ratio xi", 0.0, 1e3, remedy)
+        check("xi", "damping ratio xi", 0.0, 1e3, "give a damping in this range")
         check("viscous", "viscous friction", 0.0, 1e3, "give a value in this range")
         self._check_law()
 
@@ -164,8 +163,17 @@ def check_sliding_stable(cell: FrictionCell) -> None:
     Raises
     ------
     ParameterError
-        If v_d is neither above the Hopf velocity nor below the range of instability.
+        If v_d is neither above the Hopf velocity nor below the range of instability, or if there is
+        no damping at all and friction falls at every velocity.
     """
+    if cell.unstable_sliding.high == math.inf:
+        raise ParameterError(
+            "damping ratio xi",
+            cell.xi,
+            "positive where friction has no viscous part, since steady sliding is unstable "
+            "otherwise and every site starts by itself",
+            "take more damping",
+        )
     if cell.stability_margin <= 0.0:
         raise ParameterError(
             "belt velocity v_d",

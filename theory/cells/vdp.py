@@ -8,7 +8,15 @@ from __future__ import annotations
 
 import math
 
-from theory.parameters import ParameterError, Range, at_least, number, within
+from theory.parameters import ParameterError, Range, at_least, number, with_ranges, within
+
+DAMPING = Range(1e-100, 1e100)
+"""Range of a and b; outside it the amplitudes would exceed the range of double precision."""
+
+DAMPING_REMEDY = (
+    "give a positive number and, where amplitudes would leave double precision, write the chain "
+    "for y sqrt(s), which turns a into a/s and b into b/s^2, and keeps eta"
+)
 
 ETA_END = 0.125
 """η at which the two cycles meet; beyond it the cell has no limit cycle."""
@@ -18,14 +26,15 @@ SMALLEST_ETA = 1e-24
 of the squared amplitudes of the two cycles lose accuracy."""
 
 
+@with_ranges(damping=DAMPING)
 def eta_from_damping(a: float, b: float) -> float:
     """Return η = b/a² of the damping 1 - a y² + b y⁴ (Eq. 54).
 
     Parameters
     ----------
     a, b : float
-        Coefficients of (8), dimensionless, from 1e-100 to 1e100; outside this range the amplitudes
-        would exceed that of double precision.
+        Coefficients of (8), dimensionless, {damping}; outside this range the amplitudes would
+        exceed that of double precision.
 
     Raises
     ------
@@ -38,7 +47,7 @@ def eta_from_damping(a: float, b: float) -> float:
     0.03125
     """
     a, b = (
-        within(f"damping coefficient {name}", value, 1e-100, 1e100)
+        within(f"damping coefficient {name}", value, *DAMPING, DAMPING_REMEDY)
         for name, value in (("a", a), ("b", b))
     )
     return b / a**2
@@ -52,7 +61,10 @@ def checked_eta(eta: float) -> float:
     ParameterError
         If η is not finite, or below ``SMALLEST_ETA``.
     """
-    remedy = "give a larger value; below it v is near the limit sqrt(c/(8 r)), r = sqrt(2 eta)"
+    remedy = (
+        "give a larger value: below it double precision does not resolve the ratio of the cycles, "
+        "r = sqrt(2 eta), and the velocity of (54) is near its limit sqrt(c/(8 r))"
+    )
     return at_least("eta = b/a^2", eta, SMALLEST_ETA, remedy)
 
 

@@ -69,8 +69,7 @@ class FrictionChain(Chain, model="friction"):
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
 
     def __post_init__(self) -> None:
-        remedy = "give a coupling that is zero or positive"
-        self._check_number("c", "coupling c", *COUPLING_RANGE, remedy)
+        self._check_number("c", "coupling c", *COUPLING_RANGE)
         cell = self.cell
         for each in fields(cell):
             object.__setattr__(self, each.name, getattr(cell, each.name))

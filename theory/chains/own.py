@@ -96,7 +96,7 @@ class OwnChain(SmoothChain):
     )
 
     def __post_init__(self) -> None:
-        self._check_number("c", "coupling c", *COUPLING_RANGE, "give zero or a positive number")
+        self._check_number("c", "coupling c", *COUPLING_RANGE)
         self._check_number("eps", "small parameter eps", *EPS_RANGE)
         self._check_number("velocity_coupling", "velocity coupling", -1e6, 1e6)
         self._check_ends()

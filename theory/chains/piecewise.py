@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
-from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
+from theory.cells.vdp import DAMPING, DAMPING_REMEDY, ETA_END, SMALLEST_ETA, threshold_ratio
 from theory.chains.chain import COUPLING_RANGE, Chain, Site, parameter
 from theory.chains.ends import Ends
 from theory.parameters import ParameterError, real_number
@@ -52,10 +52,10 @@ class PiecewiseChain(Chain, model="piecewise"):
     b: float | None = parameter("damping coefficient b, instead of eta", "b", None)
 
     def __post_init__(self) -> None:
-        remedy = "give a positive coupling"
+        remedy = "give a positive coupling in this range"
         self._check_number("c", "coupling c", *COUPLING_RANGE, remedy)
         if self.c == 0.0:
-            raise ParameterError("coupling c", self.c, "positive", remedy)
+            raise ParameterError("coupling c", self.c, "positive", "give a positive coupling")
         if (self.a is None) != (self.b is None):
             raise ParameterError(
                 "damping coefficients a, b", "one alone", "given together", "give both, or eta"
@@ -63,8 +63,7 @@ class PiecewiseChain(Chain, model="piecewise"):
         eta: object = self.eta
         if self.a is not None and self.b is not None:
             for name in ("a", "b"):
-                quantity = f"damping coefficient {name}"
-                self._check_number(name, quantity, 1e-100, 1e100, "give a positive number")
+                self._check_number(name, f"damping coefficient {name}", *DAMPING, DAMPING_REMEDY)
             ratio = self.b / self.a**2
             if eta is not None and eta != ratio:
                 raise ParameterError(
@@ -73,7 +72,10 @@ class PiecewiseChain(Chain, model="piecewise"):
             eta = ratio
         if eta is None:
             raise ParameterError("eta = b/a^2", "none", "given", "give eta, or a and b")
-        remedy = "take a smaller value: above 1/8 there are no cycles"
+        remedy = (
+            "take a value in this range: above 1/8 there are no cycles, and below 1e-24 double "
+            "precision does not resolve their ratio"
+        )
         checked = real_number("eta = b/a^2", eta, SMALLEST_ETA, ETA_END, remedy)
         object.__setattr__(self, "eta", checked)
 

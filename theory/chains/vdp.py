@@ -15,13 +15,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from theory.cells.vdp import ETA_END, eta_from_damping
+from theory.cells.vdp import DAMPING, DAMPING_REMEDY, ETA_END, eta_from_damping
 from theory.chains.chain import COUPLING_RANGE, EPS_RANGE, SITES_RANGE, SmoothChain, parameter
 from theory.chains.ends import Ends
 from theory.parameters import ParameterError, with_ranges
-
-SMALLEST_DAMPING, LARGEST_DAMPING = 1e-100, 1e100
-"""Range of a and b; outside it the amplitudes would exceed the range of double precision."""
 
 
 def vdp_acceleration(site, left, right, p):  # type: ignore[no-untyped-def]
@@ -106,12 +103,9 @@ class VanDerPolChain(SmoothChain):
     ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
 
     def __post_init__(self) -> None:
-        remedy = "give a positive number"
         for name in ("a", "b"):
-            quantity = f"damping coefficient {name}"
-            self._check_number(name, quantity, SMALLEST_DAMPING, LARGEST_DAMPING, remedy)
-        remedy = "give a coupling that is zero or positive"
-        self._check_number("c", "coupling c", *COUPLING_RANGE, remedy)
+            self._check_number(name, f"damping coefficient {name}", *DAMPING, DAMPING_REMEDY)
+        self._check_number("c", "coupling c", *COUPLING_RANGE)
         self._check_number("eps", "small parameter eps", *EPS_RANGE)
         self._check_count("sites", "number of sites n", *SITES_RANGE)
         self._check_ends()

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from theory.cells.friction import check_sliding_stable
-from theory.chains.chain import Chain
+from theory.chains.chain import COUPLING_RANGE, Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError, Range, count_within, positive, with_ranges, within
@@ -286,7 +286,9 @@ def spreading_threshold(
     """
     begin = perf_counter()
     positive("lowest coupling", lowest)
-    within("highest coupling", highest, 1.01 * lowest, 1e6, "it must be above the lowest")
+    within("lowest coupling", lowest, 0.0, COUPLING_RANGE.high / 1.01, "give a smaller one")
+    remedy = "it must be above the lowest"
+    within("highest coupling", highest, 1.01 * lowest, COUPLING_RANGE.high, remedy)
     within("accuracy", accuracy, *ACCURACIES)
     within("tolerance", spreading.tolerance, TOLERANCES.low, TOLERANCES.high / COARSER)
     count_within("tests of monotonicity", tests, 0, 10_000)

@@ -685,6 +685,22 @@ def test_exponents_err_by_what_the_error_of_an_amplitude_changes_however_large_i
     assert change <= found.growth_error < 1.1 * change
 
 
+@pytest.mark.parametrize(("a", "b"), [(1.0, 0.0), (0.0, 1.0)])
+def test_the_bound_on_second_derivatives_of_the_damping_is_sharp_for_each_term(
+    a: float, b: float
+) -> None:
+    chain: Any = SimpleNamespace(a=a, b=b)
+    r, h = 1.5, 1e-3
+
+    def damped(phi: Any) -> Any:
+        return -0.5 * phi * (1.0 - a * np.abs(phi) ** 2 / 4.0 + b * np.abs(phi) ** 4 / 8.0)
+
+    aside = h * np.exp(1j * np.linspace(0.0, math.pi, 181))
+    second = np.abs(damped(r + aside) - 2.0 * damped(r) + damped(r - aside)) / h**2
+    # Finite differences err by h²/2r² of the second derivative.
+    assert second.max() == pytest.approx(exponents_of._bend(r, chain), rel=(h / r) ** 2)
+
+
 def test_only_what_is_its_own_mirror_image_is_split() -> None:
     family = RotatingWaves(AVERAGED, Nucleus(1))
     u = solve_envelope_breather(AVERAGED, Nucleus(1)).unknowns

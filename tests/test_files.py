@@ -106,14 +106,18 @@ def test_what_is_no_file_is_refused_and_left_alone(
     listening.bind("socket")
     link = tmp_path / "link"
     link.symlink_to("/dev/null")
-    for path, word in (
-        (Path("/dev/null"), "is a device"), (link, "is a device"), (Path("socket"), "is a socket"),
-        (tmp_path / "folder", "is a folder"), (tmp_path / "none" / "out", "does not exist"),
-        (tmp_path / ("x" * 300), "too long"), (Path("a\0b"), "null"),
+    for path, word, number in (
+        (Path("/dev/null"), "is a device", errno.EINVAL), (link, "is a device", errno.EINVAL),
+        (Path("socket"), "is a socket", errno.EINVAL),
+        (tmp_path / "folder", "is a folder", errno.EISDIR),
+        (tmp_path / "none" / "out", "does not exist", errno.ENOENT),
+        (tmp_path / ("x" * 300), "written: file name too long: name", errno.ENAMETOOLONG),
+        (Path("a\0b"), "null", errno.EINVAL),
     ):  # fmt: skip
         for write in (check_writable, lambda path: write_bytes(path, b"x")):
             with pytest.raises(FileError, match=word) as caught:
                 write(path)
+            assert caught.value.errno == number
             assert "\n" not in str(caught.value)
             assert str(caught.value).endswith(f"{caught.value.remedy}.")
     listening.close()

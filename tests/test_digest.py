@@ -469,6 +469,15 @@ def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(
     assert digests[0] != digests[1] == digests[2]
 
 
+def test_imports_are_followed_through_files_of_a_user_where_these_count(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "of_a_user.py").write_text("import numpy, theory.arrays, beside_it\n")
+    (tmp_path / "beside_it.py").touch()
+    assert closure("of_a_user", ["theory"]) == {}
+    followed = closure("of_a_user", ["theory"], users=True)
+    assert list(followed) == ["beside_it", "of_a_user", "theory", "theory.arrays"]
+
+
 def test_the_processor_is_that_of_python_where_the_system_does_not_name_it(
     monkeypatch,
 ):

@@ -444,6 +444,15 @@ def test_the_rules_for_model_ii_are_in_slow_time_and_in_parts_of_the_unstable_cy
     })  # fmt: skip
 
 
+@pytest.mark.parametrize("rules", RULES.values(), ids=[kind.__name__ for kind in RULES])
+def test_a_state_alone_is_found_as_accurately_as_in_a_map_and_for_as_long(
+    rules: StateRules,
+) -> None:
+    usual = inspect.signature(rules.find).parameters
+    assert rules.tolerances.low <= usual["tolerance"].default <= rules.tolerance
+    assert usual["end"].default == rules.default_end
+
+
 def test_a_point_at_which_two_starts_end_otherwise_is_undecided(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

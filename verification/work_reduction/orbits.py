@@ -56,7 +56,7 @@ def _balanced(
         y, v = (now @ waves).real, (1j * omega * odd * now @ waves).real
         force = pull(y, chain.ends) * chain.c + v * damping(y, chain.a, chain.b)
         left = (-((omega * odd) ** 2) * now @ waves).real + y + chain.eps * force
-        balance = 2.0 * left @ waves.conj().T / count
+        balance = left @ waves.conj().T / count
         return np.concatenate([[now[middle, 0].imag], balance.real.ravel(), balance.imag.ravel()])
 
     omega = 1.01 * (2.0 * math.pi / orbit.period)

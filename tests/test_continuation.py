@@ -269,13 +269,18 @@ def test_of_two_folds_within_one_step_the_first_is_found() -> None:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(side: float) -> None:
+    solved: list[Any] = []
+
     def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        solved.append(u)
         return u**2 + c, np.diag(2.0 * u), np.array([1.0])
 
     fold = fold_of(0.0, 0.0, np.zeros(1), tangent=np.ones(1))
     for begun in (-0.1, 0.1):
         found = solve_at(parabola, np.array([begun]), -0.01)
+        solved.clear()
         assert branches._on_side(parabola, found, fold, side).u[0] == pytest.approx(0.1 * side)
+        assert bool(solved) == (begun != 0.1 * side)
 
 
 def test_continuation_finds_the_fold_of_a_circle() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import time
@@ -781,3 +782,18 @@ def test_a_site_may_cross_in_an_interval_at_either_end_of_which_its_gap_is_small
     few: Any = SimpleNamespace()  # so that the sharper bound is not asked
     found = PiecewiseMotion._suspects(few, gap, 1.0, np.empty(3), np.empty(3), 0.1)
     assert found.tolist() == [[True, False, False], [True, False, True], [False, False, True]]
+
+
+def test_of_many_sites_that_may_cross_the_sharper_bound_leaves_the_one_that_does() -> None:
+    motion = PiecewiseMotion(0.6, 0.3, step_state(64))
+    for _ in range(6):
+        motion.advance(50.0)
+    later = copy.deepcopy(motion).advance(50.0)
+    assert isinstance(later, Switching)
+    step, _, level = motion._sampling_step()
+    motion._deviation = motion._deviation * np.exp(motion._rates * (later.wait - 0.5 * step))
+    parts = motion._deviation * motion._samplers[level]
+    phi = np.fft.ifft(parts + motion._equilibrium, axis=1) - motion._ramp
+    nowhere = np.zeros((len(phi), motion.sites))  # every gap: all sites are looked at
+    found = motion._suspects(nowhere, 1.0, parts, phi, step)
+    assert np.flatnonzero(found[0]).tolist() == [later.site - motion.origin]

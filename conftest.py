@@ -15,9 +15,11 @@ processes need at the same time both compile, and only later does every process 
 """
 
 import gc
+import json
 import os
+import shlex
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -71,6 +73,24 @@ def interruptible() -> Iterator[None]:
     was = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, was)
+
+
+@pytest.fixture
+def refused(capsys: pytest.CaptureFixture[str]) -> Callable[[str], dict[str, str]]:
+    """Return the error of a line that is refused in one sentence, the same in JSON."""
+    from fronts.cli import main
+
+    def error_of(line: str) -> dict[str, str]:
+        assert main(shlex.split(line)) == 2
+        shown = capsys.readouterr()
+        assert shown.out == ""
+        assert len(shown.err.strip().splitlines()) == 1
+        assert main([*shlex.split(line), "--json"]) == 2
+        error: dict[str, str] = json.loads(capsys.readouterr().err)["error"]
+        assert shown.err == f"fronts: {error['message']}\n"
+        return error
+
+    return error_of
 
 
 @pytest.fixture

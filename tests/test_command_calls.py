@@ -345,9 +345,8 @@ def test_noise_goes_with_both_methods_that_run_the_averaged_chain(called):
         ("simulate vdp --checkpoint run.txt", "--checkpoint run.txt must end in .npz"),
     ],
 )
-def test_what_says_nothing_or_twice_is_refused_before_any_call(line, said, capsys):
-    assert main(line.split()) == 2
-    assert said in capsys.readouterr().err
+def test_what_says_nothing_or_twice_is_refused_before_any_call(line, said, refused):
+    assert said in refused(line)["message"]
 
 
 def test_a_switch_of_a_command_of_its_own_is_off_where_it_is_not_given():
@@ -507,9 +506,8 @@ def test_help_names_the_defaults_that_depend_on_others(capsys):
         ("sum --c 0.5", "--v"),
     ],
 )
-def test_what_has_no_default_is_asked_for(line, missing, capsys):
-    assert main(line.split()) == 2
-    assert f"required: {missing}" in capsys.readouterr().err
+def test_what_has_no_default_is_asked_for(line, missing, refused):
+    assert f"required: {missing}" in refused(line)["message"]
 
 
 def test_a_chain_that_restricts_no_ends_takes_all(monkeypatch):
@@ -727,6 +725,6 @@ def test_parameters_of_a_curve_are_the_nucleus_and_what_its_chains_share(line, s
     assert {name: parameters.get(name) for name in shared} == shared
 
 
-def test_an_eta_that_is_too_small_is_refused_with_the_advice_to_enlarge_it(capsys):
-    assert main(shlex.split("front averaged --eta 1e-200 --c 0.5 --json")) == 2
-    assert json.loads(capsys.readouterr().err)["error"]["remedy"].startswith("give a larger value")
+def test_an_eta_that_is_too_small_is_refused_with_the_advice_to_enlarge_it(refused):
+    error = refused("front averaged --eta 1e-200 --c 0.5")
+    assert error["remedy"].startswith("give a larger value")

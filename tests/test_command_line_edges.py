@@ -44,19 +44,6 @@ from verification.maps import vdp_rules
 from verification.piecewise import simulation
 from verification.runs import simulate
 
-
-def _refused(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, str]:
-    """Return the error object of a line that must be refused in one sentence."""
-    assert main(shlex.split(line)) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert len(shown.err.strip().splitlines()) == 1
-    assert main([*shlex.split(line), "--json"]) == 2
-    error: dict[str, str] = json.loads(capsys.readouterr().err)["error"]
-    assert shown.err == f"fronts: {error['message']}\n"
-    return error
-
-
 _FIELDS = {"message", "quantity", "value", "allowed", "remedy"}
 
 
@@ -70,24 +57,26 @@ _FIELDS = {"message", "quantity", "value", "allowed", "remedy"}
         ("kinetic --c -x --eta 0.03", "--c", "-x"),
     ],
 )
-def test_a_negative_value_is_no_option(capsys, line, quantity, value):
-    error = _refused(capsys, line)
+def test_a_negative_value_is_no_option(refused, line, quantity, value):
+    error = refused(line)
     assert set(error) == _FIELDS
     assert (error["quantity"], error["value"]) == (quantity, value)
 
 
-def test_a_range_of_too_many_velocities_is_refused_before_their_cells_are_made(capsys, monkeypatch):
+def test_a_range_of_too_many_velocities_is_refused_before_their_cells_are_made(
+    refused, monkeypatch
+):
     made = []
     check = FrictionCell.__post_init__
     monkeypatch.setattr(FrictionCell, "__post_init__", lambda cell: made.append(check(cell)))
-    error = _refused(capsys, "cell friction --v-d 1:2:99999")
+    error = refused("cell friction --v-d 1:2:99999")
     assert error["quantity"] == "number of velocities"
     assert len(made) < 10
 
 
 @pytest.mark.parametrize("eta", ["0.13", "1e300", "-1"])
-def test_an_eta_out_of_range_is_refused_by_its_own_name(capsys, eta):
-    error = _refused(capsys, f"breather --eta {eta} --c 0.1")
+def test_an_eta_out_of_range_is_refused_by_its_own_name(refused, eta):
+    error = refused(f"breather --eta {eta} --c 0.1")
     assert error["quantity"] == "eta = b/a^2"
     assert "eta" in error["remedy"] or "such" in error["remedy"] or "1/8" in error["remedy"]
 
@@ -103,27 +92,27 @@ def test_the_range_of_eps_in_the_help_is_that_of_the_check(capsys, command, rang
 
 
 @pytest.mark.parametrize(
-    ("command", "option", "outside", "allowed"),
+    ("line", "outside", "allowed"),
     [
-        ("front vdp --a 4 --b 0.5 --c 0.6", "accuracy", 0.2, smooth.ACCURACY.allowed),
-        ("front vdp --a 4 --b 0.5 --c 0.6", "tolerance", 0.01, request.TOLERANCE.allowed),
-        ("front friction --c 0.02", "accuracy", 0.2, friction.ACCURACY.allowed),
-        ("front friction --c 0.02", "tolerance", 1e-13, friction.TOLERANCE.allowed),
-        ("front piecewise --c 0.5 --eta 0.03", "accuracy", 0.02, simulation.ACCURACIES),
-        ("simulate vdp", "tolerance", 0.1, simulate.TOLERANCES),
-        ("cell vdp", "tolerance", 1e-14, shooting.TOLERANCES),
-        ("cell friction", "tolerance", 1e-15, cells.TOLERANCES),
-        ("kinetic --eta 0.03", "c", 1e9, COUPLINGS),
-        ("sum --v 0.3 --c 0.5", "digits", 0, DIGITS),
+        ("front vdp --a 4 --b 0.5 --c 0.6 --accuracy", 0.2, smooth.ACCURACY.allowed),
+        ("front vdp --a 4 --b 0.5 --c 0.6 --tolerance", 0.01, request.TOLERANCE.allowed),
+        ("front friction --c 0.02 --accuracy", 0.2, friction.ACCURACY.allowed),
+        ("front friction --c 0.02 --tolerance", 1e-13, friction.TOLERANCE.allowed),
+        ("front piecewise --c 0.5 --eta 0.03 --accuracy", 0.02, simulation.ACCURACIES),
+        ("simulate vdp --tolerance", 0.1, simulate.TOLERANCES),
+        ("cell vdp --tolerance", 1e-14, shooting.TOLERANCES),
+        ("cell friction --tolerance", 1e-15, cells.TOLERANCES),
+        ("kinetic --eta 0.03 --c", 1e9, COUPLINGS),
+        ("sum --v 0.3 --c 0.5 --digits", 0, DIGITS),
     ],
 )
-def test_a_refusal_states_the_range_of_the_help(capsys, command, option, outside, allowed):
+def test_a_refusal_states_the_range_of_the_help(capsys, refused, line, outside, allowed):
     """It is the range of this model, and the one that is checked."""
-    refused = _refused(capsys, f"{command} --{option} {outside}")
-    assert refused["allowed"].endswith(str(allowed))
+    error = refused(f"{line} {outside}")
+    assert error["allowed"].endswith(str(allowed))
     assert outside < allowed.low or outside > allowed.high
     with pytest.raises(SystemExit):
-        main([*command.split(), "--help"])
+        main([*line.split()[:-1], "--help"])
     assert str(allowed)[1:] in " ".join(capsys.readouterr().out.split())  # or "From", in a sentence
 
 
@@ -176,8 +165,8 @@ def test_the_help_of_a_command_with_a_default_model_names_the_others(capsys):
     assert all(f"fronts breather {model} --help" in shown for model in ("averaged", "chain"))
 
 
-def test_a_cell_in_closed_form_takes_no_tolerance(capsys):
-    assert "--tolerance" in _refused(capsys, "cell averaged --tolerance 1e-8")["message"]
+def test_a_cell_in_closed_form_takes_no_tolerance(refused):
+    assert "--tolerance" in refused("cell averaged --tolerance 1e-8")["message"]
 
 
 def test_a_profile_from_a_negative_position_in_powers_of_ten(capsys):
@@ -201,8 +190,8 @@ def test_only_values_are_joined():
         ("kinetic --c 0.1:1:2.5 --eta 0.03", "--c", "2.5"),
     ],
 )
-def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
-    error = _refused(capsys, line)
+def test_a_whole_number_is_asked_for_by_name(refused, line, option, value):
+    error = refused(line)
     assert set(error) == _FIELDS
     assert (error["quantity"], error["value"]) == (option, value)
     assert error["allowed"] == "a whole number"
@@ -237,14 +226,14 @@ def test_a_whole_number_is_asked_for_by_name(capsys, line, option, value):
         ("nosuchcommand", "command"),
     ],
 )  # fmt: skip
-def test_what_contradicts_or_has_no_end_is_refused_with_every_field(capsys, line, quantity):
-    error = _refused(capsys, line)
+def test_what_contradicts_or_has_no_end_is_refused_with_every_field(refused, line, quantity):
+    error = refused(line)
     assert set(error) == _FIELDS
     assert error["quantity"] == quantity
 
 
-def test_an_option_without_its_value_is_named(capsys):
-    assert _refused(capsys, "kinetic --eta 0.03 --c")["quantity"] == "--c"
+def test_an_option_without_its_value_is_named(refused):
+    assert refused("kinetic --eta 0.03 --c")["quantity"] == "--c"
 
 
 @pytest.mark.parametrize(
@@ -268,8 +257,8 @@ def test_an_option_without_its_value_is_named(capsys):
          "from -1e6 to 1e6"),
     ],
 )  # fmt: skip
-def test_a_quantity_has_one_range_whatever_is_wrong_with_it(capsys, lines, allowed):
-    assert [_refused(capsys, line)["allowed"] for line in lines] == [allowed] * len(lines)
+def test_a_quantity_has_one_range_whatever_is_wrong_with_it(refused, lines, allowed):
+    assert [refused(line)["allowed"] for line in lines] == [allowed] * len(lines)
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,7 @@ from verification.execution.imports import SOURCES
 from verification.fronts.status import FrontStatus
 
 Capture = pytest.CaptureFixture[str]
+Refused = Callable[[str], dict[str, str]]
 
 
 def _shown(capsys: Capture, *words: str) -> str:
@@ -105,11 +106,9 @@ def test_words_are_those_of_the_process_where_none_are_given(
     ],
 )
 def test_an_option_that_belongs_elsewhere_is_refused_for_what_was_asked(
-    line: str, where: str, capsys: Capture
+    line: str, where: str, refused: Refused
 ) -> None:
-    assert main([*line.split(), "--json"]) == 2
-    error = json.loads(capsys.readouterr().err)["error"]
-    assert error["allowed"] == f"absent for {where}"
+    assert refused(line)["allowed"] == f"absent for {where}"
 
 
 def test_the_model_may_be_named_after_the_command_or_by_an_option(capsys: Capture) -> None:
@@ -131,9 +130,8 @@ def test_only_the_option_that_names_the_model_is_taken_out(
     assert found == ("averaged", [*before, *after])
 
 
-def test_a_word_that_is_no_option_is_refused_as_a_word(capsys: Capture) -> None:
-    assert main(["sum", "--v", "1", "--c", "0.5", "more"]) == 2
-    assert "'more' is not expected here" in capsys.readouterr().err
+def test_a_word_that_is_no_option_is_refused_as_a_word(refused: Refused) -> None:
+    assert "'more' is not expected here" in refused("sum --v 1 --c 0.5 more")["message"]
 
 
 @pytest.mark.parametrize("name", ["front", "simulate", "cell", "map"])
@@ -298,26 +296,23 @@ def test_what_of_a_map_is_not_given_has_a_range_that_ascends() -> None:
         assert low + high == pytest.approx(min(sampled) + max(sampled))
 
 
-def test_text_that_is_no_number_is_refused_by_the_name_of_its_option(capsys: Capture) -> None:
-    assert main(["sum", "--v", "fast", "--c", "0.5", "--json"]) == 2
-    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--v"
+def test_text_that_is_no_number_is_refused_by_the_name_of_its_option(refused: Refused) -> None:
+    assert refused("sum --v fast --c 0.5")["quantity"] == "--v"
 
 
-def test_what_belongs_to_runs_is_refused_beside_a_wave(capsys: Capture) -> None:
-    line = "front averaged --a 4 --b 0.5 --c 0.6 --method wave --stall-time 10 --json"
-    assert main(line.split()) == 2
-    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "--stall-time"
+def test_what_belongs_to_runs_is_refused_beside_a_wave(refused: Refused) -> None:
+    line = "front averaged --a 4 --b 0.5 --c 0.6 --method wave --stall-time 10"
+    assert refused(line)["quantity"] == "--stall-time"
 
 
 def test_no_worker_is_refused_before_any_point_is_tried(
-    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    monkeypatch: pytest.MonkeyPatch, refused: Refused
 ) -> None:
     from verification.quantities import robustness
 
     monkeypatch.setattr(robustness, "robustness", None)
     for count in ("0", "1025"):
-        assert main(["stress", "--workers", count, "--json"]) == 2
-        error = json.loads(capsys.readouterr().err)["error"]
+        error = refused(f"stress --workers {count}")
         assert (error["quantity"], error["value"]) == ("workers", count)
 
 
@@ -374,15 +369,6 @@ def test_an_error_is_said_in_the_form_that_was_asked_for(
     plain, as_json = capsys.readouterr().err.splitlines()
     assert plain.startswith(f"fronts: {said}")
     assert plain == f"fronts: {json.loads(as_json)['error']['message']}"
-
-
-def test_without_a_standard_output_one_sentence_says_so(
-    monkeypatch: pytest.MonkeyPatch, capsys: Capture
-) -> None:
-    with monkeypatch.context() as closed:
-        closed.setattr(sys, "stdout", None)
-        assert main(["--version"]) == 2
-    assert capsys.readouterr().err.startswith("fronts: standard output is closed: ")
 
 
 @pytest.mark.parametrize(
@@ -462,9 +448,8 @@ def test_a_flag_that_is_on_can_be_taken_back() -> None:
     assert vars(parser.read(["--no-on", "--off"])) == {"json": False, "on": False, "off": True}
 
 
-def test_of_an_option_that_has_no_meaning_the_next_word_is_the_value(capsys: Capture) -> None:
-    assert main(["kinetic", "--c", "1", "--n", "3", "4", "--json"]) == 2
-    assert json.loads(capsys.readouterr().err)["error"]["value"] == "3"
+def test_of_an_option_that_has_no_meaning_the_next_word_is_the_value(refused: Refused) -> None:
+    assert refused("kinetic --c 1 --n 3 4")["value"] == "3"
 
 
 def test_what_argparse_says_of_no_single_option_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -694,14 +679,13 @@ def test_the_paper_has_fifty_four_equations(number: int) -> None:
 
 
 def test_a_seed_that_no_generator_takes_is_refused_before_any_point(
-    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    monkeypatch: pytest.MonkeyPatch, refused: Refused
 ) -> None:
     def tried(*_: Any, **__: Any) -> Any:
         raise AssertionError("tried")
 
     monkeypatch.setattr("verification.quantities.robustness.sweep", tried)
-    assert main(["stress", "--seed", "-1", "--json"]) == 2
-    assert json.loads(capsys.readouterr().err)["error"]["quantity"] == "seed"
+    assert refused("stress --seed -1")["quantity"] == "seed"
 
 
 @pytest.mark.parametrize("found", [["hidden_example.py"], ["hidden_example/__init__.py"]])
@@ -763,7 +747,7 @@ def test_a_cell_as_json_is_the_same_by_either_option(capsys: Capture) -> None:
 
 
 def test_a_table_of_verdicts_that_cannot_be_written_is_refused_before_any_is_judged(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: Refused
 ) -> None:
     from fronts.commands import check
 
@@ -771,8 +755,7 @@ def test_a_table_of_verdicts_that_cannot_be_written_is_refused_before_any_is_jud
         raise AssertionError("judged")
 
     monkeypatch.setattr(check, "_judged", judged)
-    assert main(["check", "--out", str(tmp_path / "none" / "x.csv")]) == 2
-    assert "x.csv" in capsys.readouterr().err
+    assert "x.csv" in refused(f"check --out {tmp_path}/none/x.csv")["message"]
 
 
 def test_files_of_a_film_are_allowed_where_there_is_one(tmp_path: Path) -> None:
@@ -876,7 +859,7 @@ def test_a_map_of_as_many_points_as_are_allowed_is_made(monkeypatch: pytest.Monk
     "line", ["threshold averaged", "cell vdp --a 2.5 --b 0.5", "sum --v 0.3 --c 0.5"]
 )
 def test_a_picture_that_there_is_not_is_refused_before_any_work(
-    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: Refused
 ) -> None:
     from fronts.bound import BoundCall
     from fronts.catalogue import COMMANDS
@@ -890,8 +873,7 @@ def test_a_picture_that_there_is_not_is_refused_before_any_work(
         raise AssertionError("worked")
 
     monkeypatch.setattr(sys.modules[function.__module__], function.__name__, worked)
-    assert main([*line.split(), "-o", str(tmp_path / "x.png")]) == 2
-    assert "cannot be drawn" in capsys.readouterr().err
+    assert "cannot be drawn" in refused(f"{line} -o {tmp_path}/x.png")["message"]
 
 
 def test_a_single_cell_has_its_cycles_in_every_table(tmp_path: Path, capsys: Capture) -> None:
@@ -1226,27 +1208,24 @@ def test_the_list_of_benchmarks_has_their_problems_and_growth_where_it_is_meant(
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        (["bench", "rots"], ("quantity = rots", "one of breather", "--list")),
-        (["bench", "roots", "--out", "nowhere/at/all"], ("nowhere/at/all", "create it first")),
-        (["bench", "--list", "--defaults"], ("--list and --defaults",)),
-        (["bench", "--quik"], ("--quik", "--quick")),
-        (["bench", "--list", "--quick"], ("--list measures nothing", "leave out --quick")),
-        (["bench", "--defaults", "--quick"], ("--defaults measures nothing", "--quick")),
-        (["bench", "--list", "--out", "."], ("--list reads and writes no record", "--out")),
+        ("bench rots", ("quantity = rots", "one of breather", "--list")),
+        ("bench roots --out nowhere/at/all", ("nowhere/at/all", "create it first")),
+        ("bench --list --defaults", ("--list and --defaults",)),
+        ("bench --quik", ("--quik", "--quick")),
+        ("bench --list --quick", ("--list measures nothing", "leave out --quick")),
+        ("bench --defaults --quick", ("--defaults measures nothing", "--quick")),
+        ("bench --list --out .", ("--list reads and writes no record", "--out")),
         (
-            ["bench", "growth", "--defaults"],
+            "bench growth --defaults",
             ("not judge any default method of growth", "leave out growth"),
         ),
     ],
 )
 def test_bad_input_to_bench_is_one_sentence(
-    line: list[str], words: tuple[str, ...], capsys: Capture
+    line: str, words: tuple[str, ...], refused: Refused
 ) -> None:
-    assert main(line) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert len(told.err.strip().splitlines()) == 1
-    assert all(word in told.err for word in words)
+    said = refused(line)["message"]
+    assert all(word in said for word in words)
 
 
 def test_the_claims_of_a_report_are_written_as_a_table(tmp_path: Path, capsys: Capture) -> None:

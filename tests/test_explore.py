@@ -198,9 +198,8 @@ def test_without_the_extra_one_sentence_names_it(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("port", ["-1", "70000", "x"])
-def test_a_port_that_is_none_is_refused(port, capsys):
-    assert main(["explore", "--port", port]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+def test_a_port_that_is_none_is_refused(port, refused):
+    refused(f"explore --port {port}")
 
 
 @pytest.mark.parametrize(

@@ -305,14 +305,10 @@ BAD = [
 def test_bad_input_ends_with_two_and_one_sentence(
     line: str,
     word: str,
-    capsys: pytest.CaptureFixture[str],
+    refused: Any,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(shlex.split(line)) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    assert word in captured.err
+    assert word in refused(line)["message"]
     assert list(tmp_path.iterdir()) == []

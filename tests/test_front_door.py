@@ -296,13 +296,10 @@ def test_a_missing_extra_is_named(monkeypatch, results):
         results["curve"].to_pandas()
 
 
-def test_certified_roots_name_the_extra_that_they_need(monkeypatch, capsys):
+def test_certified_roots_name_the_extra_that_they_need(monkeypatch, refused):
     monkeypatch.setitem(sys.modules, "flint", None)
-    assert main(shlex.split("roots --v 0.3 --c 0.5 --count 4 --certify")) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert shown.err.count("\n") == 1
-    assert "excitation-fronts[certify]" in shown.err
+    said = refused("roots --v 0.3 --c 0.5 --count 4 --certify")["message"]
+    assert "excitation-fronts[certify]" in said
 
 
 def test_a_run_and_a_front_are_results_too(tmp_path):
@@ -537,9 +534,9 @@ def test_a_point_that_is_refused_does_not_lose_the_others(capsys):
     assert "1/8" in answer["points"][2]["reason"]
 
 
-def test_two_ranges_are_refused(capsys):
-    assert main(["breather", "averaged", "--b", "0.4:0.5:2", "--c", "0.05:0.1:2"]) == 2
-    assert "not for both" in capsys.readouterr().err
+def test_two_ranges_are_refused(refused):
+    error = refused("breather averaged --b 0.4:0.5:2 --c 0.05:0.1:2")
+    assert "not for both" in error["message"]
 
 
 def test_envelope_is_another_name_of_averaged(capsys):

@@ -194,30 +194,26 @@ def test_claims_that_share_evidence_or_work_go_to_one_process(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("line", "sentence"),
     [
-        (["fig61"], "'fig61' is neither a claim nor a group of claims: did you mean fig16"),
-        (["--verdict", "wrong"], "'wrong' is not a verdict"),
-        (["fig9", "--verdict", "untestable"], "no claim of fig9 has the verdict 'untestable'"),
-        (["--jobs", "0"], "--workers = 0 is not allowed: it must be a whole number from 1 to 256"),
-        (["--jobs", "two"], "--workers = two is not allowed: it must be a whole number"),
-        (["--resume"], "--resume needs --out DIR"),
-        (["--list", "--out", "x"], "--list judges nothing: leave out --out."),
-        (["--list", "--jobs", "1", "--record"], "leave out --workers and --record."),
-        (["--out", ""], "an empty name is no folder"),
-        (["--out", " "], "an empty name is no folder"),
-        (["--out", "a-file"], "--out a-file is a file: name a folder."),
-        (["--out", "a-file/below"], "--out a-file/below cannot be written"),
+        ("fig61", "'fig61' is neither a claim nor a group of claims: did you mean fig16"),
+        ("--verdict wrong", "'wrong' is not a verdict"),
+        ("fig9 --verdict untestable", "no claim of fig9 has the verdict 'untestable'"),
+        ("--jobs 0", "--workers = 0 is not allowed: it must be a whole number from 1 to 256"),
+        ("--jobs two", "--workers = two is not allowed: it must be a whole number"),
+        ("--resume", "--resume needs --out DIR"),
+        ("--list --out x", "--list judges nothing: leave out --out."),
+        ("--list --jobs 1 --record", "leave out --workers and --record."),
+        ("--out ''", "an empty name is no folder"),
+        ("--out ' '", "an empty name is no folder"),
+        ("--out a-file", "--out a-file is a file: name a folder."),
+        ("--out a-file/below", "--out a-file/below cannot be written"),
     ],
 )
-def test_bad_input_exits_with_2_before_any_work(arguments, sentence, tmp_path, monkeypatch, capsys):
+def test_bad_input_exits_with_2_before_any_work(line, sentence, tmp_path, monkeypatch, refused):
     monkeypatch.chdir(tmp_path)
     Path("a-file").touch()
-    assert main(["check", *arguments]) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert shown.err.count("\n") == 1
-    assert sentence in shown.err
+    assert sentence in refused(f"check {line}")["message"]
     assert judged(tmp_path) == []
     assert [path.name for path in tmp_path.iterdir()] == ["a-file"]
 

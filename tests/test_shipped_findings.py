@@ -296,15 +296,14 @@ def test_other_versions_do_not_make_it_stale(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("line", "sentence"),
     [
-        (["--list", "--record"], "leave out --record"),
-        (["--list", "--full"], "leave out --full"),
+        ("--list --record", "leave out --record"),
+        ("--list --full", "leave out --full"),
     ],
 )
-def test_options_that_do_not_fit_are_refused(capsys, arguments, sentence):
-    assert main(["check", *arguments]) == 2
-    assert sentence in capsys.readouterr().err
+def test_options_that_do_not_fit_are_refused(refused, line, sentence):
+    assert sentence in refused(f"check {line}")["message"]
 
 
 def test_a_folder_that_takes_no_files_is_named(capsys, tmp_path):

@@ -690,13 +690,9 @@ def nothing_computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterato
     ],
 )
 def test_bad_input_to_the_command_ends_with_two_and_one_sentence(
-    options: str, word: str, capsys: pytest.CaptureFixture[str]
+    options: str, word: str, refused: Any
 ) -> None:
-    assert main(["map", "vdp", "--model", "envelope", *shlex.split(options)]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    assert word in captured.err
+    assert word in refused(f"map vdp --model envelope {options}")["message"]
 
 
 def test_a_store_of_other_parameters_stops_the_command(

@@ -332,11 +332,9 @@ def test_a_run_of_another_right_hand_side_is_another_run(monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("eta", ["0.1", "0.01:0.1:3"])
 def test_a_map_whose_axes_do_not_include_eta_refuses_it(
-    eta: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    eta: str, monkeypatch: pytest.MonkeyPatch, refused: Any
 ) -> None:
     """A single number was ignored, although the chain has a and b."""
     monkeypatch.setitem(CHAINS, "scaled", ScaledChain)
-    line = ["map", "scaled", "--c", "0.1:0.2:2", "--alpha", "0.2:0.3:2", "--eta", eta]
-    assert main(line) == 2
-    said = "fronts: --eta has no meaning for 'fronts map scaled': leave it out."
-    assert capsys.readouterr().err.strip() == said
+    error = refused(f"map scaled --c 0.1:0.2:2 --alpha 0.2:0.3:2 --eta {eta}")
+    assert error["message"] == "--eta has no meaning for 'fronts map scaled': leave it out."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import io
 import json
@@ -12,6 +13,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,7 @@ import numpy as np
 import pytest
 from numpy.lib import format as npy
 
+from theory.chains.friction import FrictionChain
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, RunError
@@ -32,6 +35,8 @@ from verification.runs.excite import excite
 from verification.runs.simulate import MAX_NUMBERS, _check_samples, simulate
 from verification.runs.smooth_integration import SmoothIntegration
 
+VDP = VdpChain(a=4.0, b=0.5, c=0.6, sites=40)
+FRICTION = FrictionChain(c=0.05, sites=9)
 FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER))
 Logistic = importlib.import_module("checkpoint_example").Logistic
@@ -304,6 +309,57 @@ def test_a_run_is_saved_every_few_seconds_and_not_more_often(
     if saved is not None:
         with np.load(path) as opened:
             assert opened["0.clock"] == saved
+
+
+@pytest.mark.parametrize(
+    ("chain", "excited", "end", "options"),
+    [
+        (VDP, [1], 1500.0, {"tolerance": 1e-7, "budget": 7000}),
+        (VDP.averaged(), [1], 1500.0, {"tolerance": 1e-7, "budget": 400}),
+        # A budget of one step of nine sites: the run is left after every step.
+        *((FRICTION, excited, 30.0, {"logged_events": 500, "budget": 1})
+          for excited in ([1], [5], range(1, 10))),
+    ],
+)  # fmt: skip
+def test_an_interrupted_run_goes_on_to_the_same_bits(
+    chain: Any, excited: Any, end: float, options: dict[str, Any], tmp_path: Path
+) -> None:
+    options = {"samples": 7, **options}
+    start, looks = excite(chain, excited), 0
+    whole = simulate(chain, start, end, **options | {"budget": None})
+
+    def interrupt(_: float) -> None:
+        nonlocal looks
+        looks += 1
+        if looks % 3 == 0:
+            raise KeyboardInterrupt
+
+    for _ in range(2000):
+        with contextlib.suppress(KeyboardInterrupt):
+            resumed = simulate(
+                chain, start, end, checkpoint=tmp_path / "run.npz", progress=interrupt, **options
+            )
+            break
+    assert looks > (100 if chain is FRICTION else 6)
+    for name in ("states", "amplitude", "arrivals", "event_log"):
+        assert np.array_equal(getattr(whole, name), getattr(resumed, name), equal_nan=True), name
+    assert (whole.error, whole.steps) == (resumed.error, resumed.steps)
+
+
+@pytest.mark.parametrize("chain", [VDP, FRICTION])
+def test_a_checkpoint_of_another_run_is_refused(chain: Any, tmp_path: Path) -> None:
+    file, start = tmp_path / "run.npz", excite(chain, [1])
+    simulate(chain, start, 9.0, checkpoint=file)
+    for other, begun, end, named in (
+        (replace(chain, c=0.7), start, 9.0, f"c: {chain.c} there, 0.7 here"),
+        (chain, excite(chain, [2]), 9.0, "start"),
+        (chain, start, 10.0, "t_end"),
+    ):
+        with pytest.raises(ParameterError, match=named):
+            simulate(other, begun, end, checkpoint=file)
+    file.write_bytes(file.read_bytes()[:200])
+    with pytest.raises(ParameterError, match="checkpoint"):
+        simulate(chain, start, 9.0, checkpoint=file)
 
 
 def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -487,55 +486,6 @@ def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:
         run.advance_to(1e5, max_steps=40)
         assert run.counts["steps"] - before == 40
     assert sum(run.events.values()) > 300
-
-
-@pytest.mark.parametrize("place", [[1], [5], [1, 2, 3, 4, 5, 6, 7, 8, 9]])
-def test_an_interrupted_run_goes_on_to_the_same_bits(place: list[int], tmp_path: Path) -> None:
-    chain = FrictionChain(c=0.05, sites=9)
-    start = excite(chain, place)
-    whole = simulate(chain, start, 30.0, samples=7, logged_events=500)
-    file = tmp_path / "run.npz"
-    looks = 0
-
-    def interrupt(_: float) -> None:
-        nonlocal looks
-        looks += 1
-        if looks % 3 == 0:
-            raise KeyboardInterrupt
-
-    # A budget of one step of nine sites: the run is left after every step.
-    for _ in range(2000):
-        try:
-            resumed = simulate(
-                chain,
-                start,
-                30.0,
-                samples=7,
-                logged_events=500,
-                checkpoint=file,
-                progress=interrupt,
-                budget=1,
-            )
-            break
-        except KeyboardInterrupt:
-            continue
-    assert looks > 100
-    for name in ("states", "amplitude", "arrivals", "event_log"):
-        assert np.array_equal(getattr(whole, name), getattr(resumed, name), equal_nan=True), name
-    assert (whole.error, whole.steps) == (resumed.error, resumed.steps)
-
-
-def test_a_checkpoint_of_another_friction_run_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "run.npz"
-    chain = FrictionChain(c=0.05, sites=9)
-    simulate(chain, excite(chain, [5]), 9.0, checkpoint=file)
-    for other, place, end, named in (
-        (FrictionChain(c=0.06, sites=9), [5], 9.0, "c: 0.05 there, 0.06 here"),
-        (chain, [4], 9.0, "start"),
-        (chain, [5], 10.0, "t_end"),
-    ):
-        with pytest.raises(ParameterError, match=named):
-            simulate(other, excite(other, place), end, checkpoint=file)
 
 
 def test_more_samples_than_memory_holds_are_refused() -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -586,6 +587,15 @@ class _BegunError(Exception):
     """Nothing that was asked has been refused."""
 
 
+@pytest.fixture
+def stopped_at_its_beginning(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever runs the chain."""
+    for place, name in (
+        (FrontPreparation, "settled"), (network, "_measured"), (simulation, "_start_state")
+    ):  # fmt: skip
+        monkeypatch.setattr(place, name, Mock(side_effect=_BegunError))
+
+
 def _lengths(kind: str) -> Any:
     smooth = {"damping": "1 - 4*y**2 + 0.5*y**4", "c": 0.1}
     return {
@@ -599,6 +609,7 @@ def _lengths(kind: str) -> Any:
     }[kind]
 
 
+@pytest.mark.usefixtures("stopped_at_its_beginning")
 @pytest.mark.parametrize(
     ("kind", "option", "low", "high"),
     [
@@ -618,16 +629,9 @@ def _lengths(kind: str) -> Any:
     ],
 )
 def test_options_of_a_front_have_the_ranges_that_are_documented(
-    kind: str, option: str, low: Any, high: Any, monkeypatch: pytest.MonkeyPatch
+    kind: str, option: str, low: Any, high: Any
 ) -> None:
-    """And are refused by their names, whatever runs the chain."""
-
-    def begun(*_: Any, **__: Any) -> Any:
-        raise _BegunError
-
-    monkeypatch.setattr(FrontPreparation, "settled", begun)
-    monkeypatch.setattr(network, "_measured", begun)
-    monkeypatch.setattr(simulation, "_start_state", begun)
+    """And are refused by their names."""
     chain = _lengths(kind)
     for inside in (low, high):
         with pytest.raises(_BegunError):
@@ -657,17 +661,10 @@ READ = {
 }
 
 
+@pytest.mark.usefixtures("stopped_at_its_beginning")
 @pytest.mark.parametrize("option", GIVEN)
 @pytest.mark.parametrize("kind", READ)
-def test_an_option_is_read_or_refused(
-    kind: str, option: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def begun(*_: Any, **__: Any) -> Any:
-        raise _BegunError
-
-    monkeypatch.setattr(FrontPreparation, "settled", begun)
-    monkeypatch.setattr(network, "_measured", begun)
-    monkeypatch.setattr(simulation, "_start_state", begun)
+def test_an_option_is_read_or_refused(kind: str, option: str) -> None:
     read = option in READ[kind]
     with pytest.raises(_BegunError if read else ParameterError, match=None if read else option):
         measure.measure_front(_lengths(kind), **{option: GIVEN[option]})

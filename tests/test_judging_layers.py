@@ -409,6 +409,23 @@ def test_what_passes_the_level_again_and_again_is_not_steady(
     assert found.above == np.count_nonzero(high > level)
 
 
+class _FrictionRun:
+    """A made-up run of a friction chain of unit amplitudes whose sites have not stuck."""
+
+    def __init__(self, _: object, start: Any, **__: object) -> None:
+        self.time, self.counts = 0.0, {"steps": 1}
+        self.amplitude, self.arrivals = np.ones(start.shape[1]), np.full(start.shape[1], NAN)
+
+    def forget_arrivals(self) -> None:
+        pass
+
+    def advance_to(self, time: float) -> None:
+        self.time = time
+
+    def going_to_rest(self) -> bool:
+        return False
+
+
 @pytest.mark.parametrize("drift", [0.9e-5, 1.1e-5])
 def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
     drift: float, monkeypatch: pytest.MonkeyPatch
@@ -424,19 +441,10 @@ def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
     monkeypatch.setattr(smooth_rules, "_through_window", moved)
     found = smooth_rules.find_smooth_state(UNSTABLE, np.zeros((2, 4)), end=100.0)
 
-    class Run:
-        def __init__(self, *_: object, **__: object) -> None:
-            self.time, self.arrivals, self.counts = 0.0, np.array([0.0, NAN]), {"steps": 1}
-            self.amplitude = np.ones(2)
-
-        def forget_arrivals(self) -> None:
-            pass
-
+    class Run(_FrictionRun):
         def advance_to(self, time: float) -> None:
             self.time, self.amplitude = time, self.amplitude + np.array([0.0, drift])
-
-        def going_to_rest(self) -> bool:
-            return False
+            self.arrivals[0] = 0.0
 
     monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
     chain = FrictionChain(c=0.05, sites=2)
@@ -457,16 +465,9 @@ def test_a_steady_friction_chain_is_a_breather_if_some_but_not_all_sites_stick(
 ) -> None:
     """With all of them it is a front."""
 
-    class Run(SimpleNamespace):
-        def __init__(self, *_: object, **__: object) -> None:
-            arrivals = np.full(5, NAN)
-            arrivals[list(sticking)] = 0.0
-            super().__init__(time=0.0, arrivals=arrivals, counts={"steps": 1})
-            self.amplitude, self.forget_arrivals = np.ones(5), lambda: None
-            self.going_to_rest = lambda: False
-
+    class Run(_FrictionRun):
         def advance_to(self, time: float) -> None:
-            self.time = time
+            self.time, self.arrivals[list(sticking)] = time, 0.0
 
     monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
     chain = FrictionChain(c=0.05, sites=5)
@@ -474,21 +475,17 @@ def test_a_steady_friction_chain_is_a_breather_if_some_but_not_all_sites_stick(
     assert (found.state, found.above) == (state, len(sticking))
 
 
+def _state_of(chain: AveragedChain, excited: Sequence[int], **rules: float) -> Any:
+    """Run a chain from excited sites until its state is named, by rules with these departures."""
+    usual = {"rest_bound": 1e-3, "stiffness": 0.0, "hold": 10.0, "window": 2.0, "end": 100.0}
+    start, level = excite(chain, excited), chain.unstable_amplitude
+    given: Any = usual | {"tolerance": 1e-8} | rules
+    return state_run.run_to_state(chain, start, level=level, **given)
+
+
 @pytest.mark.parametrize("hold", [3.0, 8.0])
 def test_a_filled_chain_is_a_front_when_it_has_been_filled_for_so_long(hold: float) -> None:
-    chain = UNSTABLE
-    found = state_run.run_to_state(
-        chain,
-        excite(chain, range(1, 5)),
-        level=chain.unstable_amplitude,
-        rest_bound=1e-3,
-        stiffness=0.0,
-        hold=hold,
-        window=5.0,
-        settled=1e-5,
-        end=100.0,
-        tolerance=1e-8,
-    )
+    found = _state_of(UNSTABLE, range(1, 5), hold=hold, window=5.0, settled=1e-5)
     assert found.state is State.FRONT
     assert hold <= found.time < hold + 1.5
 
@@ -498,18 +495,7 @@ def test_a_breather_is_named_the_later_the_less_its_amplitudes_may_still_change(
     chain = AveragedChain(a=4, b=0.5, c=0.05, sites=6)
     times = []
     for settled in (1e-2, 1e-4, 1e-6):
-        found = state_run.run_to_state(
-            chain,
-            excite(chain, [3]),
-            level=chain.unstable_amplitude,
-            rest_bound=1e-3,
-            stiffness=0.0,
-            hold=10.0,
-            window=2.0,
-            settled=settled,
-            end=400.0,
-            tolerance=1e-10,
-        )
+        found = _state_of(chain, [3], settled=settled, end=400.0, tolerance=1e-10)
         assert found.state is State.BREATHER
         times.append(found.time)
     assert times[0] < times[1] < times[2]
@@ -527,18 +513,7 @@ def test_a_stop_condition_that_counts_sites_is_given_all_of_them(
 
     monkeypatch.setattr(state_run, "SmoothIntegration", integration)
     chain = AveragedChain(a=4, b=0.5, c=0.05, sites=40)
-    found = state_run.run_to_state(
-        chain,
-        excite(chain, [3]),
-        level=chain.unstable_amplitude,
-        rest_bound=1e-3,
-        stiffness=0.0,
-        hold=10.0,
-        window=2.0,
-        settled=1e-3,
-        end=100.0,
-        tolerance=1e-8,
-    )
+    found = _state_of(chain, [3], settled=1e-3)
     (run,) = made
     assert (found.state, found.above) == (State.BREATHER, 1)
     assert run.counts["site_steps"] == 40 * found.steps
@@ -698,11 +673,7 @@ def test_at_the_end_a_chain_that_has_stayed_half_filled_for_half_the_time_is_a_f
 def test_a_friction_front_has_reached_all_sites_and_half_of_them_still_stick(
     ever: int, now: int, state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Run:
-        def __init__(self, *_: object, **__: object) -> None:
-            self.time, self.arrivals = 0.0, np.full(6, NAN)
-            self.amplitude, self.counts = np.ones(6), {"steps": 1}
-
+    class Run(_FrictionRun):
         def forget_arrivals(self) -> None:
             self.arrivals[:] = NAN
 
@@ -710,9 +681,6 @@ def test_a_friction_front_has_reached_all_sites_and_half_of_them_still_stick(
             first, self.time = self.time == 0.0, time
             self.arrivals[: ever if first else now] = time
             self.amplitude = np.full(6, min(time, 200.0))  # changes for five windows
-
-        def going_to_rest(self) -> bool:
-            return False
 
     monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
     chain = FrictionChain(c=0.05, sites=6)

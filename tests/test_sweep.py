@@ -94,7 +94,7 @@ def _command(out: Path, log: Path, workers: int) -> list[str]:
     return [sys.executable, "-c", program, str(out), str(log), str(workers)]
 
 
-def _interrupted(out: Path, log: Path) -> None:
+def _interrupted(task: Any, points: Any, **options: Any) -> None:
     """Leave the store of a sweep that was interrupted after half of the points."""
 
     def stop(done: float) -> None:
@@ -102,7 +102,7 @@ def _interrupted(out: Path, log: Path) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(Slow(str(log)), POINTS, out=out, workers=1, progress=stop)
+        sweep(task, points, progress=stop, **options)
 
 
 @pytest.fixture
@@ -173,7 +173,7 @@ def test_the_store_of_another_sweep_is_refused_and_left_alone(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     out = tmp_path / "out.csv"
-    _interrupted(out, Path("log"))
+    _interrupted(Slow("log"), POINTS, out=out, workers=1)
     before = part_path(out).read_bytes()
     with pytest.raises(ParameterError, match=named) as caught:
         sweep(task, points, out=out, workers=1, resume=True)  # type: ignore[arg-type]
@@ -183,7 +183,7 @@ def test_the_store_of_another_sweep_is_refused_and_left_alone(
 
 def test_a_store_is_not_overwritten_unasked_nor_is_a_file_that_is_none(tmp_path: Path) -> None:
     out, log = tmp_path / "out.csv", tmp_path / "log"
-    _interrupted(out, log)
+    _interrupted(Slow(str(log)), POINTS, out=out, workers=1)
     with pytest.raises(ParameterError, match="--resume"):
         sweep(Slow(str(log)), POINTS, out=out, workers=1)
     for text in ("a letter\n", "a longer letter" * 1000, '{"task": 1}\n'):
@@ -426,12 +426,7 @@ def test_a_zarr_store_holds_the_table_over_its_axes_and_is_resumed(tmp_path: Pat
     axes = {"x": [1, 3, 2], "y": [0.5, 0.25]}
     task = sweep_example.Area(str(tmp_path / "log"))
 
-    def stop(done: float) -> None:
-        if done == 0.5:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        sweep(task, axes, out=out, workers=1, progress=stop)
+    _interrupted(task, axes, out=out, workers=1)
     table = sweep(task, axes, out=out, workers=1, resume=True)
     assert table.resumed == 3
     assert len(_computed(tmp_path / "log")) == 6
@@ -483,13 +478,7 @@ def test_arrays_of_points_are_those_of_a_loop_through_a_stop_and_a_file(
     xarray = pytest.importorskip("xarray")
     out, log = tmp_path / f"out{ending}", tmp_path / "log"
     task, dims = sweep_example.Shapes(str(log)), {"profile": "site", "counts": ("from_", "to")}
-
-    def stop(done: float) -> None:
-        if done == 0.5:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        sweep(task, POINTS, out=out, workers=workers, dims=dims, progress=stop)
+    _interrupted(task, POINTS, out=out, workers=workers, dims=dims)
     table = sweep(task, POINTS, out=out, workers=workers, dims=dims, resume=True)
     assert table.resumed == 10
     again = sweep(task, POINTS, out=out, workers=workers, dims={"profile": "n"}, resume=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -167,56 +166,6 @@ def test_the_cost_of_a_front_grows_with_the_length_of_its_path_not_with_its_squa
         )
         spent.append(run.steps * run.mean_active)
     assert spent[1] / spent[0] < 2.2
-
-
-@pytest.mark.parametrize("of", [VdpChain.full, VdpChain.averaged])
-def test_an_interrupted_run_goes_on_to_the_same_bits(
-    of: Callable[[VdpChain], VanDerPolChain], tmp_path: Path
-) -> None:
-    start = excite(FRONT, [1])
-    chain = of(FRONT)
-    arguments = {"samples": 7, "tolerance": 1e-7}
-    whole = simulate(chain, start, 1500.0, **arguments)  # type: ignore[arg-type]
-    file = tmp_path / "run.npz"
-    budget = 7000 if of is VdpChain.full else 400
-    looks = 0
-
-    def interrupt(_: float) -> None:
-        nonlocal looks
-        looks += 1
-        if looks % 3 == 0:
-            raise KeyboardInterrupt
-
-    for _ in range(200):
-        try:
-            resumed = simulate(
-                chain, start, 1500.0, checkpoint=file, progress=interrupt, budget=budget,
-                **arguments,  # type: ignore[arg-type]
-            )  # fmt: skip
-            break
-        except KeyboardInterrupt:
-            continue
-    assert looks > 6
-    assert np.array_equal(whole.psi, resumed.psi)
-    assert np.array_equal(whole.arrivals, resumed.arrivals, equal_nan=True)
-    assert (whole.error, whole.steps) == (resumed.error, resumed.steps)
-
-
-def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "run.npz"
-    start = excite(FRONT, [1])
-    simulate(FRONT, start, 50.0, checkpoint=file)
-    other = VdpChain(a=4.0, b=0.5, c=0.7, sites=40)
-    for chain, psi, end, named in (
-        (other, start, 50.0, "c: 0.6 there, 0.7 here"),
-        (FRONT, excite(FRONT, [2]), 50.0, "start"),
-        (FRONT, start, 60.0, "t_end"),
-    ):
-        with pytest.raises(ParameterError, match=named):
-            simulate(chain, psi, end, checkpoint=file)
-    file.write_bytes(file.read_bytes()[:200])
-    with pytest.raises(ParameterError, match="checkpoint"):
-        simulate(FRONT, start, 50.0, checkpoint=file)
 
 
 @pytest.mark.parametrize("of", [VdpChain.full, VdpChain.averaged])

@@ -6,7 +6,7 @@ import fronts as fr
 
 
 def main(path: str | None = None) -> float:
-    """Return the largest modulus of a multiplier but the trivial one; and draw the breather."""
+    """Return the largest modulus of the nontrivial multipliers; draw the breather to a file."""
     chain = fr.VdpChain(a=2.5, b=0.5, c=0.1, sites=15)
     orbit = fr.breather(chain, method="orbit")
     if path is not None:

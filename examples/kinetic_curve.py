@@ -6,7 +6,7 @@ import fronts as fr
 
 
 def main(path: str | None = None) -> float:
-    """Return the velocity of the fastest front at the largest coupling; and draw the curve."""
+    """Return the fastest velocity at the largest coupling; draw the curve to a file."""
     curve = fr.kinetic_relation(c=np.linspace(0.40, 1.0, 61), eta=0.03125)
     axes = curve.plot()
     if path is not None:

@@ -1,4 +1,4 @@
-"""What springs to second neighbours do to a front: its velocity over their weight."""
+"""Springs to second neighbours make a front faster: its velocity against their weight."""
 
 import matplotlib.pyplot as plt
 
@@ -8,7 +8,7 @@ WEIGHTS = (0.0, 0.1, 0.2)
 
 
 def main(path: str | None = None) -> float:
-    """Return by which factor a weight of 0.2 makes the front faster; draw the velocities."""
+    """Return the factor by which a weight of 0.2 makes the front faster; draw the velocities."""
     speeds = []
     for weight in WEIGHTS:
         chain = fr.OscillatorChain(
@@ -21,7 +21,7 @@ def main(path: str | None = None) -> float:
     if path is not None:
         figure, axes = plt.subplots()
         axes.plot(WEIGHTS, speeds, "o-")
-        axes.set(xlabel="weight of second neighbours", ylabel="front velocity v")
+        axes.set(xlabel="weight of the springs to second neighbours", ylabel="front velocity v")
         figure.savefig(path)
     return speeds[-1] / speeds[0]
 

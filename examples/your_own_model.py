@@ -1,4 +1,4 @@
-"""A model of your own: one dataclass and one right-hand side; everything else knows it.
+"""A model of your own: one dataclass and one right-hand side are all that is needed.
 
 The chain of Nagumo, ẏ_n = y_n (1 - y_n)(y_n - α) + c (y_{n-1} - 2 y_n + y_{n+1}).
 """

@@ -7,7 +7,7 @@ function receives empty axes and labels them. Matplotlib is imported by the call
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import pairwise
+from itertools import cycle, pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,13 +69,13 @@ def need_picture(names: Sequence[str]) -> None:
 
 def _kinetic_point(result: Any, axes: Axes, **style: Any) -> None:
     _branches(axes, [result], "c", style)
-    axes.set(xlabel="coupling c", ylabel="front velocity v")
+    axes.set(xlabel="coupling c", ylabel=SLOW_VELOCITY)
     _explain(axes)
 
 
 def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:
     label = "coupling c" if result.along == "c" else "η = b/a²"
-    axes.set(xlabel=label, ylabel="front velocity v")
+    axes.set(xlabel=label, ylabel=SLOW_VELOCITY)
     _branches(axes, result.points, result.along, style)
     if result.along == "c":
         _thresholds(axes, result.points[0])
@@ -138,8 +138,9 @@ def _profile(result: Any, axes: Axes, **style: Any) -> None:
     axes.plot(zeta, phi.imag, color=GREEN, lw=0.9, ls=":", label=r"Im $\varphi$")
     axes.axhline(result.threshold, color="0.5", lw=0.8)
     place = (zeta[-1], result.threshold)
-    axes.annotate("threshold", place, ha="right", va="bottom", fontsize=8, color="0.35")
-    axes.legend(title=f"v = {result.v:.6g}")
+    name = r"threshold $|\varphi_{us}|/|\varphi_s|$"
+    axes.annotate(name, place, ha="right", va="bottom", fontsize=8, color="0.35")
+    axes.legend(title=rf"$\hat v$ = {result.v:.6g}")
 
 
 def _bifurcation(result: Any, axes: Axes, **style: Any) -> None:
@@ -170,8 +171,20 @@ def _curve(result: Any, axes: Axes, **style: Any) -> None:
         axes.errorbar(
             x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, **look, **style}
         )
-    axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=LABELS.get(name, name))
+    label = _label(name, getattr(result.points[0], "chain", None))
+    axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=label)
     _explain(axes)
+
+
+def _label(name: str, chain: Any) -> str:
+    """Return the label of a quantity of a chain."""
+    slow = name == "v" and _in_slow_time(chain)
+    return SLOW_VELOCITY if slow else LABELS.get(name, name)
+
+
+def _in_slow_time(chain: Any) -> bool:
+    """Return whether the velocities of a chain are in sites per unit of slow time εt."""
+    return getattr(chain, "model", "") == "piecewise" or getattr(chain, "time_unit", 1.0) != 1.0
 
 
 def _cycles(
@@ -226,7 +239,7 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
         if shown and stable is not None:
             axes.plot(*zip(*shown, strict=True), "o", ms=2.5, color=look["color"])
     _explain(axes)
-    axes.set(xlabel=LABELS[along], ylabel=LABELS.get(name, name))
+    axes.set(xlabel=LABELS[along], ylabel=SLOW_VELOCITY if name == "v" else LABELS[name])
 
 
 def _kinds(first: tuple[Any, ...], last: tuple[Any, ...]) -> set[bool | None]:
@@ -239,8 +252,9 @@ def _breather(result: Any, axes: Axes, **style: Any) -> None:
 
 
 def _breathers(result: Any, axes: Axes, **style: Any) -> None:
-    for name, found in result.methods.items():
-        _amplitudes(axes, found, {"label": name, **style})
+    # Hollow marks of different shapes, since the amplitudes of the methods hardly differ.
+    for (name, found), mark in zip(result.methods.items(), cycle("os^x"), strict=False):
+        _amplitudes(axes, found, {"label": name, "marker": mark, "mfc": "none", "ms": 5.0, **style})
     axes.legend()
 
 
@@ -299,10 +313,12 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
     count = np.arange(1, result.arrivals.size + 1)
     unit = result.chain.time_unit  # v is the slope: sites in this time
     axes.plot(result.arrivals / unit, count, "o", **{"ms": 2.5, "color": BLUE, **style})
-    time = "time of arrival" if unit == 1.0 else "slow time of arrival, εt"
+    slow = _in_slow_time(result.chain)
+    time = r"slow time of arrival $\varepsilon t$" if slow else "time of arrival"
     axes.set(xlabel=time, ylabel="sites passed")
     if result.v is not None:
-        axes.set_title(f"v = {result.v:.6g}")
+        symbol = r"$\hat v$" if slow else "v"
+        axes.set_title(f"{symbol} = {result.v:.6g}")
 
 
 def _ensemble(result: Any, axes: Axes, **style: Any) -> None:
@@ -311,7 +327,7 @@ def _ensemble(result: Any, axes: Axes, **style: Any) -> None:
     axes.axhline(result.mean, color=VERMILION)
     spread = result.spread or 0.0
     axes.axhspan(result.mean - spread, result.mean + spread, color="0.9", zorder=0)
-    axes.set(xlabel="seed of the disorder", ylabel=result.quantity)
+    axes.set(xlabel="seed of the disorder", ylabel=_label(result.quantity, result.chain))
 
 
 def _state_map(result: Any, axes: Axes, **style: Any) -> None:
@@ -329,6 +345,9 @@ CURVES = ("v", "c_crit", "centre", "effective_damping")
 
 BRANCHES = ("v", "centre")
 """Quantities that are drawn as functions of the parameter along a branch."""
+
+SLOW_VELOCITY = r"front velocity $\hat v = v/\varepsilon$"
+"""Label of velocities in sites per unit of slow time εt."""
 
 LABELS = {
     "c": "coupling c",

@@ -22,7 +22,7 @@ from PIL import Image, ImageSequence
 import fronts as fr
 from fronts.animation import animate, snapshot
 from fronts.branches import BranchFold, FollowedBranch
-from fronts.pictures import BLUE, DRAWINGS, VERMILION, _thresholds, draw
+from fronts.pictures import BLUE, DRAWINGS, SLOW_VELOCITY, VERMILION, _thresholds, draw
 from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
@@ -80,7 +80,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_dashed_where_it_is_not() -> No
     assert words == ["stable", "not stable"]
     for line in axes.lines:  # here v = 2 c
         assert list(line.get_ydata()) == pytest.approx([2.0 * x for x in line.get_xdata()])
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("coupling c", "front velocity v")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("coupling c", SLOW_VELOCITY)
 
 
 @pytest.mark.parametrize("along", ["c", "eta"])
@@ -176,13 +176,39 @@ def test_a_curve_of_breathers_has_the_bars_of_what_is_drawn_and_a_line_a_method(
     assert names == ["closed-form", "envelope", "orbit", "simulation"]
 
 
+@pytest.mark.parametrize(("chain", "label"), [
+    (fr.VdpChain(a=4, b=0.5, c=0.6), SLOW_VELOCITY),
+    (fr.PiecewiseChain(c=1, eta=0.03), SLOW_VELOCITY),
+    (fr.FrictionChain(c=0.02), "front velocity v"),
+])  # fmt: skip
+def test_a_velocity_has_the_name_that_goes_with_the_unit_of_time(chain: Any, label: str) -> None:
+    from fronts.curves import Curve
+
+    @dataclass(frozen=True, kw_only=True)
+    class Measured(Result):
+        v: float
+        chain: Any
+
+    points = (Measured(v=0.5, chain=chain), Measured(v=0.75, chain=chain))
+    axes = draw(Curve(along="c", values=np.array([1.0, 2.0]), points=points, seconds=0.0))
+    assert axes.get_ylabel() == label
+
+
+def test_methods_that_agree_are_drawn_with_different_hollow_marks() -> None:
+    axes = Figure().subplots()
+    DRAWINGS["BreatherComparison"](_results()["BreatherComparison"], axes)
+    lines = axes.lines
+    assert [line.get_marker() for line in lines] == ["o", "s"]
+    assert {line.get_markerfacecolor() for line in lines} == {"none"}
+
+
 @pytest.mark.parametrize("along", ["c", "eta"])
 def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) -> None:
     values = {"c": [0.434, 0.5], "eta": [0.02, 0.03]}[along]
     found = fr.kinetic_relation(**{"c": 0.5, "eta": 0.03125, along: values})
     axes = draw(found)
     assert axes.get_xlabel() == {"c": "coupling c", "eta": "η = b/a²"}[along]
-    assert axes.get_ylabel() == "front velocity v"
+    assert axes.get_ylabel() == SLOW_VELOCITY
     words = [text.get_text() for text in axes.get_legend().get_texts()]
     assert words == axes.get_legend_handles_labels()[1]
     shown = {
@@ -226,8 +252,8 @@ def test_a_profile_is_drawn_by_its_modulus_its_two_parts_and_its_threshold() -> 
     assert axes.texts[0].xy == (found.zeta[-1], found.threshold)
     (level,) = (line for line in axes.lines if line.get_label() not in named)
     assert list(level.get_ydata()) == [found.threshold] * 2
-    assert [text.get_text() for text in axes.texts] == ["threshold"]
-    assert axes.get_legend().get_title().get_text() == f"v = {found.v:.6g}"
+    assert [text.get_text() for text in axes.texts] == [r"threshold $|\varphi_{us}|/|\varphi_s|$"]
+    assert axes.get_legend().get_title().get_text() == rf"$\hat v$ = {found.v:.6g}"
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("ζ (sites)", r"$\varphi/\varphi_s$")
 
 
@@ -302,7 +328,7 @@ def test_an_ensemble_is_drawn_about_its_mean(last: float) -> None:
     (band,) = axes.patches
     low, high = band.get_extents().transformed(axes.transData.inverted()).intervaly
     assert (low, high) == pytest.approx((centre - half, centre + half))
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("seed of the disorder", "v")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("seed of the disorder", "front velocity v")
 
 
 def _run(amplitude: np.ndarray, **chain: Any) -> Any:
@@ -468,15 +494,15 @@ def _results() -> dict[str, Any]:
 
 
 NAMES: dict[str, tuple[str, str, str, list[str], list[tuple[float, float]]]] = {
-    "KineticRelation": ("coupling c", "front velocity v", "", ["admissible", "not admissible"],
+    "KineticRelation": ("coupling c", SLOW_VELOCITY, "", ["admissible", "not admissible"],
                         [(0.5, 0.3), (0.5, 0.7)]),
-    "KineticCurve": ("coupling c", "front velocity v", "", ["admissible", "not admissible"],
+    "KineticCurve": ("coupling c", SLOW_VELOCITY, "", ["admissible", "not admissible"],
                      [(0.5, 0.3), (0.5, 0.7)]),
     "Bifurcation": ("belt velocity $v_d$", "turning points of y", "",
                     ["stick-slip cycle", "unstable cycle", "steady sliding, stable",
                      "steady sliding, unstable", "Hopf, $v_d$ = 0.95", "grazing, $v_d$ = 1.95"],
                     []),
-    "FollowedBranch": ("coupling c", "front velocity v", "", ["stable", "not stable"],
+    "FollowedBranch": ("coupling c", SLOW_VELOCITY, "", ["stable", "not stable"],
                        [(x, 2.0 * x) for x in np.linspace(0.6, 0.2, 4)]),
     "Curve": ("coupling c", "front velocity v", "", ["run", "wave"], [(0.1, 1.0), (0.2, 2.0)]),
     "Curve of one method": ("η = b/a²", "front velocity v", "", [], [(0.1, 1.0), (0.2, 1.0)]),
@@ -485,7 +511,8 @@ NAMES: dict[str, tuple[str, str, str, list[str], list[tuple[float, float]]]] = {
                                   [(1, 1.0), (2, 3.0), (3, 2.0)]),
     "Trajectory of a lattice": ("column", "row", "t = 10", [], []),
     "Front": ("time of arrival", "sites passed", "v = 0.5", [], [(0.0, 1), (5.0, 2), (10.0, 3)]),
-    "Front in slow time": ("slow time of arrival, εt", "sites passed", "v = 0.5", [],
+    "Front in slow time": (r"slow time of arrival $\varepsilon t$", "sites passed",
+                           r"$\hat v$ = 0.5", [],
                            [(0.0, 1), (0.05, 2), (0.1, 3)]),
     "StateMap": ("coupling c", "belt velocity $v_d$", "", ["front (2)", "breather (2)"],
                  [(0.1, 1.0), (0.1, 2.0), (0.0, 1.0), (0.0, 2.0)]),

@@ -27,5 +27,5 @@ for place, marker in (("edge", "o-"), ("bulk", "s--")):
         for size in sizes
     ]
     axes.plot(sizes, [each.c_crit for each in found], marker, label=place)
-axes.set(xlabel="sites of the nucleus", ylabel="critical coupling c", ylim=(0, None))
+axes.set(xlabel="nucleus size (sites)", ylabel="critical coupling c", xticks=sizes, ylim=(0, None))
 axes.legend()

@@ -19,7 +19,11 @@ axes.errorbar(
     couplings, [m.v for m in measured], [m.error for m in measured], fmt="o-", ms=4, label="front"
 )
 axes.plot(
-    couplings, [chain.largest_group_velocity for chain in chains], "--", color="0.5", label="waves"
+    couplings,
+    [chain.largest_group_velocity for chain in chains],
+    "--",
+    color="0.5",
+    label="fastest linear wave",
 )
-axes.set(xlabel="coupling c", ylabel="front velocity v (sites per τ)")
+axes.set(xlabel="coupling c", ylabel="front velocity v (sites per unit of τ)")
 axes.legend()

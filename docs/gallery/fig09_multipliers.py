@@ -18,4 +18,4 @@ for c in np.append(np.linspace(0.05, 0.18, 8), [0.185, 0.188, 0.19]):
     moduli = np.abs(found.multipliers)
     axes.plot(np.full(moduli.size, c), moduli, "o", ms=3, color="#0072B2")
 axes.axhline(1.0, color="0.5", lw=0.8)
-axes.set(xlabel="coupling c", ylabel="modulus of the multipliers")
+axes.set(xlabel="coupling c", ylabel="modulus of the Floquet multipliers")

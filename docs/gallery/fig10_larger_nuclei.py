@@ -17,6 +17,6 @@ for (above, below), size in zip(panels.T, (3, 7), strict=True):
     found = fr.breather(chain, nucleus=fr.Nucleus(size, "-" * (size // 2) + "+" * (size // 2)))
     sites = np.arange(1, 22)
     above.plot(sites, found.amplitudes, "o-", ms=4)
-    above.set(ylabel="amplitude", title=f"nucleus of {size}")
+    above.set(ylabel="amplitude", title=f"nucleus size {size}")
     below.plot(sites, 180 * found.phases, "s", ms=4)
-    below.set(xlabel="site n", ylabel="phase (degrees)")
+    below.set(xlabel="site n", ylabel="phase (degrees)", yticks=(-90, 0, 90, 180))

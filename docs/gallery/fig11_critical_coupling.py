@@ -16,4 +16,4 @@ sizes = (1, 3, 5, 7, 9)
 found = [fr.threshold(chain, fr.Nucleus(n, "-" * (n // 2) + "+" * (n // 2))) for n in sizes]
 axes = plt.subplots(layout="constrained")[1]
 axes.plot(sizes, [each.c_crit for each in found], "o-")
-axes.set(xlabel="sites of the nucleus", ylabel="coupling c at the fold", xticks=sizes)
+axes.set(xlabel="nucleus size (sites)", ylabel="coupling c at the fold", xticks=sizes)

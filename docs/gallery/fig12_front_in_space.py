@@ -19,5 +19,5 @@ run = fr.simulate(
 figure, panels = plt.subplots(3, 1, sharex=True, sharey=True, figsize=(8, 5), layout="constrained")
 for axes, time, y in zip(panels, times, run.y, strict=True):
     axes.plot(np.arange(1, 201), y, lw=0.8)
-    axes.set(ylabel="y", title=f"t = {time}")
+    axes.set(ylabel="displacement y", title=f"t = {time}")
 panels[-1].set_xlabel("site n")

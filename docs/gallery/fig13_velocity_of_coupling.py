@@ -14,9 +14,9 @@ import fronts as fr
 
 couplings = np.array([0.3, 0.6, 1.0, 1.5, 2.0, 3.0])
 axes = plt.subplots(layout="constrained")[1]
-for kind, marker, label in ((fr.AveragedChain, "o", "Eq. 43"), (fr.VdpChain, "+", "Eq. 8")):
+for kind, marker, label in ((fr.AveragedChain, "o", "Eq. (43)"), (fr.VdpChain, "+", "Eq. (8)")):
     found = [fr.measure_front(kind(a=4, b=0.5, c=c)) for c in couplings]
-    axes.plot(couplings, [front.v for front in found], marker, ms=8, label=label)
-axes.plot(couplings, couplings, "--", color="0.5", label="fastest wave")
-axes.set(xlabel="coupling c", ylabel="front velocity v/ε")
+    axes.plot(couplings, [front.v for front in found], marker, ms=8, mfc="none", label=label)
+axes.plot(couplings, couplings, "--", color="0.5", label="fastest wave of (43)")
+axes.set(xlabel="coupling c", ylabel=r"front velocity $\hat v = v/\varepsilon$")
 axes.legend()

@@ -22,5 +22,5 @@ axes = plt.subplots(layout="constrained")[1]
 for label, colour, belongs in kinds:
     pairs = [(p.c, each.v) for p in curve.points for each in p.branches if belongs(each)]
     axes.plot(*zip(*pairs, strict=True), "o", ms=2.5, color=colour, label=label)
-axes.set(xlabel="coupling c", ylabel="front velocity v")
+axes.set(xlabel="coupling c", ylabel=r"front velocity $\hat v = v/\varepsilon$")
 axes.legend()

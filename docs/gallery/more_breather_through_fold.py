@@ -19,5 +19,5 @@ for label, colour, stable in (("stable", "#0072B2", True), ("unstable", "#D55E00
     c, second = [each.chain.c for each in points], [each.outward[1] for each in points]
     axes.plot(c, second, "o", color=colour, label=label)
 axes.axvline(branch.folds[0].c, color="0.6", lw=0.8, label=f"fold, c = {branch.folds[0].c:.6f}")
-axes.set(xlabel="coupling c", ylabel="amplitude of the neighbour")
+axes.set(xlabel="coupling c", ylabel="amplitude of a nearest neighbour")
 axes.legend()

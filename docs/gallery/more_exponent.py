@@ -17,4 +17,4 @@ fastest = [(point.c, point.branches[-1]) for point in points if point.branches]
 axes = plt.subplots(layout="constrained")[1]
 axes.semilogx([c for c, _ in fastest], [c / front.v * front.by_c for c, front in fastest])
 axes.axhline(0.5, color="0.6", lw=0.8)
-axes.set(xlabel="coupling c", ylabel="d ln v / d ln c", ylim=(0, 2.5))
+axes.set(xlabel="coupling c", ylabel=r"local exponent $d\ln\hat v\,/\,d\ln c$", ylim=(0, 2.5))

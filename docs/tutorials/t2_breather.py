@@ -53,8 +53,9 @@ print(f"stable: {orbit.stable}; largest moduli {moduli[-3:]}")
 axes = plt.subplots(layout="constrained")[1]
 angle = np.linspace(0, 2 * np.pi, 400)
 axes.plot(np.cos(angle), np.sin(angle), color="0.7", lw=0.8)
-axes.plot(orbit.multipliers.real, orbit.multipliers.imag, "o", ms=4)
-axes.set(xlabel="Re μ", ylabel="Im μ", xlim=(0.8, 1.03), ylim=(-0.12, 0.12))
+axes.plot(orbit.multipliers.real, orbit.multipliers.imag, "o", ms=5, mfc="none")
+axes.set(xlabel="Re μ", ylabel="Im μ", xlim=(0.8, 1.03), ylim=(-0.08, 0.08))
+axes.set_aspect("equal")
 
 # %%
 # The averaged chain predicts the same multipliers without an orbit: :math:`\mu =

@@ -32,7 +32,9 @@ for axes, (name, chain) in zip(panels, cases.items(), strict=True):
     image = axes.imshow(
         run.amplitude.T, origin="lower", aspect="auto", extent=(0, 6000, 0.5, 31.5), vmin=0, vmax=3
     )
-    axes.set(title=f"{name}: η = {chain.eta:.2g}, c = {chain.c}", xlabel="time t")
+    axes.set(
+        title=f"{name}: η = {chain.eta:.2g}, c = {chain.c}", xlabel="time t", xticks=(0, 2500, 5000)
+    )
     print(
         f"{name}: {np.count_nonzero(run.amplitude[-1] > chain.unstable_amplitude)} sites at the end"
     )
@@ -65,8 +67,8 @@ axes.set(xlabel="time t", ylabel="phase of site 8 against site 7 (degrees)")
 print(f"at the end: {np.degrees(phase[-1, 7] - phase[-1, 6]):.2f} degrees")
 
 # %%
-# The mirror symmetry of this initial condition is preserved for ever, because the arithmetic
-# preserves it. A stable nucleus must also withstand asymmetric perturbations, all of which are
+# The arithmetic preserves the mirror symmetry of this initial condition exactly, so that it is
+# never lost. A stable nucleus must also withstand asymmetric perturbations, all of which are
 # included in the growth rates of the breather.
 
 locked = fr.breather(chain, nucleus=fr.Nucleus(3, "-+"))

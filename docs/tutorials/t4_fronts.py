@@ -65,10 +65,10 @@ for b in (0.25, 0.5, 0.75):
     chains = [fr.AveragedChain(a=4, b=b, c=c) for c in couplings]
     v = np.array([fr.measure_front(each).v for each in chains])
     axes.semilogx(
-        couplings, (v - couplings) / (couplings / 6) ** (1 / 3), "o-", label=f"η = {b / 16:.4f}"
+        couplings, (v - couplings) / (couplings / 6) ** (1 / 3), "o-", label=f"η = {b / 16:g}"
     )
 axes.axhline(0, color="0.6", lw=0.8)
-axes.set(xlabel="coupling c", ylabel="(v − c) / (c/6)^(1/3)")
+axes.set(xlabel="coupling c", ylabel=r"$(\hat v - c)\,/\,(c/6)^{1/3}$")
 axes.legend()
 
 # %%

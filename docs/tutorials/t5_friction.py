@@ -15,11 +15,15 @@ import fronts as fr
 # One oscillator
 # --------------
 # On a belt at velocity 1.25 both steady sliding and the stick–slip cycle are stable; ``basin`` is
-# the range of displacements, started at zero velocity, that goes to steady sliding.
+# the range of displacements from which the cell, released at zero velocity, returns to steady
+# sliding.
 
 one = fr.cell(fr.FrictionCell(v_d=1.25))
 print(one.status.sentence)
-print(f"period {one.stable_cycle.period:.9f}, error {one.error:.1e}; basin {one.basin}")
+low, high = one.basin
+print(
+    f"period {one.stable_cycle.period:.9f}, error {one.error:.1e}; basin {low:.6f} < y < {high:.6f}"
+)
 
 # %%
 # Events
@@ -48,7 +52,7 @@ chain = chain.replace(sites=41)
 run = fr.simulate(chain, fr.excite(chain, [1]), t_end=1500)
 run.plot()
 front = fr.measure_front(chain)
-print(f"v = {front.v:.6f} ± {front.error:.1e} sites per τ")
+print(f"v = {front.v:.6f} ± {front.error:.1e} sites per unit of τ")
 
 # %%
 # A threshold depends on its definition
@@ -61,4 +65,4 @@ for definition in ("first", "whole"):
     found = fr.threshold(
         fr.FrictionChain(c=0), edge, definition=definition, accuracy=1e-4, tests=0, highest=0.1
     )
-    print(f"{definition}: {found.low:.4f} < c < {found.high:.4f}")
+    print(f"{definition}: {found.low:.6f} < c < {found.high:.6f}")

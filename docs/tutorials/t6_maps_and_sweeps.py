@@ -121,5 +121,5 @@ axes = plt.subplots(layout="constrained")[1]
 for eta in points["eta"]:
     rows = table["eta"] == eta
     axes.plot(table["c"][rows], table["v"][rows], "o-", label=f"η = {eta}")
-axes.set(xlabel="coupling c", ylabel="front velocity v/ε")
+axes.set(xlabel="coupling c", ylabel=r"front velocity $\hat v = v/\varepsilon$")
 axes.legend()

@@ -58,7 +58,7 @@ for c in couplings:
 axes.plot(couplings, [front.v for front in found], "o", label="lattice")
 fine = np.linspace(0, 2, 1000)
 axes.plot(fine, np.sqrt(fine / 2) * 0.4, label="continuum")
-axes.set(xlabel="coupling c", ylabel="front velocity")
+axes.set(xlabel="coupling c", ylabel="front velocity v (sites per unit of time)")
 axes.legend()
 
 # %%

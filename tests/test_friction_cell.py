@@ -932,6 +932,23 @@ def test_slip_that_is_taken_to_creep_never_turns_in_scipy(given: FrictionCell, s
     assert tried >= 4
 
 
+@pytest.mark.parametrize(
+    ("given", "faster"),
+    [
+        (FrictionCell(law="stribeck", xi=1.7, v_d=0.05), True),
+        (FrictionCell(law="stribeck", xi=1.7, v_d=0.85), False),
+        (FrictionCell(v0=0.05, xi=4.0, v_d=0.15), False),
+    ],
+)
+def test_slip_creeps_up_to_the_speed_at_which_drag_rises_too_little(
+    given: FrictionCell, faster: bool
+) -> None:
+    where = friction_cycles.creep(given)
+    speed = given.v_d + where.falling if faster else given.v_d - where.rising
+    drag = 2.0 * given.xi + friction_slope(given, speed)
+    assert drag == pytest.approx(friction_cycles._STRONG, rel=1e-12)  # a root, to rounding
+
+
 def test_slip_that_never_turns_leaves_no_room_for_cycles_without_stick() -> None:
     """It was answered with a division by zero."""
     given = FrictionCell(

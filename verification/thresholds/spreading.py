@@ -180,7 +180,7 @@ def spreads(
         if run.going_to_rest():
             return False
         if progress is not None:
-            progress(min(run.time / end, 1.0))
+            progress(run.time / end)
     return spread()
 
 

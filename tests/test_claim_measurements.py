@@ -93,6 +93,7 @@ def test_maps_are_sampled_evenly_and_checked_at_their_own_points() -> None:
         assert np.ptp(np.diff(grid)) == pytest.approx(0.0, abs=1e-12)
     assert {c for c, _, _ in fig05.CHECKED} <= set(fig05.COUPLINGS)
     assert max(fig05.COUPLINGS) == fig05.STRONG
+    assert min(fig05.VELOCITIES) < min(fig05.LASTING) < max(fig05.LASTING) < max(fig05.VELOCITIES)
     assert set(fig15.CHECKED) <= {(eta, c) for eta in fig15.ETAS for c in fig15.COUPLINGS}
     assert set(fig13.CHECKED) <= set(fig13.AVERAGED)
     assert set(text_nuclei.DRAWN) <= set(text_nuclei.COUPLINGS)

@@ -949,6 +949,19 @@ def test_slip_creeps_up_to_the_speed_at_which_drag_rises_too_little(
     assert drag == pytest.approx(friction_cycles._STRONG, rel=1e-12)  # a root, to rounding
 
 
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_time_of_a_grazing_is_shifted_until_the_velocity_has_left_it_by_its_rounding(
+    direction: float,
+) -> None:
+    """Along the parabola v_d(1 - t²/2); at a slope, by twice the rounding divided by it."""
+    cell = replace(CELL, v_d=0.25)
+    for steep in (0.0, 0.5):
+        y = steep - 2.0 * cell.xi * cell.v_d - direction * cell.mu_st
+        shift = friction_cycles._rounding_of_touch(cell, y, direction)
+        left = shift * steep / 2.0 if steep else cell.v_d * shift**2 / 2.0
+        assert left == pytest.approx(friction_cycles.ROUND_OFF * (cell.v_d + abs(y)), rel=1e-6)
+
+
 def test_slip_that_never_turns_leaves_no_room_for_cycles_without_stick() -> None:
     """It was answered with a division by zero."""
     given = FrictionCell(

@@ -246,6 +246,29 @@ def test_a_wide_front_is_measured_with_twice_as_many_sites_until_its_chain_is_to
     assert [each.sites for each in made] == [40, 64, 128, 256, *([] if excited is None else [512])]
 
 
+def test_a_front_that_goes_to_rest_is_begun_wider_until_its_chain_is_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[FrontPreparation] = []
+
+    def settled(prepared: FrontPreparation, _: object) -> Settled:
+        made.append(prepared)
+        status = FrontStatus.COLLAPSED
+        return Settled(status, None, None, np.empty(0), prepared.sites, Counter(steps=7))
+
+    monkeypatch.setattr(FrontPreparation, "settled", settled)
+    chain = OscillatorChain(
+        damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=1.0, coupling="chain:1,0.2",
+        sites=40,
+    )  # fmt: skip
+    front = smooth.own_front(chain, _request(max_sites=600))
+    # 16 times as many would be 384 excited and at least 512 beyond them.
+    assert [(each.excited, each.sites) for each in made] == [
+        (24, 40), (48, 64), (96, 128), (192, 256),
+    ]  # fmt: skip
+    assert (front.status, front.counts) == (FrontStatus.COLLAPSED, {"steps": 28})
+
+
 def test_where_it_is_compared_a_velocity_errs_by_what_half_of_the_chain_changes_in_it() -> None:
     """On the first chain there is none with which to compare it."""
     velocities = {32: 1.0, 64: 1.5, 128: 1.52}

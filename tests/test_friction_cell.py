@@ -962,6 +962,20 @@ def test_the_time_of_a_grazing_is_shifted_until_the_velocity_has_left_it_by_its_
         assert left == pytest.approx(friction_cycles.ROUND_OFF * (cell.v_d + abs(y)), rel=1e-6)
 
 
+def test_both_searches_for_the_limits_of_cycles_count_as_half_of_the_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def velocities(_: Any, __: Any, progress: Any) -> tuple[float, float]:
+        progress(0.5)
+        progress(1.0)
+        return 0.0, math.inf
+
+    monkeypatch.setattr(friction, "cycle_velocities", velocities)
+    seen: list[float] = []
+    assert friction.cycle_limits(replace(CELL, xi=0.0), 1e-8, seen.append).end == math.inf
+    assert seen == [0.25, 0.5, 0.75, 1.0]
+
+
 def test_slip_that_never_turns_leaves_no_room_for_cycles_without_stick() -> None:
     """It was answered with a division by zero."""
     given = FrictionCell(

@@ -59,12 +59,12 @@ class Controls:
         slider = pn.widgets.EditableFloatSlider
         look = {"width": 200, "margin": (4, 10)}
         self.model = pn.widgets.Select(
-            name="Chain that is run",
+            name="simulated chain",
             options={"averaged (43)": "averaged", "Van der Pol (8)": "vdp"},
             **look,
         )
         self.damping = pn.widgets.Select(
-            name="Damping by", options={"η": False, "a and b": True}, **look
+            name="damping given by", options={"η": False, "a and b": True}, **look
         )
         # A typed value may lie outside the slider's range; if it is not allowed, the functions
         # refuse it. The fixed bounds exclude allowed values for which they would take minutes.
@@ -88,9 +88,7 @@ class Controls:
             name="ε", start=0.005, end=0.1, step=0.005, value=0.01, fixed_start=0.001,
             fixed_end=1.0, format="0.000", **look,
         )  # fmt: skip
-        self.nucleus = pn.widgets.IntSlider(
-            name="sites of the nucleus", start=1, end=9, value=1, **look
-        )
+        self.nucleus = pn.widgets.IntSlider(name="nucleus size", start=1, end=9, value=1, **look)
         self.all = (
             self.c, self.eta, self.a, self.b, self.eps, self.nucleus, self.model, self.damping,
         )  # fmt: skip

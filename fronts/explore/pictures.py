@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Div, LinearColorMapper, Span
+from bokeh.models import ColorBar, ColumnDataSource, Div, LinearColorMapper, Span
 from bokeh.plotting import figure
 
 from fronts.explore.calls import SITES, SLOW_TIME, Settings
@@ -61,7 +61,7 @@ class ExplorerPicture:
         for legend in self.figure.legend:
             self.figure.add_layout(legend, "above")
             legend.update(orientation="horizontal", border_line_color=None, padding=0, margin=0,
-                          label_text_font_size="12px", glyph_height=14)  # fmt: skip
+                          spacing=12, label_text_font_size="12px", glyph_height=14)  # fmt: skip
 
     def prepare(self) -> None:
         """Add glyphs with empty data sources to the figure."""
@@ -102,7 +102,7 @@ class KineticPicture(ExplorerPicture):
 
     name, title = "kinetic", "Kinetic relation (54)"
     needs, also = ("point",), ("curve",)
-    x, y = "coupling c", "front velocity v"
+    x, y = "coupling c", "front velocity v̂ = v/ε"
     KINDS = ((True, "admissible", BLUE), (False, "not admissible", VERMILION))
 
     def prepare(self) -> None:
@@ -181,7 +181,7 @@ class ProfilePicture(ExplorerPicture):
 class StatesPicture(ExplorerPicture):
     """The plane of η and c with the states of the averaged chain and the current point."""
 
-    name, title = "states", "Place in the map"
+    name, title = "states", "Position in the map of states"
     needs, also = ("point",), ("states",)
     x, y = "η = b/a²", "coupling c"
     COLOURS: ClassVar[Mapping[str, str]] = {
@@ -213,7 +213,8 @@ class StatesPicture(ExplorerPicture):
                 here = table["label"] == state
                 source.data = {"x": table["eta"][here], "y": table["c"][here]}
         return (
-            "State of 16 sites of (43) after displacement of the last one by 6 (Fig. 15), b = 0.5."
+            "State of 16 sites of (43) after displacement of the last one by 6 (Fig. 15), b = 0.5; "
+            "white: undecided."
         )
 
 
@@ -233,6 +234,8 @@ class RunPicture(ExplorerPicture):
         self.colours = LinearColorMapper(palette="Cividis256", low=0.0, high=1.0)
         self.figure.image("image", x=0.0, y=0.5, dw=SLOW_TIME, dh=SITES, source=self.image,
                           color_mapper=self.colours)  # fmt: skip
+        self.figure.add_layout(ColorBar(color_mapper=self.colours, title="amplitude", width=12),
+                               "right")  # fmt: skip
         self.now = self.line("height", location=0.0, name="now")
         self.now.line_color = "white"
 
@@ -248,7 +251,7 @@ class RunPicture(ExplorerPicture):
 class NowPicture(ExplorerPicture):
     """Amplitudes of the chain at the current time, together with those of the breather."""
 
-    name, title = "amplitudes", "Amplitudes at that time"
+    name, title = "amplitudes", "Amplitudes at the marked time"
     needs, also = ("run",), ("breather",)
     x, y = "site n", "amplitude"
     options: ClassVar[Mapping[str, Any]] = {"y_range": (0.0, 1.0)}

@@ -8,13 +8,13 @@ from html import escape
 
 from derivations.algebra.steps import Derivation, Kind, Step
 
-COLOURS = {
-    Kind.MODEL: ("#d55e00", "model"),
-    Kind.DEFINITION: ("#0072b2", "definition"),
-    Kind.ANSATZ: ("#cc79a7", "ansatz"),
-    Kind.DERIVED: ("#009e73", "derived"),
+OUTLINES = {
+    Kind.MODEL: ('stroke="#d55e00" stroke-width="4"', "model"),
+    Kind.DEFINITION: ('stroke="#0072b2" stroke-width="2" stroke-dasharray="2 2"', "definition"),
+    Kind.ANSATZ: ('stroke="#cc79a7" stroke-width="2" stroke-dasharray="6 3"', "ansatz"),
+    Kind.DERIVED: ('stroke="#009e73" stroke-width="2"', "derived"),
 }
-"""Fill colour and legend of each kind (Okabe and Ito's colours)."""
+"""Outline and legend of each kind: Okabe and Ito's colours, and lines that differ in grey too."""
 
 _COLUMN, _ROW, _WIDTH, _HEIGHT = 78, 34, 46, 22
 
@@ -193,23 +193,23 @@ def _arrow(source: tuple[int, float], target: tuple[int, float]) -> str:
 def _box(graph: Graph, key: str, place: tuple[int, float]) -> str:
     step = graph.steps[key]
     x, y = _centre(place)
-    colour, kind = COLOURS[step.kind]
+    outline, kind = OUTLINES[step.kind]
     label = f"({key})" if step.number is not None else "•"
     return (
         f"<g><title>{escape(f'{step.label} {kind}: {step.operation}')}</title>"
         f'<rect x="{x - _WIDTH / 2:.0f}" y="{y - _HEIGHT / 2:.0f}" width="{_WIDTH}" '
-        f'height="{_HEIGHT}" rx="4" fill="white" stroke="{colour}" stroke-width="2"/>'
+        f'height="{_HEIGHT}" rx="4" fill="white" {outline}/>'
         f'<text x="{x:.0f}" y="{y + 4:.0f}" text-anchor="middle">{label}</text></g>'
     )
 
 
 def _legend(height: float) -> list[str]:
     parts = []
-    for place, (colour, name) in enumerate(COLOURS.values()):
+    for place, (outline, name) in enumerate(OUTLINES.values()):
         x = 20 + 110 * place
-        parts.append(f'<rect x="{x}" y="{height - 24:.0f}" width="14" height="12" rx="2" '
-                     f'fill="white" stroke="{colour}" stroke-width="2"/>'
-                     f'<text x="{x + 20}" y="{height - 14:.0f}">{name}</text>')  # fmt: skip
-    parts.append(f'<text x="{20 + 110 * len(COLOURS)}" y="{height - 14:.0f}">'
+        parts.append(f'<rect x="{x}" y="{height - 24:.0f}" width="18" height="12" rx="2" '
+                     f'fill="white" {outline}/>'
+                     f'<text x="{x + 24}" y="{height - 14:.0f}">{name}</text>')  # fmt: skip
+    parts.append(f'<text x="{20 + 110 * len(OUTLINES)}" y="{height - 14:.0f}">'
                  "• an assumption or definition without a number</text>")  # fmt: skip
     return parts

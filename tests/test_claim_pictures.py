@@ -414,8 +414,8 @@ def test_ends_of_breathers_are_drawn_over_their_sizes(drawn: Any) -> None:
     branches = {1: (fig11.Ended(c_end=0.19, stable=((0.0, 0.18),)),),
                 3: (fig11.Ended(c_end=0.2, stable=()),)}  # fmt: skip
     (panel,) = drawn(fig11.draw_nuclei, known(fig11.Nuclei, branches=branches))
-    assert panel.lines["stable up to the end of the bar"] == [(1, 0.19)]
-    assert panel.lines["never stable"] == [(3, 0.2)]
+    assert panel.lines["end of a breather, stable in the bar"] == [(1, 0.19)]
+    assert panel.lines["end of a breather, never stable"] == [(3, 0.2)]
     assert [(1, 0.0), (1, 0.18)] in panel.lines.values()
     assert list(panel.levels.values()) == [fig11.LAST]
     assert stated(panel.title) == {"A": fig11.A, "B": fig11.B}
@@ -531,7 +531,7 @@ def test_velocities_of_the_law_are_drawn_over_those_of_the_fastest_waves(drawn: 
     (panel,) = drawn(fig13.draw_law, known(fig13.Law, rows=tuple(rows)), "title")
     for eta, kappa in kappas.items():
         (runs,) = (found for name, found in panel.lines.items()
-                   if name == f"η = {eta:g}, κ = {kappa:.2f}")  # fmt: skip
+                   if name == rf"η = {eta:g}, κ = ${kappa:.2f}$")  # fmt: skip
         ratios = [(c, v / fig13.fastest_waves(c)[0]) for c, v in ((10.0, 12.0), (100.0, 110.0))]
         assert np.array(runs) == pytest.approx(np.array(ratios))
     laws = [np.array(found) for name, found in panel.lines.items() if name.startswith("_")]

@@ -124,7 +124,7 @@ def draw(e: Localised) -> tuple[Picture, ...]:
                    color=COLOURS["black"], label="run of (8), scipy")  # fmt: skip
     right.semilogy(*curves.add("one exponential, (9)", n=place, amplitude=one), "--", lw=0.9,
                    color=COLOURS["vermilion"],
-                   label=rf"paper, (9): one rate, fitted $k_1$ = {e.rate:.3f}")  # fmt: skip
+                   label=rf"paper, (9): one rate, fitted $k_1 = {e.rate:.3f}$")  # fmt: skip
     right.set(xlabel="site n", ylabel=r"amplitude of $y_n$", ylim=(1e-6, 1e4))
     right.legend(loc="upper center")
     return (picture("fig07-breather", figure, long_table(curves)),)

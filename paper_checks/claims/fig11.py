@@ -465,7 +465,8 @@ def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     every = [(n, each) for n, found in e.branches.items() for each in found]
     curves, blue = Curves(), COLOURS["blue"]
     for name, mark, stable in (
-        ("stable up to the end of the bar", "o", True), ("never stable", "x", False),
+        ("end of a breather, stable in the bar", "o", True),
+        ("end of a breather, never stable", "x", False),
     ):  # fmt: skip
         ends = [(n, each.c_end) for n, each in every if bool(each.stable) is stable]
         n, c = zip(*ends, strict=True)

@@ -280,7 +280,7 @@ def rule_law(e: Law) -> Ruling:
 def draw_law(e: Law) -> tuple[Picture, ...]:
     """Draw the velocity relative to that of the fastest waves."""
     figure, axes = new_axes("column", height=2.7, xlabel="coupling c",
-                            ylabel="front over fastest waves")  # fmt: skip
+                            ylabel="front velocity $v/v_g$")  # fmt: skip
     fine, curves = np.geomspace(5.0, 1200.0, 80), Curves()
     for eta, colour, mark in zip(LAW_ETAS, ("blue", "green", "vermilion"), "os^", strict=True):
         chosen = [row for row in e.settled if row[0] == eta]
@@ -288,11 +288,11 @@ def draw_law(e: Law) -> tuple[Picture, ...]:
         kappa = (chosen[0][4] - chosen[0][5]) / fastest_waves(chosen[0][1])[1]
         law = [1.0 + kappa * fastest_waves(float(x))[1] / fastest_waves(float(x))[0] for x in fine]
         axes.semilogx(*curves.add(f"eta = {eta:g}", c=c, ratio=v), mark, color=COLOURS[colour],
-                      label=f"η = {eta:g}, κ = {kappa:.2f}")  # fmt: skip
+                      label=rf"η = {eta:g}, κ = ${kappa:.2f}$")  # fmt: skip
         axes.semilogx(*curves.add(f"law, eta = {eta:g}", c=fine, ratio=law),
                       color=COLOURS[colour], lw=0.8)  # fmt: skip
     axes.axhline(1.0, color="0.4", lw=0.8, ls="--")
-    axes.legend(title="(8), ε = 0.01; lines: law for large c", title_fontsize=7)
+    axes.legend(title="(8), ε = 0.01; lines: law at strong coupling", title_fontsize=7)
     return (picture("fig13-law", figure, long_table(curves)),)
 
 

@@ -200,7 +200,7 @@ def _cycles(
             if column in table:
                 shown = {"marker": "o", "ms": 2.5, "lw": 0.9, "label": label, **look, **style}
                 axes.plot(table[along], table[column].astype(float), **shown)
-    axes.set(xlabel=LABELS.get(along, along), ylabel="turning points y")
+    axes.set(xlabel=LABELS.get(along, along), ylabel="turning points of y")
     _explain(axes)
 
 
@@ -357,6 +357,12 @@ LABELS = {
     "v_d": "belt velocity $v_d$",
     "eps": "small parameter ε",
     "eta": "η = b/a²",
+    "a": "damping coefficient a",
+    "b": "damping coefficient b",
+    "xi": "viscous damping ξ",
+    "mu_st": r"static friction coefficient $\mu_{st}$",
+    "mu_d": r"dynamic friction coefficient $\mu_d$",
+    "v0": "reference velocity $v_0$",
 }
 
 DRAWINGS: dict[str, Callable[..., None]] = {

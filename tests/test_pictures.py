@@ -294,7 +294,9 @@ def test_a_curve_of_cells_is_drawn_by_its_cycles() -> None:
     assert [each.get_text() for each in axes.get_legend().get_texts()] == [
         "stable cycle", "unstable cycle",
     ]  # fmt: skip
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("b", "turning points y")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "damping coefficient b", "turning points of y",
+    )  # fmt: skip
 
 
 def test_a_front_in_the_plane_is_drawn_by_when_it_arrives_where() -> None:

@@ -225,10 +225,11 @@ def configure(parser: argparse.ArgumentParser, bound: BoundCall) -> None:
                 kind, words = real_or_range, f"{words}; or low:high:count"
             group.add_argument("--eta", type=kind, default=argparse.SUPPRESS, help=words)
     if bound.start.parameters:
-        bound.start.declare(parser.add_argument_group("the start"))
+        bound.start.declare(parser.add_argument_group("the initial state"))
     if bound.nucleus.parameters:
         bound.nucleus.declare(parser.add_argument_group("the nucleus"))
-    bound.own.declare(parser.add_argument_group("the method"))
+    title = "the method" if bound.fields.parameters else "parameters and method"
+    bound.own.declare(parser.add_argument_group(title))
     if isinstance(bound.call, MeasurementCall):
         parser.add_argument("--workers", "--jobs", dest="curve.workers", type=int,
                             default=argparse.SUPPRESS, metavar="N",

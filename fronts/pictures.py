@@ -359,7 +359,7 @@ LABELS = {
     "eta": "η = b/a²",
     "a": "damping coefficient a",
     "b": "damping coefficient b",
-    "xi": "viscous damping ξ",
+    "xi": "damping ratio ξ",
     "mu_st": r"static friction coefficient $\mu_{st}$",
     "mu_d": r"dynamic friction coefficient $\mu_d$",
     "v0": "reference velocity $v_0$",

@@ -66,7 +66,11 @@ class FrictionChain(Chain, model="friction"):
     v_s: float = parameter("velocity of Stribeck's law, positive", "v_s", FrictionCell.v_s)
     viscous: float = parameter("viscous part of friction", "κ", FrictionCell.viscous)
     sites: int = parameter("number of sites, from 1", "N", 31)
-    ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
+    ends: Ends = parameter(
+        "free: one neighbour only; literal: the missing neighbours are 0, as (5) is printed",
+        "ends",
+        Ends.FREE,
+    )
 
     def __post_init__(self) -> None:
         self._check_number("c", "coupling c", *COUPLING_RANGE)

@@ -90,7 +90,9 @@ class OwnChain(SmoothChain):
         "several", "F", (), kind="strings",
     )  # fmt: skip
     sites: int = parameter("number of sites, or rows x columns as in 5x6", "N", None, kind="shape")
-    ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
+    ends: Ends = parameter(
+        "free: one neighbour only; periodic: a ring; fixed: springs to walls", "ends", Ends.FREE
+    )
     shape: tuple[int, ...] | None = parameter(
         "rows and columns of a lattice, which may be given as sites", "-", None, option=False
     )

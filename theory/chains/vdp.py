@@ -100,7 +100,9 @@ class VanDerPolChain(SmoothChain):
     c: float = parameter("coupling, zero or positive", "c")
     eps: float = parameter("small parameter, {allowed}", "ε", 0.01, allowed=EPS_RANGE)
     sites: int = parameter("number of sites, from 2", "N", 31)
-    ends: Ends = parameter("what the end sites are coupled to", "ends", Ends.FREE)
+    ends: Ends = parameter(
+        "free: one neighbour only; periodic: a ring, as in (40)", "ends", Ends.FREE
+    )
 
     def __post_init__(self) -> None:
         for name in ("a", "b"):

@@ -461,7 +461,7 @@ def draw_thresholds(e: Folds) -> tuple[Picture, ...]:
 
 def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     """Draw where every breather ends, and the ranges in which some are stable."""
-    figure, axes = new_axes("column", height=3.3, xlabel="nucleus size", ylabel="coupling c")
+    figure, axes = new_axes("column", height=3.5, xlabel="nucleus size", ylabel="coupling c")
     every = [(n, each) for n, found in e.branches.items() for each in found]
     curves, blue = Curves(), COLOURS["blue"]
     for name, mark, stable in (
@@ -478,7 +478,7 @@ def draw_nuclei(e: Nuclei) -> tuple[Picture, ...]:
     axes.axhline(LAST, color="black", ls=":", lw=1.0, label="paper: all lost at 0.2011")
     axes.set(xticks=[*RANGE, *FAMILY], ylim=(0.17, 0.203))
     axes.set(title=r"$a$ = 2.5, $b$ = 0.5, averaged chain (43)")
-    figure.legend(loc="outside lower center", ncols=2)
+    figure.legend(loc="outside lower center")
     return (picture("fig11-nuclei", figure, long_table(curves)),)
 
 

@@ -277,11 +277,11 @@ def test_a_quantity_has_one_range_whatever_is_wrong_with_it(refused, lines, allo
         ('derive cell --damping "1e200*y**2"', "a decimal whose exponent has at most two digits"),
     ],
 )
-def test_the_advice_of_a_refusal_is_not_what_was_already_done(capsys, line, said):
+def test_the_advice_of_a_refusal_is_not_what_was_already_done(refused, line, said):
     """A number of the right sign is not answered by the advice to give a positive number alone."""
-    refused = _refused(capsys, line)
-    assert said in refused["remedy"]
-    assert "inf" not in refused["allowed"]
+    error = refused(line)
+    assert said in error["remedy"]
+    assert "inf" not in error["allowed"]
 
 
 def test_a_coupling_of_zero_is_not_taken_for_none_given(capsys):

@@ -19,8 +19,8 @@ CELLS = {
 def test_every_step_of_the_cell_holds(name):
     damping, stiffness, coupling = CELLS[name]
     derivation = derive(derive_envelope(damping, stiffness, coupling).model)
-    # Eight steps to amplitude and frequency, two for the cycles, three for the front.
-    assert len(derivation.verify()) == (10 if name == "one cycle" else 13)
+    # Seven steps to amplitude and frequency, two for the cycles, three for the front.
+    assert len(derivation.verify()) == (9 if name == "one cycle" else 12)
 
 
 def test_the_title_shows_the_damping():

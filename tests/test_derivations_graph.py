@@ -120,8 +120,7 @@ def test_a_cell_of_one_s_own_has_a_graph_too():
     graph = graph_of([derive_cell(model, 2)])
     assert all(rests_on(graph, key) for key in graph.steps)
     of_second = RESULTS & {step.name for step in catalogue.load("second-order").steps}
-    own = {"averaged cell in its chain", "frequency shift of the cell", "growth rates",
-           "kinetic relation of the cell"}  # fmt: skip
+    own = {"frequency shift of the cell", "growth rates", "kinetic relation of the cell"}
     assert _ends(graph) == own | of_second
     assert _ends(graph_of([derive_cell(model)])) == own
 

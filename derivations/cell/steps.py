@@ -12,7 +12,7 @@ from derivations.algebra.oscillation import RealAndImaginaryParts
 from derivations.algebra.rearrangement import Divide, Take
 from derivations.algebra.solution import SolveFor
 from derivations.algebra.steps import Check, Derivation, Draft
-from derivations.algebra.substitution import Substitute
+from derivations.algebra.substitution import Substitute, alike
 from derivations.averaging.cycles import (
     FindCycles,
     GrowthRates,
@@ -66,18 +66,19 @@ def _average(draft: Draft, given: ChainModel) -> None:
     checks = CellChecks(given)
     draft.model("cell in its chain", given.equation(), "the oscillator in its chain",
                 check=checks.motion)
-    draft.model("isolated cell", given.cell().equation(), "the same without springs",
-                check=CellChecks(given.cell()).motion)
     average = FindModulation(Route.AVERAGING, epsilon, phi, order=1)
     draft.derived("averaged cell in its chain", average, "cell in its chain",
                   check=checks.averaged)
-    draft.derived("averaged cell", average, "isolated cell",
-                  check=CellChecks(given.cell()).averaged)
+    cell = "averaged cell in its chain"
+    if given.reach > 0:
+        cell = "averaged cell"
+        draft.derived(cell, alike(phi, n, t, given.reach), "averaged cell in its chain",
+                      check=CellChecks(given.cell()).averaged)
     turn = sp.exp(i * angle)
     draft.definition("amplitude and phase of the cell", equation(phi(n, t), radius * turn),
                      "amplitude and phase", check=checks.polar)
     draft.derived("cell in real and imaginary parts",
-                  (Substitute(), Divide(turn), RealAndImaginaryParts()), "averaged cell",
+                  (Substitute(), Divide(turn), RealAndImaginaryParts()), cell,
                   "amplitude and phase of the cell", check=checks.parts)
     draft.derived("amplitude of the cell", (Take(0), SolveFor(radius.diff(t))),
                   "cell in real and imaginary parts", check=checks.amplitude)

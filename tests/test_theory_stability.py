@@ -288,10 +288,11 @@ def test_what_is_not_decided_says_so(monkeypatch):
     assert (found.stable, found.multiplier, found.error) == (None, None, None)
     assert stability_limit(0.09).c is None
     assert "no front advances" in stability_limit(0.09).reason
-    assert "up to 20" in stability_limit(0.07, 20.0).reason
+    assert "not below 60" in stability_limit(0.0795).reason
+    monkeypatch.setattr("theory.piecewise.stability_limit._FARTHEST", 20.0)
+    assert "up to 20" in stability_limit(0.07).reason
     monkeypatch.setattr(symbol, "_MAX_PRODUCTS", 100)
     assert "too long" in stability_limit(0.0005).reason
-    assert "not below 60" in stability_limit(0.0795).reason
     inadmissible = [b for b in kinetic_relation(0.45, ETA).branches if not b.admissible]
     assert all(b.stable is None for b in inadmissible)
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from theory.arrays import EPS
 from theory.cells.vdp import ETA_END, SMALLEST_ETA, threshold_ratio
-from theory.parameters import Range, with_ranges, within
+from theory.parameters import within
 from theory.piecewise.admissibility import TOLERANCE, check_admissible
 from theory.piecewise.branch_search import all_velocities
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.symbol import Symbol
 
-FARTHEST = Range(1e-8, 100.0)
+_FARTHEST = 60.0
+"""Largest coupling examined."""
 _SCAN = 1.03
 """Factor between successive couplings at which stability is determined."""
 _NARROW = 1e-5
@@ -54,16 +55,13 @@ class StabilityLimit:
 
 
 @lru_cache(maxsize=256)
-@with_ranges(farthest=FARTHEST)
-def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
+def stability_limit(eta: float) -> StabilityLimit:
     """Return c_stable(η), the coupling up to which the fastest admissible front is linearly stable.
 
     Parameters
     ----------
     eta : float
         η = b/a², dimensionless, 0 < η < 2/25.
-    farthest : float
-        Largest coupling examined, {farthest}. Beyond c_stable fronts may regain and lose stability.
 
     Returns
     -------
@@ -72,13 +70,13 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
     Raises
     ------
     ParameterError
-        If η or the largest coupling is out of range.
+        If η is out of range.
 
     Notes
     -----
-    Starting at c_fold, couplings 3 % apart are examined; a loss of stability over a shorter
-    interval may be missed. Couplings at which no front is admissible are skipped, since no front
-    becomes unstable there.
+    Starting at c_fold, couplings 3 % apart up to 60 are examined; a loss of stability over a
+    shorter interval may be missed. Beyond c_stable fronts may regain and lose stability. Couplings
+    at which no front is admissible are skipped, since no front becomes unstable there.
 
     Examples
     --------
@@ -87,16 +85,15 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
     (2.405932, True)
     """
     within("eta = b/a^2", eta, SMALLEST_ETA, ETA_END)
-    within("largest coupling", farthest, *FARTHEST)
     fold = fold_coupling(eta)
     if fold is None:
         return StabilityLimit(reason=f"no front advances at eta = {eta:.12g}")
-    if fold.value >= farthest:
-        return StabilityLimit(reason=f"c_fold = {fold.value:.6g} is not below {farthest:g}")
+    if fold.value >= _FARTHEST:
+        return StabilityLimit(reason=f"c_fold = {fold.value:.6g} is not below {_FARTHEST:g}")
     r = threshold_ratio(eta)
-    count = 2 + math.ceil(math.log(farthest / fold.value) / math.log(_SCAN))
+    count = 2 + math.ceil(math.log(_FARTHEST / fold.value) / math.log(_SCAN))
     before = None
-    for c in np.geomspace(fold.value * (1.0 + 1e-3), farthest, count).tolist():
+    for c in np.geomspace(fold.value * (1.0 + 1e-3), _FARTHEST, count).tolist():
         here = _Leading.at(c, r)
         if here.unstable is None:
             return StabilityLimit(reason=f"at c = {c:.6g} {here.reason}")
@@ -105,7 +102,8 @@ def stability_limit(eta: float, farthest: float = 60.0) -> StabilityLimit:
         if here.unstable and before is not None:
             return _crossing(before, here, r)
         before = here
-    return StabilityLimit(reason=f"the fastest front is stable at all couplings up to {farthest:g}")
+    reason = f"the fastest front is stable at all couplings up to {_FARTHEST:g}"
+    return StabilityLimit(reason=reason)
 
 
 @dataclass(frozen=True)

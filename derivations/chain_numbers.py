@@ -63,10 +63,9 @@ class ChainNumbers:
             total = total + spring * (right - left)
         return total
 
-    def rest(self, field: Mapping[int, Any], rate: Any, at: int = 0) -> Any:
-        """Return all terms of (8) other than y'' at a site: ``y - eps tension + eps force``."""
-        own = field[at]
-        return own + self.eps * (self.force(own, rate) - self.tension(field, at))
+    def rest(self, field: Mapping[int, Any], rate: Any) -> Any:
+        """Return all terms of (8) other than y'' at site 0: ``y - eps tension + eps force``."""
+        return field[0] + self.eps * (self.force(field[0], rate) - self.tension(field))
 
     def averaged_rate(self, field: Mapping[int, complex], frequency: float = 1.0) -> complex:
         """``dphi_n/dt`` of the averaged chain, ``y = Im(phi e^{i w t})/w``, by sampling (8).

@@ -48,15 +48,15 @@ def test_closing_the_contour_gives_the_residues_on_either_side():
 def test_a_residue_is_that_of_a_simple_zero_and_no_other():
     slope = sp.Symbol("L_k")
     # Near the root L is slope times the distance.
-    assert residue_at_root((2 + L(k)) / L(k) * k, L(k), k, slope) == 2 * k / slope
+    assert residue_at_root((2 + L(k)) / L(k) * k, L(k), slope) == 2 * k / slope
     for integrand in (1 / L(k) ** 2, k * L(k)):
         with pytest.raises(OperationError, match="no simple zero"):
-            residue_at_root(integrand, L(k), k, slope)
+            residue_at_root(integrand, L(k), slope)
 
 
 def test_cotangents_of_unequal_weight_do_not_combine():
     with pytest.raises(OperationError, match="do not combine"):
-        hyperbolic(sp.cot(k + q) + 2 * sp.cot(k - q), k, q)
+        hyperbolic(sp.cot(k + q) + 2 * sp.cot(k - q), k)
 
 
 def numerical(side, **values):

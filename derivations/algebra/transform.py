@@ -92,7 +92,7 @@ class InvertTransform(Operation):
         return equation(self.profile, sp.Integral(source.rhs * wave / (2 * sp.pi), self.wavenumber))
 
 
-def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, k: sp.Symbol, slope: sp.Symbol) -> sp.Expr:
+def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, slope: sp.Symbol) -> sp.Expr:
     """Return the residue where a function in the denominator has a simple zero.
 
     Parameters
@@ -100,9 +100,7 @@ def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, k: sp.Symbol, slope: sp
     integrand : Expr
         The integrand.
     symbol : Expr
-        The function, ``L(k)``.
-    k : Symbol
-        The variable; in the result it is the root.
+        The function, ``L(k)``; in the result k is the root.
     slope : Symbol
         Name of the derivative of the function at the root.
     """
@@ -145,7 +143,7 @@ class CloseContour(Operation):
         z, k = self.coordinate, self.wavenumber
         integrand = integral.rhs.function
         upper, lower = self._half_planes(sets)
-        at_root = residue_at_root(integrand, named.lhs, k, self.slope)
+        at_root = residue_at_root(integrand, named.lhs, self.slope)
         at_zero = (k * integrand).xreplace({named.lhs: named.rhs}).subs(k, 0)
         if at_zero.has(sp.zoo, sp.nan):
             raise OperationError(f"there is no simple pole at {k} = 0")
@@ -245,13 +243,13 @@ class SumOverPeriods(Operation):
         for root in sp.solve(stand_in**2 + rest, k):
             weight = 1 / sp.diff(rest, k).subs(k, root)
             comb += weight * sp.cot((k - root) / 2) / 2
-        period = hyperbolic(comb, k, stand_in) / 2
+        period = hyperbolic(comb, k) / 2
         factor, kernel = sp.factor_terms(period).as_independent(k, stand_in, as_Add=False)
         integral = sp.Integral(kernel.xreplace({stand_in: periodic}), (k, -sp.pi, sp.pi))
         return equation(source.lhs, source.rhs.xreplace({line: factor * integral}))
 
 
-def hyperbolic(comb: sp.Expr, k: sp.Symbol, periodic: sp.Symbol) -> sp.Expr:
+def hyperbolic(comb: sp.Expr, k: sp.Symbol) -> sp.Expr:
     """Return two cotangents of equal weight as ``sin(x + y) / (cos(x - y) - cos(x + y))``."""
     terms = sp.Add.make_args(comb)
     if len(terms) != 2:

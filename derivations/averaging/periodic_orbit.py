@@ -14,8 +14,11 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from derivations.chain_numbers import ChainNumbers
 
+_MAX_NEWTON = 30
+"""Largest number of Newton steps."""
 
-def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> tuple[Any, float]:
+
+def orbit(start: Any, frequency: float, p: ChainNumbers) -> tuple[Any, float]:
     """Find a periodic orbit of (8) on a half chain, mirrored at site 0 and ending at rest.
 
     Parameters
@@ -26,8 +29,6 @@ def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> 
         Initial frequency.
     p : ChainNumbers
         Coefficients, springs and eps.
-    steps : int
-        Largest number of Newton steps.
 
     Returns
     -------
@@ -48,7 +49,7 @@ def orbit(start: Any, frequency: float, p: ChainNumbers, *, steps: int = 30) -> 
     phase = np.cos(2 * np.pi * np.arange(samples) / samples)
     y, w, size = start.copy(), frequency, sites * samples
     close = False
-    for _ in range(steps):
+    for _ in range(_MAX_NEWTON):
         rate, factor = y @ first.T, polyval(y, p.damping)
         pull = p.eps * polyval(y, p.stiffness or (0.0,))
         residual = w * w * (y @ second.T) + springs @ y + p.eps * w * rate * factor + pull

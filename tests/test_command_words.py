@@ -1369,6 +1369,11 @@ def test_times_of_updates_are_stored_where_asked(
         update_time.main()
         assert (tmp_path / "explorer.json").exists() == bool(more)
     assert "at most 2 ms at c = 0.5" in capsys.readouterr().out
+    monkeypatch.setattr(sys, "argv", ["update_time", "--help"])
+    with pytest.raises(SystemExit, match="0"):
+        update_time.main()
+    shown = " ".join(capsys.readouterr().out.split())
+    assert (update_time.__doc__ or "").splitlines()[0] in shown
 
 
 # --------------------------------------------------------------------------- sums and roots

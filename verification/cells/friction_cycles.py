@@ -353,7 +353,7 @@ def unstable_once(cell: FrictionCell, tolerance: float) -> CellCycle | None:
         for each in (step, -step, 2.0 * step, -2.0 * step)
     )
     # Where the cycle nearly touches, the step is too large for a finite difference.
-    resolved = abs(ahead - behind) < 1e-2 * abs(ahead)
+    resolved = abs(ahead - behind) < 1e-2 * ahead
     multiplier, wider = 0.5 * (ahead + behind), 0.5 * (farther + opposite)
     size = max(abs(y), abs(low), cell.v_d)
     rounding = ROUND_OFF * size / step

@@ -22,10 +22,11 @@ from verification.breathers import envelope, floquet, follow, orbits, outcome, r
 from verification.breathers import exponents as exponents_of
 from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
 from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
+from verification.breathers.family import MAX_STEPS
 from verification.breathers.orbits import Orbits
 from verification.breathers.result import Breather, BreatherComparison, BreatherMethod
 from verification.continuation.branch import FoldShift, StepControl
-from verification.continuation.newton import BranchPoint, NotConvergedError
+from verification.continuation.newton import PARAMETER_WEIGHT, BranchPoint, NotConvergedError
 from verification.steppers.variational import Flow
 
 AVERAGED = AveragedChain(a=4, b=0.5, c=0.1, sites=9)
@@ -683,6 +684,14 @@ def test_exponents_err_by_what_the_error_of_an_amplitude_changes_however_large_i
     change = exact.growth - found.growth
     assert change == pytest.approx(1.5 * ((amplitude + off) ** 2 - amplitude**2), rel=1e-3)
     assert change <= found.growth_error < 1.1 * change
+
+
+def test_a_branch_is_followed_in_as_many_steps_as_reach_its_coupling_up_to_a_limit() -> None:
+    waves = RotatingWaves(AVERAGED, Nucleus(1))
+    usual = waves.steps_along
+    for c_end, steps in ((0.0, 0.0), (2.0, 2.0 * PARAMETER_WEIGHT / usual.longest), (1e9, 1e9)):
+        limit = min(usual.max_steps + math.ceil(steps), MAX_STEPS)
+        assert waves.step_control(c_end).max_steps == limit
 
 
 @pytest.mark.parametrize(("a", "b"), [(1.0, 0.0), (0.0, 1.0)])

@@ -1313,6 +1313,7 @@ def test_an_update_is_all_but_what_is_computed_once(monkeypatch: pytest.MonkeyPa
     assert update_time._seconds_of_update(update_time.Settings()) == 2.5
     every = update_time.calls(update_time.Settings())
     assert asked == [call for name, call in every.items() if name not in update_time.SLOW]
+    assert ("estimate_error", False) in every["run"].options  # which would take another run
 
 
 def test_the_explorer_runs_the_chain_for_the_slow_time_of_its_axis() -> None:

@@ -515,6 +515,22 @@ def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_erro
     assert none.multiplier_error is None
 
 
+def test_the_error_of_a_multiplier_is_the_same_of_a_cell_of_another_size() -> None:
+    """With μ_st, μ_d, v₀ and v_d all displacements are multiplied, by a power of two exactly.
+
+    The error is mostly one of round-off, of which the differences vary from cell to cell.
+    """
+    cell = replace(CELL, v_d=1.4)
+    sized = {name: getattr(cell, name) for name in ("mu_st", "mu_d", "v0", "v_d")}
+    errors = []
+    for size in (1.0, 256.0):
+        larger = replace(cell, **{name: size * value for name, value in sized.items()})
+        cycle = unstable_once(larger, 1e-12)
+        assert cycle is not None
+        errors.append(cycle.multiplier_error)
+    assert errors[1] == pytest.approx(errors[0], rel=0.5)
+
+
 def test_the_error_of_a_cycle_covers_the_coarser_search_in_each_of_its_numbers() -> None:
     fine, coarse = (unstable_once(CELL, each) for each in (1e-12, 1e-10))
     stated = unstable_cycle(CELL, 1e-12)

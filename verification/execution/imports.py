@@ -124,6 +124,8 @@ def is_library(name: str) -> bool:
     --------
     >>> [is_library(name) for name in ("math", "numpy.linalg", "theory.cells.vdp", "__main__")]
     [True, True, False, False]
+    >>> is_library("a_file_that_is_gone")
+    False
     """
     top = name.partition(".")[0]
     if is_ours(top) or top in ("__main__", "__mp_main__"):

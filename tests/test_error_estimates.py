@@ -195,6 +195,16 @@ def test_rest_is_proven_beyond_what_is_left_and_rounding(remainder: float) -> No
     assert not Rest(margin=remainder + 0.9e-13, remainder=remainder).proven
 
 
+@pytest.mark.parametrize("c", [0.1, 10.0])
+def test_the_sites_stepped_beyond_the_last_moving_one_are_more_where_coupling_reaches_farther(
+    c: float,
+) -> None:
+    """What moves passes in one evaluation as many sites as one coupling reaches over."""
+    near = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=c, sites=100)
+    far = near.replace(coupling="chain:1,0,0.2")
+    assert smooth_integration._margin(far) == 3 * smooth_integration._margin(near)
+
+
 def test_the_margin_of_a_front_at_rest_is_what_no_motion_can_use_up() -> None:
     state = ChainState(np.where(np.arange(64) < 32, 1.0 + 0j, 0j))
     history = History(PiecewiseMotion(0.1, 0.4, state), 0.1)

@@ -486,3 +486,16 @@ def test_the_remark_on_a_ring_stands_at_the_equations_whose_last_site_is_beside_
     lines = {n: printed_module.printed(n).latex for n in range(1, 55)}
     closed = {n for n, line in lines.items() if "x_2 - x_N" in line}
     assert {n for n, remark in equations.STYLE.items() if "ring" in remark} == closed == {40}
+
+
+def test_the_remark_on_moduli_stands_at_the_equations_that_compare_complex_amplitudes() -> None:
+    """In (47), which says where either line holds, the note of its derivation says so."""
+    lines = {n: printed_module.printed(n).latex for n in range(1, 55)}
+    compared = {
+        n
+        for n, line in lines.items()
+        if r"\varphi_n < \varphi_{us}" in line or r"\theta\left(\varphi_n" in line
+    }
+    assert {n for n, said in equations.STYLE.items() if "φ is complex" in said} == compared
+    assert compared == {44, 45}
+    assert "Read by modulus" in printed_module.printed(47).note

@@ -516,6 +516,13 @@ def test_two_sites_may_be_in_phase_opposite_or_anything_between() -> None:
     assert (min(steps), max(steps)) == (0.0, pytest.approx(np.pi))
 
 
+@pytest.mark.parametrize("size", [2, 3, 4])
+def test_no_pattern_of_phase_steps_is_tried_twice(size: int) -> None:
+    """A step of 0 or π has no sense."""
+    steps = [np.exp(1j * each).round(12) for each in phase_locked.phase_patterns(size, 5)]
+    assert len({tuple(each.tolist()) for each in steps}) == len(steps)
+
+
 def test_a_pattern_that_newton_does_not_lead_to_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(phase_locked, "solve", lambda *_: None)
     assert phase_locked._distinct([np.zeros(1)], 2, A, B) == []

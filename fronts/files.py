@@ -3,7 +3,9 @@
 A file contains the command, the parameters and the versions: as keys of a .json file, as an array
 ``provenance`` of a .npz file and an attribute of a .zarr file, as lines beginning with ``#`` at the
 end of a .csv file, and in the metadata of a picture or film. The date is not included, so that the
-same command writes the same file.
+same command writes the same file. What the table of a result does not hold, such as the frequency
+of a breather beside its amplitudes, is written in the same places under the name ``result``. Only
+the .json file of a curve contains the lists of each point, such as the amplitudes of all sites.
 
 In a .csv file these lines are at the end, so that the first line contains the names, as
 spreadsheets and ``numpy.genfromtxt(path, delimiter=",", names=True)`` require;
@@ -14,7 +16,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from io import StringIO
 from pathlib import Path
@@ -174,8 +176,31 @@ def _csv(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[P
     table = as_table(result)
     stream = StringIO(newline="")
     write_csv(stream, table, zip(*table.values(), strict=True))
+    if beside := _beside(payload, {*table, *result.in_columns}):
+        stream.write(commented({"result": beside}, ["result"]))
     stream.write(commented(provenance, provenance))
     return lambda path: _write_text(path, stream.getvalue())
+
+
+def _beside(payload: _Mapping, table: Collection[str]) -> dict[str, Any]:
+    """Return the entries of an answer that a table with these columns does not hold.
+
+    Lists of mappings are the rows of a table. The run time is omitted, which differs each time.
+
+    Examples
+    --------
+    >>> answer = {"v": 0.5, "of": {"c": 1}, "at": [1, 2], "points": [{"v": 0.5}], "seconds": 1.0}
+    >>> _beside(answer, ["v", "of_c"])
+    {'at': [1, 2]}
+    """
+
+    def held(name: str, value: Any) -> bool:
+        if isinstance(value, dict):
+            return name in table or all(f"{name}_{key}" in table for key in value)
+        rows = isinstance(value, list) and not all(map(is_cell, value))
+        return rows or name in table or name == "seconds"
+
+    return {name: value for name, value in payload.items() if not held(name, value)}
 
 
 def as_table(result: Result) -> dict[str, list[Any]]:
@@ -208,9 +233,9 @@ def _npz(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[P
         }
     if not arrays:
         arrays = {name: _array(values) for name, values in as_table(result).items()}
-    scalars = {name: value for name, value in payload.items() if not isinstance(value, list)}
+    listed = {name for name, value in payload.items() if isinstance(value, list)}
     arrays |= {
-        "result": np.array(json.dumps(scalars)),
+        "result": np.array(json.dumps(_beside(payload, listed & {*arrays, *result.in_columns}))),
         "parameters": np.array(json.dumps(provenance["parameters"])),
         "provenance": np.array(json.dumps(provenance)),
     }
@@ -223,7 +248,9 @@ def _zarr(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
     except TypeError:  # one row
         columns = {name: ("row", _array(values)) for name, values in as_table(result).items()}
         dataset = optional_package("xarray").Dataset(columns)
-    return zarr_writer(dataset, provenance)
+    names = {*map(str, dataset.variables), *result.in_columns}
+    beside = json.dumps(_beside(payload, names))
+    return zarr_writer(dataset.assign_attrs(result=beside), provenance)
 
 
 def _array(values: list[Any]) -> Any:

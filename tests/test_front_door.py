@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import inspect
 import json
@@ -12,7 +13,10 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import mpmath as mp
@@ -474,6 +478,68 @@ def test_a_table_with_its_provenance_is_read_back(tmp_path):
     # Named columns of numpy as well, which takes the first line for the names whatever it is.
     columns = np.genfromtxt(out, delimiter=",", names=True, dtype=None, encoding="utf-8")
     assert columns["v"].tolist() == frame["v"].tolist()
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    """Yield the numbers of a JSON value, except run times and counts."""
+    if isinstance(value, dict):
+        for name, each in value.items():
+            if name not in ("seconds", "provenance"):
+                yield from _numbers(each)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _numbers(each)
+    elif isinstance(value, float):
+        yield value
+
+
+def _read(path: Path) -> set[float]:
+    """Return all numbers in a file: in its table, and in the result and parameters beside it."""
+    held = set()
+    if path.suffix == ".csv":
+        lines = path.read_text(encoding="utf-8").splitlines()
+        for row in csv.reader(line for line in lines if not line.startswith("#")):
+            for cell in row:
+                with suppress(ValueError):
+                    held.add(float(cell))
+        notes = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))
+        beside = [json.loads(notes.get(name, "{}")) for name in ("result", "parameters")]
+    else:
+        with np.load(path) as data:
+            beside = [json.loads(str(data[name])) for name in ("result", "parameters")]
+            for column in data.values():
+                if column.dtype.kind == "c":
+                    held |= {*np.ravel(column.real).tolist(), *np.ravel(column.imag).tolist()}
+                elif column.dtype.kind in "fiu":
+                    held |= {float(each) for each in np.ravel(column)}
+    return held | {*_numbers(beside)}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "kinetic --c 0.5 --eta 0.03125 --stability",
+        "kinetic --c 0.5 --eta 0.03:0.1:3 --stability",
+        "sum --v 0.3 --c 0.5",
+        "roots --v 0.3 --c 0.5 --count 3",
+        "profile --c 0.5 --eta 0.03125 --points 5",
+        "front averaged --c 0.6 --eta 0.03125 --method wave",
+        "simulate averaged --n 4 --t-end 20",
+        "cell friction",
+        "cell averaged --a 2.5 --b 0.4:0.5:2",
+        "breather --c 0.1 --method closed-form",
+        "breather averaged --c 0.1",
+        "threshold vdp --method closed-form",
+        "threshold vdp --method closed-form --b 0.4:0.6:2",
+    ],
+)
+def test_a_table_and_what_is_beside_it_hold_every_number_of_the_answer(line, tmp_path):
+    """The frequency of a breather and the readings of a threshold were in the JSON file only."""
+    paths = [tmp_path / f"answer{ending}" for ending in (".json", ".csv", ".npz")]
+    assert main([*line.split(), *(part for path in paths for part in ("--out", str(path)))]) == 0
+    answer = {*_numbers(json.loads(paths[0].read_text(encoding="utf-8")))}
+    for path in paths[1:]:
+        assert not answer - _read(path), path.suffix
 
 
 def test_several_files_at_once_and_one_twice(tmp_path, capsys):

@@ -81,8 +81,8 @@ class Result:
     derived: ClassVar[tuple[str, ...]] = ()
     """Properties that `to_dict` lists after the fields."""
 
-    in_rows: ClassVar[tuple[str, ...]] = ()
-    """Entries of `to_dict` in the row of a result that contains this one; all if empty."""
+    in_columns: ClassVar[tuple[str, ...]] = ()
+    """Entries of `to_dict` that `columns` contains under other names."""
 
     is_curve: ClassVar[bool] = False
     """Whether the rows of `columns` are points of a curve, which terminal and notebook list."""
@@ -134,17 +134,16 @@ class Result:
         Returns
         -------
         dict
-            For a result that is part of this one, the entries ``in_rows`` are included, with its
-            name as a prefix. Lists and mappings remain unchanged. Infinite numbers, which JSON does
-            not have, are infinite, as errors without a bound are.
+            The entries of a result that is part of this one are included, with its name as a
+            prefix. Lists and mappings remain unchanged. Infinite numbers, which JSON does not have,
+            are infinite, as errors without a bound are.
         """
         parts = self.parts()
         cells: dict[str, Any] = {}
         for name, value in with_infinities(self, self.to_dict()).items():
             if name in parts:
                 part = with_infinities(parts[name], value)
-                shown = parts[name].in_rows or tuple(part)
-                cells |= {f"{name}_{key}": part[key] for key in shown}
+                cells |= {f"{name}_{key}": each for key, each in part.items()}
             else:
                 cells[name] = value
         return cells

@@ -43,6 +43,7 @@ class FrontProfile(Result):
     """
 
     derived = ("re", "im")
+    in_columns = ("re", "im")
 
     c: float
     eta: float

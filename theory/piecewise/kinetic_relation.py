@@ -292,13 +292,18 @@ class KineticRelation(Result):
                                 kinds.get(each.name, float))
             for each in fields(KineticBranch)
         }  # fmt: skip
-        limit = {"c_stable": np.full(len(rows), self.c_stable, float)} if self.limit_shown else {}
+        names = ["c_pin", "c_fold", "c_retreat", *(["c_stable"] if self.limit_shown else [])]
+        limits = {
+            each: np.full(len(rows), getattr(self, each), float)
+            for name in names
+            for each in (name, f"{name}_error")
+        }
         return {
             "c": np.full(len(rows), self.c),
             "eta": np.full(len(rows), self.eta),
             "status": np.array([self.status.value] * len(rows)),
             **listed,
-            **limit,
+            **limits,
         }
 
 

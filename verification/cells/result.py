@@ -60,7 +60,6 @@ class CellCycle(Result):
     """
 
     derived: ClassVar[tuple[str, ...]] = ("amplitude",)
-    in_rows: ClassVar[tuple[str, ...]] = ("min", "max", "period", "error")
 
     max: float
     min: float

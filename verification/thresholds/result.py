@@ -106,6 +106,7 @@ class Threshold(Result):
     """
 
     derived: ClassVar[tuple[str, ...]] = ("equation",)
+    in_columns: ClassVar[tuple[str, ...]] = ("readings_error",)
 
     c_crit: float
     error: float
@@ -136,6 +137,14 @@ class Threshold(Result):
             law = self.delay.to_dict()
             found |= {name: law[name] for name in ("rates", "escapes", "delay_exponent")}
         return found
+
+    def row(self) -> dict[str, Any]:
+        """Return the entries of one table row, with one for each site at which (37) is read."""
+        cells = super().row()
+        for name, ending in (("readings", ""), ("readings_error", "_error")):
+            of = cells.pop(name) or {}
+            cells |= {f"readings_{site}{ending}": value for site, value in of.items()}
+        return cells
 
 
 @dataclass(frozen=True, kw_only=True)

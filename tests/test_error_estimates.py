@@ -511,20 +511,20 @@ def test_a_run_is_refused_for_the_steps_that_it_still_needs_at_its_present_pace(
 
 
 @pytest.mark.parametrize(
-    ("exponents", "others", "found", "error"),
+    ("exponent", "others", "found", "error"),
     [
-        ([0.1, 0.2, 0.3], [], math.exp(0.1), math.exp(0.3) - math.exp(0.1)),
-        ([0.1, 0.1], [[0.4], [0.0]], math.exp(0.1), math.exp(0.4) - math.exp(0.1)),
-        ([-0.5, -0.7], [[-0.4]], math.exp(-0.5), math.exp(-0.5) - math.exp(-0.7)),
-        ([-800.0, -1.0], [], 0.0, math.exp(-1.0)),
-        ([1.0, 800.0], [], math.e, math.inf),
-        ([800.0, 1.0], [], None, None),
+        (0.1, [0.2, 0.3], math.exp(0.1), math.exp(0.3) - math.exp(0.1)),
+        (0.1, [0.4, 0.0], math.exp(0.1), math.exp(0.4) - math.exp(0.1)),
+        (-0.5, [-0.7, -0.4], math.exp(-0.5), math.exp(-0.5) - math.exp(-0.7)),
+        (-800.0, [-1.0], 0.0, math.exp(-1.0)),
+        (1.0, [800.0], math.e, math.inf),
+        (800.0, [1.0], None, None),
     ],
 )
 def test_a_multiplier_is_that_of_the_first_turn_and_as_uncertain_as_the_others_are_apart(
-    exponents: list[float], others: list[list[float]], found: float | None, error: float | None
+    exponent: float, others: list[float], found: float | None, error: float | None
 ) -> None:
-    value, off = shooting._multiplier(np.array(exponents), *map(np.array, others))
+    value, off = shooting._multiplier(exponent, *others)
     if found is None:
         assert value is off is None
     else:
@@ -539,7 +539,7 @@ def test_that_cycles_exist_at_no_velocity_or_at_every_one_is_exact(end: float) -
 def test_a_multiplier_of_turns_that_agree_is_known_to_rounding() -> None:
     """Of the exponent and of its exponential."""
     for exponent in (2.0, -2.0):
-        _, off = shooting._multiplier(np.array([exponent, exponent]))
+        _, off = shooting._multiplier(exponent, exponent)
         assert off / (shooting.ROUNDING * math.exp(exponent)) == pytest.approx(3.0)
 
 

@@ -1143,9 +1143,9 @@ def test_a_cycle_is_too_stiff_by_its_largest_damping(eta: float) -> None:
     largest = float(np.abs(1.0 - y**2 + eta * y**4).max())
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0, (2, 0): -1.0, (4, 0): eta})
     limit = shooting._STIFFEST / largest
-    shooting._check_stiffness(cell, 0.999 * limit, cell.cycles[1])
+    shooting._stiffness(cell, 0.999 * limit, cell.cycles[1])
     with pytest.raises(ParameterError, match="at most"):
-        shooting._check_stiffness(cell, 1.001 * limit, cell.cycles[1])
+        shooting._stiffness(cell, 1.001 * limit, cell.cycles[1])
 
 
 def test_halved_steps_shift_a_fold_by_what_no_change_of_the_state_makes_up_for(

@@ -12,10 +12,12 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ai_zeros
 
 from fronts.cli import main
 from tests.reference_runs import states_by_scipy
-from theory.cells.oscillator import OscillatorCell
+from theory.cells.oscillator import OscillatorCell, OscillatorCycle
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -220,8 +222,8 @@ def test_a_cycle_is_looked_for_between_those_beside_it(at: int) -> None:
     """On both sides of its limit, which here are smaller than the cycles, the middle one's too."""
     chain = OscillatorChain(damping="0.005*v**6 - 0.144*v**4 + v**2 - 1", c=0.0, eps=0.1)
     limits = [each.amplitude for each in chain.cell.cycles]
-    found = shooting._fixed(chain.cell, chain.eps, at, 1e-6)
-    assert limits[at] < found < 1.05 * limits[at]
+    found, _ = shooting._closed_turn(chain.cell, chain.eps, at, 1e-6, limits[at])
+    assert limits[at] < found.top < 1.05 * limits[at]
 
 
 def _limit(amplitude: float, velocity: float, frequency: float) -> Any:
@@ -235,35 +237,50 @@ def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
     for share, frequency in ((0.99, 1.0), (0.99, 1e6), (1.01, 1.0), (1.01, 1e-6)):
         limit = _limit(2.0, 3.0, frequency)
         eps = share * frequency * shooting._STIFFEST / 3.0
-        with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 60"):
-            shooting._check_stiffness(cell, eps, limit)
+        with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 300"):
+            # To the sampling of the angle.
+            assert shooting._stiffness(cell, eps, limit) == pytest.approx(297.0, rel=1e-3)
     cell.cycles = (_limit(1.0, 1.0, frequency), limit)
-    with pytest.raises(ParameterError, match="at most 60"):  # before any turn is taken
+    with pytest.raises(ParameterError, match="at most 300"):  # before any turn is taken
         shooting.shot_cycles(cell, eps, 1e-9)
 
 
-@pytest.mark.parametrize(
-    ("status", "lowest", "last", "top"),
-    [
-        (1, [[-0.8, 0.0]], 0.9, 0.9),
-        (0, [[-0.8, 0.0]], 0.9, 0.0),  # turns once, and creeps to rest
-        (-1, [[-0.8, 0.0]], 5.0, np.inf),  # turns once, and leaves all bounds
-        (0, [], 0.9, 0.0),
-        (0, [], -1.1, np.inf),
-    ],
-)
-def test_a_turn_ends_at_the_next_maximum_or_has_no_period(
-    status: int, lowest: list[list[float]], last: float, top: float,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    run = SimpleNamespace(
-        status=status, y_events=[[], lowest], y=np.array([[1.0, last], [0.0, 0.0]]),
-        t=np.array([0.0, 6.0]),
+@pytest.mark.parametrize("stable", [True, False])
+def test_a_turn_of_a_linear_cell_is_the_one_in_closed_form(stable: bool) -> None:
+    """ÿ + εẏ + y = 0, forwards or backwards in time: y decays or grows by half of the exponent."""
+    eps, sense = 0.5, -1.0 if stable else 1.0
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, stable)
+    found = shooting._turn(cell, eps, 3.0, limit, 1e-12)
+    assert found is not None
+    period = 2.0 * np.pi / np.sqrt(1.0 - 0.25 * eps**2)
+    part = np.exp(0.5 * sense * eps * period)
+    expected = (3.0 * part, -3.0 * np.sqrt(part), period, sense * eps * period, part)
+    got = (found.top, found.bottom, found.period, found.exponent, found.slope)
+    assert got == pytest.approx(expected, rel=1e-11)  # some ten steps at 1e-12
+
+
+@pytest.mark.parametrize("eps", [3.0, -3.0])
+def test_motion_that_creeps_to_rest_or_grows_without_bound_does_not_turn(eps: float) -> None:
+    """At |ε| > 2 rest is a node."""
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    assert shooting._turn(cell, eps, 1.0, limit, 1e-9) is None
+
+
+def test_motion_too_stiff_for_its_steps_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the 1000th step on scipy stops where stability limits them: each time it is resumed."""
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    monkeypatch.setattr(shooting, "_MAX_STEPS", 5000)
+    asked: list[float] = []
+    force = cell.force
+    monkeypatch.setattr(
+        OscillatorCell, "force",
+        lambda _, y, v, eps, step: (asked.append(y), force(y, v, eps, step))[1],
     )  # fmt: skip
-    monkeypatch.setattr(shooting, "solve_ivp", lambda *_, **__: run)
-    cell: Any = None
-    found = shooting._turn(cell, 0.1, 1.0, 6.0, 1e-9)
-    assert (found.top, found.period) == (top, 6.0 if status == 1 else np.inf)
+    assert shooting._turn(cell, 1e4, 1.0, limit, 1e-6) is None
+    assert 2000 * 12 < len(asked) < 5000 * 24  # of 12 stages; at most every second is rejected
 
 
 @pytest.mark.parametrize("ahead", [0.5, 2.0])
@@ -273,12 +290,14 @@ def test_a_jump_of_the_map_of_maxima_is_no_cycle(
     """It passes over the line on which a turn ends where it begins, from either side."""
     monkeypatch.setattr(
         shooting, "_turn",
-        lambda _, __, y, *___: SimpleNamespace(top=y * (ahead if y < 1.00003 else 1.0 / ahead)),
+        lambda _, __, y, *___: SimpleNamespace(
+            top=y * (ahead if y < 1.00003 else 1.0 / ahead), slope=0.0
+        ),
     )  # fmt: skip
     limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
     cell: Any = SimpleNamespace(cycles=limits)
     with pytest.raises(ParameterError, match="so small that averaging"):
-        shooting._fixed(cell, 0.1, 0, 1e-9)
+        shooting._closed_turn(cell, 0.1, 0, 1e-9, 1.0)
 
 
 def test_the_innermost_cycle_is_found_however_small_it_is(
@@ -288,20 +307,30 @@ def test_the_innermost_cycle_is_found_however_small_it_is(
     true = 1.01e-3
     monkeypatch.setattr(
         shooting, "_turn",
-        lambda _, __, y, *___: SimpleNamespace(top=np.sqrt(y * true) if y < 0.1 else np.inf),
+        lambda _, __, y, *___: SimpleNamespace(
+            top=np.sqrt(y * true), slope=0.5 * np.sqrt(true / y)
+        ) if y < 0.1 else None,
     )  # fmt: skip
     cell: Any = SimpleNamespace(cycles=(SimpleNamespace(amplitude=1e-3, period=6.0),))
-    assert shooting._fixed(cell, 0.1, 0, 1e-9) == pytest.approx(true, rel=1e-12)
+    found, error = shooting._closed_turn(cell, 0.1, 0, 1e-9, 1e-3)
+    assert found.top == pytest.approx(true, rel=1e-12)
+    assert error < 1e-14 * true
 
 
 def _made_turns(monkeypatch: pytest.MonkeyPatch, cycles: tuple[float, ...], slope: float) -> None:
-    """Let the map of maxima have these fixed points, attracting and not, with exact errors."""
+    """Let the map of maxima have these fixed points, attracting and not, with exact errors.
 
-    def turn(_: object, __: float, y: float, period: float, tolerance: float) -> Any:
+    Backwards in time the others attract.
+    """
+
+    def turn(_: object, __: float, y: float, limit: Any, tolerance: float) -> Any:
         passed = next((at for at, each in enumerate(cycles) if y < each * 1.04), len(cycles) - 1)
         near = cycles[passed] + 1e3 * tolerance
-        top = near + (slope if passed % 2 else 1.0 / slope) * (y - near)
-        return shooting._Turn(top=top, bottom=-0.5 * y, period=period + 1e4 * tolerance)
+        there = 1.0 / slope if limit.stable == (passed % 2 == 0) else slope
+        return shooting._Turn(
+            top=near + there * (y - near), bottom=-0.5 * y, period=limit.period + 1e4 * tolerance,
+            exponent=np.log(there) + 1e5 * tolerance, slope=there,
+        )  # fmt: skip
 
     monkeypatch.setattr(shooting, "_turn", turn)
 
@@ -321,19 +350,13 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
     cell: Any = SimpleNamespace(cycles=limits)
     true = (1.01, 1.06, 1.155)
     _made_turns(monkeypatch, true, 3.0)
-    multiplier = (1.0 / 3.0, 3.0, 1.0 / 3.0)[at]
-
-    def exponents(_: object, __: float, turn: Any) -> Any:
-        beside = 0.1 * (turn.bottom + 0.5 * true[at])
-        return np.log(multiplier) + np.array([beside, beside])
-
-    monkeypatch.setattr(shooting, "_exponents", exponents)
     found = shooting._cycle(cell, 0.1, at, 1e-9)
     assert found.max == pytest.approx(true[at] + 1e-6, abs=1e-12)
     assert found.min == pytest.approx(-0.5 * found.max)
-    assert found.multiplier == pytest.approx(multiplier, rel=1e-7)
-    beside = found.max * found.error / found.period
-    assert found.multiplier_error == pytest.approx(0.05 * beside * multiplier, rel=1e-3)
+    multiplier = (1.0 / 3.0, 3.0, 1.0 / 3.0)[at]
+    assert found.multiplier == pytest.approx(multiplier, rel=2e-4)
+    # Of exponents that are apart by a hundredth: to first order.
+    assert found.multiplier_error == pytest.approx(99.0 * 1e5 * 1e-9 * multiplier, rel=1e-2)
     assert found.error == pytest.approx(99.0 * 1e4 * 1e-9, rel=1e-6)
 
 
@@ -345,9 +368,13 @@ def test_a_cycle_far_from_its_limit_is_looked_for_on_its_side_of_the_next(
     true = (1.0, 1.05)
     _made_turns(monkeypatch, true, 3.0)
     cell: Any = SimpleNamespace(
-        cycles=[SimpleNamespace(amplitude=limit, period=6.0) for limit in limits]
+        cycles=[
+            SimpleNamespace(amplitude=limit, period=6.0, stable=stable)
+            for limit, stable in zip(limits, (True, False), strict=True)
+        ]
     )
-    assert shooting._fixed(cell, 0.1, at, 1e-9) == pytest.approx(true[at], abs=2e-6)
+    found, _ = shooting._closed_turn(cell, 0.1, at, 1e-9, limits[at])
+    assert found.top == pytest.approx(true[at], abs=2e-6)
 
 
 @pytest.mark.parametrize(
@@ -529,7 +556,7 @@ def test_a_compiled_cell_has_its_cycle() -> None:
         ({"damping": 0, "overdamped": True, "stiffness": "y"}, "without inertia a cell only has"),
         ({"damping": "y**2 - 1", "drive": "0.1,1@1"}, "drive"),
         ({"damping": 0}, "other than zero in a cell without cycles"),
-        ({"damping": "v**2 - 1", "eps": 10.0, "stiffness": "y"}, "take a smaller eps"),
+        ({"damping": "1 - y**2 + 0.12499*y**4", "eps": 1.0}, "take a smaller eps"),
     ],
 )
 def test_a_cell_without_cycles_or_too_far_from_averaging_is_refused(
@@ -539,21 +566,70 @@ def test_a_cell_without_cycles_or_too_far_from_averaging_is_refused(
         own(**changes)
 
 
-@pytest.mark.parametrize(
-    ("damping", "stiffness", "eps"),
-    [
-        ("1 - 3.3097*y**2 + 1.35452*y**4", "y + 0.1*y**3", 3.66872),
-        ("1 - v**2 + 0.01*v**4", "y", 2.5),
-    ],
-    ids=["to rest", "to infinity"],
-)
-def test_a_turn_that_never_ends_leads_to_one_sentence(
-    damping: str, stiffness: str, eps: float
-) -> None:
+def test_a_turn_that_never_ends_leads_to_one_sentence() -> None:
     """Rest of ε > 2 is a node: what starts beside it creeps there without turning."""
-    chain = OscillatorChain(damping=damping, stiffness=stiffness, c=0.0, eps=eps)
+    chain = OscillatorChain(
+        damping="1 - 3.3097*y**2 + 1.35452*y**4", stiffness="y + 0.1*y**3", c=0.0, eps=3.66872
+    )
     with pytest.raises(ParameterError, match="small parameter eps"):
         cell(chain, tolerance=1e-6)
+
+
+@pytest.mark.parametrize("eps", [50.0, 100.0])
+def test_the_period_of_relaxation_is_the_asymptotic_one(eps: float) -> None:
+    """(3 - 2 ln 2)ε + 3αε^(-1/3) + O(ln ε/ε), α the first zero of Ai(-x): Dorodnitsyn (1947)."""
+    van_der_pol = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -1.0, (2, 0): 1.0})
+    (found,) = shooting.shot_cycles(van_der_pol, eps, 1e-9)
+    alpha = -float(ai_zeros(1)[0][0])
+    expected = (3.0 - 2.0 * np.log(2.0)) * eps + 3.0 * alpha * eps ** (-1.0 / 3.0)
+    assert abs(found.period - expected) < 2.0 * np.log(eps) / eps
+    assert found.multiplier == 0.0  # less than 1e-308
+
+
+def test_a_cycle_far_from_its_limit_is_found() -> None:
+    """The velocity of Rayleigh's cell obeys the equation of Van der Pol: at ε = 10, ẏ/√3."""
+    ours, theirs = (own(damping=text, eps=10.0).stable_cycle for text in ("v**2 - 1", "y**2 - 1"))
+    assert ours is not None
+    assert theirs is not None
+    assert ours.averaged is not None
+    assert ours.max > 3.0 * ours.averaged
+    assert abs(ours.period - theirs.period) <= ours.error + theirs.error < 1e-9
+    assert ours.multiplier == pytest.approx(theirs.multiplier, rel=1e-6)  # 1e-9 of an exponent
+
+
+@pytest.mark.parametrize(
+    ("damping", "eps"), [("1 - y**2 + 0.05*y**4", 2.1), ("1 - y**2 + 0.1*y**4", 5.0)]
+)
+def test_a_strongly_unstable_cycle_closes_in_scipy_backwards_in_time(
+    damping: str, eps: float
+) -> None:
+    """Forwards a deviation of a rounding error grows to one of 1e-9, or beyond all cycles."""
+    found = own(damping=damping, eps=eps).unstable_cycle
+    assert found is not None
+    assert found.multiplier is not None
+    assert found.multiplier_error is not None
+    h = np.polynomial.Polynomial([1.0, 0.0, -1.0, 0.0, 0.05 if eps < 5.0 else 0.1])
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        y, v, _ = z
+        return [v, -y - eps * h(y) * v, -eps * h(y)]
+
+    times, start = (0.0, -found.period), [found.max, 0.0, 0.0]
+    back = solve_ivp(rate, times, start, "DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
+    assert np.abs(back[:2] - start[:2]).max() <= found.max * found.error < 1e-9
+    assert abs(np.exp(-back[2]) - found.multiplier) <= found.multiplier_error
+    assert found.multiplier_error < 1e-8 * found.multiplier
+
+
+@pytest.mark.parametrize("eps", [1e-6, 1e-4])
+def test_damping_far_weaker_than_the_tolerance_has_its_cycles(eps: float) -> None:
+    """Their amplitudes are those of averaging, to O(ε)."""
+    found = cell(OscillatorChain(damping="1 - y**2 + 0.1*y**4", c=0.0, eps=eps), tolerance=1e-6)
+    for each in (found.stable_cycle, found.unstable_cycle):
+        assert each is not None
+        assert each.averaged is not None
+        assert abs(each.max - each.averaged) <= each.error + eps
+        assert each.error < 1e-2
 
 
 def test_the_cycles_around_a_node_close_in_scipy() -> None:
@@ -582,26 +658,9 @@ def test_no_multiplier_is_given_that_leaves_double_precision() -> None:
     assert found.multiplier is not None
     assert found.multiplier_error is not None
     assert abs(found.multiplier - 661.3679213) < found.multiplier_error < 30.0
-    assert shooting._multiplier(np.full(2, 709.0))[0] == pytest.approx(np.exp(709.0))
-    assert shooting._multiplier(np.full(2, 710.0)) == (None, None)
-    lost = shooting._exponents(
-        own(damping="y**2 - 1").cycles, 0.1, shooting._Turn(top=0.0, bottom=0.0, period=np.inf)
-    )
-    assert shooting._multiplier(np.zeros(2), lost) == (1.0, np.inf)
-
-
-@pytest.mark.parametrize("slopes", [(1.0, 3.0), (3.0, 1.0)])
-def test_no_multiplier_is_given_where_the_map_has_a_corner(
-    slopes: tuple[float, float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def turn(_: object, __: float, y: float, *___: object) -> shooting._Turn:
-        return shooting._Turn(top=1.0 + slopes[y > 1.0] * (y - 1.0), bottom=-1.0, period=6.0)
-
-    monkeypatch.setattr(shooting, "_turn", turn)
-    monkeypatch.setattr(shooting, "_fixed", lambda *_: 1.0)
-    limits = (SimpleNamespace(amplitude=1.0, period=6.0),)
-    cell: Any = SimpleNamespace(cycles=limits)
-    assert shooting._cycle(cell, 0.1, 0, 1e-9).multiplier is None
+    assert shooting._multiplier(709.0, 709.0)[0] == pytest.approx(np.exp(709.0))
+    assert shooting._multiplier(710.0, 710.0) == (None, None)
+    assert shooting._multiplier(-800.0, -800.0) == (0.0, np.finfo(float).tiny)
 
 
 def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str]) -> None:

@@ -111,9 +111,11 @@ class CompiledCell(Oscillator):
         below = self._potential_on(-1, np.abs(y))
         return below if left.all() else np.where(left, below, self._potential_on(1, np.abs(y)))
 
-    def force(self, y: float, v: float, eps: float) -> float:
-        """Return g(y) + εh(y, v)v."""
-        return self.stiffness(y) + eps * v * self.damping(y, v)
+    def force(self, y: float, v: float, eps: float, step: float) -> tuple[float, float]:
+        """Return g(y) + εh(y, v)v and, by a central difference, its derivative by v."""
+        loss = self.damping(y, v)
+        apart = self.damping(y, v * (1.0 + step)) - self.damping(y, v * (1.0 - step))
+        return self.stiffness(y) + eps * v * loss, eps * (loss + apart / (2.0 * step))
 
     def damping_at(self, y: FloatArray, v: FloatArray) -> FloatArray:
         """Return h(y, v)."""

@@ -32,8 +32,9 @@ def cell(
         user-defined one. Coupling, sites and ends of a chain have no effect.
     tolerance : float, optional
         Local error of the integration relative to the size of the cycle, {friction} (friction)
-        or {shooting} (otherwise); the cell of (43) does not depend on it. The stated errors are at
-        least the differences from results at a hundred times this tolerance.
+        or {shooting} (otherwise; smaller in proportion to weak damping); the cell of (43) does not
+        depend on it. The stated errors are at least the differences from results at a hundred times
+        this tolerance.
     progress : callable, optional
         Called at intervals with the fraction done of a friction cell, which takes minutes at strong
         damping.

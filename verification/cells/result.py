@@ -56,7 +56,7 @@ class CellCycle(Result):
         Largest y as ε → 0: in closed form for (8), otherwise from the energy lost in one turn.
     error : float
         Largest difference of any of these, except the multiplier, from a computation at a hundred
-        times the tolerance; at least round-off.
+        times the tolerance, of smooth cells from one at ten times it as well; at least round-off.
     """
 
     derived: ClassVar[tuple[str, ...]] = ("amplitude",)

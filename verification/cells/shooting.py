@@ -3,18 +3,19 @@
     ÿ + g(y) + ε h(y, ẏ) ẏ = 0
 
 To leading order in ε they are given in ``theory.cells.oscillator``. The exact cycles are fixed
-points of the map from one maximum of y to the next, computed by scipy's DOP853.
+points of the map from one maximum of y to the next, computed by scipy's DOP853 and searched for by
+Newton's method. For an unstable cycle time runs backwards, so that deviations decay.
 """
 
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
+from typing import Literal
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import ode
 from scipy.optimize import brentq
 
 from theory.arrays import FloatArray
@@ -26,15 +27,15 @@ TOLERANCES = Range(1e-13, 1e-6)
 """Range of the relative tolerance of DOP853."""
 ROUNDING = 1e-14
 """Relative rounding error of a period, accumulated over some hundred steps."""
-_STIFFEST = 60.0
-"""Largest ε max|h| on a cycle over its frequency; DOP853 takes half a minute there."""
-_WIDTHS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.4)
-"""Relative distances from the limit ε → 0 within which the cycle is searched for."""
+_STIFFEST = 300.0
+"""Largest ε max|h| on a cycle over its frequency; DOP853 takes some seconds there."""
 _SHIFT = 3e-5
-"""Step, relative to the largest velocity, of the differences that give the slope of the damping."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_CLOSED = 1e-3
-"""Relative difference between a fixed point and the end of its turn, above which it is a jump."""
+"""Step, relative to the velocity, of the differences that give the slope of a compiled damping."""
+_MAX_TURNS, _MAX_STEPS = 50, 100_000
+_STIFF = -4
+"""Code with which scipy's DOP853 returns, from the 1000th step on, where stability limits steps."""
+_UNBOUNDED = 1e4
+"""Size of y, relative to that at the beginning, above which motion is taken to be unbounded."""
 
 
 def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCycle, ...]:
@@ -47,7 +48,7 @@ def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCyc
     eps : float
         ε.
     tolerance : float
-        Relative tolerance of DOP853.
+        Relative tolerance of DOP853; smaller in proportion where ε max|h| is below the frequency.
 
     Raises
     ------
@@ -61,9 +62,12 @@ def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCyc
     >>> [round(each.max, 4) for each in shot_cycles(cell, 1.0, 1e-9)]  # of Van der Pol (1926)
     [2.0086]
     """
-    for limit in cell.cycles:
-        _check_stiffness(cell, eps, limit)
-    return tuple(_cycle(cell, eps, at, tolerance) for at in range(len(cell.cycles)))
+    # The weaker the damping, the more the errors of a turn shift the cycle.
+    strengths = [_stiffness(cell, eps, limit) for limit in cell.cycles]
+    return tuple(
+        _cycle(cell, eps, at, max(TOLERANCES.low, tolerance * min(1.0, strength)))
+        for at, strength in enumerate(strengths)
+    )
 
 
 def longest_step(tolerance: float) -> float:
@@ -76,127 +80,147 @@ def longest_step(tolerance: float) -> float:
     return float((tolerance / 1e-12) ** (1.0 / 8.0))
 
 
-@dataclass(frozen=True)
-class _Extremum:
-    """An event for scipy: ẏ decreases (-1) or increases (1) through 0, except at the start."""
-
-    direction: float
-    terminal: bool
-
-    def __call__(self, t: float, z: FloatArray) -> float:
-        return float(z[1]) if t > 0.0 else self.direction
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Turn:
-    """A turn from one maximum of y to the next: the latter, the minimum between, the duration.
+    """A turn from one maximum of y to the next or, backwards in time, to the one before.
 
-    ``run`` is scipy's solution; None if there is no such turn.
+    Attributes
+    ----------
+    top, bottom : float
+        The maximum at its end, and the minimum between.
+    period : float
+        Duration.
+    exponent : float
+        Integral of the divergence of the flow, in the direction of time. By the formula of
+        Liouville a deviation from a cycle grows by its exponential.
+    slope : float
+        Derivative of the maximum at the end by that at the beginning.
     """
 
     top: float
     bottom: float
     period: float
-    run: Any = None
+    exponent: float
+    slope: float
 
 
-def _turn(cell: Oscillator, eps: float, y: float, period: float, tolerance: float) -> _Turn:
-    """Return the turn that begins at rest at y.
+def _turn(
+    cell: Oscillator, eps: float, y: float, limit: OscillatorCycle, tolerance: float
+) -> _Turn | None:
+    """Return the turn that begins at rest at y; None if motion does not turn back twice."""
+    down = _swing(cell, eps, y, limit, tolerance)
+    up = _swing(cell, eps, down[0], limit, tolerance) if down else None
+    if down is None or up is None:
+        return None
+    exponent = down[2] + up[2]
+    # The flow crosses the line ẏ = 0 with the acceleration -g.
+    first, last = (cell.force(each, 0.0, eps, _SHIFT)[0] for each in (y, up[0]))
+    with np.errstate(over="ignore"):
+        slope = first / last * float(np.exp(exponent))
+    return _Turn(top=up[0], bottom=down[0], period=down[1] + up[1], exponent=exponent, slope=slope)
 
-    A motion that decays to rest without turning back ends at 0, an unbounded one at infinity;
-    neither has a period.
-    """
+
+def _swing(
+    cell: Oscillator, eps: float, y: float, limit: OscillatorCycle, tolerance: float
+) -> tuple[float, float, float] | None:
+    """Return y, duration and exponent where motion that begins at rest at y is at rest again."""
+    sense, size, coarseness = 1.0 if limit.stable else -1.0, abs(y), longest_step(tolerance)
+    # A coarser run takes larger differences, so that comparison shows their error as well.
+    shift = _SHIFT * coarseness
 
     def rate(_: float, z: FloatArray) -> list[float]:
-        y, v = z.tolist()
-        return [v, -cell.force(y, v, eps)]
+        y, v, _ = z.tolist()
+        force, drag = cell.force(y, sense * v, eps, shift)
+        return [v, -force, -sense * drag * size]
 
-    with np.errstate(over="ignore", invalid="ignore"):
-        run = solve_ivp(
-            rate, (0.0, 100.0 * period), [y, 0.0], "DOP853",
-            events=(_Extremum(-1.0, True), _Extremum(1.0, False)),
-            rtol=tolerance, atol=1e-2 * tolerance * y,
-            max_step=period / 30.0 * longest_step(tolerance), dense_output=True,
+    def solver() -> ode:
+        return ode(rate).set_integrator(
+            "dop853", rtol=tolerance, atol=1e-2 * tolerance * size,
+            max_step=limit.period / 30.0 * coarseness, nsteps=_MAX_STEPS,
         )  # fmt: skip
-    lowest: list[FloatArray] = list(run.y_events[1]) if run.y_events is not None else []
-    if run.status != 1 or not lowest:
-        rests = run.status == 0 and abs(run.y[0, -1]) < y
-        return _Turn(top=0.0 if rests else math.inf, bottom=math.nan, period=math.inf)
-    bottom = float(lowest[0][0])
-    return _Turn(top=float(run.y[0, -1]), bottom=bottom, period=float(run.t[-1]), run=run)
 
+    path: list[tuple[float, FloatArray]] = []
+    pull = cell.force(y, 0.0, eps, shift)[0]
 
-def _exponents(cell: Oscillator, eps: float, turn: _Turn) -> FloatArray:
-    """Return -ε ∮ ∂(hẏ)/∂ẏ dt over a turn, for a step and twice the step of the difference in ẏ.
+    def watch(t: float, z: FloatArray) -> Literal[-1, 0]:
+        path.append((t, z.copy()))
+        bounded = abs(z[0]) < _UNBOUNDED * size and len(path) < _MAX_STEPS
+        return 0 if bounded and z[1] * pull <= 0.0 else -1
 
-    By the formula of Liouville a deviation from a cycle grows by the exponential of this integral
-    of the divergence of the flow.
-    """
-    if turn.run is None:
-        return np.full(2, math.inf)
-    times = turn.run.t
-    half = 0.5 * np.diff(times)[:, None]
-    y, v = turn.run.sol((times[:-1, None] + half * (1.0 + _NODES)).ravel())
-    step = _SHIFT * float(np.abs(v).max())
-    h = cell.damping_at(y, v)
-    slopes = (
-        (cell.damping_at(y, v + each) - cell.damping_at(y, v - each)) / (2.0 * each)
-        for each in (step, 2.0 * step)
+    run = solver()
+    run.set_solout(watch)
+    with warnings.catch_warnings(action="ignore"):  # of stiffness, and of steps that are too many
+        run.set_initial_value([y, 0.0, 0.0]).integrate(100.0 * limit.period)
+        while run.get_return_code() == _STIFF:
+            run.integrate(100.0 * limit.period)
+    (begin, before), (end, after) = path[-2:]
+    if not before[1] * after[1] < 0.0:
+        return None
+    last = end - begin
+    states = {0.0: before, last: after}
+
+    def state(t: float) -> FloatArray:
+        if t not in states:
+            states[t] = solver().set_initial_value(before).integrate(t)
+        return states[t]
+
+    rest = float(
+        brentq(lambda t: float(state(t)[1]), 0.0, last, xtol=1e-15 * limit.period, rtol=1e-15)
     )
-    weights = (half * _WEIGHTS).ravel()
-    return -eps * np.array([weights @ (h + v * slope) for slope in slopes])
+    y, _, exponent = state(rest).tolist()
+    return y, begin + rest, exponent / size
 
 
 def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle:
-    """Return one cycle and its error, starting from its limit as ε → 0."""
+    """Return one cycle and its error, starting from its limit as ε → 0.
+
+    The error is the largest difference from cycles at ten and at a hundred times the tolerance:
+    where stability limits the steps, errors do not grow in proportion, and one of the two may by
+    chance be as wrong as the cycle itself.
+    """
     limit = cell.cycles[at]
-    coarse = _fixed(cell, eps, at, 100.0 * tolerance)
-    fine = _fixed(cell, eps, at, tolerance, coarse)
-    turn, other = (
-        _turn(cell, eps, y, limit.period, each)
-        for y, each in ((fine, tolerance), (coarse, 100.0 * tolerance))
+    turns, y, left = [], limit.amplitude, 0.0
+    for coarser in (100.0, 10.0, 1.0):
+        turn, left = _closed_turn(cell, eps, at, coarser * tolerance, y)
+        turns.append(turn)
+        y = turn.top
+    *others, turn = turns
+    gaps = (
+        abs(getattr(turn, name) - getattr(other, name))
+        for other in others
+        for name in ("top", "bottom", "period")
     )
-    pairs = ((fine, coarse), (turn.bottom, other.bottom), (turn.period, other.period))
-    error = max(*(abs(one - two) for one, two in pairs), ROUNDING * turn.period)
-    # Relative, since a cycle may be far smaller than the error of its period.
-    aside = fine * min(max(*(abs(1.0 - two / one) for one, two in pairs), ROUNDING), 0.5)
-    multiplier, multiplier_error = _multiplier(
-        _exponents(cell, eps, turn),
-        _exponents(cell, eps, other),
-        *(
-            _exponents(cell, eps, _turn(cell, eps, fine + each, limit.period, tolerance))
-            for each in (aside, -aside)
-        ),
-    )
+    exponents = [each.exponent if limit.stable else -each.exponent for each in reversed(turns)]
+    multiplier, multiplier_error = _multiplier(*exponents)
     return CellCycle(
-        max=fine,
+        max=turn.top,
         min=turn.bottom,
         period=turn.period,
         slip_time=turn.period,
         multiplier=multiplier,
         multiplier_error=multiplier_error,
         averaged=limit.amplitude,
-        error=error,
+        error=max(*gaps, left, ROUNDING * turn.period),
     )
 
 
-def _multiplier(
-    exponents: FloatArray, *others: FloatArray
-) -> tuple[float, float] | tuple[None, None]:
+def _multiplier(exponent: float, *others: float) -> tuple[float, float] | tuple[None, None]:
     """Return the multiplier of a cycle and its error; None if it leaves double precision.
 
-    The error is the largest difference from the multiplier of any of the other turns and by
-    differences of twice the step, but at least rounding.
+    The error is the largest difference from the multiplier of any other turn, and at least
+    rounding.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        found = float(np.exp(exponents[0]))
-        gaps = np.abs(np.exp(np.concatenate([exponents[1:], *others])) - found)
+        found = float(np.exp(exponent))
+        gaps = np.abs(np.exp(others) - found)
     if found == math.inf:
         return None, None
-    return found, float(gaps.max()) + ROUNDING * (1.0 + abs(float(exponents[0]))) * found
+    rounding = ROUNDING * (1.0 + abs(exponent)) * found
+    return found, float(gaps.max(initial=np.finfo(float).tiny)) + rounding
 
 
-def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> None:
+def _stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> float:
+    """Return ε max|h| on a cycle over its frequency; refuse a cycle for which it is too large."""
     angle = np.linspace(0.0, 2.0 * math.pi, 201)
     with np.errstate(over="ignore", invalid="ignore"):  # an overflow is refused as well
         h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
@@ -206,31 +230,33 @@ def _check_stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> No
             "eps max|damping| over the frequency of a cycle", f"{stiffness:.4g}",
             f"at most {_STIFFEST:g} for a true cycle", "take a smaller eps",
         )  # fmt: skip
+    return stiffness
 
 
-def _fixed(
-    cell: Oscillator, eps: float, at: int, tolerance: float, near: float | None = None
-) -> float:
-    """Return the largest y of a cycle: a fixed point between the neighbouring cycles.
+def _closed_turn(
+    cell: Oscillator, eps: float, at: int, tolerance: float, y: float
+) -> tuple[_Turn, float]:
+    """Return the turn along a cycle and the last correction of its maximum, searched from y on.
 
-    It is searched around ``near``, by default around the limit ε → 0.
+    The maximum lies between those of the neighbouring cycles, at least as ε → 0. Where Newton's
+    method does not apply, motion itself leads to the cycle. The search ends with corrections that
+    no longer halve, as round-off of the turns makes them.
     """
-    amplitudes = [each.amplitude for each in cell.cycles]
-    guess, period = near or amplitudes[at], cell.cycles[at].period
-    low = math.sqrt(amplitudes[at - 1] * amplitudes[at]) if at else 0.0
-    high = math.sqrt(amplitudes[at + 1] * amplitudes[at]) if at + 1 < len(amplitudes) else math.inf
-
-    @cache  # at the ends of an interval and at its root brentq asks again
-    def growth(y: float) -> float:
-        top = _turn(cell, eps, y, period, tolerance).top
-        return top / y - 1.0 if math.isfinite(top) else 1.0
-
-    for width in _WIDTHS:
-        ends = max(low, guess * (1.0 - width)), min(high, guess * (1.0 + width))
-        if growth(ends[0]) * growth(ends[1]) < 0.0:
-            found = float(brentq(growth, *ends, xtol=1e-14 * guess, rtol=1e-14))
-            if abs(growth(found)) < _CLOSED:
-                return found
+    limit, neighbours = cell.cycles[at], [0.0, *(each.amplitude for each in cell.cycles), math.inf]
+    low, high = (math.sqrt(limit.amplitude * each) for each in neighbours[at : at + 3 : 2])
+    before = math.inf
+    for _ in range(_MAX_TURNS):
+        turn = _turn(cell, eps, y, limit, tolerance)
+        if turn is None:
+            break
+        gap = turn.top - y
+        move = gap / (1.0 - turn.slope) if turn.slope < 1.0 else gap
+        closed = abs(gap) <= tolerance * y
+        if closed and not ROUNDING * y < abs(move) < 0.5 * before:
+            return turn, abs(move)
+        before = abs(move)
+        y = y + move if low < y + move < high else turn.top
+        if not low < y < high:
             break
     raise ParameterError(
         "small parameter eps", eps, "so small that averaging locates the cycles approximately",

@@ -824,6 +824,40 @@ def test_a_search_that_takes_minutes_reports_how_far_it_is(monkeypatch: pytest.M
         assert reports[-1] <= 1.0
 
 
+@pytest.mark.parametrize(
+    "given",
+    [
+        CELL, FrictionCell(law="coulomb"), FrictionCell(law="stribeck", v_s=0.01, xi=5.0),
+        FrictionCell(v0=1e-3, xi=20.0), FrictionCell(xi=1e-12),
+    ],
+    ids=["paper", "coulomb", "relaxation, stribeck", "relaxation", "round-off decides"],
+)  # fmt: skip
+def test_limits_beside_those_at_another_tolerance_are_those_of_a_whole_search(
+    given: FrictionCell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Up to round-off, which decides the sign there; relaxation takes two fifths of the slips."""
+    slips: list[float] = []
+
+    def counted(cell: FrictionCell, tolerance: float) -> float:
+        slips.append(cell.v_d)
+        return friction_cycles.largest_after_release(cell, tolerance)
+
+    monkeypatch.setattr(friction, "largest_after_release", counted)
+    fine = friction.cycle_velocities(given, 1e-12)
+    slips.clear()
+    whole = friction.cycle_velocities(given, 1e-8)
+    most = len(slips)
+    slips.clear()
+    beside = friction._limits_beside(given, fine, 1e-8, None)
+    assert beside == pytest.approx(whole, rel=friction_cycles.ROUND_OFF)
+    assert len(slips) < (0.4 if given.xi > 1.0 else 1.0) * most + 10
+
+
+def test_limits_far_from_those_at_another_tolerance_are_searched_for_everywhere() -> None:
+    whole = friction.cycle_velocities(CELL, 1e-8)
+    assert friction._limits_beside(CELL, (0.0, 0.5 * whole[1]), 1e-8, None) == whole
+
+
 def test_the_end_of_relaxation_cycles_is_known_to_its_error_and_not_better() -> None:
     """What follows a slow creep changes abruptly with v_d; the sign of the excess does there."""
     for relaxing in (FrictionCell(xi=100.0, v0=1e-3), FrictionCell(xi=30.0, v0=1e-4)):

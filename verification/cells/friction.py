@@ -44,8 +44,12 @@ _FAR = 3.0
 _SLOW, _CERTAIN = 1e-5, 1e-3
 """Values of v_d/v_s: below the first, round-off decides the energy gained in slip; from the second
 on it does not."""
-_SLIPS = 90
-"""Expected number of slip phases in a search for the limits of v_d, for the fraction reported."""
+_DISTANCES = (1e-9, 1e-6, 1e-3)
+"""Relative distances from a limit of v_d within which that at another tolerance is searched for.
+The first is far above round-off, which may change the sign of the excess several times."""
+_SLIPS = 150
+"""Largest usual number of slip phases in a search for the limits of v_d, which is that of
+relaxation cycles under Stribeck's law; for the fraction reported."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,10 +149,8 @@ def cycle_limits(
     cell: FrictionCell, tolerance: float, progress: ProgressCallback | None
 ) -> CycleLimits:
     """Return the limits of :func:`cycle_velocities` with their error; they do not depend on v_d."""
-    limits, coarse = (
-        cycle_velocities(cell, each, of_part(progress, part, 2))
-        for part, each in enumerate((tolerance, COARSER * tolerance))
-    )
+    limits = cycle_velocities(cell, tolerance, of_part(progress, 0, 2))
+    coarse = _limits_beside(cell, limits, COARSER * tolerance, of_part(progress, 1, 2))
     gaps = (0.0 if a == b else abs(a - b) for a, b in zip(limits, coarse, strict=True))
     first, end = limits
     error = max(*gaps, _rounding_of_end(cell, end, tolerance))
@@ -196,15 +198,7 @@ def cycle_velocities(
     >>> first, stick_slip_cycle(FrictionCell(v_d=0.9999 * end)).stick_time < 0.03
     (0.0, True)
     """
-    slips = count(1)
-
-    def excess(v_d: float) -> float:
-        found = largest_after_release(replace(cell, v_d=v_d), tolerance)
-        done = next(slips)
-        if progress is not None:
-            progress(done / max(_SLIPS, done + 1))
-        return found
-
+    excess = _excess(cell, tolerance, progress)
     first, low = 0.0, 1e-3 * min(1.0, cell.curve.scale)
     if cell.law is FrictionLaw.STRIBECK:
         sliding = cell.unstable_sliding
@@ -237,9 +231,47 @@ def cycle_velocities(
     return first, _zero(excess, low, high)
 
 
+def _excess(
+    cell: FrictionCell, tolerance: float, progress: ProgressCallback | None
+) -> Callable[[float], float]:
+    """Return by how much slip after release exceeds v_d, as a function of v_d that is counted."""
+    slips = count(1)
+
+    def excess(v_d: float) -> float:
+        found = largest_after_release(replace(cell, v_d=v_d), tolerance)
+        done = next(slips)
+        if progress is not None:
+            progress(done / max(_SLIPS, done + 1))
+        return found
+
+    return excess
+
+
 def _zero(excess: Callable[[float], float], low: float, high: float) -> float:
     """Return a velocity at which the excess changes sign, to a relative accuracy of 2e-15."""
     return float(brentq(excess, low, high, xtol=1e-15 * low, rtol=9e-16))
+
+
+def _limits_beside(
+    cell: FrictionCell,
+    limits: tuple[float, float],
+    tolerance: float,
+    progress: ProgressCallback | None,
+) -> tuple[float, float]:
+    """Return the limits of v_d, searched for closely beside those at another tolerance."""
+    excess, found = _excess(cell, tolerance, progress), []
+    for limit in limits if 0.0 < limits[1] < math.inf else ():
+        if limit in (0.0, cell.unstable_sliding.low):  # not the result of a search
+            found.append(limit)
+            continue
+        for distance in _DISTANCES:
+            low, high = limit * (1.0 - distance), limit * (1.0 + distance)
+            if (excess(low) > 0.0) is not (excess(high) > 0.0):
+                found.append(_zero(excess, low, high))
+                break
+    if len(found) == 2:
+        return found[0], found[1]
+    return cycle_velocities(cell, tolerance, progress)
 
 
 def _rounding_of_end(cell: FrictionCell, end: float, tolerance: float) -> float:

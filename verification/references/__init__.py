@@ -1,1 +1,1 @@
-"""Independent references: other integrators and other formulas, without code of the engines."""
+"""Independent references: other integrators and other formulas, without code of the steppers."""

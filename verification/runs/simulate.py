@@ -76,8 +76,8 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         A chain of a model that is integrated in time: (8), (43), (5), or a user-defined smooth
         chain.
     start : array_like
-        (y, w) of every site, shape (2, N), dimensionless (``verification.runs.excite``); or
-        Ψ = ẏ + iy, complex, shape (N,).
+        (y, w) of every site, shape (2, N), dimensionless, as made by ``verification.runs.excite``:
+        w is ẏ or, for (43), y and w are Im φ and Re φ. Or Ψ = w + iy, complex, shape (N,).
     t_end : float
         Final time t, positive, at most {latest}; slow time is εt.
     tolerance : float, optional
@@ -100,7 +100,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     progress : callable, optional
         Called at intervals with the fraction done.
     budget : int, optional
-        Sites times steps between two readings of the clock.
+        Work between two calls of ``progress`` or saves of the checkpoint, in sites times steps.
     **options
         Options of the integration: ``active_window`` (step only the sites that move, by default
         true), ``trailing_sites``, ``left_boundary_wave``

@@ -73,6 +73,9 @@ underflow."""
 class SmoothIntegration(Integration):
     """A run of a smooth chain; the tolerance is relative to the largest value of the state.
 
+    The steps are taken in kernel time, which is t times ``chain.kernel_rate``: slow time εt for
+    (43), t itself for (8).
+
     Parameters
     ----------
     chain : SmoothChain

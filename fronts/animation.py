@@ -172,6 +172,7 @@ def snapshot(run: Trajectory, axes: Axes, **style: Any) -> Callable[[int], None]
     places = run.chain.links.positions
     look = {"cmap": "cividis", "vmin": 0.0, "vmax": top, **style}
     axes.set(xlabel="column", ylabel="row")
+    axes.locator_params(integer=True)
     axes.set_aspect("equal")
     if np.array_equal(places, np.round(places)):
         image = axes.imshow(

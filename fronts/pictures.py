@@ -77,6 +77,11 @@ def _kinetic_curve(result: Any, axes: Axes, **style: Any) -> None:
     label = "coupling c" if result.along == "c" else "η = b/a²"
     axes.set(xlabel=label, ylabel=SLOW_VELOCITY)
     _branches(axes, result.points, result.along, style)
+    # The whole range is shown, since there is no moving front where it is empty.
+    values = [getattr(point, result.along) for point in result.points]
+    margin = 0.03 * (max(values) - min(values))
+    if margin:
+        axes.set_xlim(min(values) - margin, max(values) + margin)
     if result.along == "c":
         _thresholds(axes, result.points[0])
     _explain(axes)
@@ -122,12 +127,16 @@ def _thresholds(axes: Axes, answer: Any) -> None:
 
 
 def _roots(result: Any, axes: Axes, **style: Any) -> None:
-    for half, colour in ((result.upper, BLUE), (result.lower, VERMILION)):
+    for half, label, look in (
+        (result.upper, "$M^+$", {"color": BLUE}),
+        (result.lower, "$M^-$", {"color": VERMILION, "mfc": "none"}),
+    ):
         parts = [(float(root.re), float(root.im)) for root in half]
         if parts:
-            axes.plot(*zip(*parts, strict=True), "o", **{"ms": 3.0, "color": colour, **style})
+            axes.plot(*zip(*parts, strict=True), "o", label=label, **{"ms": 3.0, **look, **style})
     axes.axhline(0.0, color="0.5", lw=0.6)
     axes.set(xlabel="Re k (per site)", ylabel="Im k (per site)")
+    _explain(axes)
 
 
 def _profile(result: Any, axes: Axes, **style: Any) -> None:
@@ -303,6 +312,7 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
         times = result.detail.arrivals
         dots = axes.scatter(places[:, 0], places[:, 1], 6.0, times, cmap="cividis", **style)
         axes.set(xlabel="column", ylabel="row")
+        axes.locator_params(integer=True)
         axes.set_aspect("equal")
         axes.figure.colorbar(dots, ax=axes, label="time of arrival")
         return
@@ -324,9 +334,12 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
 def _ensemble(result: Any, axes: Axes, **style: Any) -> None:
     known = ~np.isnan(result.values)
     axes.plot(result.seeds[known], result.values[known], "o", **{"ms": 3.0, "color": BLUE, **style})
-    axes.axhline(result.mean, color=VERMILION)
+    axes.axhline(result.mean, color=VERMILION, label="mean")
     spread = result.spread or 0.0
-    axes.axhspan(result.mean - spread, result.mean + spread, color="0.9", zorder=0)
+    band = {"color": "0.9", "zorder": 0, "label": "± one standard deviation"}
+    axes.axhspan(result.mean - spread, result.mean + spread, **band)
+    axes.locator_params("x", integer=True)
+    axes.legend()
     axes.set(xlabel="seed of the disorder", ylabel=_label(result.quantity, result.chain))
 
 

@@ -204,7 +204,8 @@ def test_methods_that_agree_are_drawn_with_different_hollow_marks() -> None:
 
 @pytest.mark.parametrize("along", ["c", "eta"])
 def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) -> None:
-    values = {"c": [0.434, 0.5], "eta": [0.02, 0.03]}[along]
+    """The axis shows the whole range, although no front moves at the first or the last value."""
+    values = {"c": [0.3, 0.434, 0.5], "eta": [0.02, 0.03, 0.07]}[along]
     found = fr.kinetic_relation(**{"c": 0.5, "eta": 0.03125, along: values})
     axes = draw(found)
     assert axes.get_xlabel() == {"c": "coupling c", "eta": "η = b/a²"}[along]
@@ -220,6 +221,8 @@ def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) 
     assert shown == {
         (x, b.v) for x, point in zip(values, found.points, strict=True) for b in point.branches
     }
+    low, high = axes.get_xlim()
+    assert low < min(values) < max(values) < high
     upright = {line.get_label(): [*line.get_xdata()] for line in axes.lines
                if line.get_marker() == "None"}  # fmt: skip
     first = found.points[0]
@@ -265,6 +268,7 @@ def test_roots_are_drawn_where_they_are_about_the_real_axis() -> None:
         drawn = zip(line.get_xdata(), line.get_ydata(), strict=True)
         assert [*drawn] == [(root.re, root.im) for root in half]
     assert list(axis.get_ydata()) == [0.0, 0.0]
+    assert [each.get_text() for each in axes.get_legend().get_texts()] == ["$M^+$", "$M^-$"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Re k (per site)", "Im k (per site)")
 
 
@@ -326,6 +330,9 @@ def test_an_ensemble_is_drawn_about_its_mean(last: float) -> None:
     known = [(3, 0.1)] if np.isnan(last) else [(3, 0.1), (7, 0.3)]
     centre, half = (0.1, 0.0) if np.isnan(last) else (0.2, 0.1 * np.sqrt(2.0))
     assert _marked(dots) == known
+    assert [each.get_text() for each in axes.get_legend().get_texts()] == [
+        "mean", "± one standard deviation",
+    ]  # fmt: skip
     assert list(mean.get_ydata()) == pytest.approx([centre, centre])
     (band,) = axes.patches
     low, high = band.get_extents().transformed(axes.transData.inverted()).intervaly

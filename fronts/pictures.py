@@ -336,8 +336,8 @@ def _ensemble(result: Any, axes: Axes, **style: Any) -> None:
     axes.plot(result.seeds[known], result.values[known], "o", **{"ms": 3.0, "color": BLUE, **style})
     axes.axhline(result.mean, color=VERMILION, label="mean")
     spread = result.spread or 0.0
-    band = {"color": "0.9", "zorder": 0, "label": "± one standard deviation"}
-    axes.axhspan(result.mean - spread, result.mean + spread, **band)
+    low, high = result.mean - spread, result.mean + spread
+    axes.axhspan(low, high, color="0.9", zorder=0, label="± one standard deviation")
     axes.locator_params("x", integer=True)
     axes.legend()
     axes.set(xlabel="seed of the disorder", ylabel=_label(result.quantity, result.chain))

@@ -1,4 +1,4 @@
-"""Error versus run time: the engine that measures our and other methods at test problems.
+"""Error versus run time: measurement of our and other methods at test problems.
 
 A file of this folder that defines ``BENCHMARK``, a :class:`WorkPrecision`, adds the benchmark of a
 quantity of ``verification.quantities``. Methods take turns in one process, so that a slow minute of

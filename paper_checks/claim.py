@@ -37,7 +37,7 @@ class Method:
         What is done, in standard terms.
     code : str
         Reference to its code, as ``package.module:function``. The methods of one claim share no
-        engine; see ``tests/independence.py``.
+        stepper, solver, sum or search; see ``tests/independence.py``.
     covers : str
         The part of the evidence that the method covers; empty for all of it.
     """

@@ -75,7 +75,7 @@ class Finding:
     error : str
         Bound or uncertainty of ``value``, or the reason why it has none.
     methods : tuple of str
-        Two methods that share no engine and both led to ``value``, or a single one.
+        Two independent methods that both led to ``value``, or a single one.
     tolerance : str
         The difference that would have changed the verdict, and the reason for its size.
     explanation : str

@@ -13,9 +13,9 @@
 5. A sentence that repeats another claim is listed under it and not counted again.
 6. A tolerance follows from the digits in the text or from the error of the method. If it would
    follow from an axis that cannot be read, the claim is untestable in that respect and says so.
-7. The methods of a claim are references to code; those of one claim share no engine
-   (``tests/independence.py``). If a second method covers only a part, it states which. Claims
-   with a single method say so.
+7. The methods of a claim are references to code; those of one claim share no stepper,
+   solver, sum or search (``tests/independence.py``). If a second method covers only a part, it
+   states which. Claims with a single method say so.
 8. A tolerance is a number in its rule; if it is loosened a thousandfold, a verdict on the
    artificial evidence of the tests changes.
 9. Every verdict other than *reproduced* has a reason in one sentence. A verdict that differs from

@@ -71,7 +71,7 @@ def test_many_claims_are_told_in_ten_lines(
     lines = capsys.readouterr().out.strip().splitlines()
     assert len(lines) <= 10
     assert lines[0].startswith("6 claims in ")
-    assert "by two methods" in lines[1]
+    assert "by two independent methods" in lines[1]
     assert "agrees with the recorded one" in lines[2]
     assert "because a fold looks" in " ".join(lines).lower() or "a fold looks" in " ".join(lines)
     assert lines[-1].endswith("index.html.")

@@ -53,8 +53,8 @@ def _methods(report: Report) -> str:
     two, one = report.confirmed
     stored = sum(outcome.judgement.stored for outcome in report.outcomes)
     return (
-        f"{two} judged by two methods without a common engine, {one} by one; {report.repeated} "
-        f"sentences repeat them; {stored} from stored findings."
+        f"Judged by two independent methods: {two}, by one: {one}; passages that repeat them: "
+        f"{report.repeated}; from stored findings: {stored}."
     )
 
 

@@ -1,4 +1,4 @@
-"""The sweep engine for all maps: a function, points, any executor, a store, a table.
+"""The sweep behind all maps: a function, points, any executor, a store, a table.
 
 The table depends on the function and the points only, not on the number of workers, the order in
 which they finish, or how often the sweep was killed and resumed. In memory there is one array per

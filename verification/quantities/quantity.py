@@ -44,7 +44,7 @@ class Quantity:
     2. Choose its family of test problems in ``verification.quantities.problems``, or add one.
     3. State by which independent method its true value is known there, and to what accuracy.
        Equations and formulas of a reference belong in ``verification.references``, which uses
-       scipy and mpmath but no code of the engines.
+       scipy and mpmath but no code of the methods tested.
     4. Write one :class:`Computation` for each method or model that the toolkit offers: its
        parameters over all decades in which it is defined, a function that returns the value with
        its stated error, and a check by code that this function does not use.

@@ -3,8 +3,8 @@
 There is one right-hand side per model: (8) and its variational equations (42), the averaged chain
 (43) and its reduction to real amplitudes, the piecewise-linear chain (44), and friction (6). They
 share no code with the compiled right-hand sides of the steppers, so that they can be used to check
-the engines. Springs, forces and damping are plain functions that accept arrays, complex numbers and
-mpmath numbers alike.
+the steppers. Springs, forces and damping are plain functions that accept arrays, complex numbers
+and mpmath numbers alike.
 """
 
 from __future__ import annotations

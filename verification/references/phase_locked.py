@@ -7,7 +7,7 @@ the number of sites is odd, so are the others; if it is even, the others share o
 which is determined at the next order. Here δ runs over a grid, all signs are tried, and Newton's
 method decides which of them are solutions.
 
-The engine, ``verification.breathers.envelope``, follows one breather of a given pattern. This
+The solver, ``verification.breathers.envelope``, follows one breather of a given pattern. This
 module enumerates all breathers of a size, without scaling a and b, as an independent check. A
 single breather in extended precision is computed in ``verification.references.precise_breather``.
 """

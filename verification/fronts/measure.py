@@ -123,9 +123,9 @@ def measure_front(  # noqa: PLR0913  (options of every kind of chain)
         default {usual_friction_sites}. Chain (44): the largest number of sites that a front may
         pass, {piecewise_sites}, by default {usual_piecewise_sites}.
     stall_time : float, optional
-        Time without an arrival, in units of ``chain.time_unit``, after which a front is suspected
-        of having stopped; after twice this time it is called pinned or creeping. Smooth chain: by
-        default {usual_smooth_stall}. Friction chain: by default {usual_friction_stall}.
+        Time without an arrival after which a front is suspected of having stopped; after twice
+        this time it is called pinned or creeping. Smooth chain: in slow time εt, by default
+        {usual_smooth_stall}. Friction chain: in τ, by default {usual_friction_stall}.
     left_boundary : LeftBoundary
         What is to the left of the first site of a smooth chain.
     point : StartPoint, str or float

@@ -117,9 +117,12 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         ``first`` (default), ``several`` or ``whole``. The closed form and sweeps find only
         ``existence``, ``hold`` only ``first``.
     final_time : float, optional
-        Bisection: time by which the nucleus must have spread, in units of the chain's `time_unit`.
-    lowest, highest : float, optional
-        Bisection: range of couplings that is searched.
+        Bisection: time by which the nucleus must have spread: slow time εt, or τ for the friction
+        chain.
+    lowest : float, optional
+        Bisection: smallest coupling of the search.
+    highest : float, optional
+        Bisection: largest coupling of the search.
     accuracy : float, optional
         Bisection: final width of the bracket.
     tests : int, optional
@@ -129,9 +132,10 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
     start_point : StartPoint, optional
         Bisection of a friction chain: point on the cycle from which excited sites start; by default
         the maximum.
-    perturbation, seed : float and int, optional
-        Sweep, hold: standard deviation of the noise on the start, up to {noise}, and its first
-        seed.
+    perturbation : float, optional
+        Sweep, hold: standard deviation of the noise on the start, up to {noise}.
+    seed : int, optional
+        Sweep, hold: first seed of the noise.
     progress : callable, optional
         Bisection and continuation: called with the fraction done.
 

@@ -19,7 +19,7 @@ import json
 import os
 import shlex
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -73,6 +73,19 @@ def interruptible() -> Iterator[None]:
     was = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, was)
+
+
+@pytest.fixture
+def answered(capsys: pytest.CaptureFixture[str]) -> Callable[[str | Sequence[str]], Any]:
+    """Return what a line, or its words, prints in JSON."""
+    from fronts.cli import main
+
+    def answer_to(line: str | Sequence[str]) -> Any:
+        words = shlex.split(line) if isinstance(line, str) else line
+        assert main([*words, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    return answer_to
 
 
 @pytest.fixture

@@ -495,14 +495,13 @@ def test_the_stored_growth_covers_what_was_promised():
 
 
 @pytest.mark.parametrize("name", ["roots", "multipliers"])
-def test_a_quick_run_gives_a_small_error_and_a_record(name, capsys, tmp_path, monkeypatch):
+def test_a_quick_run_gives_a_small_error_and_a_record(name, answered, tmp_path, monkeypatch):
     def missing(*_):
         raise ModuleNotFoundError("cxroots")
 
     monkeypatch.setattr(roots, "_contour", missing)  # where it is installed, it takes 20 s
     monkeypatch.setattr(Effort, "repeats", lambda *_: 1)  # errors are asked, no seconds
-    assert main(["bench", name, "--quick", "--json", "--out", str(tmp_path)]) == 0
-    (record,) = json.loads(capsys.readouterr().out)["records"].values()
+    (record,) = answered(["bench", name, "--quick", "--out", str(tmp_path)])["records"].values()
     (benchmark,) = chosen([name])
     ours = [
         point for point in record["points"] if point["method"] == quantity_of(benchmark).default
@@ -536,9 +535,8 @@ def test_multipliers_are_paired_before_they_are_compared():
     assert multipliers.largest_distance(one[[2, 0, 1]] + 1e-7, one) == pytest.approx(1e-7)
 
 
-def test_bench_lists_every_quantity(capsys):
-    assert main(["bench", "--list", "--json"]) == 0
-    rows = json.loads(capsys.readouterr().out)["quantities"]
+def test_bench_lists_every_quantity(capsys, answered):
+    rows = answered("bench --list")["quantities"]
     assert [row["name"] for row in rows] == [benchmark.name for benchmark in all_benchmarks()]
     assert all(row["default"] in row["methods"] for row in rows)
     assert main(["bench", "--list"]) == 0
@@ -549,9 +547,8 @@ def test_bench_lists_every_quantity(capsys):
     assert len(capsys.readouterr().out.strip().splitlines()) == 2  # no growth, which was not named
 
 
-def test_bench_judges_the_defaults(capsys):
-    assert main(["bench", "--defaults", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_bench_judges_the_defaults(capsys, answered):
+    found = answered("bench --defaults")
     assert found["missing"] == []
     assert {row["quantity"] for row in found["choices"]} == {each.name for each in all_benchmarks()}
     assert main(["bench", "roots", "--defaults"]) == 0

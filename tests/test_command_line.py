@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import importlib
 import itertools
-import json
 import math
 import shlex
 import subprocess
@@ -13,6 +12,7 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,11 +23,6 @@ from verification.breathers import run as breather_run
 from verification.steppers import friction
 
 Refused = Callable[[str], dict[str, str]]
-
-
-def _json(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
-    assert main([*shlex.split(line), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
 
 
 # check takes minutes, article reads what it has written (tests/test_article.py), and explore serves
@@ -64,8 +59,8 @@ def test_every_command_has_help_with_an_example(
     assert "examples:" in line[2]
 
 
-def test_kinetic_gives_the_documented_object(capsys: pytest.CaptureFixture[str]) -> None:
-    answer = _json(capsys, "kinetic --c 0.45 --a 4 --b 0.5")
+def test_kinetic_gives_the_documented_object(answered: Any) -> None:
+    answer = answered("kinetic --c 0.45 --a 4 --b 0.5")
     assert {"c", "eta", "status", "branches", "c_pin", "c_fold", "method", "terms", "seconds"} <= {
         *answer
     }
@@ -80,9 +75,9 @@ def test_kinetic_gives_the_documented_object(capsys: pytest.CaptureFixture[str])
     assert [branch["admissible"] for branch in branches] == [False, True]
 
 
-def test_pinned_and_not_bistable_are_answers(capsys: pytest.CaptureFixture[str]) -> None:
-    assert _json(capsys, "kinetic --c 0.2 --eta 0.03125")["status"] == "pinned"
-    outside = _json(capsys, "kinetic --c 0.2 --eta 0.2")
+def test_pinned_and_not_bistable_are_answers(answered: Any) -> None:
+    assert answered("kinetic --c 0.2 --eta 0.03125")["status"] == "pinned"
+    outside = answered("kinetic --c 0.2 --eta 0.2")
     assert outside["status"] == "not_bistable"
     assert outside["c_pin"] is None
 
@@ -90,10 +85,8 @@ def test_pinned_and_not_bistable_are_answers(capsys: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     ("method", "digits"), [("integral", 13), ("series", 13), ("bessel", 13), ("quadrature", 10)]
 )
-def test_sum_gives_the_same_by_every_method(
-    method: str, digits: int, capsys: pytest.CaptureFixture[str]
-) -> None:
-    answer = _json(capsys, f"sum --v 0.3 --c 0.5 --digits {digits} --method {method}")
+def test_sum_gives_the_same_by_every_method(method: str, digits: int, answered: Any) -> None:
+    answer = answered(f"sum --v 0.3 --c 0.5 --digits {digits} --method {method}")
     assert set(answer) == {"re", "im", "error", "terms", "method", "seconds"}
     # digits of the 50-digit series, to those asked for
     assert answer["re"] == pytest.approx(-0.2887967561902520, abs=10**-digits)
@@ -101,16 +94,16 @@ def test_sum_gives_the_same_by_every_method(
 
 
 @pytest.mark.parametrize("method", ["integral", "series"])
-def test_many_digits_come_as_strings(method: str, capsys: pytest.CaptureFixture[str]) -> None:
-    answer = _json(capsys, f"sum --v 0.3 --c 0.5 --digits 50 --method {method}")
+def test_many_digits_come_as_strings(method: str, answered: Any) -> None:
+    answer = answered(f"sum --v 0.3 --c 0.5 --digits 50 --method {method}")
     assert isinstance(answer["re"], str)
     assert isinstance(answer["im"], str)
     assert len(answer["re"].lstrip("-0.")) >= 49
 
 
-def test_roots_are_listed_counted_and_certified(capsys: pytest.CaptureFixture[str]) -> None:
+def test_roots_are_listed_counted_and_certified(answered: Any) -> None:
     pytest.importorskip("flint")
-    answer = _json(capsys, "roots --v 0.3 --c 0.5 --count 12 --certify")
+    answer = answered("roots --v 0.3 --c 0.5 --count 12 --certify")
     upper, lower = answer["upper"], answer["lower"]
     assert isinstance(upper, list)
     assert isinstance(lower, list)
@@ -122,9 +115,9 @@ def test_roots_are_listed_counted_and_certified(capsys: pytest.CaptureFixture[st
         assert {"label", "re", "im", "residual", "radius"} == set(rows[0])
 
 
-def test_the_direct_simulation_agrees_with_the_theory(capsys: pytest.CaptureFixture[str]) -> None:
-    run = _json(capsys, "front piecewise --c 0.5 --eta 0.03125")
-    theory = _json(capsys, "kinetic --c 0.5 --eta 0.03125")
+def test_the_direct_simulation_agrees_with_the_theory(answered: Any) -> None:
+    run = answered("front piecewise --c 0.5 --eta 0.03125")
+    theory = answered("kinetic --c 0.5 --eta 0.03125")
     assert {"v", "error", "steady", "status", "events", "seconds"} <= set(run)
     branches = theory["branches"]
     assert isinstance(branches, list)
@@ -241,8 +234,8 @@ def test_a_cycle_that_does_not_exist_is_shown_as_a_dash(capsys: pytest.CaptureFi
     assert any("unstable" in head and " -" in row for head, row in lines)
 
 
-def test_a_run_of_stiff_steps_only_has_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
-    answer = _json(capsys, f"simulate vdp {_RUN} --displacement 1000")
+def test_a_run_of_stiff_steps_only_has_no_nan(answered: Any) -> None:
+    answer = answered(f"simulate vdp {_RUN} --displacement 1000")
     assert answer["method"] == "Radau"
     assert answer["steps"] == answer["stiff_steps"] > 0
     assert answer["mean_active"] == 31
@@ -289,13 +282,13 @@ def test_one_point_imports_nothing_it_does_not_use() -> None:
 
 
 @pytest.mark.parametrize("nucleus", ["--nucleus 1", "--nucleus 3 --pattern=+-", "--place edge"])
-def test_a_breather_of_a_theory_says_how_far_the_chain_is(nucleus, capsys):
+def test_a_breather_of_a_theory_says_how_far_the_chain_is(nucleus, answered):
     """Its error bounds the distance from the orbit and falls like eps."""
     errors = []
     for eps in (0.02, 0.01):
         line = f"breather --c 0.1 --eps {eps} {nucleus}"
-        theory = _json(capsys, f"{line} --method envelope")
-        orbit = _json(capsys, line)
+        theory = answered(f"{line} --method envelope")
+        orbit = answered(line)
         pairs = zip(theory["amplitudes"], orbit["amplitudes"], strict=True)
         apart = max(abs(one - other) for one, other in pairs)
         assert apart <= theory["error"] <= apart + 1e-8
@@ -317,14 +310,14 @@ def test_all_methods_for_a_breather_stand_side_by_side(capsys):
 
 
 def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breather(
-    capsys, monkeypatch
+    capsys, monkeypatch, answered
 ):
     monkeypatch.setattr(breather, "run_breather", cache(breather.run_breather))  # shown three times
     line = "breather --c 0.19 --nucleus 3 --n 9"
-    orbit = _json(capsys, line)
+    orbit = answered(line)
     assert orbit["status"] == "exists"
     assert not orbit["stable"]
-    run = _json(capsys, f"{line} --method simulation")
+    run = answered(f"{line} --method simulation")
     assert run["status"] == "escaped"
     assert run["stable"] is None
     assert run["fold"] is None
@@ -337,28 +330,28 @@ def test_a_run_that_escapes_below_the_fold_says_so_and_does_not_deny_the_breathe
     assert "no such breather" not in shown
 
 
-def test_a_run_that_escapes_beyond_the_fold_names_the_fold_of_the_orbits(capsys):
+def test_a_run_that_escapes_beyond_the_fold_names_the_fold_of_the_orbits(answered):
     line = "breather --c 0.21 --n 9"
-    run, orbit = _json(capsys, f"{line} --method simulation"), _json(capsys, line)
+    run, orbit = answered(f"{line} --method simulation"), answered(line)
     assert run["status"] == orbit["status"] == "none"
     assert abs(run["fold"] - orbit["fold"]) <= run["fold_error"] + orbit["fold_error"]
 
 
-def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch):
+def test_a_run_that_has_not_settled_decides_nothing(capsys, monkeypatch, answered):
     monkeypatch.setattr(breather_run, "SLOW_TIME", 10.0)
     line = "breather --c 0.1 --method simulation"
-    found = _json(capsys, line)
+    found = answered(line)
     assert (found["status"], found["stable"]) == ("unsettled", None)
     assert main(shlex.split(line)) == 0
     assert ["stable", "not", "decided"] in map(str.split, capsys.readouterr().out.splitlines())
 
 
-def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(capsys):
+def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(answered):
     from theory.chains.vdp import VdpChain
     from verification.thresholds.preparation import NucleusPreparation, hold
 
     size, held, escaped = 3, 0.184, 0.186
-    found = _json(capsys, f"threshold vdp --nucleus {size} --method sweep --perturbation 1e-6")
+    found = answered(f"threshold vdp --nucleus {size} --method sweep --perturbation 1e-6")
     for c, wanted in ((held, False), (escaped, True)):
         for seed in range(3):
             noisy = NucleusPreparation(size, perturbation=1e-6, seed=seed)
@@ -367,10 +360,10 @@ def test_the_error_of_a_perturbed_threshold_bounds_what_held_runs_do(capsys):
     assert escaped > found["c_crit"] + found["error"]
 
 
-def test_sweeps_that_follow_no_law_are_replaced_by_held_runs(capsys):
+def test_sweeps_that_follow_no_law_are_replaced_by_held_runs(capsys, answered):
     """Four sites in phase have no breather: they escape away from any fold."""
     line = "threshold vdp --nucleus 4 --method sweep"
-    found = _json(capsys, line)
+    found = answered(line)
     assert found["method"] == "hold"
     assert abs(found["delay_exponent"] - 2 / 3) > 0.5  # 0.06 is allowed
     assert found["range"][0] <= found["c_crit"] <= found["range"][1]
@@ -413,11 +406,11 @@ def test_a_misspelt_option_is_told_from_one_of_another_model(
 
 
 def test_a_front_of_44_may_pass_as_many_sites_as_are_allowed(
-    capsys: pytest.CaptureFixture[str],
+    answered: Any,
 ) -> None:
     """Near where it loses stability, at c = 2.406, it takes hundreds to settle."""
     line = "front piecewise --c 2.3 --eta 0.03125"
-    few, many = (_json(capsys, f"{line} --max-sites {most}") for most in (80, 1000))
+    few, many = (answered(f"{line} --max-sites {most}") for most in (80, 1000))
     assert (few["status"], few["arrivals"]) == ("unsteady", 80)
     assert many["status"] == "steady"
     assert 80 < many["arrivals"] < 1000

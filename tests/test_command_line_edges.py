@@ -169,10 +169,9 @@ def test_a_cell_in_closed_form_takes_no_tolerance(refused):
     assert "--tolerance" in refused("cell averaged --tolerance 1e-8")["message"]
 
 
-def test_a_profile_from_a_negative_position_in_powers_of_ten(capsys):
-    line = "profile --c 0.5 --eta 0.03125 --from -1e-1 --to 1e-1 --points 3 --json"
-    assert main(line.split()) == 0
-    assert json.loads(capsys.readouterr().out)["zeta"] == [-0.1, 0.0, 0.1]
+def test_a_profile_from_a_negative_position_in_powers_of_ten(answered):
+    line = "profile --c 0.5 --eta 0.03125 --from -1e-1 --to 1e-1 --points 3"
+    assert answered(line)["zeta"] == [-0.1, 0.0, 0.1]
 
 
 def test_only_values_are_joined():
@@ -284,14 +283,12 @@ def test_the_advice_of_a_refusal_is_not_what_was_already_done(refused, line, sai
     assert "inf" not in error["allowed"]
 
 
-def test_a_coupling_of_zero_is_not_taken_for_none_given(capsys):
-    assert main(shlex.split("map friction --c 0 --v-d 1.5 --t-end 400 --refine 0 --json")) == 0
-    assert json.loads(capsys.readouterr().out)["points"] == 1
+def test_a_coupling_of_zero_is_not_taken_for_none_given(answered):
+    assert answered("map friction --c 0 --v-d 1.5 --t-end 400 --refine 0")["points"] == 1
 
 
-def test_a_cell_without_a_front_still_gives_its_averaged_equation(capsys):
-    assert main(shlex.split('derive cell --damping "1-y**40" --no-front --json')) == 0
-    answer = json.loads(capsys.readouterr().out)
+def test_a_cell_without_a_front_still_gives_its_averaged_equation(answered):
+    answer = answered('derive cell --damping "1-y**40" --no-front')
     assert len(answer["cycles"]) == 1
     assert answer["ratio"] is None
 

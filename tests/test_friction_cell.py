@@ -1207,13 +1207,8 @@ def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None
     assert beyond.stable_cycle is None
 
 
-def answer(capsys: pytest.CaptureFixture[str], line: str) -> dict[str, object]:
-    assert main([*shlex.split(line), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
-
-
-def test_the_command_prints_the_documented_object(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "cell friction --v-d 1.25")
+def test_the_command_prints_the_documented_object(answered: Any) -> None:
+    found = answered("cell friction --v-d 1.25")
     assert set(found) >= {
         "status", "steady_sliding", "effective_damping", "hopf_velocity", "cycle_end_velocity",
         "stable_cycle", "unstable_cycle", "basin", "error", "seconds",
@@ -1224,12 +1219,12 @@ def test_the_command_prints_the_documented_object(capsys: pytest.CaptureFixture[
         assert isinstance(cycle, dict)
         assert set(cycle) >= keys
         assert cycle["amplitude"] == pytest.approx((cycle["max"] - cycle["min"]) / 2)
-    free = answer(capsys, "cell friction --v-d 1 --xi 0")
+    free = answered("cell friction --v-d 1 --xi 0")
     assert free["hopf_velocity"] is None
     assert free["cycle_end_velocity"] is None
     assert free["basin"] is None
-    assert answer(capsys, "cell friction --v-d 2")["basin"] == [None, None]
-    other = answer(capsys, "cell vdp --a 2.5 --b 0.5")
+    assert answered("cell friction --v-d 2")["basin"] == [None, None]
+    other = answered("cell vdp --a 2.5 --b 0.5")
     assert set(found) <= set(other)
 
 

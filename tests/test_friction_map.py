@@ -191,16 +191,13 @@ def test_bad_parameters_are_refused(make: object) -> None:
         make()  # type: ignore[operator]
 
 
-def test_the_map_command_writes_map_boundary_and_picture(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_map_command_writes_map_boundary_and_picture(tmp_path: Path, answered: Any) -> None:
     out, drawn = tmp_path / "map.csv", tmp_path / "map.png"
     line = (
         "map friction --c 0.01:0.09:3 --v-d 1.1:1.9:3 --n 7 --refine 0.25 --workers 1 "
-        f"--out {out} --picture {drawn} --json"
+        f"--out {out} --picture {drawn}"
     )
-    assert main(shlex.split(line)) == 0
-    answer = json.loads(capsys.readouterr().out)
+    answer = answered(line)
     assert answer["model"] == "friction"
     assert sum(answer["counts"].values()) == answer["points"] == 9
     read = np.genfromtxt(out, names=True, delimiter=",", dtype=None, encoding="utf-8")
@@ -212,20 +209,16 @@ def test_the_map_command_writes_map_boundary_and_picture(
         )
     )
     assert edge.size == answer["boundary_points"] > 2
-    assert main([*shlex.split(line), "--resume"]) == 0
-    assert json.loads(capsys.readouterr().out)["resumed"] == 9
+    assert answered(line + " --resume")["resumed"] == 9
 
 
-def test_simulate_gives_numbers_files_and_a_picture(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_simulate_gives_numbers_files_and_a_picture(tmp_path: Path, answered: Any) -> None:
     out, drawn = tmp_path / "run.npz", tmp_path / "run.svg"
     line = (
         "simulate friction --n 9 --c 0.05 --excite 1 --t-end 150 --samples 31 "
-        f"--out {out} --picture {drawn} --json"
+        f"--out {out} --picture {drawn}"
     )
-    assert main(shlex.split(line)) == 0
-    answer = json.loads(capsys.readouterr().out)
+    answer = answered(line)
     run = FrictionIntegration(
         FrictionChain(c=0.05, sites=9), excite(FrictionChain(c=0.05, sites=9), [1]), tolerance=1e-9
     )
@@ -242,15 +235,14 @@ def test_simulate_gives_numbers_files_and_a_picture(
 
 def test_front_and_threshold_give_the_documented_objects(
     capsys: pytest.CaptureFixture[str],
+    answered: Any,
 ) -> None:
-    assert main(shlex.split("front friction --c 0.1 --n 61 --json")) == 0
-    front = json.loads(capsys.readouterr().out)
+    front = answered("front friction --c 0.1 --n 61")
     assert {"v", "error", "steady", "status", "seconds", "arrivals", "sites", "steps"} <= {*front}
     assert front["steady"] is True
     assert front["v"] < front["largest_group_velocity"]
     line = "threshold friction --place edge --nucleus 1 --n 7 --final-time 400 --accuracy 1e-5"
-    assert main(shlex.split(line + " --json")) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answered(line)
     assert {"c_crit", "error", "bracket", "fuzzy", "monotone", "definition", "ends"} <= {*found}
     assert found["bracket"][0] < found["c_crit"] < found["bracket"][1]
     assert main(shlex.split(line)) == 0

@@ -333,10 +333,8 @@ def test_a_run_and_a_front_are_results_too(tmp_path):
     assert provenance["parameters"]["start"]["sites"] == [1]
 
 
-def test_velocities_of_the_averaged_chain_come_from_the_shell_as_a_curve(capsys):
-    line = "front averaged --c 0.6:1:2 --a 4 --b 0.5 --json"
-    assert main(line.split()) == 0
-    points = json.loads(capsys.readouterr().out)["points"]
+def test_velocities_of_the_averaged_chain_come_from_the_shell_as_a_curve(answered):
+    points = answered("front averaged --c 0.6:1:2 --a 4 --b 0.5")["points"]
     for point in points:
         alone = fr.measure_front(fr.AveragedChain(a=4, b=0.5, c=point["c"], sites=32))
         assert point["v"] == alone.v
@@ -578,11 +576,9 @@ def test_a_fifo_gets_the_file(tmp_path):
     assert pipe.is_fifo()
 
 
-def test_a_range_gives_a_curve_of_any_chain(tmp_path, capsys):
+def test_a_range_gives_a_curve_of_any_chain(tmp_path, answered):
     out = tmp_path / "c.csv"
-    line = f"breather averaged --c 0.05:0.25:3 --json -o {out}"
-    assert main(line.split()) == 0
-    answer = json.loads(capsys.readouterr().out)
+    answer = answered(f"breather averaged --c 0.05:0.25:3 -o {out}")
     assert answer["along"] == "c"
     # Along the branch: through its fold and back, then where there is no breather.
     assert [point["c"] for point in answer["points"]] == [0.05, 0.15, 0.15, 0.05, 0.25]
@@ -605,11 +601,9 @@ def test_two_ranges_are_refused(refused):
     assert "not for both" in error["message"]
 
 
-def test_envelope_is_another_name_of_averaged(capsys):
-    assert main(["breather", "envelope", "--c", "0.1", "--json"]) == 0
-    one = json.loads(capsys.readouterr().out)
-    assert main(["breather", "vdp", "--model", "envelope", "--c", "0.1", "--json"]) == 0
-    other = json.loads(capsys.readouterr().out)
+def test_envelope_is_another_name_of_averaged(answered):
+    one = answered("breather envelope --c 0.1")
+    other = answered("breather vdp --model envelope --c 0.1")
     assert one["chain"]["model"] == other["chain"]["model"] == "averaged"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from functools import cache, partial
@@ -580,10 +579,11 @@ def test_an_averaged_chain_has_no_orbits_to_follow() -> None:
         fr.follow_breather(chain, [0.18], method="orbit")
 
 
-def test_the_shell_follows_branches(capsys: pytest.CaptureFixture[str], tmp_path: Any) -> None:
+def test_the_shell_follows_branches(
+    capsys: pytest.CaptureFixture[str], tmp_path: Any, answered: Any
+) -> None:
     words = ["front", "averaged", "--c", "0.05:0.5:4", "--eta", "0.03125", "--method", "wave"]
-    assert main([*words, "--json", "--out", str(tmp_path / "branch.png")]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answered([*words, "--out", str(tmp_path / "branch.png")])
     assert [point["status"] for point in found["points"]] == ["steady"] * 3 + ["pinned"]
     assert found["c_pin"] == static_fold(ETA).c
     assert main(["breather", "averaged", "--c", "0.1:0.3:3"]) == 0
@@ -592,8 +592,7 @@ def test_the_shell_follows_branches(capsys: pytest.CaptureFixture[str], tmp_path
     assert fold[head.index("c")].startswith("0.1907")
     assert (tmp_path / "branch.png").exists()
     words = ["front", "averaged", "--c", "0.15", "--eta", "0.02:0.08:3", "--method", "wave"]
-    assert main([*words, "--json", "--out", str(tmp_path / "eta.png")]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answered([*words, "--out", str(tmp_path / "eta.png")])
     assert [point["eta"] for point in found["points"]] == [0.08, 0.05, 0.02]
     assert [point["status"] for point in found["points"]] == ["pinned", "steady", "steady"]
     assert found["points"][1]["chain"]["b"] == 0.05

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fronts.cli import main
 from fronts.nucleus_evolution import evolution_in_time
 from paper_checks.claims import text_nuclei
 from theory.chains.ends import Ends
@@ -216,14 +214,11 @@ def test_the_longest_pause_is_between_two_sites_that_join(
 
 
 @pytest.mark.parametrize("eps", [0.01, 0.04])
-def test_beside_a_run_the_nucleus_has_the_times_of_the_run(
-    eps: float, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_beside_a_run_the_nucleus_has_the_times_of_the_run(eps: float, answered: Any) -> None:
     """Those at which sites were reached, in t; the rules are about slow time all the same."""
     end = 35.0 / eps
-    line = f"simulate vdp --n 9 --c 0.25 --eps {eps} --excite 5 --t-end {end} --json"
-    assert main(line.split()) == 0
-    found = json.loads(capsys.readouterr().out)
+    line = f"simulate vdp --n 9 --c 0.25 --eps {eps} --excite 5 --t-end {end}"
+    found = answered(line)
     reached = sorted(t for t in found["arrivals"] if t is not None)
     moments = sorted(set(reached))
     assert len(moments) > 2

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from types import SimpleNamespace
 from typing import Any
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fronts.cli import main
 from theory.cells.oscillator import OscillatorCell
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
@@ -107,7 +105,7 @@ def test_the_two_forms_of_the_averaged_rate_are_one() -> None:
 
 
 def test_the_averaged_chain_of_the_paper_as_text_is_the_built_in_one(
-    capsys: pytest.CaptureFixture[str],
+    answered: Any,
 ) -> None:
     values = {"p0": 1, "p2": -4, "p4": 0.5, "p6": 0, "q": 0, "k": 0, "share_of_eps": 1}
     full = OscillatorChain(
@@ -122,8 +120,7 @@ def test_the_averaged_chain_of_the_paper_as_text_is_the_built_in_one(
     line = ["simulate", "averaged-chain", "--damping", GENERAL, "--stiffness", STIFFNESS]
     line += [part for name, value in values.items() for part in ("--value", f"{name}={value}")]
     line += ["--c", "0.6", "--n", "9", "--coupling", NEAREST, "--excite", "4:5", "--t-end", "500"]
-    assert main([*line, "--json"]) == 0
-    amplitudes = json.loads(capsys.readouterr().out)["amplitudes"]
+    amplitudes = answered(line)["amplitudes"]
     assert amplitudes == pytest.approx(np.hypot(*theirs.states[-1]).tolist(), abs=1e-9)
 
 

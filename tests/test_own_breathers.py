@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numba
 import numpy as np
 import pytest
 
-from fronts.cli import main
 from tests.reference_runs import states_by_scipy
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -390,10 +388,9 @@ def test_a_nucleus_that_spreads_has_no_orbit_and_an_overdamped_cell_none_at_all(
         breather(nagumo)
 
 
-def test_the_command_line_gives_the_breather(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_line_gives_the_breather(answered: Any) -> None:
     line = ["breather", "chain", "--damping", PAPER["damping"], "--value", "a=2.5", "--value"]
-    assert main([*line, "b=0.5", "--c", "0.1", "--n", "9", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answered([*line, "b=0.5", "--c", "0.1", "--n", "9"])
     assert found["stable"] is True
     assert abs(found["frequency"] - 1.0009) < 1e-3
 

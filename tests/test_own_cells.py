@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import nullcontext
 from dataclasses import fields, replace
 from functools import cache
@@ -663,10 +662,9 @@ def test_no_multiplier_is_given_that_leaves_double_precision() -> None:
     assert shooting._multiplier(-800.0, -800.0) == (0.0, np.finfo(float).tiny)
 
 
-def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str], answered: Any) -> None:
     given = ["cell", "chain", "--damping", "y**2 - 1", "--eps", "1"]
-    assert main([*given, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answered(given)
     assert found["cycles"] == [found["stable_cycle"]]
     assert main(given) == 0
     assert "the cycle is stable, rest is not" in capsys.readouterr().out

@@ -16,7 +16,6 @@ from scipy.io import mmwrite
 from scipy.spatial.distance import cdist
 
 from derivations.cell.polynomial_text import read_polynomial as read_for_derivations
-from fronts.cli import main
 from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import read_polynomial
@@ -395,9 +394,7 @@ def test_a_cell_without_a_cycle_runs_with_a_level_and_is_refused_without() -> No
 # The command line and model files
 
 
-def test_a_model_file_says_all_and_is_stored_with_the_result(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_model_file_says_all_and_is_stored_with_the_result(tmp_path: Path, answered: Any) -> None:
     sparse.save_npz(tmp_path / "w.npz", sparse.coo_array(np.eye(9, k=1) + np.eye(9, k=-1)))
     model = tmp_path / "mine.toml"
     model.write_text(
@@ -406,8 +403,7 @@ def test_a_model_file_says_all_and_is_stored_with_the_result(
     )
     out = tmp_path / "run.json"
     line = ["simulate", "chain", "--model", str(model), "--t-end", "20", "--value", "a=4.5"]
-    assert main([*line, "--json", "--out", str(out)]) == 0
-    printed = json.loads(capsys.readouterr().out)
+    printed = answered([*line, "--out", str(out)])
     assert len(printed["amplitudes"]) == 9
     stored = json.loads(out.read_text())["provenance"]["parameters"]
     assert (stored["damping"], stored["values"]) == (PAPER, {"a": 4.5, "b": 0.5})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from itertools import pairwise
 from pathlib import Path
@@ -15,7 +14,6 @@ from PIL import Image, ImageSequence
 
 from derivations.cell.envelope import derive_envelope
 from fronts.animation import animate
-from fronts.cli import main
 from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
@@ -430,14 +428,11 @@ def test_what_cannot_be_measured_is_refused(
         measure_front(nagumo(**{"c": 0.3, **changes}), **options)
 
 
-def test_the_command_line_gives_velocities_by_direction(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_command_line_gives_velocities_by_direction(answered: Any, tmp_path: Path) -> None:
     line = ["front", "chain", "--damping", "0", "--stiffness", "y*(1-y)*(alpha-y)", "--overdamped"]
     more = ["--value", "alpha=0.2", "--c", "0.3", "--coupling", "square", "--n", "31x31"]
     picture = tmp_path / "front.png"
-    assert main([*line, *more, "--directions", "4", "--json", "-o", str(picture)]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answered([*line, *more, "--directions", "4", "-o", str(picture)])
     assert len(found["velocities"]) == 4
     assert found["chain"]["shape"] == [31, 31]
     assert picture.stat().st_size > 1000

@@ -6,16 +6,15 @@ import csv
 import json
 import math
 import re
-import shlex
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 import fronts as fr
-from fronts.cli import main
 from fronts.explore import calls as explorer
 from fronts.piecewise.kinetic_relation import kinetic_relation
 from theory.averaged.front import wave_fast_eta
@@ -161,13 +160,9 @@ def test_slower_solutions_need_sums_within_the_distance_of_their_limit() -> None
 
 
 @pytest.mark.parametrize(("start", "status"), [("step", "steady"), ("resting", "pinned")])
-def test_a_step_moves_where_a_resting_front_stays(
-    start: str, status: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_step_moves_where_a_resting_front_stays(start: str, status: str, answered: Any) -> None:
     c, eta = said("`fronts front piecewise --c # --eta # --start step`")
-    command = f"front piecewise --c {c} --eta {eta} --start {start} --json"
-    assert main(shlex.split(command)) == 0
-    assert json.loads(capsys.readouterr().out)["status"] == status
+    assert answered(f"front piecewise --c {c} --eta {eta} --start {start}")["status"] == status
 
 
 def test_the_two_limits_do_not_commute() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import math
 import time
 from types import SimpleNamespace
@@ -601,9 +600,8 @@ def test_a_window_too_long_to_follow_is_refused_before_any_work(monkeypatch):
     assert piecewise_window.window_length(300.0, 1.0, 1e-15) == sites
 
 
-def test_the_command_prints_the_promised_json(capsys):
-    assert main(["front", "piecewise", "--c", "0.5", "--a", "4", "--b", "0.5", "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
+def test_the_command_prints_the_promised_json(answered):
+    answer = answered("front piecewise --c 0.5 --a 4 --b 0.5")
     assert answer["v"] == pytest.approx(0.300992350758521, abs=1e-12)
     assert answer["steady"] is True
     assert answer["status"] == "steady"

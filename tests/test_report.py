@@ -229,17 +229,15 @@ def test_a_folder_that_takes_no_files_is_refused_before_any_work(tmp_path, monke
     assert judged(tmp_path) == []
 
 
-def test_verdict_selects_by_the_record_and_the_rest_is_not_judged(tmp_path, capsys):
-    assert main(["check", "--verdict", "not-reproduced", "--json"]) == 0
-    report = json.loads(capsys.readouterr().out)
+def test_verdict_selects_by_the_record_and_the_rest_is_not_judged(tmp_path, answered):
+    report = answered("check --verdict not-reproduced")
     assert [claim["key"] for claim in report["claims"]] == ["fig16-speed"]
     assert report["claims_available"] == 6
     assert judged(tmp_path) == ["fig16-speed"]
 
 
-def test_list_judges_nothing(tmp_path, capsys):
-    assert main(["check", "--list", "--json"]) == 0
-    claims = json.loads(capsys.readouterr().out)["claims"]
+def test_list_judges_nothing(tmp_path, answered):
+    claims = answered("check --list")["claims"]
     assert [claim["key"] for claim in claims] == KEYS
     assert judged(tmp_path) == []
 
@@ -271,10 +269,9 @@ def test_one_and_two_processes_give_the_same_report(tmp_path, capsys):
         assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
 
 
-def test_json_holds_exactly_the_documented_fields(tmp_path, capsys):
-    assert main(["check", "--out", str(tmp_path), "--json"]) == 0
-    report = json.loads((tmp_path / "report.json").read_text())
-    assert json.loads(capsys.readouterr().out) == report
+def test_json_holds_exactly_the_documented_fields(tmp_path, answered):
+    report = answered(["check", "--out", str(tmp_path)])
+    assert json.loads((tmp_path / "report.json").read_text()) == report
     text = (HERE.parent / "docs" / "report_schema.md").read_text()
     documented = [
         re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE) for section in text.split("\n## ")
@@ -382,7 +379,7 @@ def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeyp
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
-def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, capsys, jobs):
+def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, answered, jobs):
     folder = tmp_path / "report"
     monkeypatch.setenv("EXAMPLE_TROUBLE", "wait:fig16-speed")
     process = start("--out", str(folder), "--jobs", jobs)
@@ -397,12 +394,11 @@ def test_a_killed_run_is_resumed_where_it_stopped(tmp_path, monkeypatch, capsys,
     judged(tmp_path)
     assert not (folder / "index.html").exists()
     monkeypatch.delenv("EXAMPLE_TROUBLE")
-    assert main(["check", "--out", str(folder), "--resume", "--json"]) == 0
-    report = json.loads(capsys.readouterr().out)
+    report = answered(["check", "--out", str(folder), "--resume"])
     assert len(judged(tmp_path)) == 6 - done
     assert sum(claim["stored"] for claim in report["claims"]) == done
-    assert main(["check", "--out", str(tmp_path / "fresh"), "--json"]) == 0
-    assert without_times(json.loads(capsys.readouterr().out)) == without_times(report)
+    anew = answered(["check", "--out", str(tmp_path / "fresh")])
+    assert without_times(anew) == without_times(report)
 
 
 def wait_for(log, word):

@@ -400,12 +400,11 @@ def test_what_must_not_happen_is_what_the_command_complains_of() -> None:
     assert not is_clear("two sentences.\nhere.")
 
 
-def test_a_quantity_named_twice_is_tried_once(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_quantity_named_twice_is_tried_once(answered: Any) -> None:
     counts = []
     for names in (["c-pin"], ["c-pin", "c-pin"], ["c-pin", "eta-pin", "c-pin"]):
         options = [word for name in names for word in ("--quantity", name)]
-        assert main(["stress", "--json", "--points", "20", "--workers", "1", *options]) == 0
-        found = json.loads(capsys.readouterr().out)
+        found = answered(["stress", "--points", "20", "--workers", "1", *options])
         assert found["out"] is None
         assert sum(found["counts"].values()) == found["points"]
         counts.append([(one["quantity"], one["points"]) for one in found["quantities"]])

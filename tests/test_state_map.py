@@ -602,16 +602,13 @@ def test_a_comparison_says_which_map_named_what() -> None:
         compare(one.states, elsewhere.states, ("eta", "c"))
 
 
-def test_the_command_writes_map_boundary_stamp_and_picture(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_writes_map_boundary_stamp_and_picture(tmp_path: Path, answered: Any) -> None:
     out, drawn = tmp_path / "map.csv", tmp_path / "map.png"
     line = (
         "map vdp --eta 0.03:0.13:6 --c 0.1:0.7:4 --model envelope --refine 0.25 "
-        f"--out {out} --picture {drawn} --json"
+        f"--out {out} --picture {drawn}"
     )
-    assert main(shlex.split(line)) == 0
-    answer = json.loads(capsys.readouterr().out)
+    answer = answered(line)
     assert sum(answer["counts"].values()) == answer["points"] == 24
     assert answer["agreement"] is None
     assert answer["held"] == {"b": 0.5, "eps": 0.01, "sites": 16, "ends": "free"}
@@ -631,8 +628,7 @@ def test_the_command_writes_map_boundary_stamp_and_picture(
     record = json.loads((tmp_path / "map.csv.json").read_text(encoding="utf-8"))
     assert record["parameters"]["chain"]["is"].endswith("AveragedChain")
     # again: nothing is left to compute
-    assert main([*shlex.split(line), "--resume"]) == 0
-    assert json.loads(capsys.readouterr().out)["resumed"] == 24
+    assert answered(line + " --resume")["resumed"] == 24
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "map-boundary.csv",
         "map-boundary.csv.json",
@@ -642,12 +638,8 @@ def test_the_command_writes_map_boundary_stamp_and_picture(
     ]
 
 
-def test_the_command_compares_the_full_equation_with_the_envelope(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    line = "map vdp --eta 0.05 --c 0.1:0.5:2 --refine 0 --workers 1 --json"
-    assert main(shlex.split(line)) == 0
-    answer = json.loads(capsys.readouterr().out)
+def test_the_command_compares_the_full_equation_with_the_envelope(answered: Any) -> None:
+    answer = answered("map vdp --eta 0.05 --c 0.1:0.5:2 --refine 0 --workers 1")
     assert answer["counts"] == {"breather": 1, "front": 1}
     found = {name: answer["agreement"][name] for name in ("with", "same", "total")}
     assert found == {"with": "averaged", "same": 2, "total": 2}
@@ -696,7 +688,7 @@ def test_bad_input_to_the_command_ends_with_two_and_one_sentence(
 
 
 def test_a_store_of_other_parameters_stops_the_command(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], answered: Any
 ) -> None:
     out = tmp_path / "map.csv"
 
@@ -713,8 +705,7 @@ def test_a_store_of_other_parameters_stops_the_command(
     assert "--resume" in capsys.readouterr().err
     assert main(shlex.split(line + " --b 0.6 --resume")) == 2
     assert "parameters.chain.b" in capsys.readouterr().err
-    assert main(shlex.split(line + " --resume --json")) == 0
-    assert json.loads(capsys.readouterr().out)["resumed"] == 2
+    assert answered(line + " --resume")["resumed"] == 2
     assert not part_path(out).exists()
 
 

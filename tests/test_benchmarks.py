@@ -599,7 +599,6 @@ def test_the_readme_shows_the_numbers_of_the_records(
     stored = json.loads((RESULTS / f"{record}.json").read_text(encoding="utf-8"))
     (target,) = [one for one in stored["targets"] if claim in one["claim"]]
     number = re.search(r"[\d.]+(e\d+)?", shown)
-    assert number is not None
     assert float(number.group()) == pytest.approx(unit * target["measured"], rel=0.06)
     assert ("not met" in shown) == (target["verdict"] == "not met")
     table = (RESULTS.parents[1] / "README.md").read_text(encoding="utf-8").replace("\n", " ")

@@ -18,8 +18,6 @@ CHAINS = [VdpChain(a=2.5, b=0.5, c=0.1), VdpChain(a=4.0, b=0.5, c=0.05)]
 @pytest.mark.parametrize(("reading", "site"), [(Reading.NEIGHBOUR, 1), (Reading.TAIL, 40)])
 def test_the_phase_step_is_the_one_of_36(chain: VdpChain, reading: Reading, site: int) -> None:
     found = solve_breather(chain, reading)
-    assert found.alpha_0 is not None
-    assert found.decay is not None
     square = (found.alpha_0 * found.decay**site) ** 2
     bracket = 0.5 - chain.a * square / 8 + chain.b * square**2 / 16
     sine = 2 / (chain.c * (found.decay - 1 / found.decay)) * bracket  # (36) at eps = 0
@@ -93,8 +91,6 @@ def test_at_the_coupling_of_the_fold_as_rounded_a_breather_stands_for_those_besi
                 continue
             beyond += 1
             before = _tail_in_many_digits(replace(chain, c=chain.c - found.fold.error))
-            assert before is not None
-            assert found.alpha_0 is not None
             assert abs(found.alpha_0 / before[0] - 1) <= found.error
     assert beyond > 20
 

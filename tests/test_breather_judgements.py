@@ -283,7 +283,6 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
         assert asked[1] >= 2 * steps
         # The monodromy matrices by other steps, of the exact flow: the error bounds what differs.
         assert known.multipliers is not None
-        assert found.stability is not None
         apart = [np.abs(found.multipliers - each).min() for each in known.multipliers]
         assert max(apart) <= found.stability.error + 1e-9
 
@@ -415,7 +414,6 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     assert seen == [1.0]  # one solution more
     monkeypatch.setattr(envelope, "solution_error", lambda *_: 0.0)
     found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1), 0.0)
-    assert found.error is not None
     share = found.error / np.abs(found.waves).max()
     assert share > 1000.0 * EPSILON  # the cycles nearly meet
     assert found.frequency_error == pytest.approx(eps * share + EPSILON * found.frequency)
@@ -722,7 +720,6 @@ def test_only_what_is_its_own_mirror_image_is_split() -> None:
 
 def test_multipliers_of_an_averaged_breather_are_of_its_own_period() -> None:
     found = solve_envelope_breather(AVERAGED, Nucleus(1))
-    assert found.stability is not None
     assert found.multipliers is not None
     expected = np.exp(AVERAGED.eps * found.period * found.stability.values)
     assert found.multipliers == pytest.approx(expected, rel=1e-14)
@@ -827,10 +824,8 @@ def test_beyond_its_fold_the_averaged_breather_is_none_and_the_fold_has_an_error
         nucleus = Nucleus(size, pattern)
         found = RotatingWaves(replace(AVERAGED, c=0.3, sites=size + 20), nucleus).solve()
         fold = envelope.quarter_turn_branch(found.chain, nucleus).fold
-        assert fold is not None
         assert found.status is BreatherStatus.NONE
         assert found.fold is not None
-        assert found.fold_error is not None
         assert found.fold == pytest.approx(fold.parameter, abs=2e-11)
         assert 0.0 < found.fold_error < 2e-11
 

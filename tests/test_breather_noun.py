@@ -119,18 +119,13 @@ def test_errors_of_phases_frequency_and_growth_bound_the_distance_from_those_of_
         assert each.phases_error.shape == (3,), name
         assert (gap <= each.phases_error + 1e-10).all(), name
         step = math.pi * (true[2] - true[1])
-        assert each.phase_step_error is not None
         assert abs(each.phase_step - step) <= each.phase_step_error + 1e-10, name
-        assert each.frequency is not None
-        assert each.frequency_error is not None
         off = abs(each.frequency - 2.0 * math.pi / orbit[-1])
         assert off <= each.frequency_error + 1e-11, name
         if each.growth is None:
             assert name == "run"
             continue
-        assert each.growth_error is not None
         assert abs(each.growth - growth) <= each.growth_error + 1e-6, name  # differences by 1e-4
-    assert exact.growth_error is not None
     assert exact.growth_error < 1e-9
     assert (exact.phases_error < 1e-9).all()
     assert exact.phases_error[1] == 0.0  # the centre, against which phases are measured
@@ -149,7 +144,6 @@ def test_the_error_of_amplitudes_counts_the_sites_on_both_sides_of_the_centre() 
     assert np.abs(run.y[:, -1] - u[:-1]).max() < 1e-9
     gaps = np.abs(np.abs(run.y[: chain.sites]).max(axis=1) - found.amplitudes)
     assert gaps[:2].max() > gaps[2:].max() + 1e-5
-    assert found.error is not None
     assert gaps.max() <= found.error + 1e-7  # of samples of a period
 
 
@@ -165,7 +159,6 @@ def test_the_amplitudes_of_a_run_are_those_of_scipy_where_damping_is_strong() ->
     )  # fmt: skip
     assert np.abs(run.y[:, -1] - u[:-1]).max() < 1e-9
     highest = max(abs(state[3]) for state in run.y_events[0])
-    assert found.error is not None
     assert abs(found.amplitudes[3] - highest) <= found.error < 1e-7
 
 
@@ -183,7 +176,6 @@ def test_stability_is_not_decided_where_the_error_of_the_growth_spans_zero() -> 
     """The averaged breather is stable by little; the orbit near it, at this eps, is not."""
     chain = VdpChain(a=2.7996171, b=0.36238435, c=0.063000117, eps=0.0250224785, sites=8)
     found = breather(chain, Nucleus(2), method="envelope")
-    assert found.stability is not None
     assert found.stability.stable is True
     assert breather(chain, Nucleus(2), method="orbit").stable is False
     assert found.stable is None
@@ -199,8 +191,6 @@ def test_the_error_of_growth_covers_that_of_an_orbit_by_too_few_steps() -> None:
     assert exact.growth_error is not None
     for steps in (8, 10, 14):
         rough = solve_orbit(chain, Nucleus(1), steps=steps)
-        assert rough.growth is not None
-        assert rough.growth_error is not None
         assert 1e-10 < abs(rough.growth - exact.growth) <= rough.growth_error + exact.growth_error
 
 
@@ -306,9 +296,6 @@ def test_a_run_that_settles_on_another_nucleus_has_the_name_of_that_one() -> Non
     assert (found.nucleus, found.nucleus.relaxed_from) == (Nucleus(2, "0"), "-")
     exact = breather(chain, Nucleus(2, "0"), method="envelope")
     assert isinstance(exact, Breather)
-    assert found.frequency_error is not None
-    assert exact.frequency is not None
-    assert found.frequency is not None
     assert abs(found.frequency - exact.frequency) <= found.frequency_error < 1e-8
 
 
@@ -352,7 +339,6 @@ def test_a_chain_of_which_every_site_is_excited_stays_in_phase(method: Any, plac
     chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
     found = breather(chain, nucleus=Nucleus(3, place=place), method=method)
     assert (found.nucleus.pattern, found.nucleus.relaxed_from) == ("00", "")
-    assert found.error is not None
     assert abs(found.amplitudes - cycle_by_scipy()).max() <= found.error + 1e-6
 
 
@@ -361,11 +347,9 @@ def test_of_the_averaged_chain_the_envelope_is_exact_and_the_closed_form_is_not(
     found = breather(CHAIN.averaged(), method="all")
     assert list(found.methods) == ["closed-form", "envelope", "simulation"]
     exact = found["envelope"]
-    assert exact.error is not None
     assert exact.error < 1e-12
     for name in ("closed-form", "simulation"):
         each = found[name]
-        assert each.error is not None
         assert np.abs(each.amplitudes - exact.amplitudes).max() <= each.error + exact.error
         assert each.frequency == pytest.approx(1.0 + EPS * 0.1, abs=1e-9)
     assert float(found["closed-form"].error or 0.0) > 1e-4
@@ -453,10 +437,6 @@ def test_the_cycles_of_a_van_der_pol_cell_scale_with_a(scale: float) -> None:
         (one.stable_cycle, other.stable_cycle),
         (one.unstable_cycle, other.unstable_cycle),
     ):
-        assert ours is not None
-        assert theirs is not None
-        assert theirs.multiplier is not None
-        assert theirs.multiplier_error is not None
         assert theirs.max * math.sqrt(scale) == pytest.approx(ours.max, rel=1e-9)
         assert theirs.period == pytest.approx(ours.period, rel=1e-9)
         assert abs(theirs.multiplier - ours.multiplier) <= theirs.multiplier_error < 1e-6
@@ -466,8 +446,6 @@ def test_the_cycles_of_a_van_der_pol_cell_scale_with_a(scale: float) -> None:
 def test_the_averaged_cell_has_the_roots_of_its_amplitude_equation() -> None:
     found = cell(CHAIN.averaged())
     low, high = np.sort(np.roots([B / 8, -A / 4, 1.0]).real)
-    assert found.unstable_cycle is not None
-    assert found.stable_cycle is not None
     assert found.unstable_cycle.max**2 == pytest.approx(low, rel=1e-14)
     assert found.stable_cycle.max**2 == pytest.approx(high, rel=1e-14)
     assert found.basin == (-found.unstable_cycle.max, found.unstable_cycle.max)

@@ -224,8 +224,6 @@ def test_two_systems_of_equations_fold_at_the_same_coupling(size: int, pattern: 
     chain = VdpChain(a=2.5, b=0.5, c=0, sites=size + 20)
     full = RotatingWaves(chain, Nucleus(size, pattern)).branch().fold
     real = quarter_turn_branch(chain, Nucleus(size, pattern)).fold
-    assert full is not None
-    assert real is not None
     assert full.parameter == pytest.approx(real.parameter, abs=2e-11)
 
 
@@ -236,8 +234,6 @@ def test_at_the_fold_an_exponent_of_the_breathers_own_parity_vanishes() -> None:
 
     chain = VdpChain(a=2.5, b=0.5, c=branch.fold.parameter, sites=15)
     found = exponents(*unpack(branch.fold.u), chain, mirrored=True)
-    assert found.symmetric is not None
-    assert found.antisymmetric is not None
     # The exponent crosses like the root of the distance in c, known to 1e-11.
     assert abs(found.symmetric) < 1e-5
     assert found.antisymmetric > 0.005
@@ -250,7 +246,6 @@ def test_orbits_tend_to_the_averaged_breather_at_first_order() -> None:
     amplitude, detuning, growth = [], [], []
     for eps in (0.02, 0.01, 0.005):
         orbit = solve_orbit(replace(chain, eps=eps), Nucleus(1))
-        assert orbit.growth is not None
         amplitude.append(np.abs(np.abs(orbit.waves) - np.abs(limit.waves)).max())
         detuning.append(abs((orbit.frequency - 1) / eps - limit.unknowns[-1]))
         growth.append(abs(orbit.growth - limit.growth))
@@ -266,7 +261,6 @@ def test_the_orbits_fold_tends_to_the_averaged_fold_at_first_order() -> None:
     for eps in (0.02, 0.01, 0.005):
         chain = VdpChain(a=2.5, b=0.5, c=0, eps=eps, sites=13)
         fold = Orbits(chain, Nucleus(1)).branch(monitored=False).fold
-        assert fold is not None
         gaps.append(fold.parameter - limit.parameter)
     assert [math.log2(gaps[k] / gaps[k + 1]) for k in (0, 1)] == pytest.approx([1, 1], abs=0.05)
 
@@ -300,8 +294,6 @@ def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, si
     centre = sites // 2
     true = math.hypot(float(exact.value[centre]), float(exact.value[sites + centre]))
     beyond = solve_envelope_breather(chain.replace(c=1.1 * fold.c), Nucleus(1))
-    assert beyond.fold is not None
-    assert beyond.fold_error is not None
     assert abs(beyond.fold - float(exact.value[-1])) <= beyond.fold_error < 1e-10
     # Differences leave an error of some 1e-10 in the state of the reference.
     assert abs(fold.height - true) <= fold.height_error + 1e-10
@@ -322,12 +314,10 @@ def test_close_to_its_fold_a_breather_errs_by_no_more_than_it_states(
 ) -> None:
     chain = AveragedChain(a=1.0, b=eta, c=1e3, sites=nucleus.size + 6)
     fold = solve_envelope_breather(chain, nucleus).fold
-    assert fold is not None
     near = chain.replace(c=fold * (1.0 - before))
     found = solve_envelope_breather(near, nucleus)
     exact = locked_state(eta, near.c, found.waves, float(found.unknowns[-1]))
     waves = exact.value[: near.sites] + 1j * exact.value[near.sites : -1]
-    assert found.error is not None
     assert np.abs(np.abs(waves) - found.amplitudes).max() <= found.error < 1e-3
 
 
@@ -342,8 +332,6 @@ def test_beyond_the_fold_of_a_larger_nucleus_there_is_none_where_the_cycles_near
     chain = AveragedChain(a=1.0, b=eta, c=5.0, sites=sites)
     beyond = solve_envelope_breather(chain, nucleus)
     assert beyond.status is BreatherStatus.NONE
-    assert beyond.fold is not None
-    assert beyond.fold_error is not None
     assert 0.5 * (1.0 - 8.0 * eta) < beyond.fold < 1.0 - 8.0 * eta
     near = solve_envelope_breather(chain.replace(c=beyond.fold * (1.0 - 1e-6)), nucleus)
     exact = locked_fold(eta, beyond.fold, near.waves, float(near.unknowns[-1]))
@@ -357,8 +345,6 @@ def test_where_the_cycles_nearly_meet_a_fold_errs_by_the_rounding_of_the_damping
     a = 1.3629350220887508
     chain = AveragedChain(a=a, b=0.12499423213870642 * a**2, c=1e3, sites=7)
     found = solve_envelope_breather(chain, Nucleus(1))
-    assert found.fold is not None
-    assert found.fold_error is not None
     near = solve_envelope_breather(chain.replace(c=found.fold * (1.0 - 1e-6)), Nucleus(1))
     eta: Any = np.longdouble(chain.b) / np.longdouble(a) ** 2
     exact = locked_fold(eta, found.fold, math.sqrt(a) * near.waves, float(near.unknowns[-1]))
@@ -420,10 +406,8 @@ def test_within_the_error_of_a_fold_the_two_solutions_that_meet_there_are_not_di
     apart = float(np.abs(second.amplitudes - third.amplitudes).max())
     assert apart > 1e-3
     for point in (second, third):
-        assert point.error is not None
         assert apart <= point.error < 10.0 * apart
     for point in (first, fourth):
-        assert point.error is not None
         assert point.error < 1e-10
     assert {point.fold for point in found.points} == {end}
     assert {point.fold_error for point in found.points} == {found.folds[0].error}
@@ -436,8 +420,6 @@ def test_a_frequency_is_uncertain_by_what_the_last_step_has_left_of_it() -> None
     errors = [
         waves.measured(replace(point, correction=left), 0.0).frequency_error for left in (0.0, 1e-3)
     ]
-    assert errors[0] is not None
-    assert errors[1] is not None
     assert errors[0] < 1e-14
     assert errors[1] >= chain.eps * 1e-3
 
@@ -468,7 +450,6 @@ def test_of_a_fold_the_amplitude_is_computed_and_no_multipliers(
     whole = family.measured(point, 0.0)
     assert family.amplitudes(point.u, point.parameter).tolist() == whole.amplitudes.tolist()
     fold = trace(family.system(), point, 2.0).fold
-    assert fold is not None
     expected = family.measured(replace(point, u=fold.u, parameter=fold.parameter), 0.0)
     monkeypatch.setattr(type(family), "measured", None)
     monkeypatch.setattr(type(family), "stability", None)
@@ -480,8 +461,6 @@ def test_multipliers_do_not_depend_on_the_length_of_the_chain() -> None:
         solve_orbit(VdpChain(a=2.5, b=0.5, c=0.19, sites=sites), Nucleus(1)).stability
         for sites in (11, 21)
     )
-    assert short is not None
-    assert long is not None
     assert short.leader == pytest.approx(long.leader, abs=1e-8)
 
 
@@ -511,7 +490,6 @@ def test_beyond_the_fold_there_is_no_orbit_and_the_fold_is_named() -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.1912, sites=11)
     orbit = solve_orbit(chain, Nucleus(1))
     assert orbit.status is BreatherStatus.NONE
-    assert orbit.fold is not None
     assert 0.1911 < orbit.fold < 0.1912
     assert solve_orbit(replace(chain, c=0.1911), Nucleus(1)).status is BreatherStatus.EXISTS
 

@@ -114,8 +114,6 @@ def test_closed_form_solves_the_printed_equations(c: float) -> None:
         ]
 
     found = solve_breather(chain)
-    assert found.alpha_0 is not None
-    assert found.decay is not None
     alpha, k = fsolve(printed, [found.alpha_0 + 1e-4, math.log(found.decay) + 1e-3], xtol=1e-14)
     assert found.alpha_0 == pytest.approx(alpha, abs=1e-10)
     assert found.decay == pytest.approx(math.exp(k), abs=1e-10)
@@ -133,8 +131,6 @@ def test_closed_form_ends_where_the_printed_equations_become_singular() -> None:
     for away in (1.6e-6, 1e-7):
         found = solve_breather(replace(chain, c=fold.c - away))
         end = solve_breather(replace(chain, c=fold.c))
-        assert found.decay is not None
-        assert end.decay is not None
         gaps.append(end.decay - found.decay)
     assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=0.02)
     assert solve_breather(replace(chain, c=fold.c + 1e-9)).status is BreatherStatus.NONE

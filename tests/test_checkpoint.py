@@ -258,7 +258,6 @@ def test_a_signal_saves_the_run_where_it_is(number: signal.Signals, tmp_path: Pa
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
-    assert runner.stdout is not None
     assert runner.stdout.readline() == b"5\n"
     runner.send_signal(number)
     errors = runner.communicate(timeout=10)[1]

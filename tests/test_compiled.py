@@ -271,8 +271,6 @@ def test_compiled_code_is_kept_on_disk(
     file, cache = tmp_path / "kept.py", tmp_path / "cache"
     file.write_text("def twice(x):\n    return 2.0 * x\n")
     spec = importlib.util.spec_from_file_location("kept", file)
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     monkeypatch.setattr(config, FOLDER, str(cache))

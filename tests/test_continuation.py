@@ -207,7 +207,6 @@ def test_where_two_branches_nearly_cross_the_one_that_is_followed_is_not_left() 
         trace(crossing, start, 1.0, None, steps) for steps in (along, replace(along, generic=True))
     )
     assert jumped.folds == ()  # it goes on along u = c
-    assert kept.fold is not None
     assert abs(kept.fold.parameter + 1e-3) <= kept.fold.error < 1e-9
 
 
@@ -240,7 +239,6 @@ def test_a_fold_that_is_not_found_on_a_step_is_looked_for_on_its_half(
 
     monkeypatch.setattr(branches, "_find_fold", seldom)
     found = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
-    assert found.fold is not None
     assert abs(found.fold.parameter - 1.7) <= found.fold.error
     assert tried[1] < tried[0]
 
@@ -258,7 +256,6 @@ def test_of_two_folds_within_one_step_the_first_is_found() -> None:
 
     start = solve_at(course, np.array([0.3]), -0.0002)
     branch = trace(course, start, 1.0, None, StepControl(length=0.6))
-    assert branch.fold is not None
     assert branch.fold.u[0] == pytest.approx(0.4, abs=1e-3)
     found = branches._earlier(course, branch.points[0], 0.25, StepControl())
     assert found is not None
@@ -285,7 +282,6 @@ def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(side:
 
 def test_continuation_finds_the_fold_of_a_circle() -> None:
     branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
-    assert branch.fold is not None
     assert abs(branch.fold.parameter - 1.7) <= branch.fold.error < 1e-9
     assert branch.fold.place == len(branch.points) - 1  # it ends a step beyond
 
@@ -392,7 +388,6 @@ def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> No
     branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0, monitor)
     assert first_crossing(circle, branch, monitor, 0) is None
     found = first_crossing(circle, branch, monitor, 1)
-    assert found is not None
     assert not found.from_start
     assert abs(found.parameter - at) <= found.error < 1e-9
     assert found.u[0] == pytest.approx(math.sqrt(0.49 - (at - 1.0) ** 2), abs=1e-9)
@@ -407,7 +402,6 @@ def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(at: fl
 
     branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([1.0]), 1.0), 2.0, monitor)
     found = first_crossing(_linear(1.0), branch, monitor, 0)
-    assert found is not None
     assert abs(found.parameter - at) <= found.error
     assert np.spacing(at) < found.error < 1e-9
 
@@ -429,7 +423,6 @@ def test_the_error_of_a_crossing_bounds_its_distance_whatever_the_shape(shape: s
 
     branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([0.0]), 0.0), 1.0, monitor, long)
     found = first_crossing(_linear(1.0), branch, monitor, 0)
-    assert found is not None
     assert abs(found.parameter - at) <= found.error < 1e-10
 
 
@@ -466,7 +459,6 @@ def test_a_crossing_whose_search_rounding_ends_is_as_uncertain_as_its_sides(
 
     monkeypatch.setattr(branches, "step_along", failing)
     found = first_crossing(_linear(1.0), branch, monitor, 0)
-    assert found is not None
     assert abs(found.parameter - at) <= found.error
     assert (found.error > 1e-3) is (after == 0)
     assert monitor(found.u, found.parameter)[0] <= 0.0
@@ -476,7 +468,6 @@ def test_what_is_positive_from_the_start_crosses_there() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     branch = trace(circle, start, 5.0, lambda u, c: (c,))
     found = first_crossing(circle, branch, lambda u, c: (c,), 0)
-    assert found is not None
     assert (found.parameter, found.error, found.from_start) == (1.0, 0.0, True)
     assert found.u.tolist() == start.u.tolist()
 
@@ -490,7 +481,6 @@ def test_a_crossing_beyond_the_last_point_before_the_fold_is_looked_for_there() 
             return (c - at,)
 
         found = first_crossing(circle, trace(circle, start, end, monitor), monitor, 0)
-        assert found is not None
         assert abs(found.parameter - at) <= found.error
 
 

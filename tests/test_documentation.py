@@ -230,8 +230,6 @@ def covers(text: str, number: int) -> bool:
 
 def site_check() -> ModuleType:
     spec = importlib.util.spec_from_file_location("check_site", DOCS / "check_site.py")
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

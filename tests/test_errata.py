@@ -55,7 +55,6 @@ def test_a_way_of_writing_is_a_remark_and_no_erratum(findings: dict[int, Finding
 def test_each_states_what_proves_it_and_what_it_affects(findings: dict[int, Finding]) -> None:
     for number in MISPRINTED:
         erratum = findings[number].erratum
-        assert erratum is not None
         for part in (erratum.printed, erratum.corrected, erratum.reason, erratum.affects):
             assert part.strip()
         assert "fails" in erratum.proof
@@ -123,7 +122,6 @@ def test_of_a_changed_line_the_last_reading_that_holds_is_the_correction(
     found: Any = SimpleNamespace(printed=printed, step=step, on_print=failing, on_derived=holding,
                                  on_readings=(holding, failing, holding, holding))  # fmt: skip
     erratum = erratum_of(found, "averaging")
-    assert erratum is not None
     assert erratum.fault.name == verdict.name
     if verdict is EquationVerdict.INCONSISTENT:
         assert erratum.corrected == ("$x = 2$; last" if line else "one; or third; or last")
@@ -274,7 +272,6 @@ def test_of_a_misprint_the_changed_line_or_what_is_derived_is_the_correction(
     """Beside a changed line the proof says what it changes."""
     found = made_up(X - 2 * Y, sp.Eq(X, Y), amended_latex=line, affects="ε" if line else "")
     erratum = erratum_of(found, "averaging")
-    assert erratum is not None
     assert (erratum.fault, erratum.corrected) == (Fault.MISPRINT, f"${line or 'whole'}$")
     assert erratum.proof.startswith("The check on print fails: print is off. ")
     assert ("differs from print in this: $whole$." in erratum.proof) == bool(line)

@@ -77,10 +77,8 @@ def partial_averaging_error(
 def test_a_cycle_is_no_better_than_rounding_of_its_period(period: float) -> None:
     one = CellCycle(max=2.0, min=-2.0, period=period, slip_time=period, error=0.0)
     found = _with_error(FrictionCell(), one, one)
-    assert found is not None
     assert found.error == ROUND_OFF * period
     other = _with_error(FrictionCell(), one, replace(one, period=period + 0.5))
-    assert other is not None
     assert other.error == 0.5
 
 
@@ -215,7 +213,6 @@ def test_the_margin_of_a_front_at_rest_is_what_no_motion_can_use_up() -> None:
 
 def test_the_pinning_eta_is_no_better_than_the_fold_that_it_inverts() -> None:
     pin = pinning_eta(0.101944386)
-    assert pin is not None
     fold = static_fold(pin.eta)
     slope = (static_fold(pin.eta + 1e-6).c - static_fold(pin.eta - 1e-6).c) / 2e-6
     assert pin.error >= fold.error / slope

@@ -71,8 +71,6 @@ def test_the_example_gives_its_number_and_its_picture(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     spec = importlib.util.spec_from_file_location(f"example_{name}", EXAMPLES / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, spec.name, module)  # compiled code is kept by module
     # That two processes answer as one does is tested in tests/test_own_fronts.py.

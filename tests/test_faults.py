@@ -290,7 +290,6 @@ def test_of_two_processes_the_second_is_refused_until_the_first_has_ended(
         cwd=FOLDER.parent,
     )
     try:
-        assert first.stdout is not None
         assert first.stdout.readline() == b"held\n"
         with pytest.raises(FileError, match="is in use by another run"):
             compute(folder)

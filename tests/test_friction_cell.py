@@ -110,7 +110,6 @@ def test_the_closed_forms_are_those_of_the_force() -> None:
 
 def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     cycle = stick_slip_cycle(CELL)
-    assert cycle is not None
     (slip, touch), (_, low) = precise_phases(CELL, CELL.release, CELL.v_d, (CELL.v_d, 0.0))
     stick = (CELL.release - touch) / CELL.v_d
     assert cycle.error < 1e-9
@@ -149,7 +148,6 @@ def test_the_stated_errors_bound_the_true_ones() -> None:
 
 def test_the_usual_tolerance_gives_both_cycles_to_ten_digits() -> None:
     for each in (stick_slip_cycle(CELL), unstable_cycle(CELL)):
-        assert each is not None
         assert each.error < 1e-10
     end = cycle_end_velocity(CELL, 1e-14)
     assert cycle_end_velocity(CELL) == pytest.approx(end, rel=1e-11)
@@ -175,8 +173,6 @@ def test_cycles_scale_with_the_cell_within_their_errors(size: float) -> None:
         (found.stable_cycle, other.stable_cycle),
         (found.unstable_cycle, other.unstable_cycle),
     ):
-        assert one is not None
-        assert two is not None
         room = one.error + two.error / min(size, 1.0)
         assert room < 1e-6
         for name in ("max", "min"):
@@ -184,7 +180,6 @@ def test_cycles_scale_with_the_cell_within_their_errors(size: float) -> None:
             assert abs(gap) <= room
         for name in ("period", "stick_time", "slip_time"):
             assert abs(getattr(two, name) - getattr(one, name)) <= room
-        assert one.speed is not None
         assert two.speed == pytest.approx(size * one.speed, rel=1e-9)
         assert two.multiplier == pytest.approx(one.multiplier, rel=1e-6)  # of differences
 
@@ -211,7 +206,6 @@ def test_where_sliding_is_unstable_at_slow_belts_alone_the_cell_sticks_and_slips
 def test_the_error_of_a_cycle_is_infinite_if_the_rougher_search_finds_none() -> None:
     cycle = stick_slip_cycle(CELL)
     found = _with_error(CELL, cycle, None)
-    assert found is not None
     assert found.error == math.inf
     assert _with_error(CELL, None, cycle) is None
 
@@ -225,7 +219,6 @@ def test_round_off_of_a_cycle_counts_the_larger_of_its_turning_points() -> None:
     for low, high in ((-3.0, 0.1), (-0.1, 3.0), (-6.0, 0.1)):
         made = replace(cycle, min=low, max=high, error=0.0)
         found = _with_error(cell, made, made)
-        assert found is not None
         errors.append(found.error)
     assert errors == pytest.approx([errors[0], errors[0], 2.0 * errors[0]], rel=1e-15, abs=0.0)
     assert errors[0] > 0.0
@@ -261,13 +254,11 @@ def test_the_error_of_the_expanded_cycle_covers_the_next_order_in_its_amplitude(
         fall = mp.mpf(xi) * amplitude / (mp.mpf("0.5") * mp.besseli(1, x))
         v_d = float(-CELL.v0 * mp.log(fall))
     found = unstable_once(replace(CELL, xi=xi, v_d=v_d), 1e-13)
-    assert found is not None
     gap = abs(found.amplitude - float(amplitude))
     assert 1e-13 < gap <= found.error < 1e-7
     # Without damping it turns in 2π; a deviation of a cycle of the root of δ grows by e^{2πδ}.
     assert abs(found.period - 2.0 * math.pi) <= found.error
     assert found.slip_time == found.period
-    assert found.multiplier is not None
     delta = 2.0 * xi - math.exp(-v_d / CELL.v0) * 0.5 / CELL.v0
     assert found.multiplier - 1.0 == pytest.approx(2.0 * math.pi * delta, rel=1e-3)
 
@@ -279,7 +270,6 @@ def test_the_error_of_an_expanded_cycle_covers_the_round_off_of_its_damping() ->
         v0=0.3219455793254197, v_d=2.4128964702687106,
     )  # fmt: skip
     found = unstable_cycle(cell)
-    assert found is not None
     with mp.workdps(30):
         v0 = mp.mpf(cell.v0)
         fall = (mp.mpf(cell.mu_st) - cell.mu_d) * mp.exp(-cell.v_d / v0) / v0
@@ -385,7 +375,6 @@ def test_the_error_of_an_expanded_cycle_where_friction_has_no_curvature_is_a_len
 
 def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
     cycle = unstable_cycle(CELL)
-    assert cycle is not None
     period, highest = peak(CELL, cycle.max)
     assert abs(highest - cycle.max) < 1e-10
     assert abs(period - cycle.period) < 1e-9
@@ -421,10 +410,8 @@ def test_the_error_of_a_multiplier_covers_that_of_its_integral_by_scipy(
 ) -> None:
     """Of a plane flow it is exp∮(∂ẏ̇/∂ẏ)dτ; of a cycle of stick it is 0 to the last digit."""
     found = friction_cell(given, tolerance)
-    assert found.stable_cycle is not None
     assert (found.stable_cycle.multiplier, found.stable_cycle.multiplier_error) == (0.0, 0.0)
     cycle = found.unstable_cycle
-    assert cycle is not None
     assert cycle.multiplier is not None
     assert cycle.multiplier_error is not None
 
@@ -437,7 +424,6 @@ def test_the_error_of_a_multiplier_covers_that_of_its_integral_by_scipy(
     true = math.exp(run.y[2, -1])
     assert abs(true - cycle.multiplier) <= cycle.multiplier_error
     assert cycle.multiplier_error < 1e3 * abs(true - cycle.multiplier) + most
-    assert cycle.speed is not None
     assert abs(run.y[1].max() - cycle.speed) <= cycle.error + 0.05 * cycle.speed  # of its steps
 
 
@@ -446,10 +432,6 @@ def test_the_multiplier_of_an_expanded_cycle_errs_by_the_next_order() -> None:
     steep = FrictionCell(v0=1e-2)
     given = replace(steep, v_d=steep.hopf_velocity * (1.0 + 1e-8))
     cycle = unstable_once(given, 1e-12)
-    assert cycle is not None
-    assert cycle.multiplier is not None
-    assert cycle.multiplier_error is not None
-    assert cycle.speed is not None
     squared = (cycle.speed / given.v0) ** 2
     exponent = 2.0 * math.pi * given.effective_damping
     assert abs(exponent - math.log(cycle.multiplier)) < 1e-15
@@ -476,10 +458,6 @@ def test_the_error_of_a_multiplier_of_van_der_pol_cycles_covers_that_of_the_mono
     finest = found if tolerance == 1e-13 else vdp_cell(a, b, eps, 1e-13)
     rate = variational_rate(VdpChain(a=a, b=b, c=0.0, eps=eps, sites=2))  # one remains at rest
     for cycle in (found.stable_cycle, found.unstable_cycle):
-        assert cycle is not None
-        assert cycle.multiplier is not None
-        assert cycle.multiplier_error is not None
-
         exact = next(
             each
             for each in (finest.stable_cycle, finest.unstable_cycle)
@@ -499,21 +477,14 @@ def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_erro
     assert cycle is not None
     unresolved = replace(cycle, multiplier=None, multiplier_error=None)
     found = _with_error(CELL, cycle, unresolved)
-    assert found is not None
     assert found.multiplier_error == math.inf
-    assert cycle.multiplier is not None
-    assert cycle.multiplier_error is not None
     other = _with_error(CELL, cycle, replace(cycle, multiplier=cycle.multiplier + 0.5))
-    assert other is not None
     assert other.multiplier_error == pytest.approx(0.5 + cycle.multiplier_error, rel=1e-12)
     lost = _with_error(CELL, cycle, None)
-    assert lost is not None
     assert lost.multiplier_error == math.inf
     neither = _with_error(CELL, unresolved, None)
-    assert neither is not None
     assert (neither.error, neither.multiplier_error) == (math.inf, None)
     none = _with_error(CELL, unresolved, cycle)
-    assert none is not None
     assert none.multiplier_error is None
 
 
@@ -536,26 +507,18 @@ def test_the_error_of_a_multiplier_is_the_same_of_a_cell_of_another_size() -> No
 def test_the_error_of_a_cycle_covers_the_coarser_search_in_each_of_its_numbers() -> None:
     fine, coarse = (unstable_once(CELL, each) for each in (1e-12, 1e-10))
     stated = unstable_cycle(CELL, 1e-12)
-    assert fine is not None
-    assert coarse is not None
-    assert stated is not None
-    assert fine.speed is not None
     assert stated.max == fine.max != coarse.max
     faster = _with_error(CELL, fine, replace(fine, speed=fine.speed + 0.5))
     unknown = _with_error(CELL, fine, replace(fine, speed=None))
-    assert faster is not None
-    assert unknown is not None
     assert (faster.error, unknown.error < 1e-10) == (0.5, True)
     # Without stick the velocity of the belt, by which positions become times, does not matter.
     slow = _with_error(replace(CELL, v_d=1e-6), fine, fine)
-    assert slow is not None
     assert slow.error < 1e-10
 
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_basin_ends_where_runs_change_their_fate(side: int) -> None:
     orbits = friction_cell(replace(CELL, v_d=1.6))
-    assert orbits.basin is not None
     edge, outward = orbits.basin[side], 2 * side - 1
     chain = FrictionChain.of(orbits.cell, c=0.0, sites=1)
     fate = []
@@ -592,12 +555,9 @@ def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
     sticks = []
     for distance in (1e-3, 1e-5):
         cycle = stick_slip_cycle(replace(CELL, v_d=end * (1 - distance)))
-        assert cycle is not None
         sticks.append(cycle.stick_time)
     assert math.log10(sticks[0] / sticks[1]) / 2 == pytest.approx(0.5, abs=0.03)
     both = friction_cell(replace(CELL, v_d=end * (1 - 1e-10)))
-    assert both.stable_cycle is not None
-    assert both.unstable_cycle is not None
     assert both.stable_cycle.max == pytest.approx(both.unstable_cycle.max, abs=1e-4)
 
 
@@ -606,11 +566,9 @@ def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
     for distance, room in ((1e-3, 1e-3), (1e-5, 1e-5), (1e-6, 1e-6)):
         cell = FrictionCell(v_d=CELL.hopf_velocity + distance)
         cycle = unstable_once(cell, 1e-13)
-        assert cycle is not None
         small = math.sqrt(8 * cell.effective_damping * cell.v0**2 / -friction_slope(cell, cell.v_d))
         assert abs(cycle.amplitude / small - 1) < room
     near = unstable_cycle(FrictionCell(v_d=CELL.hopf_velocity + 1e-8))
-    assert near is not None
     # The expansion at 1e-8 beside the shot cycle at 1e-6: amplitudes go like the root.
     assert near.amplitude == pytest.approx(cycle.amplitude / 10, abs=near.error)
     assert near.error < 1e-7
@@ -662,7 +620,6 @@ def test_a_cell_that_slips_forwards_before_it_sticks_has_its_cycle(
     cell: FrictionCell, reverses: bool
 ) -> None:
     cycle = stick_slip_cycle(cell)
-    assert cycle is not None
     assert (cycle.speed > cell.v_d) is reverses
     start = np.array([[cycle.max], [0.0]])
     run = run_events(
@@ -699,7 +656,6 @@ def test_a_cell_that_reverses_before_it_sticks_turns_where_its_slips_back_do(
     monkeypatch.setattr(friction_cycles, "_phase", phase)
     monkeypatch.setattr(friction_cycles, "stick_phase", lambda *_: next(sticks))
     found = friction_cycles.stick_slip_once(CELL, 1e-12)
-    assert found is not None
     assert asked == [-1.0, 1.0, -1.0]
     assert (found.min, found.max) == (-3.0, 2.0)
     assert (found.slip_time, found.stick_time, found.period) == (6.0, 4.0, 10.0)
@@ -755,8 +711,6 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
         orbits = friction_cell(replace(CELL, v_d=float(diagram.v_d[i])))
         assert orbits.hopf_velocity == CELL.hopf_velocity
         stable, unstable = orbits.stable_cycle, orbits.unstable_cycle
-        assert stable is not None
-        assert unstable is not None
         errors = stable.error, unstable.error, orbits.cycle_end_error
         assert orbits.error == max(errors)
         assert diagram.stable[i].tolist() == [stable.min, stable.max]
@@ -774,7 +728,6 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     dry = cell_diagram(FrictionCell(law="coulomb", xi=0.01), [0.5])
     assert (np.isnan(dry.stable).any(), np.isnan(dry.unstable).all()) == (False, True)
     again = bifurcation([CELL], "v_d", [1.0, 1.3])
-    assert again is not None
     assert again.stable.tolist() == diagram.stable[:2].tolist()
     assert bifurcation([CELL], "xi", [0.1, 0.2]) is None
 
@@ -916,7 +869,6 @@ def test_a_curve_of_cells_has_the_tolerance_that_is_documented() -> None:
     assert found is not None
     assert found == bifurcation([CELL], "v_d", [1.3, 1.4], tolerance=documented)
     stable = cell(replace(CELL, v_d=1.3)).stable_cycle
-    assert stable is not None
     assert found.stable[0].tolist() == [stable.min, stable.max]
 
 
@@ -1130,7 +1082,6 @@ def test_where_no_cycle_is_left_every_slip_ends_in_sliding() -> None:
     found = friction_cell(FrictionCell(law="coulomb", xi=0.3), 1e-8)
     assert grazing_slip(FrictionCell(law="coulomb", xi=1.0)) is None  # slip does not turn
     turning = grazing_slip(found.cell)
-    assert turning is not None
     t = np.linspace(0.0, 3.0 * math.pi, 100_001)
     omega = math.sqrt(1.0 - 0.3**2)
     for y in turning:  # of u + 0.6 u' + u'' = 0 from rest: the largest velocity is the belt's
@@ -1191,8 +1142,6 @@ def test_van_der_pol_cycles_tend_to_their_closed_forms_at_second_order() -> None
     gaps = []
     for eps in (0.04, 0.02, 0.01):
         cell = vdp_cell(2.5, 0.5, eps, 1e-12)
-        assert cell.stable_cycle is not None
-        assert cell.unstable_cycle is not None
         assert cell.stable_cycle.averaged == pytest.approx(chain.stable_amplitude, rel=1e-15)
         gaps.append(
             [

@@ -154,10 +154,6 @@ def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
     for c, long in ((0.1, 121), (0.2, 161)):
         short = measure_front(FrictionChain(c=c, sites=41), max_sites=41, accuracy=0.1)
         far = measure_front(FrictionChain(c=c, sites=long), max_sites=long, accuracy=0.1)
-        assert short.v is not None
-        assert short.error is not None
-        assert far.v is not None
-        assert far.error is not None
         assert far.error < short.error
         assert abs(short.v - far.v) < short.error + far.error
 
@@ -172,7 +168,6 @@ def test_statuses() -> None:
     # the same coupling from six sites: they creep on, below the threshold of one
     wide = measure_front(FrictionChain(c=0.009, sites=31), excited=6, accuracy=0.1)
     assert wide.steady
-    assert wide.v is not None
     assert 0.002 < wide.v < 0.004
     unsteady = measure_front(
         FrictionChain(c=0.1, sites=31), max_sites=31, accuracy=1e-6
@@ -338,7 +333,6 @@ def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> N
     assert sharp.fuzzy_width < 1e-3 * sharp.c_crit
     spreading = Spreading(3, final_time=400.0)
     late = spreading_threshold(chain, spreading, accuracy=1e-5, tests=4, lowest=1e-3)
-    assert late.fuzzy is not None
     assert late.fuzzy[0] == late.c_crit_at_twice_the_time < late.c_crit
     assert late.fuzzy_width > 100.0 * late.error
     # and it does spread at such a coupling, later than the final time

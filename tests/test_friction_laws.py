@@ -121,8 +121,6 @@ def test_a_viscous_part_acts_on_a_cell_in_slip_as_damping_and_a_shift() -> None:
     # κ(v_d - ẏ) is κv_d and a damping κ = 2ξ of its own, as long as the cell does not stick.
     with_both = unstable_cycle(FrictionCell(xi=0.05, viscous=0.02))
     damped = unstable_cycle(FrictionCell(xi=0.06))
-    assert with_both is not None
-    assert damped is not None
     room = with_both.error + damped.error
     assert abs(with_both.max - 0.02 * 1.25 - damped.max) <= room < 1e-8
     assert abs(with_both.min - 0.02 * 1.25 - damped.min) <= room
@@ -131,8 +129,6 @@ def test_a_viscous_part_acts_on_a_cell_in_slip_as_damping_and_a_shift() -> None:
         for xi, viscous in ((0.05, 0.02), (0.06, 0.0))
         for cell in (FrictionCell(xi=0.06),)
     ]
-    assert near[0] is not None
-    assert near[1] is not None
     assert near[0].max - near[0].min == pytest.approx(near[1].max - near[1].min, rel=1e-6)
 
 
@@ -188,7 +184,6 @@ def test_the_basin_of_a_law_ends_where_runs_of_scipy_begin_to_stick(name: str, s
 def test_the_stick_slip_cycle_of_a_law_is_what_a_run_of_scipy_settles_to(name: str) -> None:
     cell = CELLS[name]
     found = friction_cell(cell).stable_cycle
-    assert found is not None
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     start = np.array([[cell.release - 1e-3], [cell.v_d - 1e-6]])  # it sticks at once
     run = run_events(chain, start, 30.0, tolerance=1e-11, longest_step=0.2)

@@ -995,7 +995,6 @@ def test_the_pinning_eta_errs_by_what_is_left_of_c_and_by_the_error_of_the_fold(
         monkeypatch.setattr(resting, "static_fold", fold)
         monkeypatch.setattr(resting, "brentq", lambda *_, off=off, **__: 0.05 + 0.25 * off)
         found = resting.pinning_eta.__wrapped__(0.3)
-        assert found is not None
         assert found.eta == 0.05 + 0.25 * off
         assert found.error == pytest.approx((3e-6 + 1e-6) / 4.0, rel=1e-4)
         assert found.square_root == pytest.approx(0.5 * math.sqrt(4.0))

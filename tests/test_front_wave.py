@@ -343,9 +343,6 @@ def test_it_is_the_front_of_the_running_chain() -> None:
     chain = fr.AveragedChain(a=4, b=0.5, c=0.6)
     run = fr.measure_front(chain, accuracy=1e-5)
     solved = fr.measure_front(chain, method="wave")
-    assert run.v is not None
-    assert run.error is not None
-    assert solved.v is not None
     assert abs(run.v - solved.v) < run.error < 1e-5
     assert solved.to_dict()["stable"] is True
 
@@ -447,7 +444,6 @@ def test_a_front_within_the_error_of_c_pin_may_travel_as_fast_as_the_error_allow
 @pytest.mark.parametrize("part", [-0.9, -0.5, 0.9])
 def test_within_the_error_of_eta_pin_fronts_are_pinned(part: float) -> None:
     pin = pinning_eta(0.15)
-    assert pin is not None
     eta = pin.eta + part * pin.error
     (point,) = fr.follow_front(fr.AveragedChain(a=4, b=0.5, c=0.15), etas=[eta]).points
     assert (point.v, point.status.value) == (0.0, "pinned")

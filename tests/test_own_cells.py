@@ -53,7 +53,6 @@ def test_the_cycle_of_van_der_pol_is_the_published_one() -> None:
     found = own(damping="y**2 - 1", eps=1.0)
     assert found.status is CellStatus.OSCILLATION
     assert found.basin is None
-    assert found.stable_cycle is not None
     assert abs(found.stable_cycle.period - PERIOD) <= found.error < 1e-9
     assert abs(found.stable_cycle.max - AMPLITUDE) <= found.error
     assert abs(found.stable_cycle.min + AMPLITUDE) <= found.error
@@ -62,7 +61,6 @@ def test_the_cycle_of_van_der_pol_is_the_published_one() -> None:
 @pytest.mark.parametrize("size", [1e-6, 1e6])
 def test_a_cycle_scales_with_the_displacement_at_which_its_damping_ends(size: float) -> None:
     found = own(damping="k*y**2 - 1", values={"k": size**-2}, eps=1.0).stable_cycle
-    assert found is not None
     assert found.max / size == pytest.approx(AMPLITUDE, rel=1e-10)
     assert found.period == pytest.approx(PERIOD, rel=1e-10)
 
@@ -93,9 +91,6 @@ def test_a_multiplier_is_what_the_damping_leaves_of_a_deviation_in_a_turn(
     """Liouville: the Floquet multiplier of a cycle is exp(-ε ∮ ∂(hẏ)/∂ẏ dt)."""
     eps, chain = 0.5, OscillatorChain(damping=text, c=0.0, eps=0.5)
     found, exact = cell(chain, tolerance=tolerance).stable_cycle, exact_cell(chain).stable_cycle
-    assert found is not None
-    assert found.multiplier is not None
-    assert found.multiplier_error is not None
     rate = oscillator_rate(lambda y: y, h, np.zeros((1, 1)), c=0.0, eps=eps)
     times = np.linspace(0.0, exact.period, 4001)
     y, v = states_by_scipy(rate, np.array([exact.max, 0.0]), times).T
@@ -127,7 +122,6 @@ def test_the_usual_tolerance_gives_cycles_to_eight_digits() -> None:
 def test_the_cycle_of_rayleigh_has_the_published_period_of_van_der_pol() -> None:
     """The velocity of ẍ + ε(ẋ²/3 - 1)ẋ + x = 0 obeys the equation of Van der Pol."""
     found = own(damping="v**2/3 - 1", eps=1.0).stable_cycle
-    assert found is not None
     assert abs(found.period - PERIOD) <= found.error
 
 
@@ -209,7 +203,6 @@ def test_cycles_are_found_on_either_side_of_their_limits(
 
     rate = oscillator_rate(lambda y: y, damped, np.zeros((1, 1)), c=0.0, eps=eps)
     for each in found.cycles:
-        assert each.averaged is not None
         assert side * (each.max - each.averaged) > 1e-4
         start = np.array([each.max, 0.0])
         back = states_by_scipy(rate, start, np.array([0.0, each.period]), 1e-12)[-1]
@@ -441,7 +434,6 @@ def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside(
     found = cell(AveragedChain(a=a, b=b, c=0.0))
     assert found.status is CellStatus.SEMISTABLE
     assert found.stable_cycle is None
-    assert found.unstable_cycle is not None
     radius = found.unstable_cycle.amplitude
     double = np.roots([b / 8.0, -a / 4.0, 1.0])  # of r², each with the root of rounding
     assert np.abs(radius**2 - double).max() < 1e-7
@@ -464,7 +456,6 @@ def test_both_cycles_of_van_der_pol_are_beside_their_limits(a: float, eta: float
     assert found.status is CellStatus.BISTABLE
     limits = sorted(np.sqrt(np.roots([b / 8.0, -a / 4.0, 1.0]).real))
     for cycle, limit in zip((found.unstable_cycle, found.stable_cycle), limits, strict=True):
-        assert cycle is not None
         assert cycle.averaged == pytest.approx(limit, rel=1e-12)
         assert (cycle.stick_time, cycle.slip_time) == (0.0, cycle.period)
         assert cycle.amplitude == pytest.approx(limit, rel=1e-3)
@@ -488,7 +479,6 @@ def test_cycles_are_found_by_shooting_on_any_scale_of_time_and_of_amplitude() ->
 def test_a_cell_of_van_der_pol_without_cycles_is_at_rest_and_its_coefficients_have_ranges() -> None:
     assert vdp_cell(1.0, 0.2, 0.01, 1e-6).status is CellStatus.REST
     stable = averaged_cell(1.0, 0.03, 0.01).stable_cycle
-    assert stable is not None
     assert 0.0 < stable.error < 1e-11  # of rounding
     for tolerance in (9e-14, 1.1e-6):
         with pytest.raises(ParameterError, match="tolerance"):
@@ -506,8 +496,6 @@ def test_both_cycles_of_van_der_pol_close_in_scipy_with_their_multipliers() -> N
         lambda y: y, lambda y, v: damping(y, a, b), np.zeros((1, 1)), c=0.0, eps=eps
     )  # fmt: skip
     for cycle in (found.unstable_cycle, found.stable_cycle):
-        assert cycle is not None
-        assert cycle.multiplier is not None
         start = np.array([cycle.max, 0.0])
         path = states_by_scipy(rate, start, np.linspace(0.0, cycle.period, 1001), 1e-12)
         off = np.abs(path[-1] - start).max()
@@ -527,7 +515,6 @@ def test_the_longest_step_errs_in_proportion_to_the_tolerance() -> None:
 def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:
     """From the largest y through the smallest and back; stiffness of even powers too."""
     found = own(damping="y**2 - 1", stiffness="y + 0.3*y**2 + 0.2*y**3", eps=0.5).stable_cycle
-    assert found is not None
     rate = oscillator_rate(
         lambda y: y + 0.3 * y**2 + 0.2 * y**3, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0,
         eps=0.5,
@@ -541,7 +528,6 @@ def test_a_cell_that_is_not_symmetric_turns_where_scipy_does() -> None:
 
 def test_a_compiled_cell_has_its_cycle() -> None:
     found = own(damping="y**2 - 1", stiffness=hardening, values={"k": 0.8}, eps=0.3).stable_cycle
-    assert found is not None
     rate = oscillator_rate(
         lambda y: np.sinh(0.8 * y) / 0.8, lambda y, v: y**2 - 1.0, np.zeros((1, 1)), c=0.0, eps=0.3
     )
@@ -653,9 +639,6 @@ def test_no_multiplier_is_given_that_leaves_double_precision() -> None:
     """By an integration of the divergence in many digits it is 661.37 at ε = 1."""
     chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.0, eps=1.0)
     found = cell(chain, tolerance=1e-7).unstable_cycle
-    assert found is not None
-    assert found.multiplier is not None
-    assert found.multiplier_error is not None
     assert abs(found.multiplier - 661.3679213) < found.multiplier_error < 30.0
     assert shooting._multiplier(709.0, 709.0)[0] == pytest.approx(np.exp(709.0))
     assert shooting._multiplier(710.0, 710.0) == (None, None)

@@ -169,7 +169,6 @@ def test_a_curve_of_breathers_has_the_bars_of_what_is_drawn_and_a_line_a_method(
     points = [fr.breather(chain, method="closed-form") for chain in chains]
     for segment, x, point in zip(shown[2][0].get_segments(), couplings, points, strict=True):
         centre, error = point.amplitudes[4], point.error
-        assert error is not None
         assert segment == pytest.approx(np.array([[x, centre - error], [x, centre + error]]))
     every = draw(curve(fr.breather, chains, "c", couplings, {"method": "all"}, **here))
     names = [text.get_text() for text in every.get_legend().get_texts()]

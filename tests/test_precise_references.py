@@ -184,7 +184,6 @@ def test_a_fold_is_where_the_matrix_is_singular_in_forty_digits() -> None:
     eta = 0.05
     beyond = VdpChain(a=1.0, b=eta, c=1.0, eps=0.01, sites=3)
     fold = solve_envelope_breather(beyond, Nucleus(1)).fold
-    assert fold is not None
     found = locked_fold(eta, fold, *_three_sites(eta, 0.999 * fold))
     with mp.workdps(40):
 

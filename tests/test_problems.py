@@ -110,7 +110,6 @@ def test_a_problem_is_what_it_is_called() -> None:
     for family in ("breather", "multipliers"):
         for problem in PROBLEMS[family]:
             fold = closed_form_fold(problem.vdp_chain(), Reading.NEIGHBOUR).c
-            assert fold is not None
             assert (0.0 < problem.c < fold) is (problem.name != "not-averageable")
             if problem.name == "beside-the-fold":
                 assert problem.c > 0.95 * fold

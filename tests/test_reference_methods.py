@@ -756,7 +756,6 @@ def test_the_fold_is_as_uncertain_as_roundings_at_its_own_coupling_make_it(
 ) -> None:
     eta, chain = 0.05, VdpChain(a=1.0, b=0.05, c=1.0, eps=0.01, sites=3)
     fold = solve_envelope_breather(chain, Nucleus(1)).fold
-    assert fold is not None
     near = solve_envelope_breather(chain.replace(c=0.999 * fold), Nucleus(1))
     asked = []
 

@@ -239,7 +239,6 @@ def test_test_problems_stand_with_the_reference_of_their_quantity(tmp_path: Path
     record = {"agreement": {problem.name: 2e-13}, "command": "c", "date": "d", "versions": {},
               "machine": {"processor": "made up", "cores": 2}}  # fmt: skip
     found = measurements._problems({quantity.name: record}, tmp_path)
-    assert found is not None
     row = dict(zip(found.head, found.rows[0], strict=True))
     assert (row["Quantity"], row["Problem"]) == (quantity.name, problem.name)
     assert row["Reference"] == quantity.reference
@@ -377,7 +376,6 @@ def test_a_default_that_is_nowhere_the_fastest_is_said_to_be_so(tmp_path: Path) 
         choice("2026-01-01", fastest=[1e-3, 1e-4], others={"newton": "one root"}),
     ]
     found = measurements._defaults({"defaults": {"choices": choices}}, tmp_path)
-    assert found is not None
     assert (found.key, found.title) == ("defaults", "The default methods")
     first, second = (dict(zip(found.head, row, strict=True)) for row in found.rows)
     faster = "Another one is faster at"
@@ -448,7 +446,6 @@ def test_a_diagram_without_its_numbers_is_shown_and_numbers_without_one_are_not(
     (tmp_path / "sum.svg").write_text("<svg/>", encoding="utf-8")
     for data in ("", "c,v\n1,2\n"):
         found = measurements._diagram("sum", {}, tmp_path)
-        assert found is not None
         assert (found.svg, found.data) == ("<svg/>", data)
         (tmp_path / "sum.csv").write_text("c,v\n1,2\n", encoding="utf-8")
 

@@ -314,7 +314,6 @@ def test_a_velocity_in_many_digits_is_a_root_of_the_relation(
 
 def _pinned_fold(eta: float, off: float = 0.0) -> ReferenceCheck:
     value = pinning_coupling(eta)
-    assert value is not None
     stated = StatedValue(
         value=value * (1.0 + off), error=1e-15, extra=SimpleNamespace(velocity=0.0)
     )
@@ -330,7 +329,6 @@ def test_a_fold_at_pinning_is_as_far_off_as_it_is(eta: float) -> None:
         check = _pinned_fold(eta, off)
         assert check.distance == pytest.approx(abs(off) * value, rel=1e-3, abs=check.uncertainty)
     beside = pinning_coupling(eta * (1.0 + 1e-7))
-    assert beside is not None
     rounding = abs(beside - value) * 1e-9  # of 1e-16
     assert rounding <= check.uncertainty < 1e3 * rounding
 
@@ -362,7 +360,6 @@ def test_a_fold_of_moving_fronts_holds_within_its_error_and_not_beyond(
 ) -> None:
     monkeypatch.setattr(relation, "_DIGITS", 12)
     coupling = fold_coupling(0.03125)
-    assert coupling is not None
     assert coupling.velocity > 0.0
     eta = fold_eta(coupling.value)
     assert eta.value == pytest.approx(0.03125, rel=1e-9)

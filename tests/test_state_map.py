@@ -299,7 +299,6 @@ def test_of_the_averaged_chain_only_amplitudes_decide_whether_it_rests() -> None
 def test_boundaries_are_bisected_to_a_sixteenth_of_the_spacing_if_nothing_else_is_said() -> None:
     chain = FIGURE_15.averaged()
     found = state_map(chain, eta=[0.05], c=[0.1, 0.14], workers=1)
-    assert found.boundary is not None
     (row,) = found.boundary.rows()
     width = float(row["high"]) - float(row["low"])
     assert width == pytest.approx(0.04 / 16.0, rel=1e-9)
@@ -499,7 +498,6 @@ def test_a_prediction_with_other_labels_at_the_ends_is_not_used() -> None:
 def test_the_boundary_of_the_full_chain_begins_at_that_of_the_averaged_one() -> None:
     axes = {"eta": [0.11, 0.13], "c": [0.3]}
     found = state_map(FULL, refine=1.0 / 64.0, workers=1, **axes)
-    assert found.boundary is not None
     (line,) = boundary_lines(found.states, ["eta", "c"])
     (row,) = found.boundary.rows()
     alone = Bisection(FULL.alone(), 1.0 / 64.0)(line)

@@ -803,7 +803,6 @@ def test_arrays_of_a_zarr_store_are_read_back_however_they_are_cut(
     written = table_of([{"c": c, "wave": row} for c, row in zip(range(5), cells, strict=True)])
     written.save(tmp_path / "out.zarr")
     read = load_table(tmp_path / "out.zarr")
-    assert read is not None
     assert np.array_equal(read["wave"], cells)
     assert np.array_equal(read["c"], np.arange(5))
 
@@ -978,5 +977,4 @@ def test_a_record_without_a_command_names_the_call(given: str, line: str) -> Non
         found = sweep(_square, {"x": [1.0]}, workers=1, command=given).metadata
     finally:
         COMMAND_LINE.reset(token)
-    assert found is not None
     assert found.command == (given or line or f"sweep({__name__}._square, ...)")

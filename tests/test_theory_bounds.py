@@ -214,7 +214,6 @@ def test_a_retreating_front_solves_the_relation_over_the_lower_roots(c: float, e
 @pytest.mark.parametrize("eta", [0.01, 0.02, 0.03125, 0.04])
 def test_beside_the_fold_rounding_does_not_multiply_the_branches(eta: float) -> None:
     fold = fold_coupling(eta)
-    assert fold is not None
     c = fold.value + np.arange(-40, 41) * math.ulp(fold.value)
     target = np.full(c.size, 2 * threshold_ratio(eta))
     # |Σ| is known to 1e-15: none, two, or one that is double to within rounding; never more

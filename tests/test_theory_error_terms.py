@@ -157,7 +157,6 @@ def test_without_a_far_end_the_rest_of_quadrature_is_charged_as_it_is() -> None:
 
 def test_a_fold_at_pinning_is_known_to_the_rounding_of_pinning() -> None:
     fold = thresholds.fold_couplings([0.079])[0]
-    assert fold is not None
     assert fold.velocity == 0.0
     assert fold.value > 30
     assert math.ulp(fold.value) / 2 <= fold.error <= 8 * math.ulp(fold.value)

@@ -45,7 +45,6 @@ def test_the_fold_in_c_and_the_fold_in_eta_are_inverse_where_maxima_change_place
     folds = thresholds.fold_couplings(etas)
     changes = 0
     for eta, fold, after in zip(etas.tolist(), folds, [*folds[1:], None], strict=True):
-        assert fold is not None
         back = thresholds.fold_eta(fold.value)
         assert back.value == pytest.approx(eta, rel=1e-12)
         # no front moves below the fold: the sum stays below 2r there
@@ -93,8 +92,6 @@ def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypa
     eta = 0.03125
     (fold,) = thresholds.fold_couplings([eta])
     pin = thresholds.pinning_coupling(eta)
-    assert fold is not None
-    assert pin is not None
     height = thresholds._height
     # by this much the height may be off; the fold is then uncertain by twice that over d|Sum|/dc
     by_c = height(np.log([fold.velocity]), np.array([fold.value]))[2][0]
@@ -107,7 +104,6 @@ def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypa
 
         monkeypatch.setattr(thresholds, "_height", uncertain)
         (found,) = thresholds.fold_couplings([eta])
-        assert found is not None
         assert (found.velocity > 0) == moving
         assert found.value == (pytest.approx(fold.value, rel=1e-13) if moving else pin)
 
@@ -116,7 +112,6 @@ def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypa
 def test_the_error_of_a_fold_at_pinning_is_the_excess_overlooked_over_the_slope(eta: float) -> None:
     """A maximum higher by less than the least excess moves the fold by that over d|Σ|/dc."""
     pin = thresholds.pinning_coupling(eta)
-    assert pin is not None
     root = 1.0 / np.sqrt(1.0 - 4.0j * pin)
     size = abs(root - 1.0)
     slope = np.real(np.conj(root - 1.0) * 2.0j * root**3) / size  # closed form, by hand

@@ -69,7 +69,6 @@ def search(c: float, eta: float, refine: float, retreating: bool = False) -> np.
 
 def fold_at(eta: float) -> float:
     fold = fold_coupling(eta)
-    assert fold is not None
     return fold.value
 
 
@@ -127,7 +126,6 @@ def test_no_branch_is_lost_by_a_plain_scan_of_the_sign(c: float, eta: float) -> 
 @pytest.mark.parametrize("eta", [0.005, ETA, 0.04])
 def test_none_just_below_the_fold_and_two_just_above(eta: float) -> None:
     fold = fold_coupling(eta)
-    assert fold is not None
     assert fold.error < 1e-11
     for refine in (1.0, 4.0):
         assert search(fold.value - 1e-9, eta, refine).size == 0
@@ -199,7 +197,6 @@ def test_the_error_of_v_is_honest(c: float, eta: float) -> None:
 @pytest.mark.parametrize("eta", [1e-8, 1e-3, ETA, 0.06, 0.0799])
 def test_c_pin_is_where_the_limit_of_slow_fronts_meets_the_threshold(eta: float) -> None:
     c = pinning_coupling(eta)
-    assert c is not None
     # at v = 1/70, e^{-1/2v} = 6e-16: Σ is at its limit to rounding
     slow = abs(sum_by_integral(1 / 70, c).value) if c < 100 else abs(static_sum(c))
     assert slow == pytest.approx(2 * float(exact_ratio(eta)), rel=1e-10, abs=1e-14)
@@ -210,7 +207,6 @@ def test_c_pin_is_where_the_limit_of_slow_fronts_meets_the_threshold(eta: float)
 @pytest.mark.parametrize("eta", [0.081, 0.1, 0.12, 0.125])
 def test_c_retreat_is_where_the_slow_retreat_meets_the_threshold(eta: float) -> None:
     c = retreat_coupling(eta)
-    assert c is not None
     assert pinning_coupling(eta) is None
     # 1e-12: of c some 1e3 at η = 0.081 by rounding of r, whose slope is 1/c
     assert abs(1 / np.sqrt(1 - 4j * c) + 1) == pytest.approx(2 * float(exact_ratio(eta)), abs=1e-12)
@@ -231,7 +227,6 @@ def test_thresholds_are_right_to_rounding_up_to_where_they_end(beside: float) ->
             gap = side * (1 - 4 * r**2)
             p = (1 + mp.sqrt(1 - side * 8 * r**2 * gap)) / (2 * gap)
             found = retreat_coupling(eta) if c is None else c
-            assert found is not None
             assert abs(found / (p * mp.sqrt(p**2 - 1) / 2) - 1) < ROUNDINGS
 
 
@@ -293,7 +288,6 @@ def test_the_two_limits_do_not_commute() -> None:
     eta, c = 1e-14, 1.0
     first_eta = weak_threshold_velocity(c, eta) / math.sqrt(c)
     first_c = strong_coupling_velocity(eta)
-    assert first_c is not None
     assert first_c / first_eta == pytest.approx(math.sqrt(2), rel=1e-3)
     # and the relation itself has both: c ≪ and ≫ v
     slow = velocities(0.5, 1e-14)[-1].v / weak_threshold_velocity(0.5, 1e-14)
@@ -305,8 +299,6 @@ def test_the_two_limits_do_not_commute() -> None:
 def test_the_fold_lies_below_pinning_by_what_a_scan_sees() -> None:
     for eta in (1e-3, ETA, 0.06):
         fold, pin = fold_coupling(eta), pinning_coupling(eta)
-        assert fold is not None
-        assert pin is not None
         assert fold.value <= pin
         v = np.geomspace(0.02, 5, 8000)
         below = np.abs(sums(v, fold.value * (1 - 1e-7)).value).max()
@@ -324,7 +316,6 @@ def test_no_maximum_exceeds_the_static_limit_at_larger_couplings() -> None:
         assert top <= abs(static_sum(float(c))) + 1e-12
     assert LAST_FOLD >= 0.9
     last = fold_coupling(0.0795)
-    assert last is not None
     assert last.velocity == 0.0
     assert last.value == pinning_coupling(0.0795)
     assert fold_eta(5.0).value == pinning_eta(5.0)
@@ -383,7 +374,6 @@ def test_the_errors_of_the_derivatives_of_v_bound_the_true_ones(c: float, eta: f
 
 def test_where_the_fold_is_within_the_error_the_derivatives_have_no_bound_and_say_so() -> None:
     fold = fold_coupling(ETA)
-    assert fold is not None
     seen = 0
     c = fold.value + np.arange(-8, 9) * math.ulp(fold.value)
     for answer in trace_kinetic_relation(c, ETA, admissibility=False):
@@ -410,7 +400,6 @@ def test_the_papers_point_has_one_admissible_front() -> None:
 
 def test_each_kind_of_motion_has_its_reason_and_nearest_threshold() -> None:
     retreat = retreat_coupling(0.11)
-    assert retreat is not None
     cases = [
         (0.2, ETA, Regime.PINNED, "c_fold = 0.433776"),
         (0.44, ETA, Regime.PROPAGATING, "between c_fold"),

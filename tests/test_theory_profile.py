@@ -100,7 +100,6 @@ def test_the_verdict_on_admissibility_is_that_of_dense_sampling(c: float, eta: f
         fails_at = brute_force(branch.v, c, r)
         assert branch.admissible is (fails_at is None)
         if fails_at is not None:
-            assert branch.fails_at is not None
             # to within an eighth of a site, as documented, and a sample
             assert abs(branch.fails_at - fails_at) < 0.14
 

@@ -43,7 +43,6 @@ def test_a_run_that_rounding_decides_says_until_when_it_is_resolved() -> None:
     end = 400.0 / cell.eps
     run = simulate(cell, start, end, samples=101)
     assert run.status is RunStatus.NOT_RESOLVED
-    assert run.resolved_until is not None
     assert 0.0 < run.resolved_until < end
     until = run.times <= run.resolved_until
     wrong = np.abs(run.amplitude[:, 0] - cell.unstable_amplitude)
@@ -113,7 +112,6 @@ def test_the_error_of_a_chaotic_run_does_not_depend_on_its_samples(
 
     exact = solve_ivp(rate, (0.0, t_end), start.ravel(), "DOP853", rtol=3e-14, atol=1e-14)
     off = np.hypot(*(few.states[-1] - exact.y[:, -1].reshape(2, 2))).max()
-    assert few.error is not None
     assert off <= few.error
     assert few.status is many.status
     assert few.error == pytest.approx(many.error, rel=0.5)  # of maxima over other times

@@ -36,8 +36,6 @@ def test_the_velocity_is_that_of_the_real_chain_of_quarter_turns(
         VdpChain(a=1.0, b=eta, c=c).averaged(), left_boundary=LeftBoundary.WAVE, accuracy=1e-6
     )
     assert front.status is FrontStatus.STEADY
-    assert front.v is not None
-    assert front.error is not None
     # scipy's own tolerance of 1e-9 a step, over some hundred steps
     assert abs(front.v - quarter_turn_velocity(1.0, eta, c, sites)) < front.error + 3e-7 * front.v
 
@@ -50,10 +48,6 @@ def test_the_uncertainty_bounds_the_distance_from_a_longer_measurement(
         chain = VdpChain(a=4.0, b=0.5, c=c)
         short = measure_front(of(chain), accuracy=1e-2)
         long = measure_front(of(chain), accuracy=1e-4)
-        assert short.v is not None
-        assert long.v is not None
-        assert short.error is not None
-        assert long.error is not None
         assert abs(short.v - long.v) <= short.error + long.error
 
 
@@ -62,8 +56,6 @@ def test_the_uncertainty_holds_at_the_coarsest_tolerance(c: float, b: float) -> 
     """The front itself, solved for; the run is compared with one that is coarser still."""
     chain = VdpChain(a=4.0, b=b, c=c).averaged()
     front = measure_front(chain, tolerance=TOLERANCE.allowed.high)
-    assert front.v is not None
-    assert front.error is not None
     assert abs(front.v - front_wave(c, chain.eta).v) <= front.error
 
 
@@ -97,7 +89,6 @@ def test_a_front_that_outruns_the_waves_does_not_know_what_is_behind_it() -> Non
         for each in LeftBoundary
     )
     assert free.v == wave.v
-    assert free.v is not None
     assert free.v > 0.3
 
 
@@ -106,8 +97,6 @@ def test_a_front_slower_than_the_waves_does() -> None:
         measure_front(VdpChain(a=1.0, b=0.09, c=0.3).averaged(), left_boundary=each)
         for each in LeftBoundary
     )
-    assert free.v is not None
-    assert wave.v is not None
     assert free.v < 0.3
     assert abs(free.v - wave.v) > 100.0 * ((free.error or 0.0) + (wave.error or 0.0))
 
@@ -271,8 +260,4 @@ def test_sites_beside_the_far_end_change_the_velocity_by_less_than_its_error(
     front = measure_front(chain)
     monkeypatch.setattr(smooth, "MARGIN", margin)
     other = measure_front(chain)
-    assert front.v is not None
-    assert other.v is not None
-    assert front.error is not None
-    assert other.error is not None
     assert 0.0 < abs(front.v - other.v) <= front.error + other.error

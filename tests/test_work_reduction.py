@@ -465,7 +465,6 @@ def test_a_search_is_compared_just_above_the_fold(monkeypatch: pytest.MonkeyPatc
     near, far = asked
     assert far / near - 1.0 == pytest.approx(0.01, rel=1e-5)
     fold = fold_coupling(0.03125)
-    assert fold is not None
     assert near / fold.value - 1.0 == pytest.approx(1e-8, rel=1e-5)
 
 

@@ -445,7 +445,6 @@ def test_the_axes_that_a_refusal_names_are_taken_by_maps(model: str, axis: str) 
     with pytest.raises(fr.ParameterError, match=f"^axis = {axis} .* must be one of ") as refused:
         fr.state_map(task, **{axis: [1.0]})
     named = re.search("one of (.*);", str(refused.value))
-    assert named is not None
     axes = named[1].split(", ")
     assert {"c", "sites"} <= {*axes}
     for name in axes:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import sympy as sp
 from scipy import sparse
@@ -17,6 +16,7 @@ from scipy.spatial.distance import cdist
 
 from derivations.cell.polynomial_text import read_polynomial as read_for_derivations
 from tests.reference_runs import overdamped_rate, states_by_scipy
+from theory.arrays import FloatArray
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import read_polynomial
 from theory.chains.coupling import network_of
@@ -29,8 +29,6 @@ from verification.references.network import oscillator_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
-
-FloatArray = npt.NDArray[np.float64]
 
 PAPER = "1 - a*y**2 + b*y**4"
 VALUES = {"a": 4.0, "b": 0.5}

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from scipy.integrate import solve_ivp
 
 from fronts.cli import main
+from theory.arrays import FloatArray
 from theory.chains.chain import CHAINS, SmoothChain, parameter
 from theory.chains.ends import Ends
 from theory.chains.nucleus import Nucleus, Place
@@ -38,8 +38,6 @@ from verification.runs.trajectory import RunStatus
 from verification.thresholds.result import Definition, Mechanism, RunThreshold
 from verification.thresholds.spreading import Spreading, spreads
 from verification.thresholds.threshold import threshold
-
-FloatArray = npt.NDArray[np.float64]
 
 
 def nagumo(site: Any, left: Any, right: Any, p: Any) -> Any:

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
@@ -18,6 +17,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.steppers.fixed import fixed_steps
 from benchmarks.steppers.splitting import saba, split_steps
 from benchmarks.steppers.taylor import taylor_steps
+from theory.arrays import ComplexArray, FloatArray
 from theory.chains.ends import Ends
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
@@ -30,9 +30,6 @@ from verification.steppers.friction_series import taylor_order
 from verification.steppers.kernel import slope_of
 from verification.steppers.runge_kutta import dop853_step, step_error
 from verification.steppers.specialise import source_mark
-
-FloatArray = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complex128]
 
 CHAIN = VdpChain(a=4.0, b=0.5, c=0.6, eps=0.05, sites=7)
 

@@ -15,9 +15,8 @@ fraction of the local error allowed per step (``Integration.least_error``).
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from theory.arrays import FloatArray
 
 COARSER = 100.0
 """Ratio of the tolerance of the comparison run to that of the run, where an event is timed."""

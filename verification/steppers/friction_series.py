@@ -35,8 +35,7 @@ other laws: ``law`` is () or (v_s,).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numba.cpython.unsafe.tuple import tuple_setitem
@@ -45,8 +44,6 @@ from theory.arrays import FloatArray, IntArray
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from verification.execution import compiled
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 MU_ST, MU_D, V0, XI, V_D, C = 0, 1, 2, 3, 4, 5
 """Indices into ``numbers``: the parameters of (5)."""

@@ -539,7 +539,7 @@ def test_a_chain_without_sites_is_given_none(called):
 
 
 @pytest.mark.parametrize("more", [[], ["--json"]])
-def test_progress_is_that_of_the_command_and_is_quiet_beside_json(more, monkeypatch, capsys):
+def test_progress_is_that_of_the_command_and_is_quiet_beside_json(more, monkeypatch):
     seen = []
 
     def begun(name, *, quiet):

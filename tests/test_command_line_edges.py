@@ -449,7 +449,7 @@ def test_an_interrupted_sweep_names_its_file(line, tmp_path, capsys, monkeypatch
         ("map vdp --eta 0.03:0.06:2 --c 0.1:0.2:2 --model envelope --t-end 50 --picture", "svg"),
     ],
 )
-def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, capsys, monkeypatch):
+def test_the_same_command_writes_the_same_picture(line, suffix, tmp_path, monkeypatch):
     files = [tmp_path / f"{n}.{suffix}" for n in (1, 2)]
     for day, file in enumerate(files):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", str(86_400 * day))  # the day Matplotlib would write

@@ -320,7 +320,7 @@ def test_every_derivation_is_typeset_in_the_form_that_is_asked_for(capsys, monke
 
 
 @pytest.mark.parametrize("form", ["text", "markdown", "latex", "mathml"])
-def test_a_derivation_of_everything_reports_its_progress_to_the_end(form, capsys, monkeypatch):
+def test_a_derivation_of_everything_reports_its_progress_to_the_end(form, monkeypatch):
     seen, names = [], []
 
     def shown(name, quiet=False):

@@ -31,7 +31,6 @@ from fronts.signatures import described, documented
 from fronts.wording import in_words
 from theory.result import Result
 
-ROOT = Path(__file__).parents[1]
 HEAVY = ("numpy", "scipy", "sympy", "matplotlib", "mpmath", "numba", "pandas", "xarray")
 
 mpl.use("agg")

@@ -95,7 +95,7 @@ def test_a_linear_chain_stays_on_its_steady_response() -> None:
     assert np.abs(run.states - exact).max() <= run.error < 1e-9
 
 
-def test_the_window_holds_the_driven_sites_and_pieces_change_nothing(tmp_path: Path) -> None:
+def test_the_window_holds_the_driven_sites_and_pieces_change_nothing() -> None:
     chain = driven(sites=120, drive=["0.3,1.1@60", "0.1,0.7@62"])
     start = np.zeros((2, 120))
     options: dict[str, Any] = {"samples": 3, "estimate_error": False, "tolerance": 1e-8}

@@ -111,15 +111,13 @@ def test_a_far_start_is_stiff() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "boundary", "status"),
+    ("text", "status"),
     [
-        ("`fronts front averaged --eta # --c #` says `collapsed`", None, "collapsed"),
-        ("come: `fronts front averaged --eta # --c #` ends `unsteady`", None, "unsteady"),
+        ("`fronts front averaged --eta # --c #` says `collapsed`", "collapsed"),
+        ("come: `fronts front averaged --eta # --c #` ends `unsteady`", "unsteady"),
     ],
 )
-def test_fronts_of_the_averaged_chain_end_as_said(
-    text: str, boundary: str | None, status: str
-) -> None:
+def test_fronts_of_the_averaged_chain_end_as_said(text: str, status: str) -> None:
     eta, c = said(text)
     chain = AveragedChain(a=0.5 / np.sqrt(0.5 * eta), b=0.5, c=c)
     assert measure_front(chain).status.value == status

@@ -179,7 +179,7 @@ def test_a_worker_that_dies_fails_its_own_claim_only(monkeypatch, capsys):
 
 
 @pytest.mark.usefixtures("plain")
-def test_claims_that_share_evidence_or_work_go_to_one_process(tmp_path, capsys):
+def test_claims_that_share_evidence_or_work_go_to_one_process(tmp_path):
     assert main(["check", "--jobs", "2", "--json"]) == 0
     process = dict(line.split() for line in (tmp_path / "log").read_text().splitlines())
     assert process["fig9-decay"] == process["fig9-monotone"]
@@ -255,7 +255,7 @@ def test_the_list_as_text_has_a_row_a_claim_and_breaks_no_key(columns, monkeypat
     assert not any("\x1b" in line for line in lines)
 
 
-def test_one_and_two_processes_give_the_same_report(tmp_path, capsys):
+def test_one_and_two_processes_give_the_same_report(tmp_path):
     reports = []
     for jobs in ("1", "2"):
         folder = tmp_path / jobs
@@ -298,7 +298,7 @@ def test_json_holds_exactly_the_documented_fields(tmp_path, answered):
     }  # fmt: skip
 
 
-def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, monkeypatch):
+def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(measurements, "RESULTS", tmp_path / "none")  # claims and errata only
     assert main(["check", "--out", str(tmp_path)]) == 0
     text = (tmp_path / "index.html").read_text()
@@ -333,7 +333,7 @@ def test_the_page_shows_markup_as_text_and_asks_for_nothing(tmp_path, capsys, mo
     assert "@import" not in text
 
 
-def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypatch):
+def test_stored_measurements_stand_beside_the_claims(tmp_path, monkeypatch):
     assert main(["check", "--out", str(tmp_path)]) == 0
     assert "methods.html" in Page((tmp_path / "index.html").read_text()).links
     words = "".join(Page((tmp_path / "methods.html").read_text()).words)
@@ -362,7 +362,7 @@ def test_stored_measurements_stand_beside_the_claims(tmp_path, capsys, monkeypat
     assert "methods.html" not in (tmp_path / "index.html").read_text()
 
 
-def test_a_picture_name_used_for_two_pictures_fails_the_second(tmp_path, monkeypatch, capsys):
+def test_a_picture_name_used_for_two_pictures_fails_the_second(monkeypatch, capsys):
     from example_claims import fig16
 
     figure, _ = new_axes()

@@ -352,9 +352,7 @@ def test_a_wrong_reference_is_a_crash_of_the_table_and_not_a_success() -> None:
     assert judge(quantity, {"x": 1.0})["outcome"] == PointOutcome.CRASH.value
 
 
-def test_an_understated_error_is_seen_in_every_quick_computation(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_understated_error_is_seen_in_every_quick_computation() -> None:
     """Move each value by a hundred times its stated error: nearly every point must fail."""
     for name in ("sigma-integral", "c-pin", "eta-pin", "closed-form-fold"):
         quantity = computation_named(name)

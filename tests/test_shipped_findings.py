@@ -312,7 +312,7 @@ def test_a_folder_that_takes_no_files_is_named(capsys, tmp_path):
     assert "cannot be written" in capsys.readouterr().err
 
 
-def test_the_closure_follows_functions_and_parents_but_not_types(tmp_path, package):
+def test_the_closure_follows_functions_and_parents_but_not_types(package):
     (package / "typed.py").write_text(
         "from typing import TYPE_CHECKING\n"
         "if TYPE_CHECKING:\n    from slow_code.unrelated import M\n"
@@ -333,7 +333,7 @@ def test_the_digest_does_not_depend_on_line_ends(package):
     assert digest_of_code(["slow_code.deep"], ["slow_code"]) == before
 
 
-def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import(monkeypatch):
+def test_the_closure_of_a_claim_holds_what_it_was_seen_to_import():
     """What Python itself has loaded after the module and its functions ran, as far as is ours."""
     import subprocess
 

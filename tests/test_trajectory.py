@@ -33,7 +33,6 @@ from verification.steppers import smooth
 from verification.steppers.stop_code import StopCode
 
 FRONT = VdpChain(a=4, b=0.5, c=0.6, sites=8)
-RING = FRONT.replace(ends=Ends.PERIODIC)
 
 
 def test_a_run_that_rounding_decides_says_until_when_it_is_resolved() -> None:

@@ -24,7 +24,6 @@ from derivations.transcription.readings import (
 ALL = judgement.equations()
 BY_NUMBER = {entry.number: entry for entry in ALL}
 MISPRINTS = [entry.number for entry in ALL if entry.verdict is EquationVerdict.MISPRINT]
-LAID_OUT = (39, 40, 41, 42)
 x, y = sp.symbols("x y")
 PLAIN = Notation(names={"x": x, "y": y}, functions={"f": sp.Function("f")})
 

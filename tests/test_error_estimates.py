@@ -219,12 +219,19 @@ def test_the_pinning_eta_is_no_better_than_the_fold_that_it_inverts() -> None:
     assert static_fold(pin.eta + pin.error).c >= 0.101944386 >= static_fold(pin.eta - pin.error).c
 
 
-@pytest.mark.parametrize("place", [0, -1])
-def test_a_clock_that_is_not_finite_in_any_part_is_refused(place: int) -> None:
-    chain = VdpChain(a=4, b=0.5, c=0.6, sites=4)
-    run = SmoothIntegration(chain, excite(chain, [1]), [10.0])
+@pytest.mark.parametrize(
+    ("integration", "chain", "part", "place"),
+    [
+        *((SmoothIntegration, VdpChain(a=4, b=0.5, c=0.6, sites=4), "clock", n) for n in (0, -1)),
+        (FrictionIntegration, FrictionChain(c=0.02, sites=4), "numbers", CLOCK),
+    ],
+)
+def test_a_clock_that_is_not_finite_in_any_part_is_refused(
+    integration: Any, chain: Any, part: str, place: int
+) -> None:
+    run = integration(chain, excite(chain, [1]), [10.0])
     run.check_state()
-    run._run.clock[place] = math.nan
+    getattr(run._run, part)[place] = math.nan
     with pytest.raises(ValueError, match="clock"):
         run.check_state()
 
@@ -242,15 +249,6 @@ def test_counters_of_a_smooth_chain_beyond_what_they_count_are_refused(
         run.check_state()
     run._run.counters[places] = counters
     with pytest.raises(ValueError, match="counters"):
-        run.check_state()
-
-
-def test_a_clock_of_a_friction_chain_that_is_not_finite_is_refused() -> None:
-    chain = FrictionChain(c=0.02, sites=4)
-    run = FrictionIntegration(chain, excite(chain, [1]), [10.0])
-    run.check_state()
-    run._run.numbers[CLOCK] = math.nan
-    with pytest.raises(ValueError, match="clock"):
         run.check_state()
 
 

@@ -182,17 +182,16 @@ def above(value, bound):
         return False
 
 
+DRAWN = settings(
+    derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+)
+
+
 @pytest.mark.parametrize("name", PUBLIC)
 def test_public_functions_answer_with_bounds_or_refuse_in_a_sentence(name):
     function, parameters = PUBLIC[name]
 
-    @settings(
-        max_examples=20,
-        derandomize=True,
-        deadline=None,
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
+    @settings(DRAWN, max_examples=20)
     @given(st.fixed_dictionaries(dict.fromkeys(parameters, anything())))
     def holds(values):
         if not (name in SLOW and SLOW[name](**values)):
@@ -208,13 +207,7 @@ QUICK = [each for each in all_computations() if each.seconds <= 0.2]
 def test_quantities_of_the_registry_answer_with_bounds_or_refuse(computation):
     names = [axis.name for axis in computation.axes]
 
-    @settings(
-        max_examples=25,
-        derandomize=True,
-        deadline=None,
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
+    @settings(DRAWN, max_examples=25)
     @given(st.fixed_dictionaries(dict.fromkeys(names, NUMBERS)))
     def holds(values):
         found = check_outcome(lambda: computation.compute(values))

@@ -23,7 +23,6 @@ from fronts.signatures import Described, described, of_kinds
 
 if TYPE_CHECKING:
     from theory.chains.chain import Chain
-    from theory.parameters import Range
 
 _NUCLEUS = "theory.chains.nucleus:Nucleus"
 
@@ -38,7 +37,8 @@ class BoundCall:
     @property
     def function(self) -> Callable[..., Any]:
         """The function that computes the result."""
-        return located(self.call.function)
+        found: Callable[..., Any] = located(self.call.function)
+        return found
 
     @property
     def filmed(self) -> bool:
@@ -49,7 +49,8 @@ class BoundCall:
     def chain(self) -> type[Chain] | None:
         """Class of the chain, or of the object that the function takes instead; None if neither."""
         if isinstance(self.call, MeasurementCall) and self.call.cell:
-            return located(self.call.cell)  # type: ignore[return-value]
+            found: type[Chain] = located(self.call.cell)
+            return found
         return models()[self.model] if self.model else None
 
     @property
@@ -75,7 +76,7 @@ class BoundCall:
             if each.name not in self.fixed
         )
         own = tuple(
-            replace(each, allowed=_range_of(self.call.ranges[each.name]))
+            replace(each, allowed=located(self.call.ranges[each.name]))
             if each.name in self.call.ranges
             else each
             for each in own
@@ -174,19 +175,8 @@ def _has_sites(chain: type[Chain]) -> bool:
     return "sites" in signature(chain).parameters
 
 
-def located(where: str) -> Callable[..., Any]:
-    """Return the function or class that ``module:name`` denotes."""
-    found: Callable[..., Any] = _named(where)
-    return found
-
-
-def _range_of(where: str) -> Range:
-    """Return the range that ``module:name`` denotes."""
-    found: Range = _named(where)
-    return found
-
-
-def _named(where: str) -> Any:
+def located(where: str) -> Any:
+    """Return the function, class or range that ``module:name`` denotes."""
     module, name = where.split(":")
     return getattr(import_module(module), name)
 

@@ -996,6 +996,31 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
     assert len(followed) == 2
 
 
+@pytest.mark.parametrize(
+    ("along", "resting", "order", "place"),
+    [("c", [0.1], [0.3, 0.2, 0.1], 1), ("eta", [0.08], [0.08, 0.05, 0.03], 2)],
+)
+def test_along_a_branch_fronts_at_rest_are_last_in_c_and_first_in_eta(
+    along: Any, resting: Any, order: Any, place: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And a fold stands at its place among all of them."""
+    from fronts import branches
+
+    def follow(moving: Any, _: float, along: str) -> Any:
+        waves = [SimpleNamespace(**{along: value}) for value in reversed(moving)]
+        fold = SimpleNamespace(parameter=0.04, error=0.0, u=np.ones(1))
+        return SimpleNamespace(fronts=waves, folds=[(fold, 1)])  # after the first moving front
+
+    monkeypatch.setattr("verification.fronts.follow.follow_front_wave", follow)
+    monkeypatch.setattr("verification.fronts.measure.front_of_wave", lambda chain, _: chain)
+    monkeypatch.setattr("verification.fronts.resting.static_fold", lambda eta: eta)
+    monkeypatch.setattr(branches, f"_ends_in_{along}", lambda *_: ({}, resting))
+    branch = branches._fronts(fr.AveragedChain(a=4, b=0.5, c=0.15), along, order[::-1])
+    assert branch.values.tolist() == order
+    assert [getattr(chain, along) for chain in branch.points] == pytest.approx(order)
+    assert [fold.place for fold in branch.folds] == [place]
+
+
 def test_progress_is_told_of_a_claim_before_and_after_it_is_judged(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -79,7 +79,7 @@ def _check_profile(at: Mapping[str, float], stated: StatedValue) -> ReferenceChe
     labels = np.arange(-reach, reach + 1)
     roots = labelled_roots(v, c, labels, upper)
     size = 1.0 / (np.abs(roots.k) * np.abs(v + c * np.sin(roots.k)))
-    waves = np.exp(-np.abs(zeta * roots.k.imag)) * size
+    waves = np.exp(-zeta * roots.k.imag) * size
     rest = float(max(waves[0], waves[-1])) * reach * 4.0
     slope = v + c * np.sin(roots.k)
     moved = abs(zeta) + 1.0 / np.abs(roots.k) + c * np.abs(np.cos(roots.k) / slope)

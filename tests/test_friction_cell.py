@@ -1091,12 +1091,13 @@ def test_where_no_cycle_is_left_every_slip_ends_in_sliding() -> None:
     assert (found.stable_cycle, found.basin) == (None, (-math.inf, math.inf))
 
 
+@pytest.mark.parametrize("damped_by", [{"xi": 0.05}, {"xi": 0.0, "viscous": 0.1}])
 @pytest.mark.parametrize("reach", [0.25, 4.0])
 def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
-    reach: float, monkeypatch: pytest.MonkeyPatch
+    reach: float, damped_by: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a made-up map two cycles are there in a tenth of the way, or outside of it."""
-    cell = replace(CELL, v_d=1.3)
+    cell = replace(CELL, v_d=1.3, **damped_by)
     monkeypatch.setattr(
         friction_cycles, "cycle_turning_points", lambda *_: (0.0, cell.steady_sliding + reach)
     )

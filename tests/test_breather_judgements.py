@@ -1120,8 +1120,10 @@ def test_a_run_is_as_far_from_the_orbit_of_its_size_as_the_farthest_of_its_sites
 
 
 def test_the_rounding_of_a_rotating_wave_is_that_of_all_its_terms() -> None:
-    """Of a site alone with φ = 1 + i, |φ|² = 2: 1/2 + 2a/8 + 4b/16, and Ω."""
+    """Of a site with φ = 1 + i, |φ|² = 2: 1/2 + 2a/8 + 4b/16, Ω, and c/2 at it and beside it."""
     family = RotatingWaves(AveragedChain(a=8.0, b=4.0, c=0.0, sites=2), Nucleus(1))
-    off = family._off(np.array([1.0 + 1.0j, 0.0]), -0.25, 0.0) * family.unit * family.rate_unit
-    one = 4.0 * EPSILON * (0.5 + 2.0 + 1.0 + 0.25)
-    assert off.tolist() == pytest.approx([one, 0.0, one, 0.0, 0.0], rel=1e-12, abs=0.0)
+    for c in (0.0, 2.0):
+        off = family._off(np.array([1.0 + 1.0j, 0.0]), -0.25, c) * family.unit * family.rate_unit
+        one, beside = 0.5 + 2.0 + 1.0 + 0.25 + 0.5 * c, 0.5 * c
+        terms = 4.0 * EPSILON * np.array([one, beside, one, beside, 0.0])
+        assert off.tolist() == pytest.approx(terms.tolist(), rel=1e-12, abs=0.0)

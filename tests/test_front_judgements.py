@@ -1558,6 +1558,19 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
     assert found.runs == len(set(tried)) == len(tried)
 
 
+def test_no_front_within_the_errors_of_its_fold_is_faster_than_the_fastest() -> None:
+    """v = K√(c - c_pin), with the largest K and the smallest c_pin."""
+    fold = resting.StaticFold(
+        c=0.1, error=0.01, square_root=2.0, square_root_error=0.5, slope=1.0, slope_error=0.0,
+        r=np.zeros(0),
+    )  # fmt: skip
+    for c in (0.05, 0.095, 0.1, 0.2):
+        fastest = max(
+            (2.0 + k) * math.sqrt(max(0.0, c - 0.1 + e)) for k in (-0.5, 0.5) for e in (-0.01, 0.01)
+        )
+        assert fold.fastest(c) == pytest.approx(fastest, rel=1e-12)
+
+
 def test_the_error_of_a_range_reaches_to_escapes_within_twice_the_duration(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from theory.arrays import FloatArray
 from theory.parameters import (
     MissingPackageError,
     ParameterError,
@@ -97,7 +98,9 @@ def animate(
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         show = snapshot(run, axes)
-        axes.set_title("t")
+        # In the middle, where `_moving` finds it, whatever style a picture has set before.
+        axes.set_title("t", loc="center")
+        symbol = "τ" if run.chain.model == "friction" else "t"
         figure.draw_without_rendering()
         figure.set_layout_engine("none")  # the layout takes longer than a frame and never changes
         for each in _moving(axes):
@@ -106,7 +109,7 @@ def animate(
         with writer.saving(figure, str(path), dpi=100):
             for at, time in enumerate(run.times):
                 show(at)
-                axes.set_title(f"t = {time:.6g}")
+                axes.set_title(f"{symbol} = {time:.6g}", loc="center")
                 writer.grab_frame()
                 if progress is not None:
                     progress((at + 1) / len(run.times))
@@ -171,15 +174,24 @@ def snapshot(run: Trajectory, axes: Axes, **style: Any) -> Callable[[int], None]
         return lambda at: curve.set_ydata(amplitude[at])
     places = run.chain.links.positions
     look = {"cmap": "cividis", "vmin": 0.0, "vmax": top, **style}
-    axes.set(xlabel="column", ylabel="row")
-    axes.locator_params(integer=True)
-    axes.set_aspect("equal")
-    if np.array_equal(places, np.round(places)):
+    square = label_plane(axes, places)
+    if square:
         image = axes.imshow(
             amplitude[0].reshape(shape), origin="lower", interpolation="nearest", **look
         )
         axes.figure.colorbar(image, ax=axes, label="amplitude")
         return lambda at: image.set_data(amplitude[at].reshape(shape))
-    dots = axes.scatter(places[:, 0], places[:, 1], 6.0, amplitude[0], marker="h", **look)
+    size = min(60.0, 12_000.0 / len(places))  # so that neighbours nearly touch
+    dots = axes.scatter(places[:, 0], places[:, 1], size, amplitude[0], marker="h", **look)
     axes.figure.colorbar(dots, ax=axes, label="amplitude")
     return lambda at: dots.set_array(amplitude[at])
+
+
+def label_plane(axes: Axes, places: FloatArray) -> bool:
+    """Label the axes of a lattice, and return whether its sites are in the rows of a square one."""
+    square = bool(np.array_equal(places, np.round(places)))
+    names = ("column", "row") if square else ("x (lattice spacings)", "y (lattice spacings)")
+    axes.set(xlabel=names[0], ylabel=names[1])
+    axes.locator_params(integer=True)
+    axes.set_aspect("equal")
+    return square

@@ -310,10 +310,11 @@ def _front(result: Any, axes: Axes, **style: Any) -> None:
     places = getattr(result.detail, "positions", None)
     if places is not None and places.ndim == 2:
         times = result.detail.arrivals
-        dots = axes.scatter(places[:, 0], places[:, 1], 6.0, times, cmap="cividis", **style)
-        axes.set(xlabel="column", ylabel="row")
-        axes.locator_params(integer=True)
-        axes.set_aspect("equal")
+        from fronts.animation import label_plane
+
+        size = min(60.0, 12_000.0 / len(places))  # so that neighbours nearly touch
+        dots = axes.scatter(places[:, 0], places[:, 1], size, times, cmap="cividis", **style)
+        label_plane(axes, places)
         axes.figure.colorbar(dots, ax=axes, label="time of arrival")
         return
     if not result.arrivals.size:

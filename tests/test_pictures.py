@@ -311,7 +311,9 @@ def test_a_front_in_the_plane_is_drawn_by_when_it_arrives_where() -> None:
     assert np.array_equal(dots.get_offsets(), places)
     assert np.array_equal(dots.get_array(), times)
     assert axes.get_aspect() == 1.0
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("column", "row")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        "x (lattice spacings)", "y (lattice spacings)",
+    )  # fmt: skip
     assert axes.figure.axes[1].get_ylabel() == "time of arrival"
 
 
@@ -346,7 +348,7 @@ def _run(amplitude: np.ndarray, **chain: Any) -> Any:
 def _trajectory(amplitude: np.ndarray, times: Any = ()) -> Trajectory:
     """Return a trajectory of which nothing is known but what a film shows."""
     run = Trajectory.__new__(Trajectory)
-    vars(run).update(vars(_run(amplitude)), times=np.asarray(times))
+    vars(run).update(vars(_run(amplitude, model="vdp")), times=np.asarray(times))
     return run
 
 
@@ -387,6 +389,20 @@ def test_each_frame_of_a_film_shows_its_own_sample_and_no_other(tmp_path: Path) 
     for same, again in ((first, last), (first, end), (middle, begin)):
         assert np.abs(same - again).max() < 50
     assert (np.abs(first - middle) > 100).sum() > 500
+
+
+def test_each_frame_of_a_film_has_its_own_time_in_every_style(tmp_path: Path) -> None:
+    """Pictures made before set titles to the left; the frames of one sample differ in their title.
+
+    A digit of the title has some ten dark pixels.
+    """
+    run = _trajectory(np.ones((2, 3)), np.array([1.0, 8.0]))
+    with mpl.rc_context({"axes.titlelocation": "left"}):
+        path = animate(run, tmp_path / "run.gif")
+    with Image.open(path) as film:
+        one, other = (np.array(each.convert("L"), int) for each in ImageSequence.Iterator(film))
+    differ = np.abs(one - other) > 100
+    assert differ[: len(differ) // 8].sum() > 5
 
 
 def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -431,7 +447,9 @@ def test_sites_of_a_lattice_are_drawn_where_they_are() -> None:
     show = snapshot(_run(np.array([[1.0, 2, 3, 4], [5, 6, 7, 8]]), shape=(2, 2), links=links), axes)
     (dots,) = axes.collections
     assert np.array_equal(dots.get_offsets(), places)
-    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_aspect()) == ("column", "row", 1.0)
+    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_aspect()) == (
+        "x (lattice spacings)", "y (lattice spacings)", 1.0,
+    )  # fmt: skip
     assert dots.colorbar.ax.get_ylabel() == "amplitude"
     assert list(dots.get_array()) == [1.0, 2.0, 3.0, 4.0]
     show(1)

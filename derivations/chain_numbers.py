@@ -5,6 +5,7 @@ The symbolic form of the equations is not used; only the coefficients are taken 
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -50,6 +51,18 @@ class ChainNumbers:
     def pull_on_long_waves(self) -> float:
         """Modulus of the curvature of the springs' dispersion at long waves, Σ j² c w_j."""
         return abs(sum(j * j * spring for j, spring in enumerate(self.springs, start=1)))
+
+    @property
+    def unit(self) -> float:
+        """The power of ten nearest to the amplitude at which first and last term of h are equal.
+
+        Cycles have amplitudes of this order; it is 1 where the coefficients of h are of order one.
+        """
+        terms = [(power, abs(size)) for power, size in enumerate(self.damping) if size != 0.0]
+        if len(terms) < 2:
+            return 1.0
+        (low, first), (high, last) = terms[0], terms[-1]
+        return float(10.0 ** round(math.log10(first / last) / (high - low)))
 
     def force(self, y: Any, rate: Any) -> Any:
         """``y' h(y) + g(y)`` by Horner's rule."""
@@ -97,17 +110,17 @@ class ChainNumbers:
         as many sampled values as it has coefficients, and their last digits by a Newton step on
         sampled values. A double zero is listed twice, to half the digits.
         """
-        degree = (len(self.damping) - 1) // 2
+        degree, unit = (len(self.damping) - 1) // 2, self.unit
         squares = np.linspace(0.2, 4, degree + 1)
-        rates = [self.cell_rate(float(np.sqrt(q))).real for q in squares]
+        rates = [self.cell_rate(unit * float(np.sqrt(q))).real for q in squares]
         fit = np.polynomial.Polynomial.fit(squares, rates, degree).convert().trim()
         zeros = fit.roots()
         real = np.sort(zeros[(abs(zeros.imag) < 1e-5) & (zeros.real > 1e-9)].real)
         apart = np.diff(real, prepend=-np.inf, append=np.inf)
         for place in np.flatnonzero(np.minimum(apart[:-1], apart[1:]) > 1e-4):
-            missed = self.cell_rate(float(np.sqrt(real[place]))).real
+            missed = self.cell_rate(unit * float(np.sqrt(real[place]))).real
             real[place] -= missed / fit.deriv()(real[place])
-        return np.sqrt(real)
+        return unit * np.sqrt(real)
 
 
 def _horner(coefficients: tuple[float, ...], y: Any) -> Any:

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import sympy as sp
 
 from derivations.cell.envelope import derive_envelope
 from derivations.cell.steps import derive
@@ -21,6 +22,24 @@ def test_every_step_of_the_cell_holds(name):
     derivation = derive(derive_envelope(damping, stiffness, coupling).model)
     # Seven steps to amplitude and frequency, two for the cycles, three for the front.
     assert len(derivation.verify()) == (9 if name == "one cycle" else 12)
+
+
+@pytest.mark.parametrize("decades", [-6, -2, 1, 6])
+@pytest.mark.parametrize("linear", [4, 1.3])
+def test_every_step_of_a_cell_holds_whatever_the_size_of_its_cycles(linear, decades):
+    """Of 1 - a(y/s)² + (y/s)⁴/20, s = 10^decades, whose cycles are more or less far apart."""
+    damping = f"1 - {linear}e{-2 * decades}*y**2 + 5e{-4 * decades - 2}*y**4"
+    assert len(derive(derive_envelope(damping).model).verify()) == 13
+
+
+@pytest.mark.parametrize("decades", [-6, 6])
+def test_a_wrong_coefficient_is_found_whatever_the_size_of_the_cycles(decades):
+    """At amplitudes of order one the other terms would be larger by up to 24 decades."""
+    damping = f"1 - 4e{-2 * decades}*y**2 + 5e{-4 * decades - 1}*y**4"
+    step = derive(derive_envelope(damping).model).named("amplitude of the cell")
+    left, right = step.result.args
+    for term in sp.Add.make_args(sp.expand(right)):
+        assert not step.verify(sp.Eq(left, right + term / 1000)).holds
 
 
 def test_the_title_shows_the_damping():

@@ -1,4 +1,7 @@
-"""Checks of the derivation for any cell, by averages of its oscillator over samples."""
+"""Checks of the derivation for any cell, by averages of its oscillator over samples.
+
+Amplitudes are drawn and compared in units of the order of those of the cycles.
+"""
 
 from __future__ import annotations
 
@@ -39,9 +42,9 @@ class CellChecks:
     def averaged(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw an envelope at coupled sites, and its rate."""
         p = drawn(self.model, rng)
-        field = {at: complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        field = {at: p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
                  for at in range(-p.reach, p.reach + 1)}  # fmt: skip
-        moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        moving = p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, phi(n, t).diff(t): moving}
         point |= {phi(n + at, t): size for at, size in field.items()}
         return point, [moving - p.averaged_rate(field)]
@@ -71,8 +74,9 @@ class CellChecks:
         return point, [references[1] / point[radius]]
 
     def _parts(self, rng: random.Random) -> tuple[Point, list[complex]]:
-        p, size = drawn(self.model, rng), rng.uniform(0.3, 1.5)
-        grow, turn = rng.uniform(0.5, 1), rng.uniform(0.5, 1)
+        p = drawn(self.model, rng)
+        size, grow = p.unit * rng.uniform(0.3, 1.5), p.unit * rng.uniform(0.5, 1)
+        turn = rng.uniform(0.5, 1)
         found = p.cell_rate(size)
         point = {**p.values, radius.diff(t): grow, angle.diff(t): turn, radius: size, angle: 0.3}
         return point, [grow - size * found.real, size * (turn - found.imag)]
@@ -114,7 +118,7 @@ class CellChecks:
                     return Evidence(False, f"{len(listed)} cycles, but sampling finds {len(exact)}")
                 if not double:
                     pairs = zip(listed, exact, strict=True)
-                    worst = max(worst, *(abs(one - other) for one, other in pairs))
+                    worst = max(worst, *(abs(one - other) / p.unit for one, other in pairs))
             return Evidence(worst < 1e-6, f"the zeros of the sampled rate: off by {worst:.1e}")
 
         return check
@@ -123,12 +127,12 @@ class CellChecks:
         """Differentiate the sampled rate."""
 
         def check(candidate: sp.Basic) -> Evidence:
-            worst, step = 0.0, 1e-4
+            worst = 0.0
             draws = self._draws(known)
             if not draws:
                 return Evidence(False, "no coefficients were found at which the cycles are real")
             for p in draws:
-                pairs = zip(parts_of(candidate), known, strict=True)
+                pairs, step = zip(parts_of(candidate), known, strict=True), 1e-4 * p.unit
                 for place, (part, cycle) in enumerate(pairs, start=1):
                     size = value(cycle.amplitude, p.values).real
                     sides = [(size + d) * p.cell_rate(size + d).real / p.eps

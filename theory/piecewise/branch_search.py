@@ -16,12 +16,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from theory.arrays import BoolArray, FloatArray, IntArray
+from theory.arrays import EPS, BoolArray, FloatArray, IntArray
 from theory.piecewise.first_points import MAX_POINTS, first_points
 from theory.piecewise.sums.axis import STEEPEST
 from theory.piecewise.sums.integral import MANY, sums_of_pairs
 
-_EPS = float(np.finfo(float).eps)
 _TOLERANCE = 1e-14
 _SHORTEST = 1e-10
 _LONG_AXIS = 4.0
@@ -281,7 +280,7 @@ def _crossing(cells: FloatArray) -> FloatArray:
 
 def _least_spread(t: FloatArray, by_t: FloatArray, off: FloatArray) -> FloatArray:
     """Return the least distance from t, where |g| ≤ off, at which g may exceed its error."""
-    floor = 4.0 * _EPS * np.maximum(1.0, np.abs(t))
+    floor = 4.0 * EPS * np.maximum(1.0, np.abs(t))
     steep = np.where(by_t == 0, 1e-300, np.abs(by_t))
     return np.minimum(floor + 2.5 * off / steep, 1e-3)
 

@@ -18,14 +18,13 @@ from time import perf_counter
 
 import numpy as np
 
-from theory.arrays import ComplexArray, FloatArray
+from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.parameters import Range, with_ranges, within
 from theory.piecewise.roots import checked_velocity_and_coupling
 from theory.piecewise.sums.result import KineticSum, PrecisionError
 
 TOLERANCES = Range(1e-14, 0.1)
 _MAX_EVALUATIONS = 30_000_000
-_EPS = float(np.finfo(float).eps)
 
 
 @with_ranges(tolerances=TOLERANCES)
@@ -77,7 +76,7 @@ def sum_by_bessel(v: float, c: float, tolerance: float = 1e-12) -> KineticSum:
         )
     coarse, evaluations, _ = _summed(v, c, panels, end, pieces_each, nodes=14)
     fine, more, size = _summed(v, c, panels, end, pieces_each, nodes=20)
-    error = abs(fine - coarse) + 0.5 * tolerance + 20.0 * _EPS * (1.0 + c) * size
+    error = abs(fine - coarse) + 0.5 * tolerance + 20.0 * EPS * (1.0 + c) * size
     return KineticSum(
         value=-fine,
         error=error,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import fields, replace
 from functools import cache
@@ -252,12 +254,14 @@ def test_a_turn_of_a_linear_cell_is_the_one_in_closed_form(stable: bool) -> None
     assert got == pytest.approx(expected, rel=1e-11)  # some ten steps at 1e-12
 
 
-@pytest.mark.parametrize("eps", [3.0, -3.0])
-def test_motion_that_creeps_to_rest_or_grows_without_bound_does_not_turn(eps: float) -> None:
+def test_motion_that_creeps_to_rest_does_not_turn_and_motion_without_bound_has_no_top() -> None:
     """At |ε| > 2 rest is a node."""
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
     limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
-    assert shooting._turn(cell, eps, 1.0, limit, 1e-9) is None
+    assert shooting._turn(cell, 3.0, 1.0, limit, 1e-9) is None
+    unbounded = shooting._turn(cell, -3.0, 1.0, limit, 1e-9)
+    assert unbounded is not None
+    assert unbounded.top == math.inf
 
 
 def test_motion_too_stiff_for_its_steps_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -391,8 +395,9 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     monkeypatch.setattr(
-        shooting, "_cycle", lambda _, __, at, ___: SimpleNamespace(at=at, error=0.0)
-    )
+        shooting, "_cycle",
+        lambda of, _, at, __: SimpleNamespace(at=at, error=0.0, max=of.cycles[at].amplitude),
+    )  # fmt: skip
     chain = OscillatorChain(damping=damping, stiffness="y", eps=0.1, c=0.0)
     found: Any = cell(chain)
     assert found.status is status
@@ -651,3 +656,41 @@ def test_the_command_tells_the_cycles(capsys: pytest.CaptureFixture[str], answer
     assert found["cycles"] == [found["stable_cycle"]]
     assert main(given) == 0
     assert "the cycle is stable, rest is not" in capsys.readouterr().out
+
+
+def _next_maximum(h: Callable[[float, float], float], eps: float, y: float) -> float:
+    """Return the maximum of y after one turn of ÿ + y + ε h ẏ = 0 from rest at y, by scipy."""
+
+    def top(t: float, z: Any) -> float:
+        return float(z[1]) if t > 0.0 else -1.0
+
+    top.terminal, top.direction = True, -1.0  # type: ignore[attr-defined]
+    run = solve_ivp(
+        lambda _, z: [z[1], -z[0] - eps * h(*z) * z[1]], (0.0, 30.0), [y, 0.0], "LSODA",
+        events=top, rtol=1e-8, atol=1e-10,
+    )  # fmt: skip
+    return float(run.y_events[0][0][0])
+
+
+def test_cycles_that_exist_at_finite_eps_only_are_not_denied() -> None:
+    """Averaged, the odd term has no effect, and there is no cycle; at ε = 0.5 there are two."""
+    text = "1 - y**2 + 0.13*y**4 + 0.5*y*v"
+
+    def h(y: float, v: float) -> float:
+        return 1.0 - y**2 + 0.13 * y**4 + 0.5 * y * v
+
+    growth = [_next_maximum(h, 0.5, y) - y for y in (1.5, 2.4, 3.5)]
+    assert growth[0] < 0.0 < growth[1]
+    assert growth[2] < 0.0
+    with pytest.raises(ParameterError, match=r"begins at y = 2\.\d+ grows"):
+        cell(OscillatorChain(damping=text, c=0.0, eps=0.5))
+    assert cell(OscillatorChain(damping=text, c=0.0, eps=0.01)).status.value == "rest only"
+
+
+def test_a_cell_that_does_not_come_to_rest_from_every_y_is_not_said_to() -> None:
+    """ÿ + y + ε(1 + ẏ)ẏ = 0: without the linear damping, u = ẏ² obeys u' + 2εu = -2y.
+
+    From rest at y > 1/2ε it grows without bound; the linear damping raises this by some per cent.
+    """
+    with pytest.raises(ParameterError, match=r"begins at y = 5\d\.\d grows"):
+        cell(OscillatorChain(damping="1 + v", c=0.0, eps=0.01))

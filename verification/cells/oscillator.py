@@ -10,7 +10,7 @@ from theory.cells.oscillator import OscillatorCycle
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, with_ranges, within
 from verification.cells.result import CellCycle, CellStatus, OwnCell
-from verification.cells.shooting import TOLERANCES, shot_cycles
+from verification.cells.shooting import TOLERANCES, check_turns, shot_cycles
 
 
 @with_ranges(tolerance=TOLERANCES)
@@ -28,7 +28,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float) -> OwnCell:
     ------
     ParameterError
         If the cell has no inertia, a force acts, or ε is so large that the limits ε → 0 do not lead
-        to the cycles or the latter are too stiff.
+        to the cycles, that there are others, or that the cycles are too stiff.
 
     Examples
     --------
@@ -55,6 +55,7 @@ def oscillator_cell(chain: OscillatorChain, tolerance: float) -> OwnCell:
     # If the linear damping is zero, weak nonlinear damping decides.
     rests = damping > 0.0 or (damping == 0.0 and not limits[0].stable)
     # Motion stays bounded, so the outermost cycle, if there is one, is stable.
+    check_turns(chain.cell, chain.eps, cycles, rests)
     unstable = _first(cycles, limits, stable=False, above=0)
     inner = 0 if unstable is None else cycles.index(unstable)
     stable = _first(cycles, limits, stable=True, above=inner)

@@ -32,10 +32,17 @@ _STIFFEST = 300.0
 _SHIFT = 3e-5
 """Step, relative to the velocity, of the differences that give the slope of a compiled damping."""
 _MAX_TURNS, _MAX_STEPS = 50, 100_000
-_STIFF = -4
-"""Code with which scipy's DOP853 returns, from the 1000th step on, where stability limits steps."""
+_STIFF, _SINGULAR = -4, -3
+"""Codes with which scipy's DOP853 returns: from the 1000th step on, where stability limits steps;
+and where steps become too small because motion becomes infinite in a finite time."""
 _UNBOUNDED = 1e4
 """Size of y, relative to that at the beginning, above which motion is taken to be unbounded."""
+_TRIED = np.geomspace(1e-4, 1e4, 200)
+"""Amplitudes at which turns are compared with the cycles found; their ratio is 1.1."""
+_TRIED_TOLERANCE, _GROWTH = 1e-8, 1e-5
+"""Tolerance of these turns, and relative growth below which their direction is not decided."""
+_MODERATE = 10.0
+"""Largest ε max|h| over the frequency at which they are tried."""
 
 
 def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCycle, ...]:
@@ -68,6 +75,47 @@ def shot_cycles(cell: Oscillator, eps: float, tolerance: float) -> tuple[CellCyc
         _cycle(cell, eps, at, max(TOLERANCES.low, tolerance * min(1.0, strength)))
         for at, strength in enumerate(strengths)
     )
+
+
+def check_turns(cell: Oscillator, eps: float, cycles: tuple[CellCycle, ...], rests: bool) -> None:
+    """Refuse ε at which a turn grows or decays against the stability of the cycles beside it.
+
+    At a finite ε there may be pairs of cycles that do not exist in the limit ε → 0, from which all
+    cycles are found. A pair between two neighbouring amplitudes of those tried is not noticed.
+
+    Parameters
+    ----------
+    cell : Oscillator
+        With inertia, and at rest at y = 0 only; a cell with other rest states is not checked.
+    eps : float
+        ε.
+    cycles : tuple of CellCycle
+        The cycles found, inner to outer.
+    rests : bool
+        Whether rest is stable.
+
+    Raises
+    ------
+    ParameterError
+        If there is such a turn.
+    """
+    if cell.rest_states():
+        return
+    for y in _TRIED.tolist():
+        limit = OscillatorCycle(y, cell.velocity(y), cell.period(y), stable=True)
+        strength, both_signs = _strength(cell, eps, limit)
+        if not (both_signs and strength <= _MODERATE):
+            continue  # damping of one sign leaves no doubt
+        turn = _turn(cell, eps, y, limit, _TRIED_TOLERANCE)
+        growth = turn.top / y - 1.0 if turn else 0.0
+        grows = rests == bool(sum(each.max < y for each in cycles) % 2)
+        if abs(growth) > _GROWTH and (growth > 0.0) is not grows:
+            raise ParameterError(
+                "small parameter eps", eps,
+                f"so small that there are only the cycles of the limit eps -> 0, but a turn that "
+                f"begins at y = {y:.3g} {'grows' if growth > 0.0 else 'decays'}",
+                "take a smaller eps, or simulate a chain with c = 0",
+            )  # fmt: skip
 
 
 def longest_step(tolerance: float) -> float:
@@ -107,11 +155,16 @@ class _Turn:
 def _turn(
     cell: Oscillator, eps: float, y: float, limit: OscillatorCycle, tolerance: float
 ) -> _Turn | None:
-    """Return the turn that begins at rest at y; None if motion does not turn back twice."""
+    """Return the turn that begins at rest at y; None if motion does not turn back twice.
+
+    Where motion is unbounded the top is infinite.
+    """
     down = _swing(cell, eps, y, limit, tolerance)
-    up = _swing(cell, eps, down[0], limit, tolerance) if down else None
+    up = _swing(cell, eps, down[0], limit, tolerance) if down and down[0] < math.inf else down
     if down is None or up is None:
         return None
+    if up[0] == math.inf:
+        return _Turn(top=up[0], bottom=y, period=up[1], exponent=up[2], slope=math.inf)
     exponent = down[2] + up[2]
     # The flow crosses the line ẏ = 0 with the acceleration -g.
     first, last = (cell.force(each, 0.0, eps, _SHIFT)[0] for each in (y, up[0]))
@@ -123,7 +176,10 @@ def _turn(
 def _swing(
     cell: Oscillator, eps: float, y: float, limit: OscillatorCycle, tolerance: float
 ) -> tuple[float, float, float] | None:
-    """Return y, duration and exponent where motion that begins at rest at y is at rest again."""
+    """Return y, duration and exponent where motion that begins at rest at y is at rest again.
+
+    They are infinite if motion is unbounded; the result is None if motion only approaches rest.
+    """
     sense, size, coarseness = 1.0 if limit.stable else -1.0, abs(y), longest_step(tolerance)
     # A coarser run takes larger differences, so that comparison shows their error as well.
     shift = _SHIFT * coarseness
@@ -155,7 +211,9 @@ def _swing(
             run.integrate(100.0 * limit.period)
     (begin, before), (end, after) = path[-2:]
     if not before[1] * after[1] < 0.0:
-        return None
+        singular = run.get_return_code() == _SINGULAR
+        unbounded = singular or abs(after[0]) >= _UNBOUNDED * size
+        return (math.inf, math.inf, math.inf) if unbounded else None
     last = end - begin
     states = {0.0: before, last: after}
 
@@ -219,12 +277,18 @@ def _multiplier(exponent: float, *others: float) -> tuple[float, float] | tuple[
     return found, float(gaps.max(initial=np.finfo(float).tiny)) + rounding
 
 
+def _strength(cell: Oscillator, eps: float, limit: OscillatorCycle) -> tuple[float, bool]:
+    """Return ε max|h| on a cycle over its frequency, and whether h has both signs there."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 201)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is not moderate
+        h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
+    strength = eps * float(np.max(np.abs(h))) * limit.period / (2.0 * math.pi)
+    return strength, bool(h.min() < 0.0 < h.max())
+
+
 def _stiffness(cell: Oscillator, eps: float, limit: OscillatorCycle) -> float:
     """Return ε max|h| on a cycle over its frequency; refuse a cycle for which it is too large."""
-    angle = np.linspace(0.0, 2.0 * math.pi, 201)
-    with np.errstate(over="ignore", invalid="ignore"):  # an overflow is refused as well
-        h = cell.damping_at(limit.amplitude * np.sin(angle), limit.velocity * np.cos(angle))
-    stiffness = eps * float(np.max(np.abs(h))) * limit.period / (2.0 * math.pi)
+    stiffness, _ = _strength(cell, eps, limit)
     if not stiffness <= _STIFFEST:
         raise ParameterError(
             "eps max|damping| over the frequency of a cycle", f"{stiffness:.4g}",

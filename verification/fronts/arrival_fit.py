@@ -25,6 +25,9 @@ The rule is the same for every chain, lattice and network:
   of their own, the error is at least twice the difference from the velocity far away according to a
   fit of a line and a logarithm of the distance to the farther three quarters of the arrivals: the
   factor allows that an extrapolation is wrong by as much as it corrects;
+* where sites differ at random, arrival times deviate from the line like a random walk, of which the
+  standard error of a regression takes no account; the error is then at least three times the
+  deviation of the slope of such a walk;
 * the front is steady if the error is below a stated fraction of v; otherwise the chain is
   lengthened.
 
@@ -41,6 +44,7 @@ import numpy.typing as npt
 from theory.arrays import FloatArray
 
 _NOISE, _DRIFT, _BEND, _CURVED = 3.0, 6.0, 3.0, 2.0
+_BLOCKS = 8
 _FEWEST = 4
 """Fewest arrivals of which a standard error explains a difference of slopes: of fewer, those of a
 front that changes its velocity are as far from a line as those with noise."""
@@ -101,6 +105,28 @@ def velocity_of_arrivals(
     bend = _BEND * (abs(slope - middle) - trusted * _NOISE * middle_noise)
     curved = 0.0 if distances is None else _CURVED * abs(slope - _far_away(distances, arrivals))
     return 1.0 / slope, max(_NOISE * noise, apart, drift, bend, curved) / slope**2
+
+
+def error_by_disorder(arrivals: FloatArray) -> float:
+    """Return the uncertainty of v from the farther half of the arrivals if sites differ at random.
+
+    The time from site to site then varies, and the arrivals wander about the line. Of m steps of a
+    random walk of variance s² each, the slope of the regression line has the variance 6s²/5m. Here
+    s² is found from the durations of eight blocks, which should be longer than the front is wide.
+
+    Examples
+    --------
+    >>> error_by_disorder(np.arange(64) / 2.0)
+    0.0
+    """
+    late = arrivals[arrivals.size // 2 :]
+    length = (late.size - 1) // _BLOCKS
+    if length < 1:
+        return math.inf
+    blocks = np.diff(late[: length * _BLOCKS + 1 : length])
+    slope, _ = line(np.arange(late.size), late)
+    wander = math.sqrt(1.2 * float(np.var(blocks, ddof=1)) / length / late.size)
+    return _NOISE * wander / slope**2 if slope > 0.0 else math.inf
 
 
 def _far_away(distances: FloatArray, arrivals: FloatArray) -> float:

@@ -13,7 +13,12 @@ import numpy as np
 from theory.arrays import FloatArray
 from theory.chains.chain import Chain
 from verification.execution.progress import ProgressCallback
-from verification.fronts.arrival_fit import error_beside, leading, velocity_of_arrivals
+from verification.fronts.arrival_fit import (
+    error_beside,
+    error_by_disorder,
+    leading,
+    velocity_of_arrivals,
+)
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, follow
@@ -111,6 +116,8 @@ class FrontPreparation:
         Whether the error of v is at least its difference from v on a chain of half the length. This
         shows how far v is from its limit where the arrivals scatter so much that their fit does
         not.
+    disordered : bool
+        Whether sites differ at random, so that arrivals deviate from a line like a random walk.
     """
 
     sized: Callable[[int], Chain]
@@ -128,6 +135,7 @@ class FrontPreparation:
     margin: int = MARGIN
     unsettled: Callable[[Integration], float] = field(default=lambda run: 0.0)
     compared: bool = False
+    disordered: bool = False
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
@@ -146,6 +154,8 @@ class FrontPreparation:
             v, error = velocity_of_arrivals(arrivals)
             other = velocity_of_arrivals(runs.coarser)[0] if runs.coarser.size else None
             error = max(error_beside(v, error, other, self.tolerance), behind * v)
+            if self.disordered:
+                error = max(error, error_by_disorder(arrivals))
             if self.compared and math.isfinite(v):
                 error, before = max(error, abs(v - before)), v
             long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites

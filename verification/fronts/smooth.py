@@ -254,6 +254,7 @@ def _prepare_smooth(
         long_enough=long_enough,
         margin=widening * MARGIN,
         unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
+        disordered=bool(getattr(chain, "disorder", {})),
         compared=chain.oscillates and getattr(chain, "velocity_coupling", 0.0) != 0.0,
     )
 

@@ -280,6 +280,19 @@ def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(side:
         assert bool(solved) == (begun != 0.1 * side)
 
 
+def test_what_displaces_a_fold_is_in_the_errors_of_its_parameter_and_of_its_solution(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first = solve_at(circle, np.array([0.7]), 1.0)
+    exact = trace(circle, first, 5.0).fold
+    monkeypatch.setattr(branches, "_displaced", lambda *_: 0.125)
+    displaced = trace(circle, first, 5.0).fold
+    assert exact is not None
+    assert displaced is not None
+    for error, without in ((displaced.error, exact.error), (displaced.aside, exact.aside)):
+        assert error - without == pytest.approx(0.125, rel=1e-8)  # beside errors below 1e-9
+
+
 def test_continuation_finds_the_fold_of_a_circle() -> None:
     branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
     assert abs(branch.fold.parameter - 1.7) <= branch.fold.error < 1e-9

@@ -185,6 +185,7 @@ def test_a_solution_beside_a_fold_errs_by_no_more_than_is_stated(c: float, off: 
         return u**2 - c, np.diag(2.0 * u), np.array([-1.0])
 
     stated = solution_error(parabola, np.array([math.sqrt(c)]), c, off)
+    assert solution_error(parabola, np.array([-math.sqrt(c)]), c, off) == stated
     aside = solution_error(parabola, np.array([math.sqrt(c)]), c, 0.0, off)
     for true in (max(c - off, 0.0), c + off):
         assert abs(math.sqrt(true) - math.sqrt(c)) <= min(stated, aside)

@@ -1558,6 +1558,14 @@ def test_runs_are_made_up_to_a_hundredth_beyond_the_range_of_escape(
     assert found.runs == len(set(tried)) == len(tried)
 
 
+def test_a_loss_of_stability_is_told_from_a_fold_beyond_the_errors_of_both() -> None:
+    family: Any = SimpleNamespace(fold_error=lambda _: 0.25)
+    fold: Any = SimpleNamespace(parameter=2.0)
+    for c, told in ((1.375, True), (1.625, False), (1.9, False)):
+        crossing = Crossing(c, 0.25, np.zeros(1), from_start=False)
+        assert (continuation._before(family, fold, crossing) is crossing) is told
+
+
 def test_no_front_within_the_errors_of_its_fold_is_faster_than_the_fastest() -> None:
     """v = K√(c - c_pin), with the largest K and the smallest c_pin."""
     fold = resting.StaticFold(

@@ -779,6 +779,13 @@ def test_a_site_may_cross_in_an_interval_at_either_end_of_which_its_gap_is_small
     assert found.tolist() == [[True, False, False], [True, False, True], [False, False, True]]
 
 
+@pytest.mark.parametrize("zone", [0, 100])
+def test_images_of_a_front_of_some_sites_disturb_by_less_than_was_allowed(zone: int) -> None:
+    for c, v, tolerance in ((0.5, 0.3, 1e-12), (10.0, -2.0, 1e-9)):
+        sites = piecewise_window.window_length(c, v, tolerance, zone)
+        assert truncation_bound(c, v, sites - zone) < tolerance
+
+
 def test_of_many_sites_that_may_cross_the_sharper_bound_leaves_the_one_that_does() -> None:
     motion = PiecewiseMotion(0.6, 0.3, step_state(64))
     for _ in range(6):

@@ -254,14 +254,20 @@ def test_a_turn_of_a_linear_cell_is_the_one_in_closed_form(stable: bool) -> None
     assert got == pytest.approx(expected, rel=1e-11)  # some ten steps at 1e-12
 
 
-def test_motion_that_creeps_to_rest_does_not_turn_and_motion_without_bound_has_no_top() -> None:
-    """At |ε| > 2 rest is a node."""
+@pytest.mark.parametrize(("eps", "start"), [(3.0, 1.0), (0.1, 1e300)])
+def test_motion_that_creeps_to_rest_or_overflows_does_not_turn(eps: float, start: float) -> None:
+    """At ε > 2 rest is a node; at 1e300 the damping is infinite."""
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0, (2, 0): 1e-300})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    assert shooting._turn(cell, eps, start, limit, 1e-9) is None
+
+
+def test_motion_without_bound_has_no_top() -> None:
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
     limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
-    assert shooting._turn(cell, 3.0, 1.0, limit, 1e-9) is None
-    unbounded = shooting._turn(cell, -3.0, 1.0, limit, 1e-9)
-    assert unbounded is not None
-    assert unbounded.top == math.inf
+    turn = shooting._turn(cell, -3.0, 1.0, limit, 1e-9)
+    assert turn is not None
+    assert turn.top == math.inf
 
 
 def test_motion_too_stiff_for_its_steps_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:

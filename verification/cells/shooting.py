@@ -209,6 +209,8 @@ def _swing(
         run.set_initial_value([y, 0.0, 0.0]).integrate(100.0 * limit.period)
         while run.get_return_code() == _STIFF:
             run.integrate(100.0 * limit.period)
+    if len(path) < 2:  # the force is not finite at the start
+        return None
     (begin, before), (end, after) = path[-2:]
     if not before[1] * after[1] < 0.0:
         singular = run.get_return_code() == _SINGULAR

@@ -80,10 +80,9 @@ def front_velocity(
         above = hstack([_matrix(R.astype(float), float(v), c, eta, per_site), column])
         change = spsolve(vstack([above, phase]).tocsc(), value.astype(float), permc_spec="MMD_ATA")
         R, v = R - change[:-1], v - change[-1]
-        size = float(np.abs(change).max() / stable)
-        if last < 1e-10 and size > 0.1 * last:  # only rounding errors are left
+        if last < 1e-10:  # this change has left only rounding errors
             return np.longdouble(v)
-        last = size
+        last = float(np.abs(change).max() / stable)
     raise ArithmeticError(f"no wave was found at c = {c:g}, eta = {eta:g}")
 
 

@@ -433,7 +433,7 @@ def test_rows_and_columns_of_a_model_file_are_whole_numbers(tmp_path: Path, site
         ("--damping y**2-1", "give --c"),
         ("--damping y**2-1 --c 1 --n 6xq", "rows x columns"),
         ("--damping y**2-1 --c 1 --value m", "a name and a number"),
-        ("--model nowhere.toml", "readable TOML"),
+        ("--model nowhere.toml", "a readable file in the format TOML"),
         ("--damping exp(y) --c 1", "damping = 'exp(y)'"),
     ],
 )

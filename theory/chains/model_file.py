@@ -38,8 +38,9 @@ def read_model(
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         why = getattr(error, "strerror", None) or str(error)
         raise ParameterError(
-            "model file", path, f"readable TOML: {why}", "correct the file, or name another one"
-        ) from None
+            "model file", path, f"a readable file in the format TOML ({why})",
+            "correct the file, or name another one",
+        ) from None  # fmt: skip
     for key in found:
         if key not in known:
             raise ParameterError(

@@ -1404,6 +1404,14 @@ def test_times_of_updates_are_stored_where_asked(
 # --------------------------------------------------------------------------- sums and roots
 
 
+@pytest.mark.parametrize("method", ["series", "bessel", "quadrature", "certified"])
+def test_the_methods_of_a_sum_agree_within_their_errors(method: Any) -> None:
+    if method == "certified":
+        pytest.importorskip("flint")
+    one, other = fr.sigma(0.3, 0.5), fr.sigma(0.3, 0.5, method=method)
+    assert abs(complex(one.value) - complex(other.value)) <= one.error + other.error < 2e-12
+
+
 @pytest.mark.parametrize("method", ["integral", "series"])
 @pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (1e-3, 4.0), (2e-4, 0.02)])
 @pytest.mark.parametrize("digits", [3, 12, 15])

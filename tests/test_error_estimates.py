@@ -194,6 +194,17 @@ def test_rest_is_proven_beyond_what_is_left_and_rounding(remainder: float) -> No
     assert not Rest(margin=remainder + 0.9e-13, remainder=remainder).proven
 
 
+@pytest.mark.parametrize(("name", "rate"), [("c", 0.5), ("a", -2.0), ("b", 0.25)])
+def test_what_drifts_is_after_one_unit_of_time_what_it_was_and_its_rate(
+    name: str, rate: float
+) -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=0.1, eps=0.01, sites=3)
+    run = SmoothIntegration(chain, np.zeros((2, 3)), [0.0, 1.0], drift={name: rate})
+    later = chain.replace(**{name: getattr(chain, name) + rate}).kernel_parameters()
+    drifted = np.array(chain.kernel_parameters()) + run._task.drift * run._rate
+    assert drifted == pytest.approx(np.array(later), rel=1e-13)
+
+
 @pytest.mark.parametrize("c", [0.1, 10.0])
 def test_the_sites_stepped_beyond_the_last_moving_one_are_more_where_coupling_reaches_farther(
     c: float,

@@ -488,6 +488,18 @@ def test_a_multiplier_that_the_coarser_search_does_not_resolve_has_no_known_erro
     assert none.multiplier_error is None
 
 
+def test_slip_shrinks_inside_of_the_unstable_cycle_and_grows_outside_beyond_round_off() -> None:
+    cell = replace(CELL, v_d=1.4)
+    cycle = unstable_once(cell, 1e-17)
+    assert cycle is not None
+    # Four times the round-off of the cycle: as much again comes from each slip.
+    inside, outside = (
+        friction_cycles._growth(cell, cycle.max + side * 4.0 * cycle.error, tolerance=1e-17)
+        for side in (-1.0, 1.0)
+    )
+    assert inside < 0.0 < outside
+
+
 def test_the_error_of_a_multiplier_is_the_same_of_a_cell_of_another_size() -> None:
     """With μ_st, μ_d, v₀ and v_d all displacements are multiplied, by a power of two exactly.
 

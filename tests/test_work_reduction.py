@@ -107,6 +107,23 @@ def test_switchings_found_by_few_searches_are_compared_with_those_of_all(
     assert found.changed >= 1e-3 * (1.0 - 1e-9)
 
 
+def test_a_window_is_compared_with_one_that_holds_every_site_that_its_front_passes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def run(_: float, __: float, sites: int = 32) -> Any:
+        v = 0.3 if sites == 32 else 0.3 + 1e-3
+        return SimpleNamespace(window=sites, crossing_times=np.zeros(50), v=v, error=1e-4)
+
+    wide: list[int] = []
+    monkeypatch.setattr(runs, "simulate_front", run)
+    monkeypatch.setattr(runs, "_moving", lambda *_: None)
+    monkeypatch.setattr(runs, "widened", lambda _, sites: wide.append(sites) or sites)
+    found = runs.sites_of_the_window()
+    assert (found.spent, found.whole, found.bound) == (32, 82, 2e-4)
+    assert found.changed == pytest.approx(1e-3)
+    assert wide[0] >= found.whole
+
+
 def test_the_change_by_sites_at_rest_is_that_of_the_site_that_changes_most(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -617,6 +617,37 @@ def test_a_strongly_unstable_cycle_closes_in_scipy_backwards_in_time(
     assert found.multiplier_error < 1e-8 * found.multiplier
 
 
+WELLS = {"beside": {1: 1.0, 2: -0.295, 3: 0.0084}, "on both sides": {1: 1.0, 3: -1.0, 5: 0.1}}
+
+
+@pytest.mark.parametrize(
+    ("wells", "damping", "stable"),
+    [
+        ("beside", {(0, 0): -0.01, (2, 0): 1.0}, [True]),
+        ("beside", {(0, 0): 1.0, (2, 0): -20.0, (4, 0): 20.0}, [False, True]),
+        ("on both sides", {(0, 0): 1.0, (2, 0): -2.0, (4, 0): 0.1}, [True]),
+    ],
+)
+def test_beside_other_wells_of_the_potential_cycles_are_those_through_rest(
+    wells: str, damping: Any, stable: list[bool]
+) -> None:
+    """There the potential is below that at rest: its root was taken."""
+    found = OscillatorCell(stiffness=WELLS[wells], damping=damping)
+    assert [each.stable for each in found.cycles] == stable
+    for cycle in shooting.shot_cycles(found, 1e-3, 1e-9):
+        assert cycle.averaged is not None
+        assert cycle.min < 0.0 < cycle.max
+        assert cycle.max == pytest.approx(cycle.averaged, rel=1e-3)  # to O(ε)
+
+
+@pytest.mark.parametrize("wells", WELLS.values(), ids=WELLS)
+@pytest.mark.parametrize("rests", [1.0, -1.0])
+def test_motion_that_grows_into_another_well_is_refused(wells: Any, rests: float) -> None:
+    cell = OscillatorCell(stiffness=wells, damping={(0, 0): rests, (2, 0): -9.0, (4, 0): 0.1})
+    with pytest.raises(ParameterError, match="potential = lower beyond y = "):
+        _ = cell.cycles
+
+
 @pytest.mark.parametrize("eps", [1e-6, 1e-4])
 def test_damping_far_weaker_than_the_tolerance_has_its_cycles(eps: float) -> None:
     """Their amplitudes are those of averaging, to O(ε)."""

@@ -113,11 +113,26 @@ class Oscillator(ABC):
         A pair of cycles between two neighbouring amplitudes is found by the extremum of Δ there.
         """
         tried = np.geomspace(_SMALL, self.largest, _TRIED)
+        energy = self.potential(tried)
+        # Elsewhere motion stays in another well of the potential, without passing through y = 0.
+        passes = energy >= np.maximum.accumulate(energy)
+        parts = np.split(tried, np.flatnonzero(passes[1:] != passes[:-1]) + 1)
+        for part in parts[:-1][::2]:
+            if self.loss(part[-1]) < 0.0:
+                raise ParameterError(
+                    "potential", f"lower beyond y = {part[-1]:.4g}", "rising as far as motion "
+                    "grows, so that it does not leave for another well",
+                    "add damping there, or a stiffer term",
+                )  # fmt: skip
+        return [each for part in parts[::2] for each in self._brackets_among(part)]
+
+    def _brackets_among(self, tried: FloatArray) -> list[tuple[float, float]]:
+        """Return such intervals between some amplitudes at all of which Δ is defined."""
         lost = np.array([self.loss(amplitude) for amplitude in tried])
         edges = [float(tried[0])]
-        for at in range(1, _TRIED):
+        for at in range(1, tried.size):
             sign = math.copysign(1.0, lost[at - 1])
-            inner = at + 1 < _TRIED and sign * lost[at + 1] > 0.0
+            inner = at + 1 < tried.size and sign * lost[at + 1] > 0.0
             if inner and 0.0 < sign * lost[at] <= min(sign * lost[at - 1], sign * lost[at + 1]):
                 lowest = minimize_scalar(
                     lambda amplitude, sign=sign: sign * self.loss(amplitude),

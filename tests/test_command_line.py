@@ -83,7 +83,8 @@ def test_pinned_and_not_bistable_are_answers(answered: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "digits"), [("integral", 13), ("series", 13), ("bessel", 13), ("quadrature", 10)]
+    ("method", "digits"),
+    [("integral", 13), ("series", 13), ("certified", 13), ("bessel", 13), ("quadrature", 10)],
 )
 def test_sum_gives_the_same_by_every_method(method: str, digits: int, answered: Any) -> None:
     answer = answered(f"sum --v 0.3 --c 0.5 --digits {digits} --method {method}")

@@ -26,6 +26,8 @@ from theory.parameters import ParameterError
 from theory.piecewise.roots import labelled_roots
 from verification.breathers.envelope import solve_envelope_breather
 from verification.fronts.wave import front_wave
+from verification.quantities import fronts as quantities_fronts
+from verification.quantities.quantity import StatedValue
 from verification.references import (
     extrapolation,
     friction_cell,
@@ -101,6 +103,13 @@ def test_a_run_may_take_its_share_of_the_time_and_a_beginning(
     with pytest.raises(pace.TooSlowError, match="10 s"):
         run.check(0.5)
     run.check(1.0)
+
+
+def test_a_reference_front_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pace, "MAX_SECONDS", 0.0)
+    stated = StatedValue(value=1.0, error=1e-4)
+    with pytest.raises(pace.TooSlowError):
+        quantities_fronts._by_scipy({"c": 1.0, "eta": 0.03125}, stated, full=False)
 
 
 @pytest.mark.parametrize("end", [4.0, -4.0, 0.25])

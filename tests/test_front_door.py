@@ -234,8 +234,8 @@ def test_the_slope_of_a_front_in_its_picture_is_the_velocity_in_its_title():
     times, passed = (values[16:] for values in axes.lines[0].get_data())
     slope = np.polyfit(times, passed, 1)[0]
     assert abs(slope / front.v - 1) < 0.02  # counted in t it would be a tenth
-    assert "εt" in axes.get_xlabel()
-    assert f"v = {front.v:.6g}" in {axes.get_title(loc=place) for place in ("left", "center")}
+    assert r"\varepsilon t" in axes.get_xlabel()
+    assert rf"$\hat v$ = {front.v:.6g}" in {axes.get_title(loc=place) for place in ("left", "center")}
     plt.close("all")
 
 

@@ -235,7 +235,8 @@ def test_the_slope_of_a_front_in_its_picture_is_the_velocity_in_its_title():
     slope = np.polyfit(times, passed, 1)[0]
     assert abs(slope / front.v - 1) < 0.02  # counted in t it would be a tenth
     assert r"\varepsilon t" in axes.get_xlabel()
-    assert rf"$\hat v$ = {front.v:.6g}" in {axes.get_title(loc=place) for place in ("left", "center")}
+    titles = {axes.get_title(loc=place) for place in ("left", "center")}
+    assert rf"$\hat v$ = {front.v:.6g}" in titles
     plt.close("all")
 
 

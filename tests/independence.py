@@ -1,6 +1,6 @@
-"""A check whether the methods of a claim share an engine, by following the imports of their code.
+"""A check whether the methods of a claim share a solver, by following the imports of their code.
 
-An engine is code that computes: a stepper, a solver, a sum, a search. Two methods may share what
+A solver is any code that computes: a stepper, a sum, a search. Two methods may share what
 defines the problem, but not how it is solved: parameters and their checks, the model's own numbers
 (amplitudes of its cycles, its friction law), starts, and names of outcomes (`DEFINITIONS`).
 """
@@ -29,7 +29,7 @@ DEFINITIONS = (
     "theory.piecewise.dispersion",
     "theory.piecewise.sums.result",
 )
-"""Modules or packages that define problems and contain no engine, each for a reason: array types;
+"""Modules or packages that define problems and contain no solver, each for a reason: array types;
 interrupts from the keyboard; the checks of parameters; the two cells; the two chains; where a run
 starts; which sites form a nucleus; the vector field itself, and its layout in rows; compiling,
 storing and sweeping; the dispersion relation (50) as printed; and the form of a result."""
@@ -41,8 +41,8 @@ computes. Where a run starts is part of the problem, even if it is a point of a 
 user-defined chains belong to models that no claim is about (which a test verifies)."""
 
 
-def engines(method: Method) -> frozenset[str]:
-    """Return the modules with engines that the code of a method imports, including its own."""
+def solvers(method: Method) -> frozenset[str]:
+    """Return the modules with solvers that the code of a method imports, including its own."""
     found = closure(method.module, PACKAGES, without=FORMS)
     return frozenset(
         name

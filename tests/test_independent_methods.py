@@ -1,4 +1,4 @@
-"""The two methods of a claim share no engine, by the imports of their code."""
+"""The two methods of a claim share no solver, by the imports of their code."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ import pytest
 
 from paper_checks.claim import Method
 from paper_checks.discover import find_entries
-from tests.independence import engines
+from tests.independence import solvers
 
 CLAIMS = {entry.claim.key: entry.claim for entry in find_entries()}
 TWO = [key for key, claim in CLAIMS.items() if len(claim.methods) == 2]
 
 
-def shared_engines(methods: Sequence[Method]) -> frozenset[str]:
-    """Return the engines that two methods have in common; empty for a single method."""
+def shared_solvers(methods: Sequence[Method]) -> frozenset[str]:
+    """Return the solvers that two methods have in common; empty for a single method."""
     if len(methods) < 2:
         return frozenset()
-    first, second = (engines(method) for method in methods)
+    first, second = (solvers(method) for method in methods)
     return first & second
 
 
 @pytest.mark.parametrize("key", TWO)
-def test_the_methods_of_a_claim_share_no_engine(key: str) -> None:
-    assert shared_engines(CLAIMS[key].methods) == frozenset()
+def test_the_methods_of_a_claim_share_no_solver(key: str) -> None:
+    assert shared_solvers(CLAIMS[key].methods) == frozenset()
 
 
 def test_every_method_names_code_that_is_there() -> None:
@@ -38,20 +38,20 @@ def test_every_method_names_code_that_is_there() -> None:
             assert hasattr(importlib.import_module(module), name), (claim.key, method.code)
 
 
-def test_every_method_has_an_engine_of_its_own() -> None:
+def test_every_method_has_a_solver_of_its_own() -> None:
     """Else two of them would share none by having none."""
     for key in TWO:
         for method in CLAIMS[key].methods:
-            assert method.module in engines(method), (key, method.code)
+            assert method.module in solvers(method), (key, method.code)
 
 
-def test_a_shared_engine_is_noticed() -> None:
+def test_a_shared_solver_is_noticed() -> None:
     pair = (
         Method("bisection", "verification.thresholds.spreading:spreading_threshold"),
         Method("a run", "verification.runs.simulate:simulate"),
     )
-    assert "verification.steppers.friction" in shared_engines(pair)
-    assert shared_engines(pair[:1]) == frozenset()
+    assert "verification.steppers.friction" in shared_solvers(pair)
+    assert shared_solvers(pair[:1]) == frozenset()
 
 
 def test_most_claims_that_compute_have_two() -> None:

@@ -28,7 +28,7 @@ from paper_checks.outcome import (
 )
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.ruling import Verdict, fails, holds, partly
-from tests.independence import engines
+from tests.independence import solvers
 
 FINDING = Finding(
     verdict=Verdict.REPRODUCED, value="1", error="0", methods=("one", "other"), tolerance="none",
@@ -328,9 +328,9 @@ def test_finite_numbers_are_kept_as_numbers_and_the_others_as_words() -> None:
 # ------------------------------------------------------------------------------------ independence
 
 
-def test_an_engine_computes_and_is_no_definition() -> None:
+def test_a_solver_computes_and_is_no_definition() -> None:
     run = Method("a run", "verification.runs.simulate:simulate")
-    found = engines(run)
+    found = solvers(run)
     assert "verification.runs.simulate" in found
     assert "verification.steppers.friction" in found
     for defined in ("theory.parameters", "theory.chains.vdp", "verification", "theory.chains"):

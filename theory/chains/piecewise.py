@@ -73,8 +73,8 @@ class PiecewiseChain(Chain, model="piecewise"):
         if eta is None:
             raise ParameterError("eta = b/a^2", "none", "given", "give eta, or a and b")
         remedy = (
-            "take a value in this range: above 1/8 there are no cycles, and below 1e-24 double "
-            "precision does not resolve their ratio"
+            "take a value in this range: above 1/8 there are no cycles, and below "
+            f"{SMALLEST_ETA:g} double precision does not resolve their ratio"
         )
         checked = real_number("eta = b/a^2", eta, SMALLEST_ETA, ETA_END, remedy)
         object.__setattr__(self, "eta", checked)

@@ -11,8 +11,10 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from functools import partial
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.integrate import ode
@@ -152,6 +154,14 @@ class _Turn:
     slope: float
 
 
+class _Swing(NamedTuple):
+    """Half a turn: from rest at one y to rest at another. All are infinite if it is unbounded."""
+
+    y: float
+    time: float
+    exponent: float
+
+
 def _turn(
     cell: Oscillator, eps: float, y: float, limit: OscillatorCycle, tolerance: float
 ) -> _Turn | None:
@@ -160,27 +170,43 @@ def _turn(
     Where motion is unbounded the top is infinite.
     """
     down = _swing(cell, eps, y, limit, tolerance)
-    up = _swing(cell, eps, down[0], limit, tolerance) if down and down[0] < math.inf else down
+    up = _swing(cell, eps, down.y, limit, tolerance) if down and down.y < math.inf else down
     if down is None or up is None:
         return None
-    if up[0] == math.inf:
-        return _Turn(top=up[0], bottom=y, period=up[1], exponent=up[2], slope=math.inf)
-    exponent = down[2] + up[2]
-    # The flow crosses the line ẏ = 0 with the acceleration -g.
-    first, last = (cell.force(each, 0.0, eps, _SHIFT)[0] for each in (y, up[0]))
-    with np.errstate(over="ignore"):
-        slope = first / last * float(np.exp(exponent))
-    return _Turn(top=up[0], bottom=down[0], period=down[1] + up[1], exponent=exponent, slope=slope)
+    exponent, slope = down.exponent + up.exponent, math.inf
+    if up.y < math.inf:
+        # The flow crosses the line ẏ = 0 with the acceleration -g.
+        first, last = (cell.force(each, 0.0, eps, _SHIFT)[0] for each in (y, up.y))
+        with np.errstate(over="ignore"):
+            slope = first / last * float(np.exp(exponent))
+    return _Turn(
+        top=up.y, bottom=down.y, period=down.time + up.time, exponent=exponent, slope=slope
+    )
 
 
 def _swing(
     cell: Oscillator, eps: float, y: float, limit: OscillatorCycle, tolerance: float
-) -> tuple[float, float, float] | None:
-    """Return y, duration and exponent where motion that begins at rest at y is at rest again.
+) -> _Swing | None:
+    """Return the swing that begins at rest at y; None if motion only approaches rest."""
+    size = abs(y)
+    solver = partial(_solver, cell, eps, limit, tolerance, size)
+    run = solver()
+    path = _path(run, y, limit, pull=cell.force(y, 0.0, eps, _SHIFT)[0])
+    if len(path) < 2:  # the force is not finite at the start
+        return None
+    (begin, before), (end, after) = path[-2:]
+    if before[1] * after[1] < 0.0:
+        time, (y, _, exponent) = _rest(solver, before, end - begin, after, limit)
+        return _Swing(y, begin + time, exponent / size)
+    unbounded = run.get_return_code() == _SINGULAR or abs(after[0]) >= _UNBOUNDED * size
+    return _Swing(math.inf, math.inf, math.inf) if unbounded else None
 
-    They are infinite if motion is unbounded; the result is None if motion only approaches rest.
-    """
-    sense, size, coarseness = 1.0 if limit.stable else -1.0, abs(y), longest_step(tolerance)
+
+def _solver(
+    cell: Oscillator, eps: float, limit: OscillatorCycle, tolerance: float, size: float
+) -> ode:
+    """Return a solver for y, ẏ and the exponent times the size of y; backwards if unstable."""
+    sense, coarseness = 1.0 if limit.stable else -1.0, longest_step(tolerance)
     # A coarser run takes larger differences, so that comparison shows their error as well.
     shift = _SHIFT * coarseness
 
@@ -189,46 +215,51 @@ def _swing(
         force, drag = cell.force(y, sense * v, eps, shift)
         return [v, -force, -sense * drag * size]
 
-    def solver() -> ode:
-        return ode(rate).set_integrator(
-            "dop853", rtol=tolerance, atol=1e-2 * tolerance * size,
-            max_step=limit.period / 30.0 * coarseness, nsteps=_MAX_STEPS,
-        )  # fmt: skip
+    return ode(rate).set_integrator(
+        "dop853", rtol=tolerance, atol=1e-2 * tolerance * size,
+        max_step=limit.period / 30.0 * coarseness, nsteps=_MAX_STEPS,
+    )  # fmt: skip
 
+
+def _path(
+    run: ode, y: float, limit: OscillatorCycle, pull: float
+) -> list[tuple[float, FloatArray]]:
+    """Return times and states of motion from rest at y until its velocity has the sign of pull."""
     path: list[tuple[float, FloatArray]] = []
-    pull = cell.force(y, 0.0, eps, shift)[0]
 
     def watch(t: float, z: FloatArray) -> Literal[-1, 0]:
         path.append((t, z.copy()))
-        bounded = abs(z[0]) < _UNBOUNDED * size and len(path) < _MAX_STEPS
+        bounded = abs(z[0]) < _UNBOUNDED * abs(y) and len(path) < _MAX_STEPS
         return 0 if bounded and z[1] * pull <= 0.0 else -1
 
-    run = solver()
     run.set_solout(watch)
     with warnings.catch_warnings(action="ignore"):  # of stiffness, and of steps that are too many
         run.set_initial_value([y, 0.0, 0.0]).integrate(100.0 * limit.period)
         while run.get_return_code() == _STIFF:
             run.integrate(100.0 * limit.period)
-    if len(path) < 2:  # the force is not finite at the start
-        return None
-    (begin, before), (end, after) = path[-2:]
-    if not before[1] * after[1] < 0.0:
-        singular = run.get_return_code() == _SINGULAR
-        unbounded = singular or abs(after[0]) >= _UNBOUNDED * size
-        return (math.inf, math.inf, math.inf) if unbounded else None
-    last = end - begin
-    states = {0.0: before, last: after}
+    return path
+
+
+def _rest(
+    solver: Callable[[], ode],
+    before: FloatArray,
+    step: float,
+    after: FloatArray,
+    limit: OscillatorCycle,
+) -> tuple[float, list[float]]:
+    """Return the time of rest within the last step, from its beginning, and the state there."""
+    states = {0.0: before, step: after}
 
     def state(t: float) -> FloatArray:
         if t not in states:
             states[t] = solver().set_initial_value(before).integrate(t)
         return states[t]
 
-    rest = float(
-        brentq(lambda t: float(state(t)[1]), 0.0, last, xtol=1e-15 * limit.period, rtol=1e-15)
-    )
-    y, _, exponent = state(rest).tolist()
-    return y, begin + rest, exponent / size
+    def velocity(t: float) -> float:
+        return float(state(t)[1])
+
+    time = float(brentq(velocity, 0.0, step, xtol=1e-15 * limit.period, rtol=1e-15))
+    return time, state(time).tolist()
 
 
 def _cycle(cell: Oscillator, eps: float, at: int, tolerance: float) -> CellCycle:

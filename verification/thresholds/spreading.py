@@ -23,11 +23,12 @@ from typing import Any
 
 import numpy as np
 
+from theory.averaged.breather import SMALLEST_C
 from theory.cells.friction import check_sliding_stable
 from theory.chains.chain import COUPLING_RANGE, Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
-from theory.parameters import ParameterError, Range, count_within, positive, with_ranges, within
+from theory.parameters import ParameterError, Range, count_within, with_ranges, within
 from verification.runs.comparison import COARSER
 from verification.runs.excite import StartPoint, excite
 from verification.runs.integrations import integration
@@ -285,8 +286,7 @@ def spreading_threshold(
     (True, True)
     """
     begin = perf_counter()
-    positive("lowest coupling", lowest)
-    within("lowest coupling", lowest, 0.0, COUPLING_RANGE.high / 1.01, "give a smaller one")
+    within("lowest coupling", lowest, SMALLEST_C, COUPLING_RANGE.high / 1.01)
     remedy = "it must be above the lowest"
     within("highest coupling", highest, 1.01 * lowest, COUPLING_RANGE.high, remedy)
     within("accuracy", accuracy, *ACCURACIES)

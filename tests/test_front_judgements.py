@@ -233,7 +233,7 @@ def test_a_wide_front_is_measured_with_twice_as_many_sites_until_its_chain_is_to
     needed = 3
     front = smooth.smooth_front(chain, _request(excited=excited))
     assert [each.sites for each in made] == [40, 64, 128]
-    assert [each.margin for each in made] == [8, 16, 32]
+    assert [each.tail_amplitude for each in made] == pytest.approx([2e-3] * 3)
     assert [each.excited for each in made] == ([24, 48, 96] if excited is None else [10] * 3)
     runs = [each.begin(each.sized(200), 1e-6) for each in made]
     assert [run.trailing_sites for run in runs] == [(excited or 24) * n for n in (1, 2, 4)]

@@ -60,7 +60,7 @@ from verification.fronts import measure, smooth
 from verification.fronts.preparation import Settled
 from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import MARGIN, Stall, cycle_period
+from verification.fronts.watch import MARGIN, Stall, Tail, cycle_period
 from verification.fronts.watch import follow as followed
 from verification.maps import friction_rules, smooth_rules, state_run
 from verification.maps.state import Reason, State
@@ -202,6 +202,33 @@ def test_the_run_beside_a_front_has_a_hundred_times_its_tolerance(
     assert found.arrivals.tolist() == (sites + tolerance).tolist()
     assert found.coarser.tolist() == pytest.approx((sites + other).tolist(), abs=1e-12)
     assert (found.stopped, found.counts["steps"]) == (None, 14)
+
+
+def test_of_a_chain_the_sites_that_the_tail_reaches_at_the_far_end_are_not_used() -> None:
+    """The longest tail counts, up to a quarter of the chain, and no fewer than the last sites."""
+    tail = Tail(0.1)
+    for ahead, reached, longest in (([0.2, 0.09], 3, 1), ([0.09] * 5, 3, 1), ([0.0, 0.2], 4, 2),
+                                    ([0.2], 6, 2)):  # fmt: skip
+        tail.note(np.array([1.0] * (reached + 1) + ahead), reached)
+        assert tail.sites == longest
+
+    def used(length: int, tail_amplitude: float) -> int:
+        run = _Run(1e-8, 25)
+
+        def advance(budget: int) -> None:
+            run.time += 1.0
+            run.amplitude = np.where(np.arange(40) < 25 + length, 0.5, 0.0)
+            if run.time > 1.0:
+                run.arrivals = np.arange(40.0)
+
+        run.advance = advance  # type: ignore[method-assign]
+        made = prepared(lambda _: run, tail_amplitude=tail_amplitude)
+        return int(made.trial(40, None).arrivals.size)
+
+    assert [used(length, 0.4) for length in (0, 7, 8, 9, 10, 11, 15)] == [
+        35 - MARGIN, 35 - MARGIN, 35 - 8, 35 - 9, 35 - 10, 35 - 10, 35 - 10,
+    ]  # fmt: skip
+    assert used(15, math.inf) == 35 - MARGIN
 
 
 @pytest.mark.parametrize(("moves", "status"), [(0.9, FrontStatus.PINNED), (1.1, "creeping")])

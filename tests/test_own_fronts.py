@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
+from scipy.interpolate import CubicSpline
 
 from derivations.cell.envelope import derive_envelope
 from fronts.animation import animate
@@ -82,6 +83,23 @@ def test_a_nucleus_too_small_for_a_wide_front_is_not_taken_for_the_lack_of_a_fro
     few = measure_front(chain, **short, excited=24)
     assert few.status is FrontStatus.COLLAPSED
     assert "or more of them must be excited" in few.status.sentence
+
+
+@pytest.mark.parametrize("coupling", ["chain", "chain:1"])
+def test_a_wide_front_is_steady_without_the_sites_that_its_tail_reaches_at_the_far_end(
+    coupling: str,
+) -> None:
+    """Against scipy's DOP853 on a chain whose ends are further away; the second has free ends."""
+    alpha, sites = 0.1, 480
+    rate = overdamped_rate(lambda y: y * (1.0 - y) * (alpha - y), pull_matrix(sites), c=25.0)
+    times = np.linspace(0.0, 140.0, 1401)
+    y = states_by_scipy(rate, np.where(np.arange(sites) < 100, 1.0, 0.0), times, 1e-8)
+    from_site, to_site = (
+        CubicSpline(times, y[:, n]).solve(alpha, extrapolate=False)[0] for n in (240, 340)
+    )
+    front = measure_front(nagumo(c=25.0, values={"alpha": alpha}, coupling=coupling))
+    assert front.status is FrontStatus.STEADY
+    assert abs(front.v - 100.0 / (to_site - from_site)) <= front.error + 1e-6
 
 
 def test_a_motion_that_decays_to_nothing_is_followed_to_its_end() -> None:

@@ -16,7 +16,7 @@ from fronts.cli import main
 from theory.averaged.front import strong_coupling_front
 from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
-from verification.fronts import smooth
+from verification.fronts import preparation
 from verification.fronts.arrival_fit import line, velocity_of_arrivals
 from verification.fronts.measure import measure_front
 from verification.fronts.request import TOLERANCE
@@ -258,6 +258,6 @@ def test_sites_beside_the_far_end_change_the_velocity_by_less_than_its_error(
     """The wave reflected at the end reaches back some sites; those are not timed."""
     chain = VdpChain(a=4.0, b=0.5, c=c).averaged()
     front = measure_front(chain)
-    monkeypatch.setattr(smooth, "MARGIN", margin)
+    monkeypatch.setattr(preparation, "MARGIN", margin)
     other = measure_front(chain)
     assert 0.0 < abs(front.v - other.v) <= front.error + other.error

@@ -21,7 +21,7 @@ from verification.fronts.arrival_fit import (
 )
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import MARGIN, follow
+from verification.fronts.watch import MARGIN, Tail, follow
 from verification.runs.comparison import COARSER
 from verification.runs.integration import Integration
 
@@ -30,6 +30,10 @@ _BEHIND = 100.0
 from its final state. The effect of that end on v is of second order, since it is damped on the way
 to it and back; for the Nagumo chain it is this square times 0.2 at alpha = 0.1, 2 at 0.3 and 20 at
 0.45, and close to 1/2, where v vanishes, it grows like 1/(1 - 2 alpha)."""
+
+_LARGEST_MARGIN = 4
+"""Inverse of the largest part of the sites beyond the excited ones whose arrivals are not used
+because of the tail; where the tail is longer, the error of v decides on a longer chain."""
 
 
 class Trial(NamedTuple):
@@ -107,8 +111,10 @@ class FrontPreparation:
     other_velocity : float, optional
         A second velocity (in t); if ``long_enough`` does not hold on the longest chain, the stated
         error is at least the difference from it.
-    margin : int
-        Number of sites at the far end whose arrivals are not used.
+    tail_amplitude : float
+        Amplitude above which sites ahead of the front belong to its tail. Arrivals within the
+        length of the tail from the far end are not used, nor are those at the last ``MARGIN``
+        sites; by default these are all.
     unsettled : callable
         By what part of its amplitude a site was away from its final state when it was left out
         behind the front, in a given run.
@@ -132,7 +138,7 @@ class FrontPreparation:
     kind: type[Integration]
     long_enough: Callable[[int, float], bool] = field(default=lambda sites, v: True)
     other_velocity: float | None = None
-    margin: int = MARGIN
+    tail_amplitude: float = math.inf
     unsettled: Callable[[Integration], float] = field(default=lambda run: 0.0)
     compared: bool = False
     disordered: bool = False
@@ -175,12 +181,13 @@ class FrontPreparation:
         how: dict[str, Any] = {
             "stall_time": self.stall_time,
             "settling_tolerance": self.settling_tolerance,
-            "margin": self.margin,
+            "margin": MARGIN,
             "progress": progress,
         }
-        run = self.begin(chain, self.tolerance)
-        stopped = follow(run, **how)
-        used = slice(self.excited, run.state.shape[1] - self.margin)
+        run, tail = self.begin(chain, self.tolerance), Tail(self.tail_amplitude)
+        stopped = follow(run, tail=tail, **how)
+        margin = max(MARGIN, min(tail.sites, sites // _LARGEST_MARGIN))
+        used = slice(self.excited, run.state.shape[1] - margin)
         counts, arrivals, coarser = Counter(run.counts), run.arrivals[used], np.empty(0)
         if stopped is None:
             arrivals = _complete(run.arrivals, used)

@@ -10,10 +10,11 @@ velocity of the front that has a wave behind it.
 
 A front of cells without waves and oscillations can be so wide that a site is still changing when it
 is left out behind it. The state in which sites are left out shows this; the numbers of sites
-behind the front, ahead of it and on the shortest chain are then doubled, until it is settled. Of
-cells that oscillate with coupled velocities, whose fronts are wide too, amplitudes and arrivals
-vary with the phase; these numbers are doubled until v hardly changes, and the chain until it is
-twice as long as one of nearly the same v.
+behind the front and on the shortest chain are then doubled, until it is settled. Of cells that
+oscillate with coupled velocities, whose fronts are wide too, amplitudes and arrivals vary with the
+phase; these numbers are doubled until v hardly changes, and the chain until it is twice as long as
+one of nearly the same v. Arrivals close to the far end, within the length of the tail ahead of the
+front, are not used for v.
 """
 
 from __future__ import annotations
@@ -32,7 +33,6 @@ from verification.fronts.preparation import FrontPreparation, Settled
 from verification.fronts.request import RUN, TOLERANCE, Option, Request, longest_chain, stall_time
 from verification.fronts.result import Front, LeftBoundary
 from verification.fronts.status import FrontStatus
-from verification.fronts.watch import MARGIN
 from verification.runs.excite import excite_edge
 from verification.runs.integration import Integration
 from verification.runs.smooth_integration import SmoothIntegration
@@ -47,6 +47,9 @@ EXCITED = Option(quantity="excited sites", allowed=Range(4, 1000), default=24)
 LONGEST = 1000
 """Default number of sites of the longest chain beyond the excited ones."""
 STALL_TIME = stall_time(60.0)
+TAIL = 1e-2
+"""Part of the amplitude of arrival above which a site ahead of the front belongs to its tail. The
+velocity at this distance from a free end differs by a part of the order of its square."""
 
 
 def smooth_front(chain: SmoothChain, request: Request) -> Front:
@@ -200,8 +203,8 @@ def _prepare_smooth(
 ) -> FrontPreparation:
     """Return the measurement of a front.
 
-    ``widening`` multiplies the numbers of sites behind the front, ahead of it, of the shortest
-    chain and, unless it is given, of those excited.
+    ``widening`` multiplies the numbers of sites behind the front, of the shortest chain and, unless
+    it is given, of those excited.
     """
     trailing = widening * EXCITED.count(request.excited)
     excited = _excited(request, widening)
@@ -252,7 +255,7 @@ def _prepare_smooth(
         settling_tolerance=1e-3 * chain.stable_amplitude,
         kind=SmoothIntegration,
         long_enough=long_enough,
-        margin=widening * MARGIN,
+        tail_amplitude=TAIL * chain.unstable_amplitude,
         unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
         disordered=bool(getattr(chain, "disorder", {})),
         compared=chain.oscillates and getattr(chain, "velocity_coupling", 0.0) != 0.0,

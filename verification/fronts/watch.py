@@ -18,11 +18,8 @@ from verification.fronts.status import FrontStatus
 from verification.runs.integration import Integration
 
 MARGIN = 8
-"""Number of sites at the far end that need not be reached, and whose arrivals are not used for v.
-
-The tail ahead of the front is reflected at the end and speeds the front up. At a distance d from
-the end it has been damped twice over that distance, so the effect falls off as the square of the
-tail; from c = 0.6 to 1000, four sites less or more change v by less than its error."""
+"""Number of sites at the far end that need not be reached, and the smallest number of those whose
+arrivals are not used for v (`Tail`)."""
 
 BUDGET = 5000
 """Sites times steps between the first two checks; doubled as long as the checks are too
@@ -36,6 +33,34 @@ FALL = 0.1
 """Relative decrease of the amplitude of a site from which the front counts as having left it.
 
 The waves behind a front at rest change the amplitudes there permanently, by one or two per cent."""
+
+
+class Tail:
+    """Measures how far a front reaches ahead of the last site that it has reached.
+
+    The tail ahead is reflected at the free end and speeds the front up. At a distance d from the
+    end it has been damped twice over that distance, so the effect falls off as the square of the
+    tail. Arrivals within the length of the tail from the end are not used for v.
+
+    Parameters
+    ----------
+    smallest : float
+        Amplitude above which a site belongs to the tail.
+
+    Attributes
+    ----------
+    sites : int
+        Largest length of the tail so far. Close to the end it is cut off and does not count.
+    """
+
+    def __init__(self, smallest: float) -> None:
+        self.smallest, self.sites = smallest, 0
+
+    def note(self, amplitude: FloatArray, reached: int) -> None:
+        """Take account of the present amplitudes, of which ``reached`` is the last one reached."""
+        ahead = np.flatnonzero(amplitude[reached + 1 :] > self.smallest)
+        if ahead.size:
+            self.sites = max(self.sites, int(ahead[-1]) + 1)
 
 
 class Stall:
@@ -136,6 +161,7 @@ def follow(
     stall_time: float,
     settling_tolerance: float,
     margin: int = MARGIN,
+    tail: Tail | None = None,
     progress: ProgressCallback | None = None,
 ) -> FrontStatus | None:
     """Step until the far end is reached (None), or until the front has stopped.
@@ -148,6 +174,8 @@ def follow(
         As in :class:`Stall`.
     margin : int
         Number of sites at the far end that need not be reached.
+    tail : Tail, optional
+        Measures the front at intervals.
     progress : callable, optional
         Called at intervals with the fraction of the chain that has been reached or, if larger, the
         elapsed fraction of the time after which a front counts as stopped.
@@ -163,6 +191,8 @@ def follow(
         reached = int(np.flatnonzero(~np.isnan(run.arrivals)).max(initial=0))
         if reached >= sites - margin - 1:
             return None
+        if tail is not None:
+            tail.note(run.amplitude, reached)
         stall.note(reached)
         if progress is not None:
             part = max(part, reached / sites, stall.waited / (2.0 * stall_time))

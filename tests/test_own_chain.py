@@ -57,6 +57,14 @@ def test_both_readers_of_polynomials_find_the_same_terms(text: str) -> None:
     assert read_polynomial(text).terms == read_for_derivations(text)
 
 
+@pytest.mark.parametrize("text", ["True*y**2", "1 - False*y", "1 + None", "y**True", "1/True"])
+@pytest.mark.parametrize("read", [read_polynomial, read_for_derivations])
+def test_words_of_python_are_no_numbers_and_are_not_called_numbers(read: Any, text: str) -> None:
+    with pytest.raises(ValueError, match="not allowed in one|must be a whole number") as refused:
+        read(text)
+    assert "the number" not in str(refused.value)
+
+
 @pytest.mark.parametrize("variable", ["y", "v"])
 def test_generated_code_is_the_polynomial_and_its_derivative(variable: str) -> None:
     text = "a*y**3*v**2 - (a + 1)*v + 2*b*y**5*v**3 - 7*y/3 + b"

@@ -121,7 +121,7 @@ def _terms(node: ast.expr, text: str) -> dict[Monomial, Fraction]:
             return _multiply(_terms(left, text), _inverse(_terms(right, text)))
         case ast.BinOp(left=left, op=ast.Pow(), right=right):
             return _power(_terms(left, text), ast.get_source_segment(text, right) or "")
-        case ast.Constant(value=int() | float()):
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             raise _NotPolynomialError(
                 f"the number '{part[:40]}' is not a decimal whose exponent has at most two digits"
             )

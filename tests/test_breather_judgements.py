@@ -183,7 +183,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
 
     monkeypatch.setattr(orbits, "floquet_multipliers", sorted_)
     family = Made(replace(CHAIN, sites=3, c=0.3), Nucleus(1), 30)
-    point = BranchPoint(np.append(state, period), 0.2, np.zeros(8), 0.0, 5e-5, 3)
+    point = BranchPoint(np.append(state, period), 0.2, np.zeros(8), 0.0, 5e-5, 3, 1.0)
     found = family.measured(point, 0.0)
     nearer = (state - step[:-1]).tolist()
     assert flows == [
@@ -228,7 +228,7 @@ def _solved_up_to(eps: float, monkeypatch: pytest.MonkeyPatch) -> list[tuple[flo
         tried.append((system, float(guess[0])))
         if guess[0] != 0.5 * system and system > eps:
             raise NotConvergedError("too far")
-        return BranchPoint(np.array([system]), c, np.zeros(2), 0.0, 0.0, 1)
+        return BranchPoint(np.array([system]), c, np.zeros(2), 0.0, 0.0, 1, 1.0)
 
     monkeypatch.setattr(orbits, "orbit_guess", lambda chain, _: np.array([chain.eps]))
     monkeypatch.setattr(Orbits, "system", lambda self: self.chain.eps)
@@ -277,7 +277,7 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
     assert known.unknowns is not None
     for steps in (20, 45, 70):
         asked.clear()
-        point = BranchPoint(known.unknowns, 0.1, np.zeros(12), 0.0, 0.0, 1)
+        point = BranchPoint(known.unknowns, 0.1, np.zeros(12), 0.0, 0.0, 1, 1.0)
         found = Spied(chain, Nucleus(1), steps).measured(point, 0.0)
         assert asked[0] == steps
         assert asked[1] >= 2 * steps
@@ -354,7 +354,7 @@ def test_the_derivatives_of_an_orbits_equations_are_those_of_their_differences()
 def test_a_branch_of_orbits_begins_below_what_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    begun = BranchPoint(np.zeros(7), 0.05, np.zeros(8), 0.0, 0.0, 1)
+    begun = BranchPoint(np.zeros(7), 0.05, np.zeros(8), 0.0, 0.0, 1, 1.0)
     asked: list[tuple[Any, ...]] = []
 
     def trace(*given: Any) -> Any:
@@ -413,7 +413,7 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     assert family.reported_monitor(seen.append)(u, chain.c) == family.monitor(u, chain.c)
     assert seen == [1.0]  # one solution more
     monkeypatch.setattr(envelope, "solution_error", lambda *_: 0.0)
-    found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1), 0.0)
+    found = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1, 1.0), 0.0)
     share = found.error / np.abs(found.waves).max()
     assert share > 1000.0 * EPSILON  # the cycles nearly meet
     assert found.frequency_error == pytest.approx(eps * share + EPSILON * found.frequency)

@@ -158,7 +158,7 @@ def test_a_step_into_what_is_no_solution_by_far_is_given_up_at_once(value: float
         tried.append(c)
         return np.full(1, value), np.diag(np.full(1, value)), np.zeros(1)
 
-    start = BranchPoint(np.zeros(1), 1.0, np.array([0.0, 1.0]), 0.0, 0.0, 1)
+    start = BranchPoint(np.zeros(1), 1.0, np.array([0.0, 1.0]), 0.0, 0.0, 1, 1.0)
     with pytest.raises(NotConvergedError, match=r"leads on from c = 1") as raised:
         step_along(walled, start, 0.1)
     assert (tried, raised.value.at) == ([1.01], 1.0)
@@ -193,7 +193,85 @@ def test_a_solution_beside_a_fold_errs_by_no_more_than_is_stated(c: float, off: 
     assert max(stated, aside) <= 4.0 * least / max(math.sqrt(c), math.sqrt(least))
 
 
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.6, 0.9, 1.5, 4.0])
+def test_the_error_of_a_parabola_is_the_distance_of_its_farthest_root(share: float) -> None:
+    """Of u² = c ± δ with δ < c, the root of c - δ; beyond it, where the two meet, the other one."""
+    c = 0.49
+
+    def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 - c, np.diag(2.0 * u), np.array([-1.0])
+
+    off = share * c
+    farthest = -math.sqrt(c + off) if share > 1.0 else math.sqrt(c - off)
+    stated = solution_error(parabola, np.array([math.sqrt(c)]), c, off)
+    # The second derivative is a difference, which is exact here but for rounding.
+    assert stated == pytest.approx(abs(math.sqrt(c) - farthest), rel=1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
+def test_the_correction_of_a_solution_is_how_far_it_still_is(tolerance: float) -> None:
+    """Of two unknowns, one of which is known exactly."""
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return np.array([u[0] ** 2 - c, u[1] - 2.0]), np.diag([2.0 * u[0], 1.0]), np.array([-1, 0])
+
+    rough = solve_at(system, np.array([1.2, 2.0]), 1.0, tolerance)
+    apart = np.abs(rough.u - [1.0, 2.0]).max()
+    assert 0.0 < apart <= 2.0 * rough.correction
+    assert rough.correction <= 2.0 * apart
+
+
+@pytest.mark.parametrize("u", [-0.5, 0.5])
+def test_either_way_along_a_branch_its_orientation_is_constant(u: float) -> None:
+    start = solve_at(circle, np.array([u]), 1.4)
+    for point in (start, start.reversed()):
+        assert step_along(circle, point, 0.1).orientation == point.orientation
+    assert start.orientation == -start.reversed().orientation
+
+
 # ------------------------------------------------------------------------------- branches, folds
+
+
+def test_the_solutions_of_a_branch_have_residuals_within_the_tolerance_and_by_default_1e_11() -> (
+    None
+):
+    start = solve_at(circle, np.array([0.7]), 1.0)
+    for steps, tolerance in ((StepControl(), 1e-11), (StepControl(tolerance=1e-14), 1e-14)):
+        branch = trace(circle, start, 5.0, None, steps)
+        for point in branch.points[1:]:
+            assert np.abs(circle(point.u, point.parameter)[0]).max() < tolerance
+
+
+@pytest.mark.parametrize("bend", [1e-3, 1.0, 1e3])
+def test_the_error_of_a_fold_is_a_small_multiple_of_its_shortfall(bend: float) -> None:
+    """c = 1 - bend (u²/2 + u³/3) where the search stops early, for gentle and for sharp folds."""
+
+    def skew(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = bend * u**2 * (0.5 + u / 3.0) + c - 1.0
+        return value, np.diag(bend * u * (1.0 + u)), np.ones(1)
+
+    u = -0.3 / max(1.0, PARAMETER_WEIGHT * bend)
+    start = solve_at(skew, np.array([u]), 1.0 - bend * u**2 * (0.5 + u / 3.0))
+    steps = StepControl(length=-1.3 * u, fold_tolerance=0.01 * (1.0 - start.parameter))
+    fold = trace(skew, start, 2.0, None, steps).fold
+    assert fold is not None
+    shortfall = 1.0 - fold.parameter
+    assert shortfall > 1e-10
+    assert shortfall <= fold.error <= 10.0 * shortfall
+
+
+def test_the_rounding_of_large_terms_that_cancel_is_in_the_error_of_a_fold() -> None:
+    """c = 1 - u² where v = √2: as v is rounded, the fold is displaced by 1e6 (v² - 2)."""
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([u[0] ** 2 + c - 1.0 + 1e6 * (u[1] ** 2 - 2.0), u[1] - math.sqrt(2.0)])
+        slope = np.array([[2.0 * u[0], 2e6 * u[1]], [0.0, 1.0]])
+        return value, slope, np.array([1.0, 0.0])
+
+    start = solve_at(system, np.array([-0.5, math.sqrt(2.0)]), 0.75)
+    fold = trace(system, start, 2.0, None, StepControl(fold_tolerance=1e-13)).fold
+    assert fold is not None
+    assert 1e-10 < abs(fold.parameter - 1.0) <= fold.error < 1e-8
 
 
 def test_where_two_branches_nearly_cross_the_one_that_is_followed_is_not_left() -> None:
@@ -370,7 +448,7 @@ def test_an_end_that_stays_twice_counts_half() -> None:
 
 def test_the_length_to_a_solution_is_along_the_tangent() -> None:
     tangent = np.array([0.1, 0.2, 0.3])
-    start = BranchPoint(np.array([1.0, 2.0]), 0.5, tangent, 0.0, 0.0, 1)
+    start = BranchPoint(np.array([1.0, 2.0]), 0.5, tangent, 0.0, 0.0, 1, 1.0)
     found = branches._length_to(start, np.array([1.5, 4.0]), 0.7)
     assert found == pytest.approx(0.05 + 0.4 + 0.3 * PARAMETER_WEIGHT * 0.2)
 
@@ -500,7 +578,9 @@ def test_a_crossing_beyond_the_last_point_before_the_fold_is_looked_for_there() 
 
 def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
     """Interpolated between two solutions; the start of the range is found once."""
-    points = tuple(BranchPoint(np.array([c]), c, np.ones(2), 0.0, 0.0, 1) for c in (0.0, 1.0, 2.0))
+    points = tuple(
+        BranchPoint(np.array([c]), c, np.ones(2), 0.0, 0.0, 1, 1.0) for c in (0.0, 1.0, 2.0)
+    )
     branch = ContinuationBranch(points, (), ())
     asked: list[float] = []
 

@@ -173,11 +173,11 @@ def _described(
     """Describe a made-up front, with these multipliers; ``last`` is of its second solution."""
     window = replace(wave.Window.started(1.0, ETA), left=12, right=12)
     window = replace(window, guess=np.append(np.linspace(1.0, 0.0, 24), 0.8))
-    first = BranchPoint(window.guess, 1.0, np.ones(26), 0.0, 1e-13, 5)
+    first = BranchPoint(window.guess, 1.0, np.ones(26), 0.0, 1e-13, 5, 1.0)
 
     def second(_: Any, guess: Any, c: float) -> BranchPoint:
         u = np.append(guess[:-1], last.get("v", 0.8))
-        return BranchPoint(u, c, np.ones(u.size + 1), 0.0, last.get("correction", 0.0), 3)
+        return BranchPoint(u, c, np.ones(u.size + 1), 0.0, last.get("correction", 0.0), 3, 1.0)
 
     def disturbed(rho: Any, *_: Any) -> tuple[Any, Any, Any]:
         values = phases if _[-1] else amplitudes
@@ -617,10 +617,10 @@ def test_rounding_is_a_part_of_the_velocity(v: float, monkeypatch: pytest.Monkey
     """Two solutions that agree to the last bit, and nothing left by Newton's method."""
     window = replace(wave.Window.started(1.0, ETA), left=12, right=12)
     window = replace(window, guess=np.append(np.linspace(1.0, 0.0, 24), v))
-    point = BranchPoint(window.guess, 1.0, np.ones(26), 0.0, 0.0, 5)
+    point = BranchPoint(window.guess, 1.0, np.ones(26), 0.0, 0.0, 5, 1.0)
     monkeypatch.setattr(
         wave, "solve_at",
-        lambda _, guess, c: BranchPoint(guess, c, np.ones(guess.size + 1), 0.0, 0.0, 3),
+        lambda _, guess, c: BranchPoint(guess, c, np.ones(guess.size + 1), 0.0, 0.0, 3, 1.0),
     )  # fmt: skip
     monkeypatch.setattr(
         wave, "with_disturbances", lambda rho, *_: (rho, rho, np.eye(rho.size, k=-1))

@@ -215,7 +215,7 @@ def test_multipliers_of_a_chain_whose_sites_may_differ_are_not_split(
     monkeypatch.setattr("verification.breathers.orbits.floquet_multipliers", noted)
     chain = OscillatorChain(**PAPER, c=0.1, disorder={"a": 0.1}, seed=1, sites=3)
     u = np.array([0.0, 0.0, 0.0, 0.1, 2.8, 0.1, 6.28])
-    point = BranchPoint(u, 0.1, np.zeros(8), 0.0, 0.0, 1)
+    point = BranchPoint(u, 0.1, np.zeros(8), 0.0, 0.0, 1, 1.0)
     OwnOrbits(chain, Nucleus(1), 10).measured(point, 0.0)
     assert parities == [0]
 

@@ -68,7 +68,7 @@ class BranchPoint:
     residual: float
     correction: float
     iterations: int
-    orientation: float = 1.0
+    orientation: float
 
     def reversed(self) -> BranchPoint:
         """Return the same solution with the tangent in the other direction."""

@@ -11,9 +11,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import jv
 
+from fronts.piecewise.kinetic_relation import kinetic_relation
 from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError
 from theory.piecewise.branch_search import all_velocities
+from theory.piecewise.first_points import first_points
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.profile import ProfileGrid, front_profile, tail_bound
 from theory.piecewise.sums.integral import sums
@@ -209,6 +211,24 @@ def test_a_retreating_front_solves_the_relation_over_the_lower_roots(c: float, e
         lower = sum_by_roots(float(v), c, upper=False)
         # the error of v through the slope, and that of the sum
         assert abs(abs(lower.value) - target) <= 2 * abs(slope) * error + lower.error + 1e-14
+
+
+@pytest.mark.parametrize("eta", [0.0803, 0.0808])
+def test_beside_the_end_of_resting_fronts_rounding_does_not_multiply_the_values(eta: float) -> None:
+    """Close to c_retreat, |2 + Σ| equals 2r to within rounding over a whole range of small v."""
+    target = np.array([2 * threshold_ratio(eta)])
+    limit = kinetic_relation(c=1.0, eta=eta).c_retreat
+    assert limit is not None
+    c = np.array([(1 + 1e-9) * limit])
+    found = all_velocities(c, target, retreating=True)
+    # Finding the solutions takes about as many values as the first points do.
+    assert found.evaluations < 3 * first_points(c, target, 2.0, 1.0)[2].size
+    (v,), (error,) = found.v, found.error
+    below, above = (
+        abs(2 + precise_sum_by_integral(float(at), float(c[0]), 20).value) - target[0]
+        for at in (v - error, v + error)
+    )
+    assert below * above < 0
 
 
 @pytest.mark.parametrize("eta", [0.01, 0.02, 0.03125, 0.04])

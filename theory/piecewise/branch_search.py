@@ -151,10 +151,12 @@ def _brackets(
         flattest = np.minimum(steep_a, steep_b)
         # The slope of the cubic through the ends, even if twice as far from linear, keeps its sign.
         monotone = (da > 0) == (db > 0)
+        # If g changes by less than its error on the way, smaller cells show nothing more.
+        short = monotone & (width * np.maximum(steep_a, steep_b) < np.minimum(ea, eb))
+        short |= width < _SHORTEST
         monotone &= 3.0 * np.abs(gb - ga - 0.5 * width * (da + db)) < width * flattest
         steepest = np.maximum(np.maximum(steep_a, steep_b), np.abs(gb - ga) / width)
         flat = size_a + size_b > 2.0 * width * steepest
-        short = width < _SHORTEST
         single = monotone & (np.abs(da - db) < 2.0 * flattest)  # where t(g) is nearly a cubic
         (found,) = (differ & (single | short)).nonzero()
         done_owner.append(owner.take(found))

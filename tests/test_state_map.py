@@ -469,6 +469,40 @@ def test_a_point_at_which_two_starts_end_otherwise_is_undecided(
     assert (row["label"], row["why"], row["steps"]) == ("undecided", "perturbation", 10)
 
 
+def test_a_point_tells_of_the_longer_run_and_of_the_amplitudes_of_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The second start has the noise of the seed of the rules, the same each time."""
+    starts: list[NDArray[np.float64]] = []
+
+    def find(_: object, start: NDArray[np.float64], **__: object) -> FoundState:
+        starts.append(start)
+        return FoundState(
+            state=State.FRONT, reason=Reason.DECIDED, time=float(len(starts)), above=3, steps=5,
+            amplitude=np.full(16, float(len(starts))), seconds=0.0,
+        )  # fmt: skip
+
+    rules = replace(RULES[VanDerPolChain], find=find)
+    monkeypatch.setitem(RULES, VanDerPolChain, rules)
+    row = replace(ENVELOPE, amplitudes=True)(Point(eta=0.05, c=0.1))
+    assert (row["time"], row["amplitude_time"], row["amplitude"][0]) == (2.0, 1.0, 1.0)
+    assert "amplitude" not in ENVELOPE(Point(eta=0.05, c=0.1))  # unless it is asked for
+    assert np.array_equal(starts[1], starts[3])
+    assert 0.0 < np.abs(starts[1] - starts[0]).max() < 10.0 * ENVELOPE.perturbation * DISPLACEMENT
+
+
+def test_runs_of_model_ii_are_as_accurate_as_the_second_start_is_near_the_first() -> None:
+    assert FULL.local_error == FULL.perturbation == 1e-6
+    assert ENVELOPE.local_error < FULL.local_error
+
+
+def test_by_default_the_last_site_is_displaced_by_six_as_in_the_figure() -> None:
+    for chain in (FIGURE_15, FIGURE_15.averaged()):
+        start = vdp_rules.start(chain, None)
+        assert start[0].tolist() == [0.0] * 15 + [6.0]
+        assert not start[1].any()
+
+
 def test_a_chain_that_is_more_than_half_filled_and_never_whole_is_no_front() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.0, sites=4)
     found = run_to_state(
@@ -579,6 +613,13 @@ def test_a_map_has_its_usual_end_and_a_shortest_one(
     assert StateTask(chain=chain, end=shortest).end_time == shortest
     with pytest.raises(ParameterError, match="end time"):
         StateTask(chain=chain, end=0.999 * shortest)
+
+
+def test_the_longest_time_of_a_map_is_that_of_its_slowest_point() -> None:
+    found = state_map(ENVELOPE.alone(), c=[0.3, 0.6], eta=[0.12], refine=0.0, workers=1)
+    times = [row["time"] for row in found.states.rows()]
+    assert times[0] != times[1]
+    assert found.to_dict()["longest_time"] == max(times)
 
 
 def test_a_comparison_says_which_map_named_what() -> None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from theory.chains.chain import Chain
-from theory.parameters import ParameterError, check_progress, file_path, need_instance, within
+from theory.parameters import ParameterError, file_path, need_instance, within
 from theory.result import Result
 from verification.execution.columns import Scalar
 from verification.execution.pool import worker_count, worker_pool
@@ -244,7 +244,6 @@ def state_map(
     if not axes:
         raise ParameterError("axes", "none", "at least one", "name a parameter, as c=[0.1, 0.2]")
     out = None if out is None else file_path("out", out)
-    check_progress(progress)
     if task.amplitudes and out is not None and out.suffix not in ARRAY_FORMATS:
         raise ParameterError(
             "file of a map with amplitudes", out, "a file that can hold arrays",

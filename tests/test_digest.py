@@ -6,6 +6,7 @@ import math
 import sys
 from dataclasses import dataclass
 from functools import partial, wraps
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -15,7 +16,14 @@ import pytest
 from theory.parameters import ParameterError
 from verification.execution import metadata
 from verification.execution.digest import DRAWING, digest_of_arrays, digest_of_files
-from verification.execution.imports import SOURCES, closure, imports_of, shape, source_of
+from verification.execution.imports import (
+    SOURCES,
+    closure,
+    imports_of,
+    is_library,
+    shape,
+    source_of,
+)
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
 from verification.execution.task import code_of, parameters_of
 
@@ -185,6 +193,28 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
     ).with_name("__init__.py")
     assert source_of("no_such_module_anywhere") is source_of("__main__") is None
     assert source_of("bisect.bisect") is None  # a module has none below it
+
+
+def test_a_package_that_python_does_not_find_is_looked_for_beside_this_one(monkeypatch):
+    """Some packages of the source tree are not installed."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert source_of("benchmarks") == Path(__file__).parents[1] / "benchmarks/__init__.py"
+
+
+def test_a_library_is_a_module_that_is_installed_but_never_the_script(tmp_path, monkeypatch):
+    """A library may be a single file, and a script may be run by a module that is installed."""
+    installed = tmp_path / "site-packages"
+    installed.mkdir()
+    (installed / "one_installed_file.py").touch()
+    (tmp_path / "one_file_of_a_user.py").touch()
+    for folder in (tmp_path, installed):
+        monkeypatch.syspath_prepend(folder)
+    assert is_library("one_installed_file")
+    assert not is_library("one_file_of_a_user")
+    is_library.cache_clear()
+    monkeypatch.setattr(sys.modules["__main__"], "__spec__", find_spec("numpy"))
+    assert not is_library("__main__")
+    is_library.cache_clear()
 
 
 @dataclass(frozen=True, slots=True)

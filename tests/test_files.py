@@ -36,7 +36,7 @@ def test_what_fails_half_way_leaves_the_old_file_and_nothing_else(tmp_path: Path
 def test_a_file_keeps_its_permissions_and_a_new_one_has_the_usual_ones(tmp_path: Path) -> None:
     private, new = tmp_path / "private", tmp_path / "new"
     private.touch(0o600)
-    mask = os.umask(0o027)
+    mask = os.umask(0o026)
     try:
         for path in (private, new):
             write_bytes(path, b"x")
@@ -199,7 +199,9 @@ def test_writing_leaves_no_file_open_and_a_lock_that_nobody_executes(tmp_path: P
 
 
 def test_an_error_that_is_not_the_system_s_is_one_of_input_and_output() -> None:
-    assert file_error(Path("run.npz"), OSError("odd")).errno == errno.EIO
+    found = file_error(Path("run.npz"), OSError("odd"))
+    assert found.errno == errno.EIO
+    assert "cannot be written: odd" in str(found)
 
 
 def test_what_is_written_is_on_the_disk_before_it_takes_its_name(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 import os
 import pty
@@ -125,6 +126,15 @@ def test_steps_that_print_no_line_of_their_own_count_in_that_of_a_minute(
                 shown.end("fig9", "reproduced")
     lines = (tmp_path / "log").read_text().splitlines()
     assert [line.partition(",")[0] for line in lines] == ["claims: 50 %", "claims: 75 %"]
+
+
+def test_a_line_is_written_at_once_to_whatever_can_be_written_to() -> None:
+    """Else the line of a step would be seen only when the buffer of a log is full."""
+    for wrapper in (io.TextIOWrapper, codecs.getwriter("utf-8")):  # the second is no TextIOBase
+        written = io.BytesIO()
+        shown = Progress("claims", steps=1, stream=wrapper(written))  # type: ignore[arg-type]
+        shown.end("fig9", "reproduced")
+        assert b"fig9: reproduced" in written.getvalue()
 
 
 def test_a_closed_stream_is_let_be(monkeypatch: pytest.MonkeyPatch) -> None:

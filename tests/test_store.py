@@ -170,6 +170,9 @@ def test_a_store_that_is_removed_leaves_no_file(path: Path) -> None:
         assert list(path.parent.iterdir()) == []
     with Store(path, IDENTITY, resume=False) as store:
         assert store.results == {}
+        path.unlink()  # by somebody else, which is no error
+        store.remove()
+    assert list(path.parent.iterdir()) == []
 
 
 def test_a_store_is_removed_while_it_is_still_locked(

@@ -877,7 +877,7 @@ def test_coordinates_without_a_name_are_refused(points: Any) -> None:
 def test_an_array_of_a_point_has_signed_numbers_or_what_they_cannot_hold() -> None:
     for given, kind in (
         (np.array([1, 255], np.uint8), "i"),
-        (np.array([1, 2], np.uint64), "i"),
+        (np.array([1, 2**63 - 1], np.uint64), "i"),
         (np.array([1, 2**63], np.uint64), "f"),
         ([True, False], "b"),
         ((1, 2.5), "f"),

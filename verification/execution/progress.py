@@ -100,9 +100,8 @@ class Progress:
     def report(self, fraction: float) -> None:
         """Show the fraction done; may be called as often as is convenient."""
         self._remaining.add(fraction)
-        done = min(max(fraction, 0.0), 1.0)
         if self._live is not None and self._task is not None:
-            self._live.update(self._task, completed=done, left=self._left())
+            self._live.update(self._task, completed=fraction, left=self._left())
         elif self._logs and time.monotonic() >= self._next_line:
             self._next_line = time.monotonic() + PERIOD
             self._print(f"{self._name}: {100.0 * fraction:.0f} %{self._left()}")

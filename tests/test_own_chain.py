@@ -60,7 +60,7 @@ def test_both_readers_of_polynomials_find_the_same_terms(text: str) -> None:
 @pytest.mark.parametrize("text", ["True*y**2", "1 - False*y", "1 + None", "y**True", "1/True"])
 @pytest.mark.parametrize("read", [read_polynomial, read_for_derivations])
 def test_words_of_python_are_no_numbers_and_are_not_called_numbers(read: Any, text: str) -> None:
-    with pytest.raises(ValueError, match="not allowed in one|must be a whole number") as refused:
+    with pytest.raises(ValueError, match=r"not allowed in one|must be a whole number") as refused:
         read(text)
     assert "the number" not in str(refused.value)
 

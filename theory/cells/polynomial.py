@@ -236,9 +236,9 @@ class _TermReader:
                 if set(divisor) != {()}:
                     raise _NotPolynomialError("it may be divided only by a number other than zero")
                 return _scaled(self.terms(left), 1 / divisor[()])
-            case ast.BinOp(
-                left=left, op=ast.Pow(), right=ast.Constant(value=int() as power)
-            ) if not isinstance(power, bool):
+            case ast.BinOp(left=left, op=ast.Pow(), right=ast.Constant(value=int() as power)) if (
+                not isinstance(power, bool)
+            ):
                 if not 0 <= power <= HIGHEST:
                     raise _NotPolynomialError(f"its powers must be from 0 to {HIGHEST}")
                 found: dict[Monomial, Fraction] = {(): Fraction(1)}

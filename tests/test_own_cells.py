@@ -18,7 +18,9 @@ from scipy.special import ai_zeros
 
 from fronts.cli import main
 from tests.reference_runs import states_by_scipy
+from theory.cells.compiled_cell import compiled_cell
 from theory.cells.oscillator import OscillatorCell, OscillatorCycle
+from theory.cells.polynomial import read_polynomial
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -646,6 +648,43 @@ def test_motion_that_grows_into_another_well_is_refused(wells: Any, rests: float
     cell = OscillatorCell(stiffness=wells, damping={(0, 0): rests, (2, 0): -9.0, (4, 0): 0.1})
     with pytest.raises(ParameterError, match="potential = lower beyond y = "):
         _ = cell.cycles
+
+
+@pytest.mark.parametrize(
+    "roots", [(-1.0, -3.0), (-1.0, -1.2), (-0.01, -0.05), (-1.0, -3.0, 1.5, 2)]
+)
+@pytest.mark.parametrize("compiled", [False, True])
+def test_motion_that_grows_into_a_well_at_negative_y_is_refused_where_it_leaves(
+    roots: tuple[float, ...], compiled: bool
+) -> None:
+    """Of the mirrored cell, too, whose wells are at positive y: the potential is lower there."""
+    g = np.polynomial.Polynomial([0.0, 1.0])
+    for root in roots:
+        g *= np.polynomial.Polynomial([1.0, -1.0 / root])
+
+    damping = {(0, 0): -1.0, (2, 0): 1.0}
+    cell: Any = OscillatorCell(stiffness=dict(enumerate(g.coef)), damping=damping)
+    if compiled:
+        text = "+".join(f"({each!r})*y**{power}" for power, each in enumerate(g.coef.tolist()))
+        cell = compiled_cell(read_polynomial(text), read_polynomial("y**2 - 1"), {}, False)
+    with pytest.raises(ParameterError, match=f"potential = lower beyond y = {roots[0]:g} "):
+        _ = cell.cycles
+    mirrored = {power: (-1) ** (power + 1) * each for power, each in enumerate(g.coef)}
+    with pytest.raises(ParameterError, match=r"potential = lower beyond y = \d"):
+        _ = OscillatorCell(stiffness=mirrored, damping=damping).cycles
+
+
+@pytest.mark.parametrize("amplitude", [0.5, 1.4, 1.5, 1.6])
+def test_motion_turns_where_the_potential_is_first_as_high_as_its_energy(amplitude: float) -> None:
+    """Within the well at y = -3 it is as high again; it was taken for the end of motion at 1.4."""
+    g = np.polynomial.Polynomial([0.0, 1.0])
+    for root in (-1.0, -3.0, 0.8, 1.2):
+        g *= np.polynomial.Polynomial([1.0, -1.0 / root])
+    energy = float(g.integ()(amplitude))
+    real = [each.real for each in (g.integ() - energy).roots() if abs(each.imag) < 1e-9]
+    cell = OscillatorCell(stiffness=dict(enumerate(g.coef)), damping={(0, 0): 1.0})
+    expected = max(each for each in real if each < 0.0)
+    assert cell._other_end(amplitude, energy) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("eps", [1e-6, 1e-4])

@@ -123,10 +123,13 @@ class CompiledCell(Oscillator):
             [self.damping(float(one), float(other)) for one, other in zip(y, v, strict=True)]
         )
 
-    def rest_states(self) -> list[tuple[float, bool]]:
-        """Return the rest states at y > 0, and whether they are stable."""
-        force = self.stiffness
-        edges = np.geomspace(1e-3, self._edges(1)[-1], 600)
+    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
+        """Return the distances of the rest states on a side, and whether they are stable."""
+
+        def force(distance: float) -> float:
+            return side * self.stiffness(side * distance)
+
+        edges = np.geomspace(1e-3, self._edges(side)[-1], 600)
         found = []
         for low, high in pairwise(edges.tolist()):
             if force(low) * force(high) < 0.0:
@@ -136,10 +139,11 @@ class CompiledCell(Oscillator):
 
     def _other_end(self, amplitude: float, energy: float) -> float:
         """Return the negative y at which the motion turns, or the last y at which g is known."""
-        end = -float(self._edges(-1)[-1])
+        low, high = self._flank(energy)
+        end = max(low, -float(self._edges(-1)[-1]))
         if float(self.potential(end)) <= energy:
             return end
-        return float(brentq(lambda y: float(self.potential(y)) - energy, end, 0.0, xtol=1e-15))
+        return float(brentq(lambda y: float(self.potential(y)) - energy, end, high, xtol=1e-15))
 
     @cached_property
     def _interpolants(self) -> dict[int, tuple[FloatArray, FloatArray]]:

@@ -82,10 +82,11 @@ class Oscillator(ABC):
         """Return h(y, v)."""
 
     @abstractmethod
-    def rest_states(self) -> list[tuple[float, bool]]:
-        """Return the rest states at y > 0, and whether they are stable.
+    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
+        """Return the distances of the rest states at y > 0, or at y < 0 for the side -1.
 
-        Stability is that without inertia: stable rest states are minima of the potential.
+        With each is whether it is stable. Stability is that without inertia: stable rest states are
+        minima of the potential.
         """
 
     @property
@@ -116,15 +117,20 @@ class Oscillator(ABC):
         energy = self.potential(tried)
         # Elsewhere motion stays in another well of the potential, without passing through y = 0.
         passes = energy >= np.maximum.accumulate(energy)
-        parts = np.split(tried, np.flatnonzero(passes[1:] != passes[:-1]) + 1)
-        for part in parts[:-1][::2]:
-            if self.loss(part[-1]) < 0.0:
+        crossed = np.searchsorted([height for _, height in self._barriers], energy)
+        changes = (passes[1:] != passes[:-1]) | (crossed[1:] != crossed[:-1])
+        starts = [0, *(np.flatnonzero(changes) + 1).tolist(), tried.size]
+        parts = [tried[each[0] : each[1]] for each in pairwise(starts) if passes[each[0]]]
+        for part in parts:
+            end = int(np.searchsorted(tried, part[-1]))
+            if end + 1 < tried.size and self.loss(part[-1]) < 0.0:
+                at = self._barriers[crossed[end]][0] if passes[end + 1] else part[-1]
                 raise ParameterError(
-                    "potential", f"lower beyond y = {part[-1]:.4g}", "rising as far as motion "
+                    "potential", f"lower beyond y = {at:.4g}", "rising as far as motion "
                     "grows, so that it does not leave for another well",
                     "add damping there, or a stiffer term",
                 )  # fmt: skip
-        return [each for part in parts[::2] for each in self._brackets_among(part)]
+        return [each for part in parts for each in self._brackets_among(part)]
 
     def _brackets_among(self, tried: FloatArray) -> list[tuple[float, float]]:
         """Return such intervals between some amplitudes at all of which Δ is defined."""
@@ -191,11 +197,30 @@ class Oscillator(ABC):
         return y, v, _HALF_TURN * half * _COS
 
     def _other_end(self, amplitude: float, energy: float) -> float:
-        """Return the negative y at which the motion turns."""
-        low = -amplitude
-        while float(self.potential(low)) < energy:
-            low *= 1.5
-        return float(brentq(lambda y: float(self.potential(y)) - energy, low, 0.0, xtol=1e-15))
+        """Return the negative y at which the motion turns, the first one from y = 0."""
+        low, high = self._flank(energy)
+        if math.isinf(low):
+            low = min(-amplitude, 1.5 * high)
+            while float(self.potential(low)) < energy:
+                low *= 1.5
+        return float(brentq(lambda y: float(self.potential(y)) - energy, low, high, xtol=1e-15))
+
+    @cached_property
+    def _barriers(self) -> list[tuple[float, float]]:
+        """Maxima of the potential at negative y, with their heights, each higher than the last."""
+        found, highest = [], 0.0
+        for distance, stable in self.rest_states(-1):
+            height = float(self.potential(-distance))
+            if not stable and height > highest:
+                found.append((-distance, height))
+                highest = height
+        return found
+
+    def _flank(self, energy: float) -> tuple[float, float]:
+        """Return the y between which the potential rises to this energy; -inf if without end."""
+        low = next((y for y, height in self._barriers if height >= energy), -math.inf)
+        high = min((y for y, height in self._barriers if height < energy), default=0.0)
+        return low, high
 
     def _cycle(self, amplitude: float, stable: bool) -> OscillatorCycle:
         return OscillatorCycle(amplitude, self.velocity(amplitude), self.period(amplitude), stable)
@@ -274,9 +299,10 @@ class OscillatorCell(Oscillator):
         found = _positive_crossings(self.mean_damping)
         return tuple(self._cycle(math.sqrt(s), stable) for s, stable in found)
 
-    def rest_states(self) -> list[tuple[float, bool]]:
-        """Return the rest states at y > 0, and whether they are stable."""
-        return _positive_crossings(_ascending(self.stiffness)[1:])  # zeros of g/y, as of g
+    def rest_states(self, side: int = 1) -> list[tuple[float, bool]]:
+        """Return the distances of the rest states on a side, and whether they are stable."""
+        given = {power: side ** (power + 1) * value for power, value in self.stiffness.items()}
+        return _positive_crossings(_ascending(given)[1:])  # zeros of g/y, as of g
 
     def potential(self, y: FloatArray | float) -> FloatArray:
         """Return V(y), V(0) = 0."""

@@ -92,6 +92,49 @@ def test_the_frequency_of_a_run_is_as_far_off_as_it_is_from_that_of_the_chain(
     assert breathers.breather(chain, method="simulation").error_unknown == "the run"
 
 
+def test_the_waves_of_a_run_on_another_nucleus_err_beside_the_centre_of_that_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two sites in place of one: the right one is the centre, and the left one twice as large."""
+    monkeypatch.setattr(breathers, "own_family", lambda *_: SimpleNamespace(solve=lambda: none))
+    sizes = np.array([0.1, 0.1, 0.1, 0.1, 6.0, 3.0, 0.1, 0.1, 0.1, 0.1])
+    settled = replace(
+        _breather(BreatherMethod.SIMULATION, amplitudes=sizes, waves=sizes.astype(complex),
+                  frequency=1.125, error=0.5, wave_error=2.0),
+        chain=CHAIN.replace(sites=10), status=BreatherStatus.SETTLED,
+    )  # fmt: skip
+    none = replace(settled, frequency=None)
+    monkeypatch.setattr(breathers, "run_breather", lambda *_, **__: settled)
+    found = breathers.breather(settled.chain, Nucleus(1), method="simulation")
+    assert found.nucleus.size == 2
+    assert found.wave_error == 2.0 * (1.0 + 2.0) * 0.5
+
+
+def test_a_growth_rate_is_as_far_off_as_from_the_exact_one_with_both_errors() -> None:
+    own, exact = (
+        SimpleNamespace(growth=growth, growth_error=error)
+        for growth, error in ((0.5, 0.125), (0.75, 0.0625))
+    )
+    for one, apart in ((own, 0.4375), (SimpleNamespace(growth=0.5, growth_error=None), 0.3125)):
+        assert breathers._growth_apart(one, exact) == apart
+
+
+@pytest.mark.parametrize("gap", [4e-3, 8e-4, 8e-5])
+def test_where_the_cycles_nearly_meet_a_branch_of_two_sites_begins_below_its_fold(
+    gap: float,
+) -> None:
+    """A driven neighbour shifts the fold from that of a single site to the order of 1 - 8η."""
+    chain = AveragedChain(a=1.0, b=(1.0 - gap) / 8.0, c=0.0, sites=8)
+    fold = RotatingWaves(chain, Nucleus(2, "+")).branch(monitored=False).fold
+    assert fold is not None
+    assert envelope.start_of(chain, Nucleus(2, "+")) < fold.parameter < gap
+
+
+def test_finer_orbits_have_twice_the_steps() -> None:
+    assert Orbits(CHAIN, Nucleus(1), 30).finer().count == 60
+    assert Orbits(CHAIN, Nucleus(1)).finer().count == 2 * Orbits(CHAIN, Nucleus(1)).count
+
+
 def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
     """By a chord of the wave's length, and of the centre, which has none, not at all."""
     found = replace(
@@ -417,6 +460,16 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     share = found.error / np.abs(found.waves).max()
     assert share > 1000.0 * EPSILON  # the cycles nearly meet
     assert found.frequency_error == pytest.approx(eps * share + EPSILON * found.frequency)
+    u[-1] = 0.25  # Ω, of which the rounding of φ' is another multiple than of c
+    rounding: list[Any] = []
+    monkeypatch.setattr(envelope, "solution_error", lambda *given: rounding.append(given[3]) or 0.0)
+    family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1, 1.0), 0.0)
+    assert rounding[0].max() > 4.0 * EPSILON * 0.25 * np.abs(u[:-1]).max() / family.rate_unit
+    fold = fold_of(chain.c, 0.0, u)
+    seen_by_fold: list[Any] = []
+    monkeypatch.setattr(envelope, "fold_shift", lambda *given: seen_by_fold.append(given[2]))
+    family.step_error(fold)
+    assert rounding[0].tolist() == seen_by_fold[0].tolist()
 
 
 @pytest.mark.parametrize("size", [1.0, 1e3])
@@ -1122,8 +1175,8 @@ def test_a_run_is_as_far_from_the_orbit_of_its_size_as_the_farthest_of_its_sites
 def test_the_rounding_of_a_rotating_wave_is_that_of_all_its_terms() -> None:
     """Of a site with φ = 1 + i, |φ|² = 2: 1/2 + 2a/8 + 4b/16, Ω, and c/2 at it and beside it."""
     family = RotatingWaves(AveragedChain(a=8.0, b=4.0, c=0.0, sites=2), Nucleus(1))
-    for c in (0.0, 2.0):
-        off = family._off(np.array([1.0 + 1.0j, 0.0]), -0.25, c) * family.unit * family.rate_unit
+    for c, site in ((0.0, 1.0 + 1.0j), (2.0, 1.0 + 1.0j), (2.0, -1.0 - 1.0j)):
+        off = family._off(np.array([site, 0.0]), -0.25, c) * family.unit * family.rate_unit
         one, beside = 0.5 + 2.0 + 1.0 + 0.25 + 0.5 * c, 0.5 * c
         terms = 4.0 * EPSILON * np.array([one, beside, one, beside, 0.0])
         assert off.tolist() == pytest.approx(terms.tolist(), rel=1e-12, abs=0.0)

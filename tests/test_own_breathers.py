@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.reference_runs import states_by_scipy
+from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import VdpChain
@@ -24,6 +25,7 @@ from verification.breathers.own import (
     integrate_with_tangents,
 )
 from verification.breathers.periodic_motion import largest_displacements
+from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate
@@ -440,3 +442,27 @@ def test_the_error_of_an_orbit_covers_its_round_off() -> None:
     slope = np.array([(gap(u + step * e) - gap(u - step * e)) / (2 * step) for e in np.eye(7)]).T
     distance = np.abs(np.linalg.solve(slope, gap(u))).max()
     assert distance <= found.error < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("waves", "pattern", "renamed"),
+    [
+        ([0.1, 2.0, 2.0j, 0.1], "+", True),
+        ([0.1, 2.0, 2.0j, 2.0j], "-", False),  # three sites
+        ([2.0, 0.1, 0.1, 2.0], "-", False),  # not adjacent: without a name
+    ],
+)
+def test_a_breather_of_a_line_has_the_name_of_the_nucleus_on_which_it_settled(
+    waves: list[complex], pattern: str, renamed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = Nucleus(2, "-")
+    for springs, line in (({}, True), ({"coupling": "square", "sites": (2, 2)}, False)):
+        chain = OscillatorChain(**PAPER, c=0.1, **({"sites": 4} | springs))
+        found = Breather(
+            chain=chain, nucleus=given, method=BreatherMethod.ORBIT, status=BreatherStatus.EXISTS,
+            waves=np.array(waves), seconds=0.0,
+        )  # fmt: skip
+        monkeypatch.setattr(Orbits, "solve", lambda *_, found=found: found)
+        settled = OwnOrbits(chain, given).solve()
+        assert settled.nucleus.pattern == (pattern if line else "-")
+        assert (settled is found) is not (line and renamed)

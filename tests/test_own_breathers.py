@@ -138,6 +138,20 @@ def test_rates_of_motion_and_tangents_are_those_of_the_equation(springs: str) ->
     np.testing.assert_allclose(found[:, 3], apart / (2.0 * size), atol=1e-7)
 
 
+def test_in_a_disordered_network_each_site_moves_by_its_own_coefficient() -> None:
+    chain = OscillatorChain(
+        **PAPER, c=0.3, eps=0.5, coupling="square", sites=(2, 2), disorder={"a": 0.1}, seed=4
+    )
+    a = 2.5 * (1.0 + 0.1 * np.random.default_rng([4, 0]).standard_normal(4))
+    square = np.array([[2, -1, -1, 0], [-1, 2, 0, -1], [-1, 0, 2, -1], [0, -1, -1, 2]])
+    rate = oscillator_rate(
+        lambda y: y, lambda y, v: 1.0 - a * y**2 + 0.5 * y**4, square, c=0.3, eps=0.5
+    )
+    columns = np.random.default_rng(6).normal(size=(8, 2))
+    found = _rate_of(chain)(columns)
+    np.testing.assert_allclose(found[:, 0], rate(0.0, columns[:, 0]), rtol=1e-13, atol=1e-13)
+
+
 def test_tangents_of_a_cell_whose_slopes_are_the_same_everywhere_are_those_of_every_site() -> None:
     """Without a nonlinear spring that by y is a number, and no array of sites."""
     chain = OscillatorChain(damping="a*v**2 - 1", values={"a": 2.0}, c=0.3, eps=0.5, sites=3)

@@ -781,6 +781,14 @@ def test_amplitudes_are_refused_for_csv_before_any_point(
         state_map(StateTask(chain=chain, amplitudes=True), c=[0.1], out=Path("a.csv"))
 
 
+def test_amplitudes_are_kept_in_a_file_that_holds_arrays(tmp_path: Path) -> None:
+    task, out = replace(ENVELOPE, perturbation=0.0, amplitudes=True), tmp_path / "map.npz"
+    found = state_map(task, c=[0.6], eta=[0.12], refine=0.0, workers=1, out=out)
+    with np.load(out) as file:
+        assert file["amplitude"].tolist() == found.states["amplitude"].tolist()
+        assert file["amplitude"].shape == (1, 16)
+
+
 @pytest.mark.usefixtures("nothing_computed")
 @pytest.mark.parametrize("files", ["", "--json", "--out a.json", "--out a.svg", "-o a.csv"])
 def test_amplitudes_that_no_file_would_keep_are_refused_before_any_point(

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import linregress
 
 import fronts as fr
 from tests.settling import settle
@@ -123,6 +124,30 @@ def test_of_few_arrivals_no_change_of_velocity_is_explained_by_standard_errors()
     ]
     v, error = velocity_of_arrivals(np.cumsum([0.04, *periods]))
     assert 0.09 < abs(v - 0.977449) <= error
+
+
+@pytest.mark.parametrize("count", [14, 15, 16, 19, 22, 40])
+def test_the_error_of_a_velocity_is_that_of_its_rule_with_the_regression_of_scipy(
+    count: int,
+) -> None:
+    """From eight fitted arrivals on, two standard errors may explain that quarters differ."""
+    for seed in range(8):
+        noise = np.random.default_rng(seed).normal(size=count)
+        arrivals = 3.0 + 2.0 * np.arange(count) + 0.05 * noise
+        late = arrivals[count // 2 :]
+        half, outer = late.size // 2, late.size // 4
+        parts = slice(None), slice(half), slice(half, None), slice(outer, -outer)
+        whole, first, second, middle = (
+            linregress(np.arange(late.size)[part], late[part]) for part in parts
+        )
+        apart, bend = abs(first.slope - second.slope), abs(whole.slope - middle.slope)
+        explained = 0.0, 0.0
+        if late.size >= 8:
+            errors = math.hypot(first.stderr, second.stderr), middle.stderr
+            explained = 2.0 * errors[0], 3.0 * errors[1]
+        drift = 6.0 * (apart - explained[0]), 3.0 * (bend - explained[1])
+        error = max(3.0 * whole.stderr, apart, *drift) / whole.slope**2
+        assert velocity_of_arrivals(arrivals) == pytest.approx((1.0 / whole.slope, error), rel=1e-6)
 
 
 @pytest.mark.parametrize("radius", [17.0, 28.0])
@@ -646,6 +671,27 @@ def test_the_velocity_through_disorder_is_as_near_as_it_says() -> None:
     found = [(velocity_of_arrivals(each)[0], error_by_disorder(each)) for each in steps.cumsum(1)]
     assert sum(abs(v - 1.0) > error for v, error in found) <= 8
     assert max(error for _, error in found) < 0.3
+
+
+@pytest.mark.parametrize("length", [1, 2, 5])
+def test_the_error_through_disorder_is_found_from_the_durations_of_eight_blocks(
+    length: int,
+) -> None:
+    """Durations that alternate by one about 2 times the length have the variance 8/7."""
+    blocks = 2.0 * length + np.tile([1.0, -1.0], 4)
+    late = np.append(0.0, np.repeat(blocks / length, length).cumsum())
+    before = late[:-1] - late[-1]  # the half that is not used
+    slope = linregress(np.arange(late.size), late).slope
+    error = 3.0 * math.sqrt(1.2 * (8.0 / 7.0) / length / late.size) / slope**2
+    assert error_by_disorder(np.concatenate([before, late])) == pytest.approx(error, rel=1e-9)
+
+
+def test_of_sites_reached_at_once_or_of_fewer_than_eight_blocks_disorder_leaves_no_velocity() -> (
+    None
+):
+    assert error_by_disorder(np.zeros(32)) == math.inf
+    assert error_by_disorder(np.arange(16.0)) == math.inf
+    assert error_by_disorder(np.arange(17.0)) == 0.0
 
 
 def test_a_front_through_disorder_has_that_error() -> None:

@@ -17,6 +17,7 @@ import pytest
 from fronts.catalogue import COMMANDS, MeasurementCall
 from tests.folds import fold_of
 from tests.settling import prepared, settle
+from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import MARGIN, Nucleus
@@ -25,6 +26,7 @@ from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError, Range, RunError
 from verification.continuation.branch import Crossing
+from verification.continuation.newton import solve_at
 from verification.fronts import (
     follow,
     friction,
@@ -36,7 +38,7 @@ from verification.fronts import (
     switchings,
     wave,
 )
-from verification.fronts.arrival_fit import velocity_of_arrivals
+from verification.fronts.arrival_fit import error_by_disorder, velocity_of_arrivals
 from verification.fronts.measure import front_of_wave
 from verification.fronts.preparation import FrontPreparation, Settled, Trial
 from verification.fronts.result import LeftBoundary
@@ -79,6 +81,14 @@ def test_a_chain_is_long_enough_when_waves_of_its_end_have_long_overtaken_the_fr
     assert prepared.sized(40) == ring.sized(40) == AVERAGED.replace(sites=64)
     on_wave = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
     assert on_wave.long_enough(1, 0.5 * waves)
+
+
+def test_sites_behind_a_front_are_left_out_only_where_a_wave_is_continued_there() -> None:
+    for left, trailing in ((LeftBoundary.FREE, 0), (LeftBoundary.WAVE, 24)):
+        prepared = smooth._prepare_smooth(AVERAGED, _request(), left)
+        begun = prepared.begin(prepared.sized(40), 1e-8)
+        assert isinstance(begun, SmoothIntegration)
+        assert begun.trailing_sites == trailing
 
 
 def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
@@ -130,6 +140,9 @@ def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
     assert _numbers(made[1]) == (2, 40, 50, 1e-3, 1e-9, 10.0)
     assert (front.outruns_waves, front.left_boundary, front.v) == (False, None, 0.5)
     assert [each.begin(chain, 1e-6) for each in made] == [([1], 1e-6), ([1, 2], 1e-6)]
+    unknown: Any = None  # whatever the run: all sites are kept, and all are alike
+    assert [each.unsettled(unknown) for each in made] == [0.0, 0.0]
+    assert not any(each.compared or each.disordered for each in made)
 
 
 def test_a_measured_front_is_in_slow_time_and_names_the_methods_of_its_steps() -> None:
@@ -267,6 +280,11 @@ def test_a_front_that_goes_to_rest_is_begun_wider_until_its_chain_is_too_long(
         (24, 40), (48, 64), (96, 128), (192, 256),
     ]  # fmt: skip
     assert (front.status, front.counts) == (FrontStatus.COLLAPSED, {"steps": 28})
+    made.clear()
+    waves = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="chain:1,0.2")
+    assert waves.trailing_wave_velocity > 0.0
+    smooth.own_front(waves, _request(max_sites=600))
+    assert len(made) == 1  # where waves travel, fronts are never so wide
 
 
 def test_where_it_is_compared_a_velocity_errs_by_what_half_of_the_chain_changes_in_it() -> None:
@@ -322,6 +340,19 @@ def test_wide_fronts_of_oscillating_cells_have_more_sites_behind_them_until_v_is
     made.clear()
     smooth._widened(OscillatorChain(**cell), _request())
     assert len(made) == 1
+    pinned = Settled(FrontStatus.PINNED, 0.0, 1.0 / 60.0, np.empty(0), 40, Counter(steps=7))
+    assert wave.compared
+    assert smooth._alike(pinned, None, wave) == (True, pinned)  # it has no velocity to compare
+
+
+def test_where_sites_differ_at_random_a_velocity_errs_by_that_disorder() -> None:
+    wandering = np.random.default_rng(4).normal(2.0, 0.3, 64).cumsum()
+    v, error = velocity_of_arrivals(wandering)
+    assert error_by_disorder(wandering) > 1.1 * error  # so that it is the larger one
+    made = Trial(None, wandering, wandering, Counter(steps=1))
+    for disordered, expected in ((False, error), (True, error_by_disorder(wandering))):
+        found = settle(lambda _: made, accuracy=0.1, disordered=disordered)
+        assert (found.v, found.error) == (v, pytest.approx(expected))
 
 
 def test_arrivals_of_a_front_that_reached_the_end_are_complete_though_it_skipped_sites() -> None:
@@ -874,6 +905,50 @@ def test_a_window_that_is_resized_keeps_its_front_in_its_place(
     assert found.guess.tolist() == [*padded[13 - left : 13 + right], 0.72]
 
 
+@pytest.mark.parametrize("c", [0.2, 100.0])
+def test_steps_of_a_wave_are_half_the_time_of_its_fastest_rate(c: float) -> None:
+    """Of coupling and attraction together; 1.5 times as many for the check."""
+    window = wave.Window(resting.amplitudes_of(c, 0.03125), 4, 6, np.ones(11))
+    for time in (0.7, 40.0):
+        fewest = time * (c + window.attraction) / 0.5
+        assert fewest <= window._steps_in(time, 1.0) <= fewest + 1.0
+        assert 1.5 * fewest <= window._steps_in(time, 1.5) <= 1.5 * (fewest + 1.0) + 1.0
+
+
+def test_fronts_are_looked_for_down_to_a_velocity_of_one_thousandth(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(wave, "_PERIODS", 2)
+    fold = resting.static_fold(0.03125)
+
+    def coupling(v: float) -> float:
+        return fold.c + (v / fold.square_root) ** 2
+
+    window = wave.Window.started(coupling(1.5e-3), 0.03125)
+    assert window.guess[-1] == pytest.approx(1.5e-3, rel=0.1)
+    with pytest.raises(wave.NoFrontError, match=r"slower than 0\.001"):
+        wave.Window.started(coupling(7e-4), 0.03125)
+
+
+def test_multipliers_are_compared_with_those_of_the_first_solution(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """That of its own window and steps; their difference is then the error of both."""
+    asked: list[tuple[int, float]] = []
+    multipliers = wave.Window._multipliers
+
+    def noted(window: wave.Window, u: FloatArray, finer: float) -> Any:
+        asked.append((window.left + window.right, finer))
+        return multipliers(window, u, finer)
+
+    monkeypatch.setattr(wave.Window, "_multipliers", noted)
+    first = wave.Window.started(0.6, 0.03125)
+    point = solve_at(first.system(), first.guess, 0.6)
+    first.described(point, 0.0)
+    assert sorted(asked)[0] == (first.left + first.right, 1.0)
+    assert [finer for _, finer in sorted(asked)] == [1.0, 1.5]
+
+
 def test_a_window_at_another_value_is_the_same_sites_of_another_chain() -> None:
     window = wave.Window(resting.amplitudes_of(0.6, 0.03125), 4, 5, np.zeros(10))
     assert window.at(0.7).chain == resting.amplitudes_of(0.7, 0.03125)
@@ -1181,6 +1256,29 @@ def test_a_planar_front_is_timed_from_the_row_beyond_the_excited_ones(
         _, v, error = fit(bent.ravel())
         assert v == straight[1]
         assert error == pytest.approx(np.maximum(straight[2], v))
+    slower = np.stack([2.0 * times, times, times, times, times, times, 2.0 * times], axis=1)
+    slower[:, [1, 5]] *= 3.0  # of seven columns the third to the fifth are the middle
+    odd = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(rows, 7)
+    )
+    fit = network.planar(odd, excited=excited, tolerance=1e-8, stall=1.0)
+    assert fit(slower.ravel())[1] == pytest.approx(straight[1])
+
+
+@pytest.mark.parametrize(
+    ("excited", "words"),
+    [(1, "at least 15 .* from 1 excited row; take more rows, or turn the lattice"),
+     (4, "at least 18 .* from 4 excited rows; take more rows, or turn the lattice")],
+)  # fmt: skip
+def test_a_lattice_without_room_for_a_front_from_any_row_is_refused(
+    excited: int, words: str
+) -> None:
+    """Twelve rows are timed, and two before the far side are not: of 14 rows none is left."""
+    lattice = OscillatorChain(
+        damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(14, 6)
+    )
+    with pytest.raises(ParameterError, match=f"number of rows = 14 .* {words}.$"):
+        network.planar(lattice, excited=excited, tolerance=1e-8, stall=1.0)
 
 
 def test_sites_within_a_radius_of_some_three_and_a_half_are_excited_on_a_lattice(
@@ -1228,6 +1326,16 @@ def test_distances_in_links_at_which_only_corners_are_left_are_not_used() -> Non
     levels, times = network._shells(away, np.hypot(row, column).ravel(), 4.0)
     assert levels.tolist() == [*range(5, 32)]
     assert times[0] == pytest.approx(np.hypot([5, 4, 3], [0, 1, 2]) @ [4, 8, 8] / 20)
+
+
+@pytest.mark.parametrize(("fullest", "last"), [(11, 16), (12, 12), (13, 13)])
+def test_distances_beyond_the_fullest_one_are_left_out_if_twelve_remain(
+    fullest: int, last: int
+) -> None:
+    """Of twenty distances, of which the farthest four are not used in any case."""
+    away = np.append(np.arange(21.0), fullest)
+    levels, _ = network._shells(away, away, 0.0)
+    assert levels.tolist() == [*range(1, last + 1)]
 
 
 class _Lattice:

@@ -39,7 +39,7 @@ HALF_WIDTH = 1.0
 """Distance from a ray within which a site belongs to its direction."""
 LEAST = 6
 """Smallest number of arrivals to which a velocity is fitted; as many before them are left out."""
-EDGE = 2.0
+EDGE = 2
 """Distance from a free side within which sites are not used, because the front is faster there."""
 MEETING = 4
 """How many of the largest distances in links are not used, since fronts may meet there."""
@@ -323,9 +323,8 @@ def planar(
     """
     assert chain.shape is not None
     rows, columns = chain.shape
-    edge = math.ceil(EDGE)
     excited = count_within("excited rows", excited, 1, max(rows, ROWS))
-    most = rows - edge - 2 * LEAST
+    most = rows - EDGE - 2 * LEAST
     if excited > most:
         remedy = "take more rows, or turn the lattice"
         if most > 0:
@@ -339,7 +338,7 @@ def planar(
     sites = np.flatnonzero(row < excited)
     turns = [chain.front_phase_step * int(row[n]) for n in sites]
     start = excite(chain, (sites + 1).tolist(), quarter_turns=turns)
-    used = slice(excited, rows - max(edge, min(MARGIN, rows - excited - 2 * LEAST)))
+    used = slice(excited, rows - max(EDGE, min(MARGIN, rows - excited - 2 * LEAST)))
     centre = np.abs(np.arange(columns) - 0.5 * (columns - 1)) <= HALF_WIDTH
 
     def fit(arrivals: FloatArray) -> _Fit:

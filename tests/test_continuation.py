@@ -195,15 +195,23 @@ def test_a_solution_beside_a_fold_errs_by_no_more_than_is_stated(c: float, off: 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 0.6, 0.9, 1.5, 4.0])
 def test_the_error_of_a_parabola_is_the_distance_of_its_farthest_root(share: float) -> None:
-    """Of u² = c ± δ with δ < c, the root of c - δ; beyond it, where the two meet, the other one."""
+    """Of u² = c ± δ with δ < c, the root of c - δ; beyond it, where the two meet, the other one.
+
+    Beside it is an unknown that is nearly known, from an equation of another size.
+    """
     c = 0.49
 
     def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
-        return u**2 - c, np.diag(2.0 * u), np.array([-1.0])
+        slope = np.diag([2.0 * u[0], 10.0])
+        return np.array([u[0] ** 2 - c, 10.0 * (u[1] - 2.0)]), slope, np.array([-1.0, 0.0])
 
     off = share * c
     farthest = -math.sqrt(c + off) if share > 1.0 else math.sqrt(c - off)
-    stated = solution_error(parabola, np.array([math.sqrt(c)]), c, off)
+    beside = 1e-4 * share
+    for side in (-1.0, 1.0):
+        u = np.array([math.sqrt(c), 2.0 + side * beside])
+        assert solution_error(parabola, u, c) == pytest.approx(2.0 * beside, rel=1e-6)
+    stated = solution_error(parabola, u, c, np.array([off, 0.0]))
     # The second derivative is a difference, which is exact here but for rounding.
     assert stated == pytest.approx(abs(math.sqrt(c) - farthest), rel=1e-6)
 

@@ -29,6 +29,7 @@ from verification.fronts.wave import front_wave
 from verification.quantities import fronts as quantities_fronts
 from verification.quantities.quantity import StatedValue
 from verification.references import (
+    equations,
     extrapolation,
     friction_cell,
     pace,
@@ -820,3 +821,22 @@ def test_after_each_step_of_a_reference_the_arrivals_so_far_are_shown() -> None:
     assert len(seen) > 1
     assert np.all(np.diff([t for t, _ in seen]) > 0.0)
     assert seen[-1][1].tolist() == found.tolist()
+
+
+def test_a_rate_that_is_asked_too_slowly_is_no_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pace, "MAX_SECONDS", -1.0)
+    with pytest.raises(pace.TooSlowError):
+        pace.paced(lambda t, y: -y, 1.0)(0.5, 2.0)
+
+
+def test_a_step_that_overflows_or_has_no_known_error_is_a_tenth_next_time() -> None:
+    for error, allowed in ((math.inf, 1.0), (math.nan, 1.0), (1.0, math.inf), (math.inf, math.inf)):
+        assert extrapolation._change(error, allowed) == 0.1
+
+
+def test_sites_of_a_piecewise_ring_are_pulled_by_neighbours_across_its_end() -> None:
+    phi = np.exp(1j * np.arange(5.0))
+    excited = np.arange(5) < 2
+    found = equations.piecewise_rate(0.3, excited, 0.0, 0.0, ring=True)(0.0, phi)
+    pull = 2.0 * phi - np.roll(phi, 1) - np.roll(phi, -1)
+    assert found == pytest.approx(0.15j * pull - 0.5 * phi + 0.5 * excited, rel=1e-12)

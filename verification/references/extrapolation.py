@@ -143,7 +143,7 @@ def _change(error: float, allowed: float) -> float:
     """Return the ratio of the next step to the one that had this error."""
     if error == 0.0:
         return _MAX_FACTOR
-    share = allowed / error if math.isfinite(error) else 0.0
+    share = allowed / error
     required: float = _SAFETY * share ** (1.0 / (2 * COLUMNS - 1)) if math.isfinite(share) else 0.0
     return min(_MAX_FACTOR, max(_MIN_FACTOR, required))
 

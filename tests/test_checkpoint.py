@@ -152,6 +152,20 @@ def test_a_forged_checkpoint_is_one_sentence_and_fills_nothing(name: str, path: 
     assert digest_of_arrays(found) == digest_of_arrays(blank())
 
 
+@pytest.mark.parametrize("digest", [None, 5])
+def test_a_checkpoint_without_a_digest_is_refused(digest: int | None, path: Path) -> None:
+    found = entries(path)
+    header = json.loads(found["header.json"])
+    del header["digest"]
+    if digest is not None:
+        header["digest"] = digest
+    with zipfile.ZipFile(path, "w") as box:
+        for name, content in (found | {"header.json": json.dumps(header).encode()}).items():
+            box.writestr(name, content)
+    with pytest.raises(ParameterError, match="a checkpoint written by this toolkit"):
+        load_checkpoint(path, blank(), METADATA)
+
+
 def test_an_array_of_another_file_is_noticed(path: Path) -> None:
     """Its own checksum fits; that of the whole does not."""
     found = entries(path) | {"counters.npy": npy_bytes(np.arange(1, 5))}
@@ -233,6 +247,33 @@ def test_a_piece_of_work_may_end_at_the_time_at_which_it_began() -> None:
     run = Events()
     run_to_end([run], 3.0, 1, checkpoint=None, progress=None)
     assert (run.time, run.events) == (3.0, 5)
+
+
+def test_a_run_that_is_too_slow_is_refused_while_it_runs() -> None:
+    class Slow(Logistic):
+        def check_pace(self) -> None:
+            raise RunError("it would take hours")
+
+    with pytest.raises(RunError, match="hours"):
+        run_to_end([Slow()], 3.0, 1, checkpoint=None, progress=None)
+
+
+def test_a_run_of_other_parameters_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    run_to_end([Logistic()], 3.0, 1, path, progress=None)
+    with pytest.raises(ParameterError, match="steps"):
+        run_to_end([Logistic(steps=4)], 4.0, 1, path, progress=None)
+
+
+def test_an_array_may_be_larger_than_an_entry_without_a_long_header(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That is, than 2 GiB; here the limit is taken to be smaller."""
+    monkeypatch.setattr(zipfile, "ZIP64_LIMIT", 2000)
+    large, found = {"state": np.arange(1000.0)}, {"state": np.zeros(1000)}
+    save_checkpoint(tmp_path / "run.npz", large, METADATA, 1.0)
+    load_checkpoint(tmp_path / "run.npz", found, METADATA)
+    assert np.array_equal(found["state"], large["state"])
 
 
 def test_a_second_request_to_end_does_not_cut_the_first_one_short() -> None:

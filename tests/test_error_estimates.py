@@ -22,10 +22,12 @@ import fronts as fr
 from tests.settling import settle
 from theory.arrays import FloatArray
 from theory.cells.friction import FrictionCell
+from theory.cells.vdp import attraction_rate
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
+from theory.parameters import ParameterError
 from verification.breathers.orbits import Orbits
 from verification.cells import shooting
 from verification.cells.friction import ROUND_OFF, _rounding_of_end, _with_error
@@ -36,9 +38,11 @@ from verification.fronts.resting import pinning_eta, static_fold
 from verification.piecewise.chain import PiecewiseMotion, Rest
 from verification.piecewise.verdict import History
 from verification.piecewise.window import _RESERVE, ChainState, decay_rate, truncation_bound
-from verification.runs import smooth_integration
+from verification.runs import averaging_error, smooth_integration
 from verification.runs.averaging_error import AveragingError
-from verification.runs.ensemble import Ensemble, SeedTask
+from verification.runs.ensemble import Ensemble, SeedTask, ensemble
+from verification.runs.envelope_run import escape as escape_condition
+from verification.runs.envelope_run import run_envelope
 from verification.runs.excite import excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.integration import StandstillError
@@ -62,6 +66,27 @@ def test_the_slope_of_the_averaging_error_bounds_what_errors_of_the_runs_can_do(
     assert exact.slope_error == pytest.approx(0.0, abs=1e-15)
     bent = partial_averaging_error(np.array([0.8, 0.4, 0.2, 0.05]), np.zeros(4))
     assert (bent.slope, bent.slope_error) == pytest.approx((2.0, 1.0))
+
+
+def test_averaged_and_full_chain_are_compared_at_eps_and_at_halves_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Up to a slow time of 3, or another one up to 100."""
+    asked: list[tuple[float, float]] = []
+
+    def distance(chain: VdpChain, _: FloatArray, slow_time: float) -> tuple[float, float]:
+        asked.append((chain.eps, slow_time))
+        return 2.0 * chain.eps, 1e-3 * chain.eps
+
+    monkeypatch.setattr(averaging_error, "_distance", distance)
+    chain = VdpChain(a=4, b=0.5, c=0.6, eps=0.04, sites=3)
+    usual = averaging_error.averaging_error(chain)
+    assert usual.slow_time == 3.0
+    assert asked == [(0.04, 3.0), (0.02, 3.0), (0.01, 3.0)]
+    assert usual.errors == pytest.approx([4e-5, 2e-5, 1e-5])
+    assert averaging_error.averaging_error(chain, slow_time=100.0).slow_time == 100.0
+    with pytest.raises(ParameterError, match=r"slow time = 100\.1.* at most 100"):
+        averaging_error.averaging_error(chain, slow_time=100.1)
 
 
 def partial_averaging_error(
@@ -240,6 +265,12 @@ def test_the_sites_stepped_beyond_the_last_moving_one_are_more_where_coupling_re
     assert smooth_integration._margin(far) == 3 * smooth_integration._margin(near)
 
 
+def test_the_margin_is_doubled_at_couplings_above_3() -> None:
+    chain = AveragedChain(a=4, b=0.5, c=3.0, sites=100)
+    weak, strong = (smooth_integration._margin(replace(chain, c=c)) for c in (3.0, 3.01))
+    assert (weak, strong) == (smooth_integration.MARGIN, 2 * smooth_integration.MARGIN)
+
+
 def test_the_margin_of_a_front_at_rest_is_what_no_motion_can_use_up() -> None:
     state = ChainState(np.where(np.arange(64) < 32, 1.0 + 0j, 0j))
     history = History(PiecewiseMotion(0.1, 0.4, state), 0.1)
@@ -372,6 +403,85 @@ def test_a_number_of_one_seed_has_its_error_where_there_is_one(
     assert found["quantity"] == "c_crit"
 
 
+def test_one_seed_is_an_ensemble_and_a_truth_value_is_no_number_of_it() -> None:
+    chain = OscillatorChain(
+        damping="1 - a*y**2 + y**4", c=0.1, sites=3, values={"a": 4.0}, disorder={"a": 0.1}
+    )
+    found = ensemble(lambda made: 2.5, chain, seeds=[3])
+    assert (found.seeds.tolist(), found.values.tolist(), found.quantity) == ([3], [2.5], "value")
+    with pytest.raises(ParameterError, match=r"= bool .* must be a real number"):
+        ensemble(lambda made: True, chain, seeds=[3])
+
+
+def test_the_smallest_eta_of_a_run_of_the_envelope_is_1e_5() -> None:
+    """Its steps are at most two of the times in which the cycle attracts."""
+    chain = AveragedChain(a=1.0, b=1e-5, c=0.1, sites=3)
+    start = np.zeros(3, dtype=complex)
+    run = run_envelope(chain, start, 1e-3)
+    assert 1e-3 / run.steps * attraction_rate(1e-5) <= 2.0 * (1.0 + 1.0 / run.steps)
+    with pytest.raises(ParameterError, match="eta = b/a"):
+        run_envelope(replace(chain, b=0.99e-5), start, 1e-3)
+
+
+def test_a_run_counts_the_steps_of_both_methods_and_errs_as_the_less_accurate_one() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=5)
+    run = SmoothIntegration(chain, excite(chain, [1]), [0.0, 10.0], tolerance=1e-14)
+    run.samples[1, 0, 2] = -3.0
+    assert run.least_error() == pytest.approx(smooth.LAZY * 1e-14 * 3.0)
+    run._run.counters[[smooth.STEPS, smooth.STIFF_STEPS]] = 5, 2
+    assert run.counts["steps"] == 7
+    assert run.least_error() == pytest.approx(smooth.LAZY * stiff_stage.TIGHTEST * 3.0)
+    averaged = SmoothIntegration(chain.averaged(), excite(chain, [1]), [0.0, 10.0], tolerance=1e-6)
+    assert averaged.least_arrival_error() == pytest.approx(smooth.LAZY * 1e-6 / chain.eps)
+
+
+def test_a_run_to_a_condition_has_no_implicit_stage_which_would_not_ask_for_it() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=5)
+    start = excite(chain, [1])
+    alone = SmoothIntegration(chain, start, [10.0])
+    watched = SmoothIntegration(chain, start, [10.0], watch=escape_condition, memory=np.ones(6))
+    shortest = [each.metadata["step_limits"][0] for each in (alone, watched)]
+    assert shortest == [str(smooth_integration.STIFF_STEP), "1e-13"]
+
+
+def test_a_site_on_which_a_force_acts_is_stepped_though_it_is_at_rest() -> None:
+    chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1, sites=60, drive="0.3,1.1@40")
+    start = np.zeros((2, 60))
+    start[0, 9] = 3.8
+    run = SmoothIntegration(chain, start, [10.0])
+    margin = smooth_integration.MARGIN
+    window = [int(run._run.counters[n]) for n in (smooth.LO, smooth.HI)]
+    assert window == [9 - margin, 39 + margin + 1]
+
+
+def test_where_rest_is_unstable_every_site_is_stepped() -> None:
+    for damping, high in (("y**2 - 1", 60), ("1 - 4*y**2 + 0.5*y**4", 10 + 4)):
+        chain = OscillatorChain(damping=damping, c=0.1, sites=60)
+        start = np.zeros((2, 60))
+        start[0, 9] = 2.0
+        run = SmoothIntegration(chain, start, [10.0], level=1.0)
+        assert run._run.counters[smooth.HI] == high
+
+
+def test_a_piece_of_work_is_about_as_large_as_its_budget() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=50)
+    run = SmoothIntegration(chain, excite(chain, range(1, 51)), [1e4], active_window=False)
+    run.advance(1000)
+    assert 0 < run.counts["site_steps"] <= 1000 + 50
+
+
+def test_a_friction_chain_is_integrated_to_a_tolerance_of_1e_10_and_has_no_amplitude_at_first() -> (
+    None
+):
+    chain = FrictionChain(c=0.02, sites=3)
+    start = excite(chain, [2])
+    assert start[1].tolist() == excite(chain, [2], 2.0)[1].tolist() == [0.0, 0.0, 0.0]
+    run = FrictionIntegration(chain, start, [0.0, 0.1])
+    assert run.tolerance == 1e-10
+    run.finish()
+    assert run.sampled_amplitude.tolist() == [[0.0] * 3] * 2
+
+
 @pytest.mark.parametrize(("left", "right"), [(9, 12), (2, 20), (14, 14), (35, 38)])
 def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
     left: int, right: int, monkeypatch: pytest.MonkeyPatch
@@ -394,6 +504,7 @@ def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
     assert low == min(window[0], max(0, left - margin))
     assert high == max(window[1], min(40, right + margin + 1))
     assert (run.time, run.counts["stiff_steps"]) == (2.0, 1)
+    assert run.counts["site_steps"] == 38  # one step of the sites of the piece
     assert run.state[0].nonzero()[0].tolist() == [*range(left, right + 1)]
 
 

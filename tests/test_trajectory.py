@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from theory.arrays import FloatArray
 from theory.chains.chain import CHAINS
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
@@ -26,6 +27,7 @@ from theory.parameters import ParameterError
 from verification.fronts.status import FrontStatus
 from verification.references import equations
 from verification.runs import simulate as simulate_module
+from verification.runs.comparison import other_tolerance
 from verification.runs.excite import excite
 from verification.runs.simulate import _with_comparisons, simulate
 from verification.runs.trajectory import RunStatus, Trajectory
@@ -75,6 +77,58 @@ def test_a_run_that_is_not_resolved_may_be_on_the_other_side(apart: float, resol
     else:
         assert found.status is RunStatus.NOT_RESOLVED
         assert found.error >= max(2.0, 3.0 * apart) - 1e-12
+
+
+def _made_up(samples: FloatArray, arrivals: FloatArray) -> Any:
+    """A run of two or more samples of one site, whose least errors are 0.1."""
+    return SimpleNamespace(
+        samples=samples, sampled_amplitude=np.hypot(samples[:, 0], samples[:, 1]),
+        times=np.arange(float(len(samples))), chain=FRONT, arrivals=arrivals, counts={}, events={},
+        log=np.zeros((0, 3)), tolerance=1e-8, level=1.0, least_error=lambda: 0.0,
+        least_arrival_error=lambda: 0.1, method_of=lambda _: "",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arrivals", "others", "error"),
+    [
+        ([0.0, math.nan], [0.0, math.nan], 0.0),
+        ([0.0, 2.0], [0.0, 2.0], 0.1),
+        ([0.0, 2.0], [0.0, 2.5], 1.5),
+    ],
+)
+def test_arrivals_err_by_three_differences_and_not_at_the_start(
+    arrivals: list[float], others: list[float], error: float
+) -> None:
+    runs = [_made_up(np.ones((2, 2, 1)), np.array(each)) for each in (arrivals, others)]
+    found = simulate_module._trajectory(FRONT, 1.0, runs, 0.0)
+    assert found.arrival_error == pytest.approx(error)
+
+
+def test_a_chain_at_rest_is_resolved_and_one_whose_runs_differ_at_once_never_was() -> None:
+    still = np.zeros((3, 2, 1))
+    for other, status, until in (
+        (still, RunStatus.RESOLVED, 2.0),
+        (still + 1.0, RunStatus.NOT_RESOLVED, 0.0),
+    ):
+        runs = [_made_up(each, np.full(1, math.nan)) for each in (still, other)]
+        found = simulate_module._trajectory(FRONT, 2.0, runs, 0.0)
+        assert (found.status, found.resolved_until) == (status, until)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "other"), [(1e-6, 1e-7), (1e-12, 1e-13), (2e-13, 2e-14), (5e-14, 5e-13)]
+)
+def test_a_run_is_compared_with_a_tenth_of_its_tolerance_down_to_1e_14(
+    tolerance: float, other: float
+) -> None:
+    assert other_tolerance(tolerance) == pytest.approx(other, rel=1e-12)
+
+
+def test_201_samples_are_taken_unless_another_number_is_asked_for() -> None:
+    chain = FrictionChain(c=0.02, sites=2)
+    run = simulate(chain, excite(chain, [1]), 1.0, estimate_error=False)
+    assert run.times.tolist() == np.linspace(0.0, 1.0, 201).tolist()
 
 
 def test_distances_are_from_rest_wherever_that_is() -> None:

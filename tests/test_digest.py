@@ -6,6 +6,7 @@ import math
 import sys
 from dataclasses import dataclass
 from functools import partial, wraps
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -254,6 +255,23 @@ def test_an_array_of_objects_is_no_parameter():
 
 def test_a_class_is_a_task_by_its_name():
     assert parameters_of(Code) == "verification.execution.metadata.Code"
+
+
+class Kind(type):
+    """A class of classes that is of no library."""
+
+
+class Made(metaclass=Kind):
+    k = 1.0
+
+
+def test_what_a_class_defines_is_none_of_its_parameters():
+    assert parameters_of(Made) == f"{__name__}.Made"
+
+
+def test_a_module_of_a_user_that_a_task_holds_belongs_to_its_code(package):
+    module = import_module("timed_code.other")
+    assert code_of(partial(len, module)).modules == ("timed_code.other",)
 
 
 def test_everything_with_code_counts_that_a_task_holds_in_whatever_it_is():

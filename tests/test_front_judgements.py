@@ -1781,6 +1781,8 @@ def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.Monke
     share = np.array([0.05, -0.05, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2])
     assert sorted(made[-8:]) == pytest.approx(sorted(tested.c_crit * (1.0 + share)))
     assert tested.runs == len(made)
+    once = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=1, lowest=1e-3)
+    assert (once.monotone, once.c_crit_at_twice_the_time) == (True, once.c_crit)
 
 
 @pytest.mark.parametrize("tests", [0, 4])

@@ -32,7 +32,7 @@ from verification.references.network import oscillator_rate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.thresholds.continuation import _Report, breather_threshold
 from verification.thresholds.result import ThresholdMethod
-from verification.thresholds.threshold import threshold
+from verification.thresholds.threshold import choices, threshold
 
 
 @numba.njit
@@ -480,3 +480,11 @@ def test_a_breather_of_a_line_has_the_name_of_the_nucleus_on_which_it_settled(
         settled = OwnOrbits(chain, given).solve()
         assert settled.nucleus.pattern == (pattern if line else "-")
         assert (settled is found) is not (line and renamed)
+
+
+def test_two_methods_and_the_definitions_that_each_evaluates_are_told_apart() -> None:
+    help_of_methods = choices(OscillatorChain)["method"][1]
+    assert help_of_methods.startswith("bisection (default): ")
+    assert " orbit: " in help_of_methods
+    words = choices(OscillatorChain)["definition"][1]
+    assert words.startswith("bisection: first (default), several or whole; orbit: existence (d")

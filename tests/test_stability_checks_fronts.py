@@ -102,7 +102,9 @@ def test_a_root_is_as_far_off_as_it_is_relative_to_its_size(
     # In the half plane of the roots.
     assert counted == [side == 1.0]
     assert np.all((stated.extra.k.imag > 0.0) == (side == 1.0))
-    assert np.all(stated.extra.radius <= stated.error * np.abs(stated.extra.k))
+    found = zip(stated.extra.radius, stated.extra.k, strict=True)
+    relative = [mp.mpf(radius) / abs(mp.mpc(k)) for radius, k in found]
+    assert stated.error == pytest.approx(float(max(relative)), rel=1e-12)
     for off in (1e-6, -1e-6, 1e-9j):
         k = stated.extra.k.copy()
         k[3] *= 1.0 + off
@@ -769,10 +771,14 @@ def _labelled(
     """Return whether a label holds in a run whose amplitudes are given, and the times asked."""
     asked: list[np.ndarray] = []
 
-    def made_up(*_: object, t_eval: np.ndarray, **__: object) -> SimpleNamespace:
+    def made_up(
+        _: object, __: object, start: np.ndarray, *, t_eval: np.ndarray, **___: object
+    ) -> SimpleNamespace:
         asked.append(t_eval)
+        assert (start.shape, np.iscomplexobj(start)) == ((32,) if full else (16,), not full)
         heights = np.repeat(amplitude, t_eval.size // amplitude.shape[1], axis=1)
-        y = np.vstack([heights, 0.0 * heights]) if full else heights.astype(complex)
+        turns = heights * np.exp(1j * np.arange(t_eval.size))
+        y = np.vstack([turns.real, turns.imag]) if full else turns
         return SimpleNamespace(success=True, y=y)
 
     monkeypatch.setattr("verification.quantities.states.solve_ivp", made_up)

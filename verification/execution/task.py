@@ -232,6 +232,6 @@ class _TaskReader(ContentReader):
             if kind == "IMPORT_NAME":
                 module = name
                 self.determines(module)
-            elif kind == "IMPORT_FROM" and source_of(f"{module}.{name}") is not None:
+            elif kind == "IMPORT_FROM":  # perhaps of a module
                 self.determines(f"{module}.{name}")
         return super().function(function)

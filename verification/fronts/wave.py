@@ -296,11 +296,11 @@ class Window:
             after = rho
             while after[self.left + 1] < unstable:
                 rho, time = after, time + h
-                after = advanced(rho, self.chain, h, 1)
+                after = advanced(rho, self.chain, h)
                 if time - last > 1.0 / SLOWEST:
                     raise self._no_front()
             part = (unstable - rho[self.left + 1]) / (after - rho)[self.left + 1]
-            rho = np.append(advanced(rho, self.chain, part * h, 1)[1:], 0.0)
+            rho = np.append(advanced(rho, self.chain, part * h)[1:], 0.0)
             time -= (1.0 - part) * h
             before, interval, last = interval, time - last, time
             if abs(interval - before) < _SETTLED * interval:

@@ -78,10 +78,10 @@ def rate_by(rho: FloatArray, chain: Amplitudes, along: Parameter) -> FloatArray:
     return found
 
 
-def advanced(rho: FloatArray, chain: Amplitudes, time: float, steps: int) -> FloatArray:
-    """Return the amplitudes after a time, shape (N,)."""
+def advanced(rho: FloatArray, chain: Amplitudes, time: float) -> FloatArray:
+    """Return the amplitudes after a time, shape (N,), by one step."""
     rows = rho[None, :].copy()
-    _advance(rows, chain, False, weights(chain, "c"), time / steps, steps)
+    _advance(rows, chain, False, weights(chain, "c"), time, 1)
     found: FloatArray = rows[0]
     return found
 

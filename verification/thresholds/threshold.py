@@ -190,33 +190,21 @@ def threshold(  # noqa: PLR0913  (all but two by name; what belongs to which met
         )  # fmt: skip
     if nucleus.size > MAX_NUCLEUS:
         raise ParameterError("nucleus", nucleus.size, f"at most {MAX_NUCLEUS} sites", "excite less")
-    if isinstance(chain, OscillatorChain) and how is ThresholdMethod.ORBIT:
-        _ = chain.stable_amplitude
-        return _at_end_of_branch(chain, nucleus, how, what, progress)
-    assert isinstance(chain, VanDerPolChain)
+    assert isinstance(chain, VanDerPolChain | OscillatorChain)
     _ = chain.stable_amplitude
+    if how in (ThresholdMethod.ENVELOPE, ThresholdMethod.ORBIT):
+        end = breather_threshold(chain, nucleus.relaxed(chain.sites), how, progress=progress)
+        return end if what is Definition.EXISTENCE else _of_stability(end)
+    assert isinstance(chain, VanDerPolChain)
     if how is ThresholdMethod.CLOSED_FORM:
         return closed_form_threshold(chain, nucleus)
-    if how in (ThresholdMethod.SWEEP, ThresholdMethod.HOLD):
-        found = _by_runs_of_43(chain, nucleus, how, perturbation, seed)
-        if definition is not None and found.definition is not what:
-            raise ParameterError(
-                "definition", what.value, "first: the nucleus does not escape at a fold",
-                "leave it out, or take the method hold",
-            )  # fmt: skip
-        return found
-    return _at_end_of_branch(chain, nucleus, how, what, progress)
-
-
-def _at_end_of_branch(
-    chain: VanDerPolChain | OscillatorChain,
-    nucleus: Nucleus,
-    how: ThresholdMethod,
-    what: Definition,
-    progress: Callable[[float], None] | None,
-) -> Threshold:
-    found = breather_threshold(chain, nucleus.relaxed(chain.sites), how, progress=progress)
-    return found if what is Definition.EXISTENCE else _of_stability(found)
+    found = _by_runs_of_43(chain, nucleus, how, perturbation, seed)
+    if definition is not None and found.definition is not what:
+        raise ParameterError(
+            "definition", what.value, "first: the nucleus does not escape at a fold",
+            "leave it out, or take the method hold",
+        )  # fmt: skip
+    return found
 
 
 def closed_form_threshold(chain: VanDerPolChain, nucleus: Nucleus) -> Threshold:

@@ -39,7 +39,11 @@ from verification.references.equations import (
     variational_rate,
 )
 from verification.references.precise_breather import locked_fold, locked_state
-from verification.steppers.variational import integrate_chain, integrate_variations
+from verification.steppers.variational import (
+    integrate_along_sinusoids,
+    integrate_chain,
+    integrate_variations,
+)
 from verification.thresholds.threshold import threshold
 
 CHAIN = VdpChain(a=2.5, b=0.5, c=0.15, eps=0.02, sites=7)
@@ -602,3 +606,25 @@ def test_where_an_orbit_starts_its_refusal_is_passed_on_and_later_ones_are_not(
     with pytest.raises(ParameterError, match=f"^{quantity}"):
         Orbits(VdpChain(a=2.5, b=0.5, c=0.1, sites=5), Nucleus(1))._first(2.0)
     assert len(tried) == count
+
+
+@pytest.mark.parametrize("misprinted", [False, True])
+def test_variations_along_a_sinusoid_are_those_of_42_as_printed_or_corrected(
+    misprinted: bool,
+) -> None:
+    """Of two uncoupled sites, by scipy; what is printed has a one too many in its derivative."""
+    cell, size, omega = VdpChain(a=2.5, b=0.5, c=0.0, eps=0.3, sites=2), 1.4, 0.9
+    period = 2.0 * np.pi / omega
+
+    def rate(t: float, x: np.ndarray) -> np.ndarray:
+        y, w = size * np.sin(omega * t), size * omega * np.cos(omega * t)
+        slope = misprinted - 2.0 * cell.a * y + 4.0 * cell.b * y**3
+        damping = 1.0 - cell.a * y**2 + cell.b * y**4
+        u, v = x.reshape(2, 2)
+        return np.concatenate([v, -u - cell.eps * (damping * v + slope * w * u)])
+
+    true = solve_ivp(rate, (0.0, period), np.eye(2).ravel(), rtol=1e-11, atol=1e-12).y[:, -1]
+    found = integrate_along_sinusoids(
+        cell, np.full(2, size), np.zeros(2), omega, misprinted=misprinted, steps=200
+    )
+    assert np.abs(found.monodromy - np.kron(true.reshape(2, 2), np.eye(2))).max() < 1e-8

@@ -17,7 +17,7 @@ import numpy as np
 
 from theory.cells.vdp import threshold_ratio
 from theory.parameters import ParameterError, Range, count_within, positive, within
-from verification.piecewise.chain import PiecewiseMotion, Rest
+from verification.piecewise.chain import PiecewiseMotion
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History
 from verification.piecewise.window import (
@@ -110,10 +110,9 @@ def simulate_front(
     began = time.perf_counter()
     state = _start_state(c, r, start, start_velocity)
     history = History(PiecewiseMotion(c, r, state), c)
-    outcome: Rest | None = None
-    while outcome is None:
+    while True:
         outcome = history.extend(BLOCK)
-        if outcome is None and history.decided(accuracy, max_sites):
+        if outcome is not None or history.decided(accuracy, max_sites):
             break
     return history.verdict(outcome, accuracy, began)
 

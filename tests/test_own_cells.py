@@ -364,6 +364,36 @@ def test_a_cycle_of_a_map_that_is_known_has_its_multiplier_and_its_error(
     assert found.error == pytest.approx(99.0 * 1e4 * 1e-9, rel=1e-6)
 
 
+def test_a_fixed_point_that_motion_leaves_is_not_the_cycle_that_it_leads_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Newton's method would go back to the first; motion goes on to the second."""
+    left, reached = 1.0, 1.2
+
+    def turn(_: object, __: float, y: float, *___: object) -> Any:
+        near, slope = (left, 2.0) if y < 1.1 else (reached, 0.5)
+        return SimpleNamespace(top=near + slope * (y - near), slope=slope)
+
+    monkeypatch.setattr(shooting, "_turn", turn)
+    cell: Any = SimpleNamespace(cycles=(SimpleNamespace(amplitude=1.05, period=6.0),))
+    found, _ = shooting._closed_turn(cell, 0.1, 0, 1e-9, 1.05)
+    assert found.top == pytest.approx(reached, abs=1e-12)
+
+
+def test_motion_leads_on_where_newton_s_method_would_leave_the_side_of_a_cycle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def turn(_: object, __: float, y: float, *___: object) -> Any:
+        if y > 0.9:  # the step would be five
+            return SimpleNamespace(top=y - 0.05, slope=0.99)
+        return SimpleNamespace(top=0.8 + 0.5 * (y - 0.8), slope=0.5)
+
+    monkeypatch.setattr(shooting, "_turn", turn)
+    cell: Any = SimpleNamespace(cycles=(SimpleNamespace(amplitude=1.0, period=6.0),))
+    found, _ = shooting._closed_turn(cell, 0.1, 0, 1e-9, 1.0)
+    assert found.top == pytest.approx(0.8, abs=1e-12)
+
+
 @pytest.mark.parametrize(("limits", "at"), [((1.0, 1.02), 1), ((1.03, 1.05), 0)])
 def test_a_cycle_far_from_its_limit_is_looked_for_on_its_side_of_the_next(
     limits: tuple[float, float], at: int, monkeypatch: pytest.MonkeyPatch
@@ -546,6 +576,22 @@ def test_a_compiled_cell_has_its_cycle() -> None:
     )
     start, times = np.array([found.max, 0.0]), np.array([0.0, found.period])
     assert states_by_scipy(rate, start, times)[-1] == pytest.approx(start, abs=1e-9)
+
+
+@numba.njit
+def sixth_power(y, v):  # type: ignore[no-untyped-def]
+    return v**6 - 1.0
+
+
+def test_the_error_of_a_multiplier_covers_the_differences_that_a_compiled_damping_needs() -> None:
+    """Of a power as high as this they err by more than everything else; as text it has a slope."""
+    found, exact = (
+        shooting.shot_cycles(OscillatorChain(damping=h, stiffness="y", c=0.0).cell, 0.5, 1e-12)[0]
+        for h in (sixth_power, "v**6 - 1")
+    )
+    off = abs(found.multiplier - exact.multiplier)
+    assert off > 10.0 * exact.multiplier_error
+    assert off <= found.multiplier_error + exact.multiplier_error
 
 
 @pytest.mark.parametrize(

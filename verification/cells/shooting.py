@@ -348,10 +348,10 @@ def _closed_turn(
             break
         gap = turn.top - y
         move = gap / (1.0 - turn.slope) if turn.slope < 1.0 else gap
-        closed = abs(gap) <= tolerance * y
-        if closed and not ROUNDING * y < abs(move) < 0.5 * before:
-            return turn, abs(move)
-        before = abs(move)
+        closed, correction = abs(gap) <= tolerance * y, abs(move)
+        if closed and not ROUNDING * y < correction < 0.5 * before:
+            return turn, correction
+        before = correction
         y = y + move if low < y + move < high else turn.top
         if not low < y < high:
             break

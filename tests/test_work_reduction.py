@@ -228,6 +228,22 @@ def test_a_search_that_loses_a_velocity_exceeds_every_bound(
     assert 0.0 < found.bound < 1.0
 
 
+@pytest.mark.parametrize("at", [0, -1])
+def test_a_search_that_finds_another_velocity_exceeds_the_bound(
+    at: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = sums.all_velocities
+
+    def moved(*given: Any) -> Any:
+        found = search(*given)
+        v = found.v.copy()
+        v[at] *= 1.05
+        return SimpleNamespace(v=v, evaluations=found.evaluations)
+
+    monkeypatch.setattr(sums, "all_velocities", moved)
+    assert not sums.few_values_in_a_search(0.03125, 0.01).holds
+
+
 @pytest.mark.parametrize(("c", "eta"), [(0.5, 0.03125), (1.5, 0.05), (0.3, 0.01)])
 def test_sites_outside_the_window_change_less_than_the_truncation_bound(
     c: float, eta: float

@@ -814,6 +814,24 @@ def test_another_velocity_counts_only_where_the_longest_chain_is_not_long_enough
         assert settled.arrivals.size == sites
 
 
+def test_a_front_is_steady_only_if_it_has_travelled_for_the_relaxation_time() -> None:
+    """Otherwise its velocity errs by what half of the chain changes in it, or by itself."""
+    prepared = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
+    assert prepared.relaxation_time == pytest.approx(2.0 / AVERAGED.eps)
+
+    def trial(sites: int) -> Trial:
+        times = np.arange(sites) / (2.0 if sites < 100 else 2.125)
+        return Trial(None, times, times, Counter(steps=3))
+
+    for time, most, sites, error, status in (
+        (16.0, 1000, 32, 5e-9, FrontStatus.STEADY), (16.1, 1000, 64, 5e-9, FrontStatus.STEADY),
+        (16.1, 63, 32, 2.0, FrontStatus.UNSTEADY), (65.0, 128, 128, 0.125, FrontStatus.UNSTEADY),
+    ):  # fmt: skip
+        found = settle(trial, sites=32, max_sites=most, accuracy=0.1, relaxation_time=time)
+        assert (found.sites, found.status) == (sites, status)
+        assert found.error == pytest.approx(error, abs=1e-7)
+
+
 def test_a_run_that_is_asked_too_often_is_asked_less() -> None:
     """Its budget of steps is doubled for as long as less than a part of the stall time passes."""
     budgets: list[int] = []

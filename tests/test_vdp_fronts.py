@@ -59,6 +59,20 @@ def test_the_uncertainty_holds_at_the_coarsest_tolerance(c: float, b: float) -> 
     assert abs(front.v - front_wave(c, chain.eta).v) <= front.error
 
 
+@pytest.mark.parametrize(
+    ("eta", "c", "status"),
+    [(0.0236, 110.6, FrontStatus.STEADY), (0.013, 654.0, FrontStatus.UNSTEADY)],
+)
+def test_at_strong_coupling_the_error_bounds_what_is_left_of_the_start(
+    eta: float, c: float, status: FrontStatus
+) -> None:
+    """The velocity after the start passes through a minimum before it rises to that of the wave."""
+    chain = VdpChain(a=1.0, b=eta, c=c).averaged()
+    front = measure_front(chain, left_boundary=LeftBoundary.WAVE)
+    assert abs(front.v - front_wave(c, eta).v) <= front.error
+    assert front.status is status
+
+
 def test_a_front_of_the_full_chain_below_depinning_is_pinned_and_not_creeping() -> None:
     """Within a cycle √(y² + ẏ²) varies by 3 %; the largest of scipy's run ahead does not change."""
     chain = VdpChain(a=4, b=0.5, c=0.05)

@@ -224,7 +224,8 @@ class SmoothChain(Chain):
     4. If the time of the kernel is not t, override :attr:`kernel_rate`; if a site oscillates with a
        period of about 2π in that time, set :attr:`oscillates`.
     5. If waves travel behind a front, define :attr:`trailing_wave_velocity`; if the phases of
-       successive excited sites differ by a fixed step, set :attr:`front_phase_step`.
+       successive excited sites differ by a fixed step, set :attr:`front_phase_step`. If fronts are
+       so fast that they pass many sites within the :attr:`relaxation_time`, define it.
     6. If sites are coupled to sites other than their two neighbours, return the weights from
        :attr:`network`. The kernel then takes (site, pull, p, n, N), where ``pull`` is the pair of
        Σ_j W_nj (y_n - y_j), including walls, and the same sum for w; ``p`` is the whole array of
@@ -318,6 +319,11 @@ class SmoothChain(Chain):
     @property
     def trailing_wave_velocity(self) -> float:
         """Largest velocity, in sites per unit t, of undamped waves behind a front; 0 for none."""
+        return 0.0
+
+    @property
+    def relaxation_time(self) -> float:
+        """Time t in which small motion of a site at rest decays by a factor e; 0 if not known."""
         return 0.0
 
     def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:

@@ -124,6 +124,11 @@ class FrontPreparation:
         not.
     disordered : bool
         Whether sites differ at random, so that arrivals deviate from a line like a random walk.
+    relaxation_time : float
+        Time (in t) within which a front is not steady. Before disturbances ahead of it have
+        decayed, its velocity can pass through a minimum, where no fit of arrivals shows that it
+        will change. Where the longest chain is passed in less than this time, the error of v is
+        also at least its difference from v on a chain of half the length.
     """
 
     sized: Callable[[int], Chain]
@@ -142,6 +147,7 @@ class FrontPreparation:
     unsettled: Callable[[Integration], float] = field(default=lambda run: 0.0)
     compared: bool = False
     disordered: bool = False
+    relaxation_time: float = 0.0
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
@@ -162,12 +168,13 @@ class FrontPreparation:
             error = max(error_beside(v, error, other, self.tolerance), behind * v)
             if self.disordered:
                 error = max(error, error_by_disorder(arrivals))
-            if self.compared and math.isfinite(v):
+            relaxed = sites >= self.relaxation_time * v
+            if (self.compared or not relaxed) and math.isfinite(v):
                 error, before = max(error, abs(v - before)), v
             long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites
             if longest and not long and self.other_velocity is not None:
                 error = max(error, abs(v - self.other_velocity))
-            if error < self.accuracy * v and (long or longest):
+            if relaxed and error < self.accuracy * v and (long or longest):
                 return Settled(FrontStatus.STEADY, v, error, arrivals, sites, counts)
             if longest and math.isinf(v):
                 return Settled(FrontStatus.UNSTEADY, None, None, arrivals, sites, counts)

@@ -15,6 +15,10 @@ oscillate with coupled velocities, whose fronts are wide too, amplitudes and arr
 phase; these numbers are doubled until v hardly changes, and the chain until it is twice as long as
 one of nearly the same v. Arrivals close to the far end, within the length of the tail ahead of the
 front, are not used for v.
+
+Where coupling is strong, a front passes many sites before a site at rest would return there. The
+velocity after the start then falls to a minimum and rises slowly to its limit; the chain is made so
+long that the front travels on it for at least the relaxation time of the rest state.
 """
 
 from __future__ import annotations
@@ -258,6 +262,7 @@ def _prepare_smooth(
         tail_amplitude=TAIL * chain.unstable_amplitude,
         unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
         disordered=bool(getattr(chain, "disorder", {})),
+        relaxation_time=chain.relaxation_time,
         compared=chain.oscillates and getattr(chain, "velocity_coupling", 0.0) != 0.0,
     )
 

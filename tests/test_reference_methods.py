@@ -196,6 +196,12 @@ def test_the_averaged_front_of_friction_has_the_velocity_of_steps_of_another_met
     assert friction_cell.averaged_front(belt, sites) == pytest.approx(v, abs=1e-3)
 
 
+def test_a_front_of_friction_needs_an_unstable_cycle() -> None:
+    """On slower belts rest is unstable, and the averaged damping has one zero only."""
+    with pytest.raises(ValueError, match="unpack"):
+        friction_cell.averaged_front(1.0, 60)
+
+
 # ----------------------------------------------------------------- friction with located events
 
 

@@ -81,24 +81,27 @@ def averaged_damping(belt: float) -> tuple[FloatArray, FloatArray]:
 
 
 def averaged_front(belt: float, sites: int = 200) -> float:
-    """Return front velocity over c of r_n' = (c/2)(r_{n-1} - r_{n+1}) - D(r_n), by scipy.
+    """Return front velocity over c of r_n' = (c/2)(r_{n-1} - r_{n+1}) - D(r_n) at c = 1, by scipy.
 
     This is the averaged chain of Model I with quarter-turn phase steps, per unit of τ. If c is
     large compared with D'(0) the velocity is c + κ(c/6)^{1/3}, so that the ratio exceeds one if κ >
     0.
+
+    Raises
+    ------
+    ValueError
+        If D does not have two zeros R > 0, those of the unstable and of the stable cycle.
     """
-    c = 1.0
     amplitudes, damping = averaged_damping(belt)
-    crossings = amplitudes[1:-1][np.diff(np.sign(damping[1:])) != 0.0]
-    level, cycle = float(crossings[0]), float(crossings[-1])
+    level, cycle = amplitudes[1:-1][np.diff(np.sign(damping[1:])) != 0.0]
 
     def rate(_: float, r: FloatArray) -> FloatArray:
         padded = np.concatenate([[cycle], r, [0.0]])
         drag = np.sign(r) * np.interp(np.abs(r), amplitudes, damping)
-        out: FloatArray = 0.5 * c * (padded[:-2] - padded[2:]) - drag
+        out: FloatArray = 0.5 * (padded[:-2] - padded[2:]) - drag
         return out
 
     start = np.where(np.arange(sites) < sites // 4, cycle, 0.0)
-    run = solve_ivp(rate, (0.0, 1.3 * sites / c), start, method="DOP853", rtol=1e-8, atol=1e-9,
+    run = solve_ivp(rate, (0.0, 1.3 * sites), start, method="DOP853", rtol=1e-8, atol=1e-9,
                     dense_output=True)  # fmt: skip
-    return passage_velocity(run, range(3 * sites // 4, sites - 10), level) / c
+    return passage_velocity(run, range(3 * sites // 4, sites - 10), level)

@@ -436,11 +436,12 @@ def test_help_lists_the_methods_and_definitions_of_a_threshold_that_apply(
 def test_the_first_method_and_definition_of_a_threshold_in_help_are_the_defaults(monkeypatch):
     asked = []
     monkeypatch.setattr(thresholds, "spreading_threshold", lambda _, how, **__: asked.append(how))
-    monkeypatch.setattr(thresholds, "_at_end_of_branch", lambda *given: asked.append(given[2:4]))
+    monkeypatch.setattr(thresholds, "breather_threshold", lambda *how, **_: asked.append(how[2]))
+    monkeypatch.setattr(thresholds, "_of_stability", lambda _: asked.append("stability"))
     for chain in (FrictionChain(c=0), VdpChain(a=4, b=0.5, c=0), AveragedChain(a=4, b=0.5, c=0)):
         threshold(chain)
     assert asked.pop(0).definition == "first"
-    assert asked == [("orbit", "existence"), ("envelope", "existence")]
+    assert asked == ["orbit", "envelope"]  # and their existence, not their stability
     for chain, method, definition in ((FrictionChain, "bisection", "first"),
                                       (VdpChain, "orbit", "existence"),
                                       (AveragedChain, "envelope", "existence")):  # fmt: skip

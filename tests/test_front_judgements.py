@@ -936,16 +936,18 @@ def test_steps_of_a_wave_are_half_the_time_of_its_fastest_rate(c: float) -> None
 def test_fronts_are_looked_for_down_to_a_velocity_of_one_thousandth(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """Few steps suffice for a weak attraction."""
+    eta = 0.08
     monkeypatch.setattr(wave, "_PERIODS", 2)
-    fold = resting.static_fold(0.03125)
+    fold = resting.static_fold(eta)
 
     def coupling(v: float) -> float:
         return fold.c + (v / fold.square_root) ** 2
 
-    window = wave.Window.started(coupling(1.5e-3), 0.03125)
+    window = wave.Window.started(coupling(1.5e-3), eta)
     assert window.guess[-1] == pytest.approx(1.5e-3, rel=0.1)
     with pytest.raises(wave.NoFrontError, match=r"slower than 0\.001"):
-        wave.Window.started(coupling(7e-4), 0.03125)
+        wave.Window.started(coupling(7e-4), eta)
 
 
 def test_multipliers_are_compared_with_those_of_the_first_solution(

@@ -42,7 +42,14 @@ from verification.references import (
     front_wave as waves,
 )
 from verification.references.equations import full_rate
-from verification.references.friction_events import BEGINS, ENDS, EventRun, _Law, run_events
+from verification.references.friction_events import (
+    BEGINS,
+    ENDS,
+    REVERSES,
+    EventRun,
+    _Law,
+    run_events,
+)
 from verification.references.pace import NoReferenceError
 from verification.references.switch_model import SwitchRun, run_switch
 from verification.runs.simulate import simulate
@@ -70,6 +77,22 @@ def test_a_run_of_objects_is_as_exact_as_they_are_and_one_of_long_doubles_is_rou
     assert exact.uncertainty == 0.0  # of its roundings, which the caller sets
     rounded = extrapolation.integrate(lambda _, y: -y, extrapolation.extended([1.0]), 1.0, 1e-17)
     assert 1e-19 < rounded.uncertainty < 1e-15
+
+
+def test_a_reference_is_compared_with_a_run_at_ten_times_its_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[float] = []
+    integrate = extrapolation.integrate
+
+    def noted(rate: Any, start: Any, end: float, tolerance: float) -> Any:
+        asked.append(tolerance)
+        return integrate(rate, start, end, tolerance)
+
+    monkeypatch.setattr(extrapolation, "integrate", noted)
+    extrapolation.precise_state(lambda _, y: -y, np.ones(1), 1.0)
+    sharper, looser = sorted(asked)
+    assert looser == pytest.approx(10.0 * sharper, rel=1e-12, abs=0.0)
 
 
 def test_roundings_of_a_run_are_of_its_largest_size_at_each_of_its_steps() -> None:
@@ -234,6 +257,17 @@ def test_a_site_at_the_speed_of_the_belt_sticks_if_friction_can_hold_it(
         assert run.y[0, 0] == pytest.approx(carried, abs=1e-14)
     else:
         assert (run.y[0, 0] - carried) * place < -1e-4
+
+
+def test_a_site_that_is_pulled_past_the_belt_reverses_its_slip_as_in_the_other_method() -> None:
+    """It then slips ahead of the belt until it sticks; events have the same numbers in both."""
+    chain = FrictionChain(c=0.0, sites=1)
+    start = np.array([[-5.0], [chain.cell.v_d - 1.0]])
+    run = run_events(chain, start, 4.0, tolerance=1e-10)
+    other = simulate(chain, start, 4.0, logged_events=10).event_log
+    assert run.log[0, 2] == REVERSES
+    assert run.log[:, 1:].tolist() == other[:, 1:].tolist()
+    assert run.log[:, 0] == pytest.approx(other[:, 0], abs=1e-6)
 
 
 @pytest.mark.parametrize("slope", [1.0, 1e-6, -1e-6])
@@ -576,6 +610,19 @@ def test_a_family_is_of_quarter_turns_at_every_second_step(
     assert len(signs) == {2: 2, 4: 8, 8: 8}[size]
 
 
+@pytest.mark.parametrize("size", [2, 6])
+def test_a_step_in_the_middle_of_a_mirrored_pattern_is_zero_or_half_a_turn(
+    size: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whichever of the two is nearer to the other steps δ; of two sites it is the only step."""
+    monkeypatch.setattr(phase_locked, "_distinct", lambda patterns, *_: patterns)
+    patterns: Any = phase_locked.family(size, A, B)
+    middle = [(steps[0], steps[size // 2 - 1]) for steps in patterns]
+    mirrored = [(abs(delta), step) for delta, step in middle if step in (0.0, np.pi)]
+    assert {step for _, step in mirrored} == {0.0, np.pi}
+    assert all(abs(delta - step) <= 0.5 * np.pi for delta, step in mirrored)
+
+
 def test_growth_of_mirrored_perturbations_is_that_of_eigenvectors_that_are_mirrored(
     short: int,
 ) -> None:
@@ -670,8 +717,9 @@ def test_newton_finds_a_breather_from_far_off_too(short: int) -> None:
     assert any(u is not None for u in reached)
 
 
+@pytest.mark.parametrize("jump", [0.2, -0.2])
 def test_a_branch_is_followed_along_its_line_and_not_across_a_gap(
-    short: int, monkeypatch: pytest.MonkeyPatch
+    jump: float, short: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Made-up solutions on a line in c, of which one unknown jumps at c = 0.1."""
     (one,) = phase_locked.locked_breathers(1, A, B)
@@ -684,7 +732,7 @@ def test_a_branch_is_followed_along_its_line_and_not_across_a_gap(
         if c < 0.1:
             asked.append(float(np.abs(guess - found).max()))
             return found
-        return found + 0.2 * (np.arange(first.size) == 2)
+        return found + jump * (np.arange(first.size) == 2)
 
     monkeypatch.setattr(phase_locked, "solve", on_the_line)
     branch = phase_locked.follow(one, A, B)
@@ -784,6 +832,17 @@ def test_the_fold_is_as_uncertain_as_roundings_at_its_own_coupling_make_it(
     found = precise_breather.locked_fold(eta, fold, near.waves, float(near.unknowns[-1]))
     assert asked == [(eta, pytest.approx(fold, rel=1e-8))]
     assert 0.0 < found.uncertainty < 1e-15
+
+
+def test_a_site_alone_is_as_uncertain_as_its_roundings_over_the_slope_of_its_damping() -> None:
+    """(1 - 3r²/4 + 5ηr⁴/8)/2 at the outer cycle; there Ω = 0, uncertain by roundings over r."""
+    eta = 0.08
+    found = precise_breather.locked_state(eta, 0.0, np.array([4.5 + 0j]), 0.0)
+    r = float(found.value[0])
+    slope = 0.5 * (1.0 - 0.75 * r**2 + 0.625 * eta * r**4)
+    terms = r * (1.0 + r**2 / 4.0 + eta * r**4 / 8.0)
+    roundings = 10.0 * float(np.finfo(np.longdouble).eps) * terms
+    assert found.uncertainty == pytest.approx(roundings * max(1.0 / slope, 1.0 / r), rel=1e-6)
 
 
 def test_roundings_of_a_state_add_up_whatever_their_signs(monkeypatch: pytest.MonkeyPatch) -> None:

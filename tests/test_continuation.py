@@ -83,6 +83,17 @@ def test_a_step_that_leads_farther_away_is_halved(side: float) -> None:
     assert tried[:3] == pytest.approx([side * (1.5 - part * whole) for part in (0.0, 1.0, 0.5)])
 
 
+def test_a_step_that_leads_no_nearer_is_halved() -> None:
+    """Of F = 1.5 u, with slope ½ beyond u = ½, whole steps would lead from 1 to -1 and back."""
+
+    def bent(u: Any, c: float) -> tuple[Any, Any, Any]:
+        near = abs(u[0]) < 0.5
+        value = 1.5 * u if near else np.sign(u) * (0.5 + 0.5 * np.abs(u))
+        return value, np.eye(1) * (1.5 if near else 0.5), np.zeros(1)
+
+    assert solve_at(bent, np.array([1.0]), 0.0).u.tolist() == [0.0]
+
+
 def test_of_a_step_five_parts_are_tried() -> None:
     tried: list[float] = []
 
@@ -150,6 +161,22 @@ def test_a_short_correction_of_a_steep_function_is_no_solution_yet() -> None:
     assert end.u[0] == pytest.approx(math.sqrt(end.parameter), rel=1e-14)
 
 
+def test_a_small_residual_after_a_long_correction_is_no_solution_yet() -> None:
+    """Of 1e-8 (u² + (c - 1)² - 0.49) beside an unknown that needs no correction."""
+
+    def flat(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value, slope, by_c = circle(u[:1], c)
+        return (
+            np.array([1e-8 * value[0], u[1]]),
+            np.diag([1e-8 * slope[0, 0], 1.0]),
+            np.array([1e-8 * by_c[0], 0.0]),
+        )
+
+    start = solve_at(flat, np.array([0.5, 0.0]), 1.4)
+    end = step_along(flat, start, 0.1)
+    assert circle(end.u[:1], end.parameter)[0] == pytest.approx(0.0, abs=1e-10)
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e7])
 def test_a_step_into_what_is_no_solution_by_far_is_given_up_at_once(value: float) -> None:
     tried: list[float] = []
@@ -214,6 +241,33 @@ def test_the_error_of_a_parabola_is_the_distance_of_its_farthest_root(share: flo
     stated = solution_error(parabola, u, c, np.array([off, 0.0]))
     # The second derivative is a difference, which is exact here but for rounding.
     assert stated == pytest.approx(abs(math.sqrt(c) - farthest), rel=1e-6)
+
+
+def test_an_exact_solution_of_exact_equations_has_no_error() -> None:
+    assert solution_error(_linear(1.0), np.zeros(1), 0.0) == 0.0
+
+
+def test_the_curvature_in_an_error_is_that_near_the_solution() -> None:
+    """F = u up to |u| = 1e-6, steep beyond: an error δ = 1e-9 of F leads not so far."""
+
+    def walled(u: Any, c: float) -> tuple[Any, Any, Any]:
+        beyond = np.maximum(np.abs(u) - 1e-6, 0.0)
+        value = u + np.sign(u) * 0.5e9 * beyond**2
+        return value, np.diag(1.0 + 1e9 * beyond), np.zeros(1)
+
+    assert solution_error(walled, np.zeros(1), 0.0, 1e-9) == pytest.approx(1e-9, rel=1e-12)
+
+
+def test_an_error_of_one_equation_that_bends_another_is_in_the_error_of_both() -> None:
+    """F = (x + Ky²/2, y), each wrong by up to δ: x = ±δ₁ - Kδ₂²/2."""
+    bend, off = 500.0, np.array([1e-3, 0.9e-3])
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([u[0] + 0.5 * bend * u[1] ** 2, u[1]])
+        return value, np.array([[1.0, bend * u[1]], [0.0, 1.0]]), np.zeros(2)
+
+    farthest = off[0] + 0.5 * bend * off[1] ** 2
+    assert farthest <= solution_error(system, np.zeros(2), 0.0, off) <= 1.5 * farthest
 
 
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])

@@ -3,6 +3,7 @@
 import ast
 import bisect
 import math
+import pkgutil
 import sys
 from dataclasses import dataclass
 from functools import partial, wraps
@@ -458,6 +459,13 @@ def test_what_libraries_define_is_not_read(monkeypatch):
     for task in (session.task, session.norm.cdf, partial(math.pow, 2.0), np.sin):
         assert code_of(task).modules == ()
         assert code_of(task) == code_of(task)
+
+
+def test_what_a_function_of_a_library_holds_is_not_read_since_it_changes_with_its_use():
+    of_a_library = pkgutil.iter_importer_modules  # remembers the types that it was called with
+    before = code_of(of_a_library)
+    of_a_library.dispatch(type("Fresh", (), {}))
+    assert code_of(of_a_library) == before
 
 
 def test_a_session_may_use_this_project_as_a_module_and_by_its_names(monkeypatch):

@@ -466,8 +466,9 @@ def test_where_rest_is_unstable_every_site_is_stepped() -> None:
 def test_a_piece_of_work_is_about_as_large_as_its_budget() -> None:
     chain = VdpChain(a=4, b=0.5, c=0.6, sites=50)
     run = SmoothIntegration(chain, excite(chain, range(1, 51)), [1e4], active_window=False)
-    run.advance(1000)
-    assert 0 < run.counts["site_steps"] <= 1000 + 50
+    for spent in (1000, 2000):  # and so is the next one, whatever has been done before
+        run.advance(1000)
+        assert spent - 50 < run.counts["site_steps"] <= spent
 
 
 def test_a_friction_chain_is_integrated_to_a_tolerance_of_1e_10_and_has_no_amplitude_at_first() -> (

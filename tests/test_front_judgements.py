@@ -25,7 +25,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError, Range, RunError
-from verification.continuation.branch import Crossing
+from verification.continuation.branch import Crossing, trace
 from verification.continuation.newton import solve_at
 from verification.fronts import (
     follow,
@@ -1694,6 +1694,21 @@ def test_a_loss_of_stability_is_told_from_a_fold_beyond_the_errors_of_both() -> 
         assert (continuation._before(family, fold, crossing) is crossing) is told
 
 
+def test_the_growth_half_way_is_solved_for_where_the_branch_begins_above_half_its_fold() -> None:
+    """On u² + (c - 1)² = 0.49, whose fold at c = 1.7 is followed from 1.2 on: u² = 0.4675."""
+
+    def circle(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 + (c - 1.0) ** 2 - 0.49, np.diag(2.0 * u), np.array([2.0 * (c - 1.0)])
+
+    branch = trace(circle, solve_at(circle, np.array([0.6]), 1.2), 5.0)
+    family: Any = SimpleNamespace(
+        system=lambda: circle, measured=lambda point, _: SimpleNamespace(stability=point)
+    )
+    found = continuation._half_way(family, branch, 0.0)
+    assert found.parameter == pytest.approx(0.85, abs=1e-10)
+    assert found.u == pytest.approx([math.sqrt(0.4675)], abs=1e-10)
+
+
 def test_no_front_within_the_errors_of_its_fold_is_faster_than_the_fastest() -> None:
     """v = K√(c - c_pin), with the largest K and the smallest c_pin."""
     fold = resting.StaticFold(
@@ -1720,6 +1735,25 @@ def test_the_error_of_a_range_reaches_to_escapes_within_twice_the_duration(
     monkeypatch.setattr(escape, "hold", hold)
     found = escape.escape_range(AVERAGED, escape.NucleusPreparation(1), duration, tolerance)
     assert beyond <= 0.2 - (found.c_crit - found.error) < 2.0 * beyond + tolerance
+
+
+def test_longer_runs_are_made_below_a_wide_range_of_escape(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Escapes take most of the duration between 0.19 and 0.1905."""
+    tolerance, duration = 1e-5, 100.0
+    longer: list[float] = []
+
+    def hold(_: object, __: object, c: float, length: float) -> Any:
+        if length > duration:
+            longer.append(c)
+        after = 0.25 if c > 0.1905 else 0.75 if c > 0.19 else math.inf
+        return SimpleNamespace(escaped=after * duration <= length, time=after * duration)
+
+    monkeypatch.setattr(escape, "hold", hold)
+    escape.escape_range(AVERAGED, escape.NucleusPreparation(1), duration, tolerance)
+    assert tolerance <= 0.19 - longer[0] <= 2.0 * tolerance
+    assert np.diff(longer) == pytest.approx(-tolerance * 2.0 ** np.arange(len(longer) - 1))
 
 
 @pytest.mark.parametrize(

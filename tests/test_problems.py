@@ -10,6 +10,7 @@ from theory.parameters import ParameterError
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import ETA_PIN_END
+from verification.quantities import registry
 from verification.quantities.problems import PROBLEMS, Problem, timed
 from verification.quantities.quantity import Quantity
 from verification.quantities.registry import all_computations, all_quantities, quantity_named
@@ -87,6 +88,13 @@ def test_problems_in_its_ranges_are_points_of_a_computation() -> None:
 def test_what_is_not_there_is_refused() -> None:
     with pytest.raises(ParameterError, match="quantity = nothing"):
         quantity_named("nothing")
+
+
+def test_two_quantities_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    twice = {module: (all_quantities()[0],) for module in ("one", "other")}
+    monkeypatch.setattr(registry, "exposed", lambda *_: twice)
+    with pytest.raises(ValueError, match=f"quantities.*{all_quantities()[0].name}"):
+        all_quantities.__wrapped__()
 
 
 def test_a_problem_is_what_it_is_called() -> None:

@@ -97,6 +97,12 @@ def test_a_root_or_a_velocity_that_is_left_out_is_missed() -> None:
     stated = kinetic.compute(at)
     one = replace(stated, extra=replace(stated.extra, branches=stated.extra.branches[1:]))
     assert compared(stated.error, kinetic.check(at, one)) is PointOutcome.EXCEEDED
+    at = {"c": 0.0453125, "eta": 0.001}  # just above c_pin, where fronts are slowest
+    stated = kinetic.compute(at)
+    assert 0.018 < stated.extra.branches[0].v < 0.036
+    assert kinetic.check(at, stated).distance == 0.0
+    none = replace(stated, extra=replace(stated.extra, branches=()))
+    assert compared(stated.error, kinetic.check(at, none)) is PointOutcome.EXCEEDED
 
 
 @pytest.mark.parametrize(

@@ -602,6 +602,25 @@ def test_sites_of_a_friction_chain_move_to_either_side_of_rest(
     assert 0.0 < np.abs(starts[-1][0] / 2.0 - 1.0).max() < 1e-14  # as rounding may be
 
 
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_rounding_decides_where_it_changes_a_thousandth_of_the_motion(
+    size: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    share = 0.0
+
+    def events(chain: Any, _: Any, __: float, accuracy: Any = friction._TIGHT) -> Any:
+        moved = share * (accuracy == friction._LOOSE)
+        return SimpleNamespace(y=[np.full(chain.sites, size * (1.0 + moved))])
+
+    monkeypatch.setattr(friction, "_events", events)
+    stated = StatedValue(value=np.full(3, size), error=0.0, extra=np.full((2, 3), size))
+    share = 0.9e-3
+    assert friction.friction_by_scipy(BELT, stated).uncertainty == pytest.approx(share * size)
+    share = 1.1e-3
+    with pytest.raises(NoReferenceError, match="rounding of the start"):
+        friction.friction_by_scipy(BELT, stated)
+
+
 def test_a_friction_run_states_its_own_error_and_none_where_rounding_decides(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -159,6 +159,12 @@ def test_a_shape_is_as_uncertain_as_the_rest_of_its_series(
     assert 1e-6 < check.distance <= check.uncertainty < 0.02
 
 
+def test_beside_the_front_the_series_is_no_reference_for_an_error_far_below_its_rest() -> None:
+    at = {"v": 0.3, "c": 0.5, "distance": 5e-4, "tolerance": 1e-12, "side": 1.0}
+    with pytest.raises(NoReferenceError, match="too slowly"):
+        roots._check_profile(at, roots._profile(at))
+
+
 # -------------------------------------------------------------------------- the kinetic relation
 
 

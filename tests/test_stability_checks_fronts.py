@@ -433,6 +433,16 @@ def test_a_front_timed_by_scipy_has_the_velocity_of_the_wave(
     assert check.distance == pytest.approx(0.1 * v, abs=check.uncertainty)
 
 
+def test_a_front_that_has_settled_is_timed_to_1e_7(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scipy's tolerances add no more than as much again."""
+    _short_fronts(monkeypatch, 72)
+    at = {"c": 0.4, "eta": 0.08}
+    wave = front_wave(**at)
+    check = fronts._by_scipy(at, StatedValue(value=wave.v, error=wave.error), full=False)
+    assert check.distance <= check.uncertainty + wave.error
+    assert check.uncertainty < 2e-7 * wave.v
+
+
 def test_a_front_of_the_chain_is_timed_in_slow_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """By (8) itself; (43), of which the velocity is known, is off by the order of ε."""
     _short_fronts(monkeypatch, 20)

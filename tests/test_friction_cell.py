@@ -521,8 +521,9 @@ def test_the_error_of_a_cycle_covers_the_coarser_search_in_each_of_its_numbers()
     stated = unstable_cycle(CELL, 1e-12)
     assert stated.max == fine.max != coarse.max
     faster = _with_error(CELL, fine, replace(fine, speed=fine.speed + 0.5))
-    unknown = _with_error(CELL, fine, replace(fine, speed=None))
-    assert (faster.error, unknown.error < 1e-10) == (0.5, True)
+    assert faster.error == 0.5
+    for one, other in ((fine, replace(fine, speed=None)), (replace(fine, speed=None), fine)):
+        assert _with_error(CELL, one, other).error < 1e-10
     # Without stick the velocity of the belt, by which positions become times, does not matter.
     slow = _with_error(replace(CELL, v_d=1e-6), fine, fine)
     assert slow.error < 1e-10
@@ -655,9 +656,12 @@ def test_a_cell_that_reverses_before_it_sticks_turns_where_its_slips_back_do(
         direction = given.get("direction", -1.0)
         if end == phases.TOUCH:
             asked.append(direction)
-            assert w == 0.0
-            assert released is (len(asked) == 1)  # stick has ended before the first slip only
+        assert w == 0.0
+        assert released is (len(asked) == 1)  # stick has ended before the first slip only
+        if end == phases.TOUCH:
             return 2.0, 0.5, 0.0
+        # Slip back has a smallest and a largest y, slip forwards a largest velocity.
+        assert end in ((phases.LOWEST, phases.HIGHEST) if direction < 0.0 else (phases.SLOWEST,))
         if end == phases.LOWEST:
             turns[:] = next(backwards)
         begun.append((y, w))
@@ -819,6 +823,21 @@ def test_limits_beside_those_at_another_tolerance_are_those_of_a_whole_search(
     assert len(slips) < (0.4 if given.xi > 1.0 else 1.0) * most + 10
 
 
+@pytest.mark.parametrize(("errors", "known"), [(2.9, True), (3.1, False)])
+def test_the_error_of_an_end_of_cycles_is_known_if_they_have_ended_three_errors_above(
+    errors: float, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of made-up ends at two tolerances, and slip that falls short of v_d from there on."""
+    end, gap = 2.0, 1e-3
+    monkeypatch.setattr(friction, "cycle_velocities", lambda *_: (0.0, end))
+    monkeypatch.setattr(friction, "_limits_beside", lambda *_: (0.0, end + gap))
+    monkeypatch.setattr(friction, "_rounding_of_end", lambda *_: 0.0)
+    slip = end + errors * gap
+    monkeypatch.setattr(friction, "largest_after_release", lambda at, _: slip - at.v_d)
+    found = friction.cycle_limits(FrictionCell(), 1e-12, None)
+    assert found.error == pytest.approx(gap if known else math.inf)
+
+
 def test_limits_far_from_those_at_another_tolerance_are_searched_for_everywhere() -> None:
     whole = friction.cycle_velocities(CELL, 1e-8)
     assert friction._limits_beside(CELL, (0.0, 0.5 * whole[1]), 1e-8, None) == whole
@@ -941,6 +960,8 @@ def test_slip_that_is_taken_to_creep_never_turns_in_scipy(given: FrictionCell, s
     """From points all over the wedge between ẏ = 0 and ẏ = μ(v_d) - y, on both sides."""
     where, v_d = friction_cycles.creep(given), given.v_d
     assert (where.rising >= v_d) is slow
+    # From rest within v_d of steady sliding no ẏ ≤ μ(v_d) - y is that of the belt.
+    assert phases._creeps.py_func(where, where.sliding - 0.99 * v_d, -v_d, v_d) is slow
 
     def rate(_: float, z: np.ndarray) -> list[float]:
         return [z[1], friction_coefficient(given, v_d - z[1]) - 2 * given.xi * z[1] - z[0]]
@@ -974,6 +995,32 @@ def test_slip_creeps_up_to_the_speed_at_which_drag_rises_too_little(
     speed = given.v_d + where.falling if faster else given.v_d - where.rising
     drag = 2.0 * given.xi + friction_slope(given, speed)
     assert drag == pytest.approx(friction_cycles._STRONG, rel=1e-12)  # a root, to rounding
+
+
+def test_a_viscous_part_is_damping_where_slip_creeps_and_where_sliding_loses_stability() -> None:
+    """A viscous part 2ξ in place of ξ changes the displacement of sliding alone."""
+    for v_d in (0.1, 0.2, 1.0):
+        damped = FrictionCell(xi=2.5, v0=0.05, v_d=v_d)
+        one, two = map(friction_cycles.creep, (damped, replace(damped, xi=0.0, viscous=5.0)))
+        assert (one.rising, one.falling) == (two.rising, two.falling)
+    assert one.rising == math.inf
+    near = FrictionCell(xi=0.05, v_d=1.2)
+    one, two = (
+        friction_cycles._rounding_near_hopf(each, 0.1)
+        for each in (near, replace(near, xi=0.0, viscous=0.1))
+    )
+    assert one == pytest.approx(two, rel=1e-9)  # both dampings are differences, to rounding
+
+
+def test_an_unstable_cycle_is_found_wherever_the_force_is_zero() -> None:
+    """A constant added to both coefficients of friction is added to every y."""
+    far, cell = 1e4, FrictionCell(xi=1e-3, v_d=10.0)
+    found = unstable_cycle(cell)
+    moved = unstable_cycle(replace(cell, mu_st=cell.mu_st + far, mu_d=cell.mu_d + far))
+    room = found.error + moved.error
+    assert room < 1e-3
+    for name in ("max", "min"):
+        assert abs(getattr(moved, name) - far - getattr(found, name)) <= room
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])

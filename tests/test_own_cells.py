@@ -485,6 +485,9 @@ def test_where_the_averaged_cycles_meet_there_is_one_that_attracts_from_outside(
     small = cell(AveragedChain(a=100.0 * a, b=1e4 * b, c=0.0))  # all lengths a tenth
     assert small.error == pytest.approx(0.1 * found.error)
     assert abs(radius - np.sqrt(2.0)) <= found.error < 1e-6
+    near = cell(AveragedChain(a=a, b=float(np.nextafter(b, 0.0)), c=0.0))  # b off by its rounding
+    for cycle in (near.unstable_cycle, near.stable_cycle):
+        assert 0.0 < abs(cycle.amplitude - radius) <= found.error
     for r in (0.9 * radius, 1.1 * radius):
         assert -0.5 * r * (1.0 - a * r**2 / 4.0 + b * r**4 / 8.0) < 0.0
 
@@ -816,3 +819,36 @@ def test_a_cell_that_does_not_come_to_rest_from_every_y_is_not_said_to() -> None
     """
     with pytest.raises(ParameterError, match=r"begins at y = 5\d\.\d grows"):
         cell(OscillatorChain(damping="1 + v", c=0.0, eps=0.01))
+
+
+def test_turns_are_tried_where_the_damping_has_both_signs_and_is_not_strong(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of ÿ + 4y + ½ε(y² - 1)ẏ = 0, with a damping from -½ to ½(y² - 1); none turns back twice."""
+    tried = []
+    monkeypatch.setattr(
+        shooting, "_turn", lambda _, __, y, limit, ___: tried.append((y, limit)) or None
+    )
+    given = OscillatorCell(stiffness={1: 4.0}, damping={(0, 0): -0.5, (2, 0): 0.5})
+    shooting.check_turns(given, 1.0, (), rests=True)
+    strongest = 10.0 * 2.0  # ten times the frequency
+    expected = [
+        y for y in shooting._TRIED.tolist() if y > 1.0 and max(0.5, 0.5 * (y * y - 1.0)) < strongest
+    ]
+    assert [y for y, _ in tried] == expected
+    assert len(expected) > 10
+    for y, limit in tried:
+        assert limit.amplitude == y
+        assert (limit.velocity, limit.period) == pytest.approx((2.0 * y, np.pi))
+
+
+@pytest.mark.parametrize("stiffness", [{1: 1.0}, {1: 1.0, 3: 1.0}, {1: 1.0, 3: 100.0}])
+def test_a_turn_without_damping_neither_grows_nor_decays_by_what_decides_on_turns(
+    stiffness: dict[int, float],
+) -> None:
+    given = OscillatorCell(stiffness=stiffness, damping={(0, 0): 1.0})
+    for y in (1e-3, 1.0, 10.0):
+        limit = OscillatorCycle(y, given.velocity(y), given.period(y), True)
+        turn = shooting._turn(given, 0.0, y, limit, shooting._TRIED_TOLERANCE)
+        assert turn is not None
+        assert abs(turn.top / y - 1.0) < 0.1 * shooting._GROWTH

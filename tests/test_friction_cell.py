@@ -744,6 +744,9 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     assert np.isnan(diagram.stable[3]).all()
     dry = cell_diagram(FrictionCell(law="coulomb", xi=0.01), [0.5])
     assert (np.isnan(dry.stable).any(), np.isnan(dry.unstable).all()) == (False, True)
+    # In words it is a table with a row for each velocity.
+    first_column = re.findall(r"^ +(\d\S*)", in_words(diagram), re.MULTILINE)
+    assert first_column[:4] == ["1", "1.3", "1.7", "2"]
     again = bifurcation([CELL], "v_d", [1.0, 1.3])
     assert again.stable.tolist() == diagram.stable[:2].tolist()
     assert bifurcation([CELL], "xi", [0.1, 0.2]) is None

@@ -14,6 +14,7 @@ from verification.fronts.status import FrontStatus
 from verification.piecewise import verdict
 from verification.piecewise.chain import PiecewiseMotion, Rest, Switching
 from verification.piecewise.run import FrontRun
+from verification.piecewise.simulation import simulate_front
 from verification.piecewise.verdict import BLOCK, History
 from verification.piecewise.window import ChainState, travelling_state
 
@@ -218,10 +219,41 @@ def test_a_front_that_shuttles_between_two_sites_gets_no_velocity() -> None:
     history.extend(BLOCK)
     run = _run(history)
     assert (run.status, run.v, run.error) == (FrontStatus.UNSTEADY, None, None)
+    assert history._mean_velocity() == 0.0
+
+
+def test_each_block_of_a_run_may_have_as_many_switchings_as_the_first() -> None:
+    """However many there have been before: a run that has had many goes on."""
+    history = _followed(*(_switch(1.0, (-1) ** k) for k in range(5000)))
+    counts = []
+    for _ in range(3):
+        history.extend(BLOCK)
+        counts.append(history.events)
+    assert counts == [counts[0], 2 * counts[0], 3 * counts[0]]
+    assert counts[0] > 0
+
+
+def test_a_run_whose_front_has_come_to_rest_asks_for_no_further_switching(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps = iter((_switch(1.0), Rest(margin=0.1, remainder=0.0)))
+
+    def advance(_: object, __: float) -> Switching | Rest:
+        return next(steps)  # a third one does not exist
+
+    monkeypatch.setattr(PiecewiseMotion, "advance", advance)
+    run = simulate_front(0.3, 0.03125, "step")
+    assert (run.status, run.margin, run.events) == (FrontStatus.PINNED, 0.1, 1)
 
 
 @pytest.mark.parametrize(
-    ("slid", "status"), [(2 * BLOCK - 5, FrontStatus.STEADY), (-5, FrontStatus.SLIDING)]
+    ("slid", "status"),
+    [
+        (2 * BLOCK - 5, FrontStatus.STEADY),
+        (-BLOCK - 1, FrontStatus.STEADY),
+        (-BLOCK, FrontStatus.SLIDING),
+        (-5, FrontStatus.SLIDING),
+    ],
 )
 def test_a_front_slides_if_it_slid_in_the_block_that_is_judged(
     slid: int, status: FrontStatus

@@ -371,6 +371,10 @@ def test_a_zero_scales_with_its_polynomial(scale, stretch):
         assert other.at == (None if found.at is None else stretch * found.at)
 
 
+def test_a_zero_at_the_end_of_the_interval_belongs_to_it():
+    assert first_zero([1.0, -1.0], 1.0).at == 1.0
+
+
 def test_a_polynomial_below_zero_from_the_start_is_there_at_once():
     assert first_zero([-1.0, 1.0], 2.0).at == 0.0
 
@@ -418,6 +422,11 @@ def test_a_touch_without_a_crossing_is_passed_and_counted():
     found = first_zero([0.1875, -1.0, 1.75, -1.0], 1.0)
     assert found.at == pytest.approx(0.75, abs=1e-12)
     assert found.grazes >= 1
+
+
+def test_a_touch_is_counted_once_and_does_not_cross():
+    """Of (x - 1/2)^2 the bound on the second derivative is that derivative: one step passes it."""
+    assert first_zero([0.25, -1.0, 1.0], 1.0) == FirstZero(None, 1)
 
 
 @pytest.mark.parametrize("excess", [1e-4, 1e-6, 1e-8])
@@ -515,12 +524,14 @@ def test_a_resting_start_has_its_last_site_with_the_force_at_zero(sites):
     assert size[-state.origin] > 0.5 > size[1 - state.origin]
 
 
-def test_a_site_that_overtakes_the_window_makes_it_longer():
-    short = ChainState(static_state(1.0, 48).phi, 0)
-    run = simulate_front(1.0, 0.005, short)
+@pytest.mark.parametrize(("c", "eta"), [(1.0, 0.005), (1e-3, 1e-8)])
+def test_a_site_that_overtakes_the_window_makes_it_longer(c, eta):
+    """So long that its ends disturb by little beside the threshold, however low that is."""
+    short = ChainState(static_state(c, 48).phi, 0)
+    run = simulate_front(c, eta, short)
     assert run.window > 48
-    assert run.truncation < 1e-13 * run.threshold
-    assert run.v == pytest.approx(simulate_front(1.0, 0.005).v, rel=1e-12)
+    assert run.truncation < 1e-14 * run.threshold
+    assert run.v == pytest.approx(simulate_front(c, eta).v, rel=1e-12)
 
 
 def test_an_interrupted_run_leaves_the_next_one_whole(monkeypatch):

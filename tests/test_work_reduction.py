@@ -572,6 +572,24 @@ def test_harmonics_are_compared_with_the_errors_of_both_solutions(
     assert found.bound == known[0].error + 0.5
 
 
+@pytest.mark.parametrize(
+    ("period", "site", "changed"), [(0.0, 0.25, 0.25), (0.0, -0.25, 0.25), (-0.5, -0.25, 0.5)]
+)
+def test_orbits_are_as_far_apart_as_their_periods_or_the_site_that_differs_most(
+    period: float, site: float, changed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = SimpleNamespace(period=6.0, state=np.array([1.0, 2.0, 3.0]), error=1e-3)
+    few = SimpleNamespace(period=6.0 + period, state=np.array([1.0, 2.0 + site, 3.125]), error=2e-3)
+
+    def solved(*_: object, steps: int | None = None) -> SimpleNamespace:
+        return few if steps is None else whole
+
+    monkeypatch.setattr(orbits, "solve_orbit", solved)
+    found = orbits.fewer_steps()
+    assert found.changed == changed
+    assert found.bound == pytest.approx(3e-3)
+
+
 @pytest.mark.parametrize("left", [1e-3, -1e-3])
 def test_a_balance_errs_by_what_is_left_of_it_of_either_sign(
     left: float, monkeypatch: pytest.MonkeyPatch

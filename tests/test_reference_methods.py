@@ -53,6 +53,7 @@ from verification.references.friction_events import (
 from verification.references.pace import NoReferenceError
 from verification.references.switch_model import SwitchRun, run_switch
 from verification.runs.simulate import simulate
+from verification.steppers import friction
 
 # ------------------------------------------------------------------- runs in extended precision
 
@@ -257,6 +258,11 @@ def test_a_site_at_the_speed_of_the_belt_sticks_if_friction_can_hold_it(
         assert run.y[0, 0] == pytest.approx(carried, abs=1e-14)
     else:
         assert (run.y[0, 0] - carried) * place < -1e-4
+
+
+def test_events_have_the_numbers_of_those_of_the_compiled_method() -> None:
+    kinds = [friction.STICK_BEGINS, friction.STICK_ENDS, friction.REVERSAL]
+    assert kinds == [BEGINS, ENDS, REVERSES]
 
 
 def test_a_site_that_is_pulled_past_the_belt_reverses_its_slip_as_in_the_other_method() -> None:

@@ -444,13 +444,18 @@ def test_a_run_to_a_condition_has_no_implicit_stage_which_would_not_ask_for_it()
     assert shortest == [str(smooth_integration.STIFF_STEP), "1e-13"]
 
 
+def stepped_sites(run: SmoothIntegration) -> list[int]:
+    """Return the first site of the active window and the one after its last."""
+    return [int(run._run.counters[n]) for n in (smooth.LO, smooth.HI)]
+
+
 def test_a_site_on_which_a_force_acts_is_stepped_though_it_is_at_rest() -> None:
     chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1, sites=60, drive="0.3,1.1@40")
     start = np.zeros((2, 60))
     start[0, 9] = 3.8
     run = SmoothIntegration(chain, start, [10.0])
     margin = smooth_integration.MARGIN
-    window = [int(run._run.counters[n]) for n in (smooth.LO, smooth.HI)]
+    window = stepped_sites(run)
     assert window == [9 - margin, 39 + margin + 1]
 
 
@@ -460,7 +465,7 @@ def test_where_rest_is_unstable_every_site_is_stepped() -> None:
         start = np.zeros((2, 60))
         start[0, 9] = 2.0
         run = SmoothIntegration(chain, start, [10.0], level=1.0)
-        assert run._run.counters[smooth.HI] == high
+        assert stepped_sites(run)[1] == high
 
 
 def test_a_piece_of_work_is_about_as_large_as_its_budget() -> None:
@@ -493,7 +498,7 @@ def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
     start[0, 14] = 1e3
     run = SmoothIntegration(chain, start, [10.0])
     margin = smooth_integration.MARGIN
-    window = [int(run._run.counters[n]) for n in (smooth.LO, smooth.HI)]
+    window = stepped_sites(run)
     assert window == [14 - margin, 14 + margin + 1]
     after = np.zeros((2, 38))
     after[0, left - 1 : right] = 1.0
@@ -501,7 +506,7 @@ def test_after_a_stiff_stage_all_that_moves_is_stepped_with_its_margin(
     monkeypatch.setattr(stiff_stage, "solve_stiff_piece", lambda *_: piece)
     assert run._rest == pytest.approx(1e3 * run.tolerance)
     run._pass_stiff_stage()
-    low, high = (int(run._run.counters[n]) for n in (smooth.LO, smooth.HI))
+    low, high = stepped_sites(run)
     assert low == min(window[0], max(0, left - margin))
     assert high == max(window[1], min(40, right + margin + 1))
     assert (run.time, run.counts["stiff_steps"]) == (2.0, 1)

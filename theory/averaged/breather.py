@@ -30,14 +30,12 @@ from scipy.optimize import brentq, minimize_scalar
 from theory.arrays import EPS, FloatArray
 from theory.averaged.breather_branch import NeighbourBranch, discriminant
 from theory.cells.vdp import SMALLEST_ETA
-from theory.chains.chain import MAX_SITES
+from theory.chains.chain import MAX_SITES, SMALLEST_C
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import VanDerPolChain
 from theory.parameters import ParameterError, at_least
 from theory.status import Status
 
-SMALLEST_C = 1e-100
-"""Smallest coupling; below it e^{2 k_1}, which is about c², is too small for double precision."""
 _NOISE = 64.0 * EPS
 """Relative rounding error of c along a branch."""
 _SCAN = 500

@@ -113,24 +113,30 @@ class Oscillator(ABC):
 
         A pair of cycles between two neighbouring amplitudes is found by the extremum of Δ there.
         """
-        tried = np.geomspace(_SMALL, self.largest, _TRIED)
+        parts = self._between_barriers(np.geomspace(_SMALL, self.largest, _TRIED))
+        return [each for part in parts for each in self._brackets_among(part)]
+
+    def _between_barriers(self, tried: FloatArray) -> list[FloatArray]:
+        """Divide ascending amplitudes where motion begins to pass a barrier of the potential.
+
+        Amplitudes from which motion stays in another well, without passing through y = 0, are left
+        out. A ParameterError is raised if motion grows at a barrier, and so leaves for another
+        well.
+        """
         energy = self.potential(tried)
-        # Elsewhere motion stays in another well of the potential, without passing through y = 0.
         passes = energy >= np.maximum.accumulate(energy)
-        crossed = np.searchsorted([height for _, height in self._barriers], energy)
-        changes = (passes[1:] != passes[:-1]) | (crossed[1:] != crossed[:-1])
-        starts = [0, *(np.flatnonzero(changes) + 1).tolist(), tried.size]
-        parts = [tried[each[0] : each[1]] for each in pairwise(starts) if passes[each[0]]]
-        for part in parts:
-            end = int(np.searchsorted(tried, part[-1]))
-            if end + 1 < tried.size and self.loss(part[-1]) < 0.0:
-                at = self._barriers[crossed[end]][0] if passes[end + 1] else part[-1]
+        passed = np.searchsorted([height for _, height in self._barriers], energy)
+        divisions = np.flatnonzero(np.diff(passes) | (np.diff(passed) != 0)) + 1
+        parts = [each for each in np.split(np.arange(tried.size), divisions) if passes[each[0]]]
+        for last in (part[-1] for part in parts if part[-1] + 1 < tried.size):
+            if self.loss(tried[last]) < 0.0:
+                at = self._barriers[passed[last]][0] if passes[last + 1] else tried[last]
                 raise ParameterError(
                     "potential", f"lower beyond y = {at:.4g}", "rising as far as motion "
                     "grows, so that it does not leave for another well",
                     "add damping there, or a stiffer term",
                 )  # fmt: skip
-        return [each for part in parts for each in self._brackets_among(part)]
+        return [tried[part] for part in parts]
 
     def _brackets_among(self, tried: FloatArray) -> list[tuple[float, float]]:
         """Return such intervals between some amplitudes at all of which Δ is defined."""

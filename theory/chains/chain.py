@@ -30,6 +30,8 @@ EPS_RANGE = Range(1e-9, 10.0)
 """Range of the small parameter ε of smooth chains."""
 
 COUPLING_RANGE = Range(0.0, 1e6)
+SMALLEST_C = 1e-100
+"""Smallest coupling of breathers and thresholds; c² must not be too small for double precision."""
 
 
 class Site(NamedTuple):

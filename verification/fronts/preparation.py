@@ -31,9 +31,9 @@ from its final state. The effect of that end on v is of second order, since it i
 to it and back; for the Nagumo chain it is this square times 0.2 at alpha = 0.1, 2 at 0.3 and 20 at
 0.45, and close to 1/2, where v vanishes, it grows like 1/(1 - 2 alpha)."""
 
-_LARGEST_MARGIN = 4
-"""Inverse of the largest part of the sites beyond the excited ones whose arrivals are not used
-because of the tail; where the tail is longer, the error of v decides on a longer chain."""
+_LARGEST_MARGIN = 0.25
+"""Largest part of the sites beyond the excited ones whose arrivals are not used because of the
+tail; where the tail is longer, the error of v decides on a longer chain."""
 
 
 class Trial(NamedTuple):
@@ -193,7 +193,7 @@ class FrontPreparation:
         }
         run, tail = self.begin(chain, self.tolerance), Tail(self.tail_amplitude)
         stopped = follow(run, tail=tail, **how)
-        margin = max(MARGIN, min(tail.sites, sites // _LARGEST_MARGIN))
+        margin = max(MARGIN, min(tail.sites, int(_LARGEST_MARGIN * sites)))
         used = slice(self.excited, run.state.shape[1] - margin)
         counts, arrivals, coarser = Counter(run.counts), run.arrivals[used], np.empty(0)
         if stopped is None:

@@ -23,9 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from theory.averaged.breather import SMALLEST_C
 from theory.cells.friction import check_sliding_stable
-from theory.chains.chain import COUPLING_RANGE, Chain
+from theory.chains.chain import COUPLING_RANGE, SMALLEST_C, Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError, Range, count_within, with_ranges, within
@@ -242,6 +241,19 @@ class _Search:
                 low = middle
         return low, high
 
+    def effect_of_tolerance(self, low: float, high: float) -> float:
+        """Return by how much a coarser tolerance moves the threshold between two couplings."""
+        if not self.spreads(low, coarser=COARSER) and self.spreads(high, coarser=COARSER):
+            return 0.0
+        return 0.5 * abs(low + high - sum(self.bracket(coarser=COARSER)))
+
+    def exceptions(self, c: float, tests: int) -> tuple[list[float], list[float]]:
+        """Return couplings below c at which the nucleus spreads, and above at which it does not."""
+        distances = [REACH * c * (k + 1) / tests for k in range(tests)]
+        below = [c - distance for distance in distances if self.spreads(c - distance)]
+        above = [c + distance for distance in distances if not self.spreads(c + distance)]
+        return below, above
+
 
 @with_ranges(accuracy=ACCURACIES)
 def spreading_threshold(
@@ -295,22 +307,18 @@ def spreading_threshold(
     search = _Search(chain, spreading, accuracy, lowest, highest)
     search.expect(2 * tests, progress)
     low, high = search.bracket()
-    c, error = 0.5 * (low + high), 0.5 * (high - low)
-    moved = search.spreads(low, coarser=COARSER) or not search.spreads(high, coarser=COARSER)
-    of_tolerance = abs(c - 0.5 * sum(search.bracket(coarser=COARSER))) if moved else 0.0
-    error += of_tolerance
+    c = 0.5 * (low + high)
+    of_tolerance = search.effect_of_tolerance(low, high)
+    error = 0.5 * (high - low) + of_tolerance
     late: float | None = None
     late_error: float | None = None
     fuzzy: tuple[float, float] | None = None
     monotone: bool | None = None
     if tests > 0:
-        late, late_error = c, error
-        if search.spreads(low, longer=2.0):
-            first, last = search.bracket(longer=2.0)
-            late, late_error = 0.5 * (first + last), 0.5 * (last - first) + of_tolerance
-        places = [REACH * c * (k + 1) / tests for k in range(tests)]
-        below = [c - place for place in places if search.spreads(c - place)]
-        above = [c + place for place in places if not search.spreads(c + place)]
+        spreads_late = search.spreads(low, longer=2.0)
+        first, last = search.bracket(longer=2.0) if spreads_late else (low, high)
+        late, late_error = 0.5 * (first + last), 0.5 * (last - first) + of_tolerance
+        below, above = search.exceptions(c, tests)
         monotone = not below and not above
         ends = (min([late, c, *below]), max([c, *above]))
         fuzzy = ends if ends[1] - ends[0] > 2.0 * accuracy else None

@@ -124,7 +124,7 @@ def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
         assert end.residual < 1e-11
         assert end.tangent @ start.tangent > 0.0  # the same sense
         aside = moved - length * start.tangent
-        assert branches._aside(start, end, length) == pytest.approx(
+        assert branches._deviation(start, end, length) == pytest.approx(
             np.linalg.norm(aside) / abs(length) * math.copysign(1.0, length)
         )
         assert branches._length_to(start, end.u, end.parameter) == pytest.approx(length, rel=1e-11)
@@ -398,7 +398,7 @@ def test_of_two_folds_within_one_step_the_first_is_found() -> None:
     start = solve_at(course, np.array([0.3]), -0.0002)
     branch = trace(course, start, 1.0, None, StepControl(length=0.6))
     assert branch.fold.u[0] == pytest.approx(0.4, abs=1e-3)
-    found = branches._earlier(course, branch.points[0], 0.25, StepControl())
+    found = branches._earlier_turn(course, branch.points[0], 0.25, StepControl())
     assert found is not None
     place, turned = found
     assert place == 0.125
@@ -426,11 +426,14 @@ def test_what_displaces_a_fold_is_in_the_errors_of_its_parameter_and_of_its_solu
 ) -> None:
     first = solve_at(circle, np.array([0.7]), 1.0)
     exact = trace(circle, first, 5.0).fold
-    monkeypatch.setattr(branches, "_displaced", lambda *_: 0.125)
+    monkeypatch.setattr(branches, "_fold_displacement", lambda *_: 0.125)
     displaced = trace(circle, first, 5.0).fold
     assert exact is not None
     assert displaced is not None
-    for error, without in ((displaced.error, exact.error), (displaced.aside, exact.aside)):
+    for error, without in (
+        (displaced.error, exact.error),
+        (displaced.transverse_error, exact.transverse_error),
+    ):
         assert error - without == pytest.approx(0.125, rel=1e-8)  # beside errors below 1e-9
 
 

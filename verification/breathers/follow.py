@@ -134,7 +134,7 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
         error=fold.error + moved.parameter,
         height=height,
         height_error=abs(height - beside)
-        + 2.0 * family.unit * (fold.aside + moved.solution)
+        + 2.0 * family.unit * (fold.transverse_error + moved.solution)
         + 1e-14 * height,
         place=place,
     )

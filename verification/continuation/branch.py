@@ -26,17 +26,17 @@ from verification.continuation.newton import (
 
 Monitor = Callable[[FloatArray, float], tuple[float, ...]]
 
-_SHORTEST = 1e-5
-"""Arclength of a step below which a branch cannot be followed."""
-_CROSSING = 1e-11
+_MIN_LENGTH = 1e-5
+"""Arclength of a step below which the continuation of a branch is given up."""
+_CROSSING_TOLERANCE = 1e-11
 """Difference in the parameter between the two sides of a crossing at which its search stops."""
 _MAX_CROSSING = 200
 """Largest number of steps of that search; bisection alone takes about 40."""
-_PARTS = 0.5, 0.75, 0.9
-"""Parts of the way to a fold at which an earlier one would show."""
-_LEAST = 5e-324
-"""Replaces zero as a value that is not yet positive; at an exact zero the search would stop on one
-side."""
+_FRACTIONS = 0.5, 0.75, 0.9
+"""Fractions of the step to a fold at which an earlier fold is looked for."""
+_SMALLEST_FLOAT = 5e-324
+"""Its negative replaces an exact zero of a monitored value, at which the search would stop with a
+point on one side only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,17 +74,17 @@ class Fold:
     parameter : float
         Value of the parameter at the fold: a coupling c, or η.
     error : float
-        Estimated shortfall of ``parameter`` where the search stopped, multiplied by four because
-        the curvature is that of a secant, plus what the residual and the rounding of F displace
-        the fold by.
+        Estimated difference between ``parameter`` and the fold where the search stopped, multiplied
+        by four because the curvature is that of a secant, plus the displacement of the fold by the
+        residual and the rounding of F.
     u : float array
         The solution at the fold.
     away : float array
         Estimated distance of ``u`` from the fold along the branch, multiplied by four for the same
         reason.
-    aside : float
-        Largest error of ``u`` across the branch: that of ``parameter``, and ten times the last
-        correction.
+    transverse_error : float
+        Largest error of ``u`` across the branch: the displacement of the fold, and ten times the
+        last correction.
     tangent : float array
         Change of ``u`` along the branch at the fold.
     place : int
@@ -95,7 +95,7 @@ class Fold:
     error: float
     u: FloatArray
     away: FloatArray
-    aside: float
+    transverse_error: float
     tangent: FloatArray
     place: int = 0
 
@@ -157,7 +157,7 @@ class StepControl:
     max_steps : int
         Largest number of steps.
     fold_tolerance : float
-        Shortfall of the parameter at which the search for a fold stops.
+        Estimated distance of the parameter from the fold at which its search stops.
     folds : int
         Number of folds that are passed; the branch ends one step beyond the next one.
     generic : bool
@@ -200,29 +200,29 @@ def trace(
         If, before the first fold, the step becomes too short or there are too many steps. Beyond
         the first fold the branch simply ends there.
     """
-    watch = monitor or (lambda u, p: ())
+    evaluate = monitor or (lambda u, p: ())
     low, high = min(start.parameter, p_end), max(start.parameter, p_end)
-    sense = math.copysign(1.0, start.tangent[-1] * (p_end - start.parameter))
-    point = start if sense > 0.0 else start.reversed()
-    points, seen, folds = [point], [watch(point.u, point.parameter)], []
+    direction = math.copysign(1.0, start.tangent[-1] * (p_end - start.parameter))
+    point = start if direction > 0.0 else start.reversed()
+    points, monitored, folds = [point], [evaluate(point.u, point.parameter)], []
     length = steps.length
     for _ in range(steps.max_steps):
         try:
             new, length = _next(system, point, length, steps)
-            turned = new.tangent[-1] * point.tangent[-1] <= 0.0
-            if turned:
+            fold_passed = new.tangent[-1] * point.tangent[-1] <= 0.0
+            if fold_passed:
                 fold = _find_fold(system, point, new, length, steps)
                 folds.append(replace(fold, place=len(points)))
         except NotConvergedError:
             length *= 0.5
-            if length >= _SHORTEST:
+            if length >= _MIN_LENGTH:
                 continue
             if not folds:
                 raise
             break
         points.append(new)
         if not folds:
-            seen.append(watch(new.u, new.parameter))
+            monitored.append(evaluate(new.u, new.parameter))
         if len(folds) > steps.folds or not low < new.parameter < high:
             break
         if new.iterations <= 5:
@@ -234,7 +234,7 @@ def trace(
                 f"the branch was followed to c = {point.parameter:.6g} in {steps.max_steps} steps "
                 "without a fold: take a smaller coupling."
             )
-    return ContinuationBranch(tuple(points), tuple(folds), tuple(seen))
+    return ContinuationBranch(tuple(points), tuple(folds), tuple(monitored))
 
 
 def _next(
@@ -242,26 +242,26 @@ def _next(
 ) -> tuple[BranchPoint, float]:
     """Take a step of this length, halved until it continues along a smooth branch.
 
-    A step across a bifurcation is taken if that cannot be avoided, or need not be.
+    For generic systems a step past a bifurcation is taken only if no shorter step avoids it.
 
     Raises
     ------
     NotConvergedError
         If the step becomes too short.
     """
-    across: tuple[BranchPoint, float] | None = None
-    while length >= _SHORTEST:
+    past_bifurcation: tuple[BranchPoint, float] | None = None
+    while length >= _MIN_LENGTH:
         with contextlib.suppress(NotConvergedError, np.linalg.LinAlgError):
             new = step_along(system, point, length, steps.tolerance)
             # A turn or a correction too large for a smooth branch may mean a jump to another
             # branch.
-            if float(new.tangent @ point.tangent) >= 0.9 and _aside(point, new, length) <= 0.3:
+            if float(new.tangent @ point.tangent) >= 0.9 and _deviation(point, new, length) <= 0.3:
                 if not steps.generic or new.orientation == point.orientation:
                     return new, length
-                across = across or (new, length)
+                past_bifurcation = past_bifurcation or (new, length)
         length *= 0.5
-    if across is not None:
-        return across
+    if past_bifurcation is not None:
+        return past_bifurcation
     raise NotConvergedError(
         f"the branch could not be followed past c = {point.parameter:.6g}: take a smaller eps, or "
         "an eta farther from 1/8.",
@@ -286,21 +286,25 @@ def solutions_at(
     for fold in reversed(branch.folds):
         nodes.insert(fold.place, (fold.u, fold.parameter, fold))
     required = np.unique(np.asarray(values, dtype=float))
-    for place, ((u, p, from_fold), (v, d, to_fold)) in enumerate(itertools.pairwise(nodes)):
+    for place, ((u, p, from_fold), (u_next, p_next, to_fold)) in enumerate(
+        itertools.pairwise(nodes)
+    ):
         inside = required[
-            (required >= min(p, d)) & (required <= max(p, d)) & ((required != p) | (place == 0))
+            (required >= min(p, p_next))
+            & (required <= max(p, p_next))
+            & ((required != p) | (place == 0))
         ]
-        for value in (inside if d > p else inside[::-1]).tolist():
-            share = (value - p) / (d - p)
+        for value in (inside if p_next > p else inside[::-1]).tolist():
+            fraction = (value - p) / (p_next - p)
             # Across a fold u varies like the square root of the distance from it.
             if to_fold is not None:
-                share = 1.0 - math.sqrt(1.0 - share)
+                fraction = 1.0 - math.sqrt(1.0 - fraction)
             elif from_fold is not None:
-                share = math.sqrt(share)
-            found = solve_at(system, u + share * (v - u), value)
-            for near, side in ((from_fold, 1.0), (to_fold, -1.0)):
-                if near is not None:
-                    found = _on_side(system, found, near, side)
+                fraction = math.sqrt(fraction)
+            found = solve_at(system, u + fraction * (u_next - u), value)
+            for adjacent, side in ((from_fold, 1.0), (to_fold, -1.0)):
+                if adjacent is not None:
+                    found = _on_side(system, found, adjacent, side)
             yield found, passed
         passed += to_fold is not None
 
@@ -311,11 +315,11 @@ def _on_side(system: System, found: BranchPoint, fold: Fold, side: float) -> Bra
     Close to a fold Newton's method may end on the other side. The solution sought is then about as
     far from the fold in the opposite direction.
     """
-    along = fold.tangent
-    if side * float(along @ (found.u - fold.u)) < 0.0:
+    tangent = fold.tangent
+    if side * float(tangent @ (found.u - fold.u)) < 0.0:
         with contextlib.suppress(NotConvergedError):
             other = solve_at(system, 2.0 * fold.u - found.u, found.parameter)
-            return other if side * float(along @ (other.u - fold.u)) > 0.0 else found
+            return other if side * float(tangent @ (other.u - fold.u)) > 0.0 else found
     return found
 
 
@@ -352,56 +356,56 @@ def _find_fold(
     other dp/ds may vanish three times, and the first of these places is sought.
     """
     bracket = _Bracket(0.0, length, float(before.tangent[-1]), float(beyond.tangent[-1]))
-    best, missing, away = beyond, np.inf, np.inf
+    best, shortfall, distance = beyond, np.inf, np.inf
     for _ in range(40):
-        bend = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)
-        place = bracket.low + bracket.f_low / bend
+        curvature = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)  # -d²p/ds²
+        place = bracket.low + bracket.f_low / curvature
         best = step_along(system, before, place, steps.tolerance)
         value = float(best.tangent[-1])
-        # The shortfall of p is the integral of dp/ds from here to the fold.
-        away = value / bend
-        missing = value**2 / (2.0 * PARAMETER_WEIGHT * abs(bend))
-        if missing < steps.fold_tolerance:
-            earlier = _earlier(system, before, place, steps)
+        # p differs from the fold by the integral of dp/ds from here to it.
+        distance = value / curvature
+        shortfall = value**2 / (2.0 * PARAMETER_WEIGHT * abs(curvature))
+        if shortfall < steps.fold_tolerance:
+            earlier = _earlier_turn(system, before, place, steps)
             if earlier is None:
                 break
             bracket = _Bracket(0.0, earlier[0], float(before.tangent[-1]), earlier[1])
         else:
             bracket.shrink(place, value)
-    left = _displaced(system, best)
+    displacement = _fold_displacement(system, best)
     return Fold(
         parameter=best.parameter,
-        error=4.0 * missing + left + 1e-15,
+        error=4.0 * shortfall + displacement + 1e-15,
         u=best.u,
-        away=4.0 * away * best.tangent[:-1],
-        aside=left + 10.0 * best.correction,
+        away=4.0 * distance * best.tangent[:-1],
+        transverse_error=displacement + 10.0 * best.correction,
         tangent=best.tangent[:-1],
     )
 
 
-def _earlier(
+def _earlier_turn(
     system: System, before: BranchPoint, place: float, steps: StepControl
 ) -> tuple[float, float] | None:
-    """Return a place before a fold at which the branch has turned already, and dp/ds there."""
-    for part in _PARTS:
-        turned = float(step_along(system, before, part * place, steps.tolerance).tangent[-1])
-        if turned * before.tangent[-1] < 0.0:
-            return part * place, turned
+    """Return a place before a fold at which dp/ds has changed sign already, and dp/ds there."""
+    for fraction in _FRACTIONS:
+        dp_ds = float(step_along(system, before, fraction * place, steps.tolerance).tangent[-1])
+        if dp_ds * before.tangent[-1] < 0.0:
+            return fraction * place, dp_ds
     return None
 
 
-def _displaced(system: System, at: BranchPoint) -> float:
-    """Return by how much the residual, and the rounding of F, displace p at a fold.
+def _fold_displacement(system: System, point: BranchPoint) -> float:
+    """Return a bound on the displacement of p at a fold by the residual and the rounding of F.
 
-    F off by f displaces p by l·f, where l is the last row of the inverse of the matrix of a step
-    along the branch: at a fold, lᵀ∂F/∂u = 0 and l·∂F/∂p = 1. Of f twice the value and twice the
-    rounding of the terms are taken, and ten times the residual at least.
+    An error f of F displaces p by l·f, where l is the last row of the inverse of the bordered
+    Jacobian matrix: at a fold, lᵀ∂F/∂u = 0 and l·∂F/∂p = 1. Twice the value of F and twice the
+    rounding of its terms are taken for f; the bound is at least ten times the residual.
     """
-    value, slope, by_p = system(at.u, at.parameter)
-    inverse = np.linalg.inv(bordered(slope, by_p, at.tangent))
-    off = np.abs(value) + EPS * (np.abs(slope) @ np.abs(at.u))
-    displaced = 2.0 * float(np.abs(inverse[-1, :-1]) @ off) / PARAMETER_WEIGHT
-    return max(displaced, 10.0 * at.residual)
+    value, jacobian, by_p = system(point.u, point.parameter)
+    inverse = np.linalg.inv(bordered(jacobian, by_p, point.tangent))
+    f_bound = np.abs(value) + EPS * (np.abs(jacobian) @ np.abs(point.u))
+    displacement = 2.0 * float(np.abs(inverse[-1, :-1]) @ f_bound) / PARAMETER_WEIGHT
+    return max(displacement, 10.0 * point.residual)
 
 
 class FoldShift(NamedTuple):
@@ -411,19 +415,19 @@ class FoldShift(NamedTuple):
     solution: float
 
 
-def fold_shift(system: System, fold: Fold, off: FloatArray) -> FoldShift:
+def fold_shift(system: System, fold: Fold, f_bound: FloatArray) -> FoldShift:
     """Return the largest shifts of a fold that errors of F can cause.
 
     Parameters
     ----------
-    off : float array
+    f_bound : float array
         Bounds on the errors of F.
     """
-    _, slope, by_p = system(fold.u, fold.parameter)
+    _, jacobian, by_p = system(fold.u, fold.parameter)
     inverse = np.linalg.inv(
-        np.vstack([np.column_stack([slope, by_p]), np.append(fold.tangent, 0.0)])
+        np.vstack([np.column_stack([jacobian, by_p]), np.append(fold.tangent, 0.0)])
     )
-    shifts = np.abs(inverse[:, :-1]) @ off
+    shifts = np.abs(inverse[:, :-1]) @ f_bound
     return FoldShift(float(shifts[-1]), float(shifts[:-1].max()))
 
 
@@ -464,29 +468,35 @@ def _crossing(
     monitored: Callable[[FloatArray, float], float],
 ) -> Crossing:
     """Find where a value becomes positive on a step; ``ends`` holds value, p and u at both ends."""
-    far = _length_to(before, ends[1][2], ends[1][1])
-    seen = {0.0: ends[0], far: ends[1]}
+    full_length = _length_to(before, ends[1][2], ends[1][1])
+    evaluated = {0.0: ends[0], full_length: ends[1]}
 
     def value(length: float) -> float:
-        if length not in seen:
-            here = step_along(system, before, length)
-            seen[length] = (monitored(here.u, here.parameter), here.parameter, here.u)
-        return seen[length][0] or -_LEAST
+        if length not in evaluated:
+            point = step_along(system, before, length)
+            evaluated[length] = (monitored(point.u, point.parameter), point.parameter, point.u)
+        return evaluated[length][0] or -_SMALLEST_FLOAT
 
     try:
-        length = brentq(value, 0.0, far, xtol=_CROSSING * PARAMETER_WEIGHT, maxiter=_MAX_CROSSING)
+        length = brentq(
+            value,
+            0.0,
+            full_length,
+            xtol=_CROSSING_TOLERANCE * PARAMETER_WEIGHT,
+            maxiter=_MAX_CROSSING,
+        )
     except NotConvergedError:
-        length = None  # limited by rounding: the crossing is between the two nearest places
+        length = None  # limited by rounding: the crossing lies between the two nearest places
     except RuntimeError:
         raise NotConvergedError(
             f"where stability changes between c = {ends[0][1]:.6g} and {ends[1][1]:.6g} was not "
             f"found in {_MAX_CROSSING} steps: take an eta farther from 1/8."
         ) from None
-    low = max(place for place, (found, _, _) in seen.items() if found <= 0.0)
-    high = min(place for place, (found, _, _) in seen.items() if found > 0.0)
-    apart = abs(seen[high][1] - seen[low][1])
-    at = seen[low if length is None else length]
-    return Crossing(at[1], apart + 1e-12, at[2], from_start=False)
+    low = max(place for place, (found, _, _) in evaluated.items() if found <= 0.0)
+    high = min(place for place, (found, _, _) in evaluated.items() if found > 0.0)
+    bracket_width = abs(evaluated[high][1] - evaluated[low][1])
+    nearest = evaluated[low if length is None else length]
+    return Crossing(nearest[1], bracket_width + 1e-12, nearest[2], from_start=False)
 
 
 def arrive(system: System, branch: ContinuationBranch, p: float) -> BranchPoint:
@@ -500,18 +510,18 @@ def arrive(system: System, branch: ContinuationBranch, p: float) -> BranchPoint:
     return next(solutions_at(system, branch, [p]))[0]
 
 
-def _aside(start: BranchPoint, end: BranchPoint, length: float) -> float:
-    """Return the distance of the end of a step from the tangent, relative to the step length."""
-    across = start.tangent
-    away = (
+def _deviation(start: BranchPoint, end: BranchPoint, length: float) -> float:
+    """Return the deviation of the end of a step from the tangent, relative to the step length."""
+    tangent = start.tangent
+    deviation = (
         np.append(end.u - start.u, PARAMETER_WEIGHT * (end.parameter - start.parameter))
-        - length * across
+        - length * tangent
     )
-    return float(np.linalg.norm(away)) / length
+    return float(np.linalg.norm(deviation)) / length
 
 
 def _length_to(start: BranchPoint, u: FloatArray, p: float) -> float:
-    across = start.tangent
+    tangent = start.tangent
     return float(
-        across[:-1] @ (u - start.u) + across[-1] * PARAMETER_WEIGHT * (p - start.parameter)
+        tangent[:-1] @ (u - start.u) + tangent[-1] * PARAMETER_WEIGHT * (p - start.parameter)
     )

@@ -19,8 +19,8 @@ System = Callable[[FloatArray, float], tuple[FloatArray, FloatArray, FloatArray]
 
 PARAMETER_WEIGHT = 10.0
 MAX_NEWTON = 20
-_BESIDE = 1e-7, 1e-3
-"""Range of the step, in u, of the difference that gives the second derivative of F."""
+_INCREMENTS = 1e-7, 1e-3
+"""Range of the increment of u in the difference quotient for the second derivative of F."""
 
 
 class NotConvergedError(RunError):
@@ -92,47 +92,52 @@ def solve_at(system: System, guess: FloatArray, p: float, tolerance: float = 1e-
     """
     u = np.array(guess, dtype=float)
     correction = np.inf
-    value, slope, by_p = system(u, p)
+    value, jacobian, by_p = system(u, p)
     for iteration in range(1, MAX_NEWTON + 1):
         residual = float(np.abs(value).max())
         if not np.isfinite(residual):
             break
         # One more step when the residual is already small costs little and squares the error.
         if residual < tolerance and correction < np.sqrt(tolerance):
-            left = float(np.abs(np.linalg.solve(slope, value)).max())
-            tangent = _tangent(slope, by_p, None)
-            side = _orientation(slope, tangent)
-            return BranchPoint(u, p, tangent, residual, left, iteration, side)
+            next_step = float(np.abs(np.linalg.solve(jacobian, value)).max())
+            tangent = _tangent(jacobian, by_p, None)
+            orientation = _orientation(jacobian, tangent)
+            return BranchPoint(u, p, tangent, residual, next_step, iteration, orientation)
         try:
-            change = np.linalg.solve(slope, value)
+            increment = np.linalg.solve(jacobian, value)
         except np.linalg.LinAlgError:
             break
-        for share in (1.0, 0.5, 0.25, 0.1, 0.03):
+        for damping in (1.0, 0.5, 0.25, 0.1, 0.03):
             try:
-                trial = system(u - share * change, p)
+                trial = system(u - damping * increment, p)
             except NotConvergedError:
                 continue
             if float(np.abs(trial[0]).max()) < max(residual, tolerance):
                 break
         else:
             break
-        value, slope, by_p = trial
-        u = u - share * change
-        correction = float(np.abs(share * change).max())
+        value, jacobian, by_p = trial
+        u = u - damping * increment
+        correction = float(np.abs(damping * increment).max())
     raise NotConvergedError(
         f"no solution was found at c = {p:.6g}: take a smaller coupling, or a smaller eps.", p
     )
 
 
 def solution_error(
-    system: System, u: FloatArray, p: float, rounding: FloatArray | float = 0.0, aside: float = 0.0
+    system: System,
+    u: FloatArray,
+    p: float,
+    rounding: FloatArray | float = 0.0,
+    parameter_error: float = 0.0,
 ) -> float:
     """Return a bound on the distance of an approximate solution from the exact one.
 
-    With y the largest Newton step for any F within twice the computed one plus its rounding, and K
-    the second derivative of F along this step, in units of ∂F/∂u, the distance e obeys e ≤ y + ½Ke²
-    (Kantorovich). The smaller root bounds it where there are two. There are none close to a fold:
-    the exact solutions, of which there may be two, are then within the root of ½Ke² = e + y.
+    Let y be the largest Newton step for any F within twice the computed one plus its rounding, and
+    K the second derivative of F along this step, multiplied by the inverse of ∂F/∂u. The distance e
+    obeys e ≤ y + ½Ke² (Kantorovich). Where ½Ke² - e + y = 0 has two roots, that is, where
+    2h = 2Ky ≤ 1, the smaller one bounds e. Close to a fold there is none, and there may be two
+    exact solutions; their distances are below the root of ½Ke² = e + y.
 
     Parameters
     ----------
@@ -144,30 +149,30 @@ def solution_error(
         Value of the parameter.
     rounding : float array or float
         Bound on the errors of F, besides those that relative errors of u in the last place cause.
-    aside : float
+    parameter_error : float
         Error of the parameter: close to a fold, that of the fold, within which the two solutions
         that meet there are not distinguished.
     """
-    value, slope, by_p = system(u, p)
-    off = 2.0 * np.abs(value) + EPS * (np.abs(slope) @ np.abs(u)) + rounding
-    off += aside * np.abs(by_p)
+    value, jacobian, by_p = system(u, p)
+    f_bound = 2.0 * np.abs(value) + EPS * (np.abs(jacobian) @ np.abs(u)) + rounding
+    f_bound += parameter_error * np.abs(by_p)
     try:
-        inverse = np.linalg.inv(slope)
+        inverse = np.linalg.inv(jacobian)
     except np.linalg.LinAlgError:
         return np.inf
-    steps = np.abs(inverse) @ off
-    largest = float(steps.max())
-    if not 0.0 < largest < np.inf:
-        return largest
-    worst = inverse @ np.copysign(off, inverse[int(steps.argmax())])
+    step_bounds = np.abs(inverse) @ f_bound
+    largest_step = float(step_bounds.max())
+    if not 0.0 < largest_step < np.inf:
+        return largest_step
+    newton_step = inverse @ np.copysign(f_bound, inverse[int(step_bounds.argmax())])
     # Near the size of the error, since F'' may be much larger elsewhere.
-    beside = worst * (float(np.clip(10.0 * largest, *_BESIDE)) / largest)
-    bend = inverse @ ((system(u + beside, p)[1] - slope) @ beside)
-    curvature = float(np.abs(bend).max()) / float(np.abs(beside).max()) ** 2
-    twice = 2.0 * curvature * largest
-    if twice <= 1.0:
-        return 2.0 * largest / (1.0 + float(np.sqrt(1.0 - twice)))
-    return (1.0 + float(np.sqrt(1.0 + twice))) / curvature
+    increment = newton_step * (float(np.clip(10.0 * largest_step, *_INCREMENTS)) / largest_step)
+    second_derivative = inverse @ ((system(u + increment, p)[1] - jacobian) @ increment)
+    curvature = float(np.abs(second_derivative).max()) / float(np.abs(increment).max()) ** 2
+    twice_h = 2.0 * curvature * largest_step
+    if twice_h <= 1.0:
+        return 2.0 * largest_step / (1.0 + float(np.sqrt(1.0 - twice_h)))
+    return (1.0 + float(np.sqrt(1.0 + twice_h))) / curvature
 
 
 def step_along(
@@ -180,29 +185,31 @@ def step_along(
     NotConvergedError
         If Newton's method fails; then take a shorter step.
     """
-    across = start.tangent
-    u = start.u + length * across[:-1]
-    p = float(start.parameter + length * across[-1] / PARAMETER_WEIGHT)
+    direction = start.tangent
+    u = start.u + length * direction[:-1]
+    p = float(start.parameter + length * direction[-1] / PARAMETER_WEIGHT)
     correction = np.inf
     for iteration in range(1, MAX_NEWTON + 1):
-        value, slope, by_p = system(u, p)
+        value, jacobian, by_p = system(u, p)
         residual = float(np.abs(value).max())
         if not np.isfinite(residual) or residual > 1e6:
             break
-        plane = (
-            across[:-1] @ (u - start.u)
-            + across[-1] * PARAMETER_WEIGHT * (p - start.parameter)
+        arclength_residual = (
+            direction[:-1] @ (u - start.u)
+            + direction[-1] * PARAMETER_WEIGHT * (p - start.parameter)
             - length
         )
-        change = np.linalg.solve(bordered(slope, by_p, across), np.append(value, plane))
+        increment = np.linalg.solve(
+            bordered(jacobian, by_p, direction), np.append(value, arclength_residual)
+        )
         if residual < tolerance and correction < np.sqrt(tolerance):
-            left = float(np.abs(change).max())
-            tangent = _tangent(slope, by_p, across)
-            side = _orientation(slope, tangent)
-            return BranchPoint(u, p, tangent, residual, left, iteration, side)
-        correction = float(np.abs(change).max())
-        u = u - change[:-1]
-        p -= float(change[-1]) / PARAMETER_WEIGHT
+            next_step = float(np.abs(increment).max())
+            tangent = _tangent(jacobian, by_p, direction)
+            orientation = _orientation(jacobian, tangent)
+            return BranchPoint(u, p, tangent, residual, next_step, iteration, orientation)
+        correction = float(np.abs(increment).max())
+        u = u - increment[:-1]
+        p -= float(increment[-1]) / PARAMETER_WEIGHT
     raise NotConvergedError(
         f"no step of length {length:.2g} leads on from c = {start.parameter:.6g}: take a smaller "
         "coupling.",
@@ -210,21 +217,21 @@ def step_along(
     )
 
 
-def _orientation(slope: FloatArray, tangent: FloatArray) -> float:
-    return float(np.linalg.slogdet(slope)[0] * np.sign(tangent[-1]))
+def _orientation(jacobian: FloatArray, tangent: FloatArray) -> float:
+    return float(np.linalg.slogdet(jacobian)[0] * np.sign(tangent[-1]))
 
 
-def bordered(slope: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArray:
-    """Return the matrix of a step along a branch: that of F, and a row for its plane."""
-    return np.vstack([np.column_stack([slope, by_p / PARAMETER_WEIGHT]), row])
+def bordered(jacobian: FloatArray, by_p: FloatArray, row: FloatArray) -> FloatArray:
+    """Return the Jacobian matrix of F in (u, weight·p), bordered by a row from below."""
+    return np.vstack([np.column_stack([jacobian, by_p / PARAMETER_WEIGHT]), row])
 
 
-def _tangent(slope: FloatArray, by_p: FloatArray, along: FloatArray | None) -> FloatArray:
-    """Return the unit null vector of (∂F/∂u, ∂F/∂p), in the direction of ``along`` if given."""
-    size = slope.shape[1] + 1
-    row = np.zeros(size) if along is None else along
-    if along is None:
-        row[-1] = 1.0
-    vector = np.linalg.solve(bordered(slope, by_p, row), np.append(np.zeros(size - 1), 1.0))
+def _tangent(jacobian: FloatArray, by_p: FloatArray, direction: FloatArray | None) -> FloatArray:
+    """Return the unit null vector of (∂F/∂u, ∂F/∂p), along ``direction`` if given."""
+    size = jacobian.shape[1] + 1
+    border = np.zeros(size) if direction is None else direction
+    if direction is None:
+        border[-1] = 1.0
+    vector = np.linalg.solve(bordered(jacobian, by_p, border), np.append(np.zeros(size - 1), 1.0))
     unit: FloatArray = vector / np.linalg.norm(vector)
     return unit

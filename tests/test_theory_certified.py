@@ -141,7 +141,7 @@ def test_on_the_path_balls_of_velocities_stay_narrow_at_strong_coupling():
 @pytest.mark.parametrize(("sigma", "ratio"), [(0.02, 0.001), (0.1, 0.1), (0.3, 0.5), (0.6, 0.9)])
 def test_on_the_strip_about_the_path_the_real_part_is_bounded(sigma, ratio):
     k, y = np.meshgrid(np.linspace(-np.pi, np.pi, 2001), np.linspace(-sigma, sigma, 41))
-    bent = certified_sum_module._BEND
+    bent = certified_sum_module._TAU
     z = k + 1j * y + 1j * bent * np.sin(k + 1j * y)
     least = (np.sin(z.real) * np.sinh(z.imag) - ratio * np.abs(z.imag)).min()
     between = min(  # of the axis and the path
@@ -149,7 +149,7 @@ def test_on_the_strip_about_the_path_the_real_part_is_bounded(sigma, ratio):
          - ratio * turn * bent * np.abs(np.sin(k[0]))).min()
         for turn in np.linspace(0.0, 1.0, 21)
     )  # fmt: skip
-    found = certified_sum_module._sag(sigma, ratio)
+    found = certified_sum_module._bound_of_m(sigma, ratio)
     assert -min(least, between) <= found <= -1.02 * min(least, between) + 2e-3 * ratio
 
 
@@ -263,10 +263,10 @@ def test_a_branch_left_out_by_the_search_is_noticed():
 
 
 def test_where_resonances_are_too_many_the_part_without_a_proof_is_named(monkeypatch):
-    relation = Relation(flint, flint.arb(30.0), flint.arb(0.5), most_work=5_000)
+    relation = Relation(flint, flint.arb(30.0), flint.arb(0.5), max_work=5_000)
     with pytest.raises(certified_velocities.WorkLimitError, match="5000 values"):
         certified_velocities.prove_velocities(relation)
-    less = partial(Relation, most_work=20_000)  # at this coupling all of it would not do either
+    less = partial(Relation, max_work=20_000)  # at this coupling all of it would not do either
     monkeypatch.setattr(certified_relation, "Relation", less)
     proven = fr.kinetic_relation(2e3, 0.03125, certify=True)
     assert not proven.certified
@@ -276,7 +276,7 @@ def test_where_resonances_are_too_many_the_part_without_a_proof_is_named(monkeyp
 
 def test_where_the_fold_takes_too_long_to_prove_the_part_that_does_is_named(monkeypatch):
     # enough for the line at this coupling, and not for the boxes below it
-    monkeypatch.setattr(certified_thresholds, "Relation", partial(Relation, most_work=30_000))
+    monkeypatch.setattr(certified_thresholds, "Relation", partial(Relation, max_work=30_000))
     eta = 0.062
     fold = fr.kinetic_relation(1.0, eta).c_fold
     with flint.ctx.workprec(BITS):

@@ -183,7 +183,7 @@ def test_the_series_adds_the_rounding_and_what_both_tails_leave(monkeypatch) -> 
 
 
 def test_the_error_of_the_fold_in_eta_is_that_of_the_sum_times_the_slope(monkeypatch) -> None:
-    height = thresholds._height
+    height = thresholds._modulus_and_slopes
     inflated = 1e-4
 
     def uncertain(t, c):
@@ -192,7 +192,7 @@ def test_the_error_of_the_fold_in_eta_is_that_of_the_sum_times_the_slope(monkeyp
 
     c = 0.45
     exact = thresholds.fold_eta(c)
-    monkeypatch.setattr(thresholds, "_height", uncertain)
+    monkeypatch.setattr(thresholds, "_modulus_and_slopes", uncertain)
     found = thresholds.fold_eta(c)
     assert found.value == exact.value
     # eta = r^2 / 2(1 + r^2)^2, so that r is the smaller root; its slope by differences.

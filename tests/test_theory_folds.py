@@ -24,8 +24,8 @@ def test_from_beside_a_minimum_the_climb_leads_up_and_not_down(monkeypatch) -> N
         height = np.exp(-x * x / 2)
         return height, -x / 0.1 * height, np.ones_like(t), np.zeros_like(t)
 
-    monkeypatch.setattr(thresholds, "_height", hill)
-    found, _ = thresholds._summits(np.array([0.84, 0.97, 1.2]), np.full(3, 0.5))
+    monkeypatch.setattr(thresholds, "_modulus_and_slopes", hill)
+    found, _ = thresholds._refined_maxima(np.array([0.84, 0.97, 1.2]), np.full(3, 0.5))
     np.testing.assert_allclose(found, 1.0, atol=1e-9)
 
 
@@ -35,7 +35,7 @@ def test_the_maximum_found_is_the_highest_of_all(c: float) -> None:
     v = 1.0 / np.linspace(1.0 / 4.0, 1.0 / 0.018, 40_000)
     height = np.abs(sums(v, c, 1e-14).value)
     t = thresholds._maxima(c)
-    found = thresholds._height(t, np.full(t.shape, c))[0]
+    found = thresholds._modulus_and_slopes(t, np.full(t.shape, c))[0]
     assert found[0] >= height.max() - 1e-13
     assert np.all(np.diff(found) <= 0)
 
@@ -56,19 +56,19 @@ def test_the_fold_in_c_and_the_fold_in_eta_are_inverse_where_maxima_change_place
 
 @pytest.mark.parametrize("c", [0.3, 0.5, 0.7, 0.82])
 def test_the_climb_begins_at_the_tops_of_the_scan(c: float, monkeypatch) -> None:
-    monkeypatch.setattr(thresholds, "_summits", lambda t, c: (t, c))
+    monkeypatch.setattr(thresholds, "_refined_maxima", lambda t, c: (t, c))
     t = thresholds._maxima(c)
     assert t.size > 0
-    height = thresholds._height(t, np.full(t.shape, c))[0]
+    height = thresholds._modulus_and_slopes(t, np.full(t.shape, c))[0]
     wave = np.pi / (4 * c + 1)  # of |Sum| over 1/v, a half
     for side in (-1, 1):
         beside = np.log(1 / (np.exp(-t) + side * wave))
-        assert np.all(thresholds._height(beside, np.full(t.shape, c))[0] < height)
+        assert np.all(thresholds._modulus_and_slopes(beside, np.full(t.shape, c))[0] < height)
 
 
 def test_a_maximum_that_is_as_high_as_the_limit_to_within_rounding_is_none(monkeypatch) -> None:
     c = 0.5
-    height = thresholds._height
+    height = thresholds._modulus_and_slopes
 
     def level(excess: float):
         def heights(t: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -77,9 +77,9 @@ def test_a_maximum_that_is_as_high_as_the_limit_to_within_rounding_is_none(monke
 
         return heights
 
-    monkeypatch.setattr(thresholds, "_summits", lambda t, c: (t, c))
+    monkeypatch.setattr(thresholds, "_refined_maxima", lambda t, c: (t, c))
     for excess, some in ((1e-13, False), (-1e-13, False), (3e-13, True)):
-        monkeypatch.setattr(thresholds, "_height", level(excess))
+        monkeypatch.setattr(thresholds, "_modulus_and_slopes", level(excess))
         assert (thresholds._maxima(c).size > 0) == some
 
 
@@ -92,7 +92,7 @@ def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypa
     eta = 0.03125
     (fold,) = thresholds.fold_couplings([eta])
     pin = thresholds.pinning_coupling(eta)
-    height = thresholds._height
+    height = thresholds._modulus_and_slopes
     # by this much the height may be off; the fold is then uncertain by twice that over d|Sum|/dc
     by_c = height(np.log([fold.velocity]), np.array([fold.value]))[2][0]
     gap = pin - fold.value
@@ -102,7 +102,7 @@ def test_a_fold_that_is_below_pinning_by_less_than_its_error_is_pinning(monkeypa
             *rest, _ = height(t, c)
             return *rest, np.full(t.shape, error)
 
-        monkeypatch.setattr(thresholds, "_height", uncertain)
+        monkeypatch.setattr(thresholds, "_modulus_and_slopes", uncertain)
         (found,) = thresholds.fold_couplings([eta])
         assert (found.velocity > 0) == moving
         assert found.value == (pytest.approx(fold.value, rel=1e-13) if moving else pin)

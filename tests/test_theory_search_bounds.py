@@ -115,7 +115,7 @@ def test_the_first_points_are_as_near_as_the_waves_of_the_sum_ask_for(refine):
     c = 0.8
     t = points_of_one(c, 0.6, 0.0, refine)
     wave = math.pi / (4 * c + 1) / refine
-    coarse = first_points._COARSEST / refine
+    coarse = first_points._MAX_SPACING / refine
     nearness = np.maximum(np.diff(t) / coarse, -np.diff(np.exp(-t)) / wave)
     assert np.all(nearness <= 1 + 1e-9)
     assert np.median(nearness) > 0.5

@@ -298,13 +298,13 @@ def test_where_the_cubic_leaves_the_bracket_it_is_halved() -> None:
 def test_the_spread_is_the_least_that_shows_a_change_of_sign(t: float) -> None:
     curve = line(t)
     place, case = np.array([t]), np.zeros(1, dtype=int)
-    exact, _ = branch_search._confirmed_spread(curve, case, place, curve(case, place))
+    exact, _ = branch_search._confirmed_half_width(curve, case, place, curve(case, place))
     assert exact[0] == pytest.approx(4 * EPS * max(1.0, abs(t)), rel=1e-12)
     # a value that is off by 1e-9, with slope 4, moves the root by a quarter of that
     off = line(t, 4.0)
     there = off(case, place)
     there[0] = 1e-9
-    wide, _ = branch_search._confirmed_spread(off, case, place, there)
+    wide, _ = branch_search._confirmed_half_width(off, case, place, there)
     assert wide[0] == pytest.approx(2.5e-9 / 4, rel=1e-5)
 
 

@@ -14,7 +14,7 @@ from theory.piecewise import symbol
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.stability import front_stability
-from theory.piecewise.stability_limit import _crossing, _Leading, stability_limit
+from theory.piecewise.stability_limit import _crossing, _LeadingFront, stability_limit
 from theory.piecewise.sums.series import sum_by_roots
 from theory.piecewise.symbol import Symbol, symbol_coefficients
 from verification.piecewise.run import FrontStatus
@@ -273,7 +273,7 @@ def test_the_error_of_a_limit_where_admissibility_begins_bounds_what_its_toleran
     r, beside = threshold_ratio(0.006), (8.5, 8.8)
 
     def found():
-        stable, unstable = (_Leading.at(c, r) for c in beside)
+        stable, unstable = (_LeadingFront.at(c, r) for c in beside)
         assert (stable.unstable, unstable.unstable) == (False, True)
         return _crossing(stable, unstable, r)
 
@@ -289,7 +289,7 @@ def test_what_is_not_decided_says_so(monkeypatch):
     assert stability_limit(0.09).c is None
     assert "no front advances" in stability_limit(0.09).reason
     assert "not below 60" in stability_limit(0.0795).reason
-    monkeypatch.setattr("theory.piecewise.stability_limit._FARTHEST", 20.0)
+    monkeypatch.setattr("theory.piecewise.stability_limit._MAX_COUPLING", 20.0)
     assert "up to 20" in stability_limit(0.07).reason
     monkeypatch.setattr(symbol, "_MAX_PRODUCTS", 100)
     assert "too long" in stability_limit(0.0005).reason

@@ -108,16 +108,18 @@ def check_fronts(v: FloatArray, c: FloatArray, r: FloatArray) -> list[Admissibil
     reach, points = _quadratures(v, c, r)
     for i in (points == 0).nonzero()[0].tolist():
         verdicts[i] = _check_by_descent(float(v[i]), float(c[i]), float(r[i]))
-    kind = np.where(v < 0, -points, points)
-    for alike in set(kind[points > 0].tolist()):
-        (fronts,) = (kind == alike).nonzero()
-        most = max(1, _VALUES_AT_ONCE // (_PER_SITE * abs(alike)))
-        for first in range(0, fronts.size, most):
-            some = fronts[first : first + most]
-            column = np.abs(v[some, None]), c[some, None]
-            shape = _Shape(ProfileGrid.of_points(*column, abs(alike), TOLERANCE), alike < 0)
-            found = _check_on_grid(shape, r[some], reach[some])
-            verdicts |= zip(some.tolist(), found, strict=True)
+    signed_points = np.where(v < 0, -points, points)
+    for shared_points in set(signed_points[points > 0].tolist()):
+        (fronts,) = (signed_points == shared_points).nonzero()
+        batch_size = max(1, _VALUES_AT_ONCE // (_PER_SITE * abs(shared_points)))
+        for first in range(0, fronts.size, batch_size):
+            batch = fronts[first : first + batch_size]
+            column = np.abs(v[batch, None]), c[batch, None]
+            shape = _Shape(
+                ProfileGrid.of_points(*column, abs(shared_points), TOLERANCE), shared_points < 0
+            )
+            found = _check_on_grid(shape, r[batch], reach[batch])
+            verdicts |= zip(batch.tolist(), found, strict=True)
     return [verdicts[i] for i in range(v.size)]
 
 
@@ -128,18 +130,20 @@ def _quadratures(v: FloatArray, c: FloatArray, r: FloatArray) -> tuple[FloatArra
     """
     speed = np.minimum(np.maximum(np.abs(v), PARAMETERS.low), PARAMETERS.high)
     tails = [tail_bound(_number(speed), _number(c), side) for side in (False, True)]
-    rate, size = np.reshape(tails, (2, 2, v.size)).swapaxes(0, 1)
-    slowest, largest = rate.min(axis=0), size.max(axis=0)
+    rate, prefactor = np.reshape(tails, (2, 2, v.size)).swapaxes(0, 1)
+    slowest_rate, largest_prefactor = rate.min(axis=0), prefactor.max(axis=0)
     backward = v < 0
     if backward.any():
-        rate, size = (np.where(backward, row[::-1], row) for row in (rate, size))
-    enough = np.log(np.maximum(size / np.array([1.0 - r, r]), 1.0)) / rate
-    reach = np.maximum(1.0, np.ceil(enough)).T
-    short = (30.0 / slowest <= _LONGEST_GRID) & (speed == np.abs(v))
+        rate, prefactor = (np.where(backward, row[::-1], row) for row in (rate, prefactor))
+    required_distance = np.log(np.maximum(prefactor / np.array([1.0 - r, r]), 1.0)) / rate
+    reach = np.maximum(1.0, np.ceil(required_distance)).T
+    by_quadrature = (30.0 / slowest_rate <= _LONGEST_GRID) & (speed == np.abs(v))
     points = np.zeros(v.size, dtype=np.int64)
-    extent = reach.max(axis=1)[short] + 2.0
-    required = required_points(extent, TOLERANCE, slowest[short], largest[short])
-    points[short] = smooth_number(np.maximum(required, 2.0 * extent + 2.0))
+    extent = reach.max(axis=1)[by_quadrature] + 2.0
+    required = required_points(
+        extent, TOLERANCE, slowest_rate[by_quadrature], largest_prefactor[by_quadrature]
+    )
+    points[by_quadrature] = smooth_number(np.maximum(required, 2.0 * extent + 2.0))
     return reach, points
 
 
@@ -152,7 +156,7 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
     """Decide by quadrature; ``reach`` holds (Z₋, Z₊) of each front, shape (n, 2)."""
     behind, ahead = (int(sites) + 1 for sites in reach.max(axis=0))
     zeta, phi = shape.on_lattice((behind, ahead))
-    taken = zeta.size
+    lattice_points = zeta.size
     slope = shape.slope(
         zeta[_PER_SITE:-_PER_SITE],
         phi[:, _PER_SITE:-_PER_SITE],
@@ -160,8 +164,8 @@ def _check_on_grid(shape: _Shape, r: FloatArray, reach: FloatArray) -> list[Admi
     )
     zeta, phi = zeta[_PER_SITE:-_PER_SITE], phi[:, _PER_SITE:-_PER_SITE]
     inside = (zeta >= -reach[:, :1]) & (zeta <= reach[:, 1:])
-    fails_at, more, _ = _first_violations(shape, zeta, (phi, slope), r, inside)
-    points = taken + more
+    fails_at, bisection_points, _ = _first_violations(shape, zeta, (phi, slope), r, inside)
+    points = lattice_points + bisection_points
     return [
         Admissibility(place == math.inf, None if place == math.inf else place, (left, right), count)
         for place, (left, right), count in zip(
@@ -180,10 +184,10 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     if reason is not None:
         return Admissibility(None, None, (math.inf, math.inf), 0, reason)
     shape = _Descent(NearShape(v, c))
-    smallest = 0.02 * min(1.0, abs(v) / c)
-    near = np.geomspace(smallest, NEAR, 2 + math.ceil(3.0 * math.log(NEAR / smallest)))
-    near = np.union1d(near, 1.0)  # so that no cell has a site in its interior
-    zeta = np.concatenate([-near[::-1], [0.0], near])
+    innermost = 0.02 * min(1.0, abs(v) / c)
+    distances = np.geomspace(innermost, NEAR, 2 + math.ceil(3.0 * math.log(NEAR / innermost)))
+    distances = np.union1d(distances, 1.0)  # so that no cell has a site in its interior
+    zeta = np.concatenate([-distances[::-1], [0.0], distances])
     fails_at, points, decided = _first_violation(shape, zeta, r)
     speed, advancing = abs(v), v > 0
     behind = FarField.make(speed, c, not advancing, 1.0)
@@ -191,19 +195,19 @@ def _check_by_descent(v: float, c: float, r: float) -> Admissibility:
     beyond = (behind.reach(r)[1], ahead.reach(r)[1])
     if fails_at is not None:
         return Admissibility(False, fails_at, beyond, points)
-    farther = []
+    far_violations = []
     for side, sign in ((behind, -1.0), (ahead, 1.0)):
         proven = side.proven(r)
-        farther += [sign * proven.fails_at] if proven.fails_at is not None else []
+        far_violations += [sign * proven.fails_at] if proven.fails_at is not None else []
         if proven.thin.shape[1] > MAX_CELLS:
             decided = False
         elif proven.thin.size:
-            found, more, through = _along_stretches(shape, sign * proven.thin, r)
-            decided &= through
-            points += more
-            farther += [found] if found is not None else []
-    if farther:
-        return Admissibility(False, min(farther, key=abs), beyond, points)
+            found, evaluated, resolved = _along_stretches(shape, sign * proven.thin, r)
+            decided &= resolved
+            points += evaluated
+            far_violations += [found] if found is not None else []
+    if far_violations:
+        return Admissibility(False, min(far_violations, key=abs), beyond, points)
     if decided and max(beyond) < math.inf:
         return Admissibility(True, None, beyond, points)
     reason = "margins are below the bound on the terms left out over too many sites"
@@ -214,17 +218,20 @@ def _along_stretches(shape: _Descent, ends: FloatArray, r: float) -> tuple[float
     """Decide within intervals shorter than a site, given by their ends, shape (2, n)."""
     low, high = np.sort(ends, axis=0)
     site = np.ceil(low)
-    across = (low < site) & (site < high)
+    crosses_site = (low < site) & (site < high)
     cells = np.stack(
-        [np.append(low, site[across]), np.append(np.where(across, site, high), high[across])]
+        [
+            np.append(low, site[crosses_site]),
+            np.append(np.where(crosses_site, site, high), high[crosses_site]),
+        ]
     )
     g, d = _margin(cells.ravel(), *shape.with_slope(cells.ravel()), r)
     pairs = np.stack([cells, g.reshape(2, -1), d.reshape(2, -1)])
     owner = np.zeros(cells.shape[1], dtype=np.int64)
     rows = np.concatenate([pairs[:, 0], pairs[:, 1]])
-    found, more, through = _divide(shape, rows, owner, np.array([r]))
+    found, evaluated, resolved = _divide(shape, rows, owner, np.array([r]))
     place = float(found[0])
-    return (None if place == math.inf else place), int(more[0]) + cells.size, bool(through[0])
+    return (None if place == math.inf else place), int(evaluated[0]) + cells.size, bool(resolved[0])
 
 
 @dataclass(frozen=True)
@@ -258,12 +265,12 @@ class _Descent:
     def safe(self, cells: FloatArray, g: FloatArray, r: FloatArray) -> BoolArray:
         """Return whether |φ| stays on its side of r, given how far it departs from the chord."""
         zeta = cells[::3]
-        gone, bent = self.near.spread(zeta)
+        change, chord_deviation = self.near.spread(zeta)
         side = np.where(zeta.mean(axis=0) < 0.0, 1.0, -1.0)
-        # |φ|² on the chord is convex: at most its larger end value, at least the smaller one less
-        # a quarter of gone²
-        square = r * r + side * g.min(axis=0) - np.where(side > 0.0, 0.25 * gone**2, 0.0)
-        safe: BoolArray = side * (np.sqrt(np.maximum(square, 0.0)) - r) > bent
+        # |φ|² on the chord is convex: it is at most its larger end value, and at least the smaller
+        # one minus a quarter of the squared change of φ.
+        square = r * r + side * g.min(axis=0) - np.where(side > 0.0, 0.25 * change**2, 0.0)
+        safe: BoolArray = side * (np.sqrt(np.maximum(square, 0.0)) - r) > chord_deviation
         return safe
 
     def with_slope(
@@ -345,9 +352,9 @@ def _first_violation(shape: _Descent, zeta: FloatArray, r: float) -> tuple[float
     phi, slope = shape.with_slope(zeta)
     inside = np.ones((1, zeta.size), dtype=bool)
     values = phi[None], slope[None]
-    fails_at, more, decided = _first_violations(shape, zeta, values, np.array([r]), inside)
+    fails_at, evaluated, decided = _first_violations(shape, zeta, values, np.array([r]), inside)
     place = float(fails_at[0])
-    return None if place == math.inf else place, zeta.size + int(more[0]), bool(decided[0])
+    return None if place == math.inf else place, zeta.size + int(evaluated[0]), bool(decided[0])
 
 
 def _first_violations(
@@ -368,19 +375,19 @@ def _first_violations(
     d_behind = -d[:, origin] + 2.0 * jump
     wrong = (d[:, origin] < 0) | (d_behind > 0)
     g[:, origin] = 0.0
-    end = d.copy()  # slopes at the right end of a cell
-    end[:, origin] = d_behind
+    right_slope = d.copy()  # slopes at the right end of a cell
+    right_slope[:, origin] = d_behind
     owner, cell = (inside[:, :-1] & inside[:, 1:] & ~wrong[:, None]).nonzero()
-    here = owner * zeta.size + cell  # index into the flattened rows
+    index = owner * zeta.size + cell  # index into the flattened rows
     cells = np.array(
         [
-            zeta.take(cell), g.take(here), d.take(here),
-            zeta.take(cell + 1), g.take(here + 1), end.take(here + 1),
+            zeta.take(cell), g.take(index), d.take(index),
+            zeta.take(cell + 1), g.take(index + 1), right_slope.take(index + 1),
         ]
     )  # fmt: skip
-    fails_at, computed, decided = _divide(shape, cells, owner, r)
+    fails_at, evaluated, decided = _divide(shape, cells, owner, r)
     fails_at[wrong] = 0.0
-    return fails_at, computed, decided
+    return fails_at, evaluated, decided
 
 
 def _divide(
@@ -393,29 +400,29 @@ def _divide(
     front, are the violation nearest 0, or ∞; the number of values of φ computed; and whether the
     front was decided, that is, no cell was left when that number exceeded ``max_values``.
     """
-    computed, worst = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
+    evaluated, nearest_violation = np.zeros(r.size, dtype=np.int64), np.full(r.size, math.inf)
     while True:
         zeta, r_ = cells[::3], r[owner]
         tolerance = shape.tolerance(zeta, r_)
-        _note(zeta, cells[1::3] < -tolerance, owner, worst)
+        _record_violations(zeta, cells[1::3] < -tolerance, owner, nearest_violation)
         g, width = cells[1::3] + tolerance, zeta[1] - zeta[0]
-        least, safe = np.minimum(g[0], g[1]), shape.safe(cells, g, r_)
-        (open_,) = (~safe & (least >= 0.0) & (width > shape.shortest)).nonzero()
-        nearest = np.minimum(*np.abs(zeta.take(open_, axis=1)))
-        open_ = open_[nearest < np.abs(worst[owner[open_]])]
+        smallest_margin, safe = np.minimum(g[0], g[1]), shape.safe(cells, g, r_)
+        (open_,) = (~safe & (smallest_margin >= 0.0) & (width > shape.shortest)).nonzero()
+        distance = np.minimum(*np.abs(zeta.take(open_, axis=1)))
+        open_ = open_[distance < np.abs(nearest_violation[owner[open_]])]
         cells, owner = cells.take(open_, axis=1), owner.take(open_)
-        short = (width[open_] < shape.shorter_than_waves(owner)) & (least[open_] > 0.0)
-        (left,) = (~_positive_within(cells, short)).nonzero()
-        cells, owner = cells.take(left, axis=1), owner.take(left)
+        short = (width[open_] < shape.shorter_than_waves(owner)) & (smallest_margin[open_] > 0.0)
+        (remaining,) = (~_positive_within(cells, short)).nonzero()
+        cells, owner = cells.take(remaining, axis=1), owner.take(remaining)
         if owner.size == 0:
-            return worst, computed, np.ones(r.size, dtype=bool)
-        if computed.max() > shape.max_values:
-            return worst, computed, np.bincount(owner, minlength=r.size) == 0
-        computed += shape.values_each * np.bincount(owner, minlength=r.size)
+            return nearest_violation, evaluated, np.ones(r.size, dtype=bool)
+        if evaluated.max() > shape.max_values:
+            return nearest_violation, evaluated, np.bincount(owner, minlength=r.size) == 0
+        evaluated += shape.values_each * np.bincount(owner, minlength=r.size)
         middle = 0.5 * (cells[0] + cells[3])
-        half = np.array([middle, *_margin(middle, *shape.with_slope(middle, owner), r[owner])])
+        midpoint = np.array([middle, *_margin(middle, *shape.with_slope(middle, owner), r[owner])])
         cells = np.concatenate(
-            [np.concatenate([cells[:3], half]), np.concatenate([half, cells[3:]])], axis=1
+            [np.concatenate([cells[:3], midpoint]), np.concatenate([midpoint, cells[3:]])], axis=1
         )
         owner = np.concatenate([owner, owner])
 
@@ -423,15 +430,15 @@ def _divide(
 def _positive_within(cells: FloatArray, short: BoolArray) -> BoolArray:
     """Return in which cells g, positive at the ends or zero at ζ = 0, is positive in between.
 
-    In a ``short`` cell that is concluded where the slopes agree with each other and with the change
-    of g; in a cell that touches ζ = 0, where g/|ζ| would stay positive even if its slope were twice
-    the larger of that at the far end and that of its chord.
+    In a ``short`` cell this is concluded if the slopes agree with each other and with the change of
+    g; in a cell that touches ζ = 0, if g/|ζ| would stay positive even if its slope were twice as
+    large as the larger of its slope at the far end and that of its chord.
     """
     za, ga, da, zb, gb, db = cells
     width = zb - za
-    both = da + db
+    slope_sum = da + db
     monotone = np.abs(da - db) < 0.5 * np.minimum(np.abs(da), np.abs(db))
-    monotone &= np.abs(gb - ga - 0.5 * width * both) < 0.25 * width * np.abs(both)
+    monotone &= np.abs(gb - ga - 0.5 * width * slope_sum) < 0.25 * width * np.abs(slope_sum)
     ahead, behind = za == 0.0, zb == 0.0
     start, end = np.where(ahead, da, -db), np.where(ahead, db, -da)  # rates away from ζ = 0
     rate = (ga + gb) / width
@@ -440,15 +447,17 @@ def _positive_within(cells: FloatArray, short: BoolArray) -> BoolArray:
     return positive
 
 
-def _note(zeta: FloatArray, wrong: BoolArray, owner: IntArray, worst: FloatArray) -> None:
-    """Record in ``worst`` the violation nearest 0 of each front where it is nearer than before.
+def _record_violations(
+    zeta: FloatArray, violated: BoolArray, owner: IntArray, nearest_violation: FloatArray
+) -> None:
+    """Record in ``nearest_violation`` the violation of each front that is nearest 0 so far.
 
-    ``zeta`` and ``wrong`` have any number of rows; ``owner`` gives the front of each column.
+    ``zeta`` and ``violated`` have any number of rows; ``owner`` gives the front of each column.
     """
-    found = wrong.nonzero()
+    found = violated.nonzero()
     if found[0].size == 0:
         return
     places, owners = zeta[found], owner[found[-1]]
     order = np.lexsort((-places, -np.abs(places)))  # the nearest comes last and wins
-    nearer = order[np.abs(places[order]) < np.abs(worst[owners[order]])]
-    worst[owners[nearer]] = places[nearer]
+    nearer = order[np.abs(places[order]) < np.abs(nearest_violation[owners[order]])]
+    nearest_violation[owners[nearer]] = places[nearer]

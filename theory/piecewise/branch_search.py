@@ -76,14 +76,14 @@ class _Relation:
         self.evaluations += t.size
         v = np.exp(t)
         values, errors, _ = sums_of_pairs(v, self.c[piece], _TOLERANCE, True, self.many)
-        value, by = values[0] + self.shift, values[1:]
-        size = np.abs(value)
-        inverse = 1.0 / np.maximum(size, 1e-300)
+        value, derivatives = values[0] + self.shift, values[1:]
+        modulus = np.abs(value)
+        inverse = 1.0 / np.maximum(modulus, 1e-300)
         found = np.empty((6, t.size))
-        np.subtract(size, self.target[piece], out=found[0])
+        np.subtract(modulus, self.target[piece], out=found[0])
         found[2] = errors[0]
-        found[1:4:2] = (value.conj() * inverse * by).real
-        found[4:] = errors[1:] + 2.0 * errors[0] * inverse * np.abs(by)
+        found[1:4:2] = (value.conj() * inverse * derivatives).real
+        found[4:] = errors[1:] + 2.0 * errors[0] * inverse * np.abs(derivatives)
         found[1:5:3] *= v
         return found
 
@@ -110,8 +110,8 @@ def all_velocities(
     shift = 2.0 if retreating else 0.0
     case, piece, t = first_points(c, target, shift, refine)
     # Finding the solutions then takes about as many values again.
-    strength = c[case[piece]]
-    costly = (strength > _LONG_AXIS) & (strength > STEEPEST * np.exp(t))
+    coupling = c[case[piece]]
+    costly = (coupling > _LONG_AXIS) & (coupling > STEEPEST * np.exp(t))
     many = 2 * (t.size + _ARCH * int(np.count_nonzero(costly))) >= MANY
     relation = _Relation(case, c[case], target[case], shift, many=many)
     if t.size <= MAX_POINTS:
@@ -130,10 +130,10 @@ def all_velocities(
 
 def _solve(relation: _Relation, piece: IntArray, t: FloatArray) -> Solutions:
     """Return the solutions on some pieces, starting from points t that ascend in each piece."""
-    (left,) = (piece[1:] == piece[:-1]).nonzero()
+    (left_ends,) = (piece[1:] == piece[:-1]).nonzero()
     ends = np.array([t, *relation(piece, t)[:3]])
-    cells = np.concatenate([ends.take(left, axis=1), ends.take(left + 1, axis=1)])
-    owner, brackets = _brackets(relation, piece[left], cells)
+    cells = np.concatenate([ends.take(left_ends, axis=1), ends.take(left_ends + 1, axis=1)])
+    owner, brackets = _brackets(relation, piece[left_ends], cells)
     return _polish(relation, owner, brackets)
 
 
@@ -144,33 +144,34 @@ def _brackets(
     done_owner, done_cells = [], []
     while owner.size:
         ta, ga, da, ea, tb, gb, db, eb = cells
-        _, size_a, steep_a, _, _, size_b, steep_b, _ = np.abs(cells)
+        _, abs_g_a, abs_slope_a, _, _, abs_g_b, abs_slope_b, _ = np.abs(cells)
         width = tb - ta
         # Where g is below its rounding error its sign means nothing; see `_distinct`.
-        differ = (ga > 0) != (gb > 0)
-        flattest = np.minimum(steep_a, steep_b)
+        sign_change = (ga > 0) != (gb > 0)
+        smallest_slope = np.minimum(abs_slope_a, abs_slope_b)
         # The slope of the cubic through the ends, even if twice as far from linear, keeps its sign.
         monotone = (da > 0) == (db > 0)
-        # If g changes by less than its error on the way, smaller cells show nothing more.
-        short = monotone & (width * np.maximum(steep_a, steep_b) < np.minimum(ea, eb))
+        # If g changes by less than its error over the cell, smaller cells show nothing more.
+        short = monotone & (width * np.maximum(abs_slope_a, abs_slope_b) < np.minimum(ea, eb))
         short |= width < _SHORTEST
-        monotone &= 3.0 * np.abs(gb - ga - 0.5 * width * (da + db)) < width * flattest
-        steepest = np.maximum(np.maximum(steep_a, steep_b), np.abs(gb - ga) / width)
-        flat = size_a + size_b > 2.0 * width * steepest
-        single = monotone & (np.abs(da - db) < 2.0 * flattest)  # where t(g) is nearly a cubic
-        (found,) = (differ & (single | short)).nonzero()
+        monotone &= 3.0 * np.abs(gb - ga - 0.5 * width * (da + db)) < width * smallest_slope
+        largest_slope = np.maximum(np.maximum(abs_slope_a, abs_slope_b), np.abs(gb - ga) / width)
+        no_zero = abs_g_a + abs_g_b > 2.0 * width * largest_slope
+        # There the inverse function t(g) is nearly a cubic.
+        one_zero = monotone & (np.abs(da - db) < 2.0 * smallest_slope)
+        (found,) = (sign_change & (one_zero | short)).nonzero()
         done_owner.append(owner.take(found))
         done_cells.append(cells.take(found, axis=1))
         # A short cell without change of sign, zero at an end to within rounding, is an exact fold.
         if short.nonzero()[0].size:
-            zero = np.minimum(size_a - ea, size_b - eb) <= 0
-            (touches,) = (short & ~differ & zero).nonzero()
+            zero = np.minimum(abs_g_a - ea, abs_g_b - eb) <= 0
+            (touches,) = (short & ~sign_change & zero).nonzero()
             # One per case and round is enough, since its neighbours belong to the same fold.
             touches = touches[np.unique(owner[touches], return_index=True)[1]]
             done_owner.append(owner[touches])
             done_cells.append(cells[:, touches])
-        # The remaining cells are not short and have neither surely one solution nor surely none.
-        (rest,) = (~(short | np.where(differ, single, monotone | flat))).nonzero()
+        # The remaining cells are not short, and may have any number of solutions.
+        (rest,) = (~(short | np.where(sign_change, one_zero, monotone | no_zero))).nonzero()
         owner, cells = owner.take(rest), cells.take(rest, axis=1)
         if owner.size:
             middle = np.empty((4, owner.size))
@@ -196,30 +197,30 @@ def _distinct(
         return owner, cells
     order = np.lexsort((cells[0], owner))
     owner, cells = owner[order], cells[:, order]
-    left = np.flatnonzero(owner[:-1] == owner[1:])
-    g, _, e = relation(owner[left], 0.5 * (cells[4, left] + cells[0, left + 1]))[:3]
-    flat = np.maximum(np.abs(cells[5, left]), np.abs(cells[1, left + 1])) <= 2.0 * e
+    pairs = np.flatnonzero(owner[:-1] == owner[1:])
+    g, _, e = relation(owner[pairs], 0.5 * (cells[4, pairs] + cells[0, pairs + 1]))[:3]
+    within_rounding = np.maximum(np.abs(cells[5, pairs]), np.abs(cells[1, pairs + 1])) <= 2.0 * e
     joined = np.zeros(owner.size - 1, dtype=bool)
-    joined[left] = flat & (np.abs(g) <= 2.0 * e)
+    joined[pairs] = within_rounding & (np.abs(g) <= 2.0 * e)
     kept: list[int] = []
     for run in np.split(np.arange(owner.size), np.flatnonzero(~joined) + 1):
-        same = (cells[1, run[0]] > 0) == (cells[5, run[-1]] > 0)
-        kept += [run[0], run[-1]] if same and run.size > 1 else [run[run.size // 2]]
+        same_sign = (cells[1, run[0]] > 0) == (cells[5, run[-1]] > 0)
+        kept += [run[0], run[-1]] if same_sign and run.size > 1 else [run[run.size // 2]]
     return owner[kept], cells[:, kept]
 
 
 def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:
     """Refine each bracket to one solution, with its error and derivatives."""
     owner, cells = _distinct(relation, owner, cells)
-    t, spread, around = _refined(relation, owner, cells)
+    t, half_width, values = _refined(relation, owner, cells)
     v = np.exp(t)
-    along_c, along_target = _errors_along(v, spread, around)
+    along_c, along_target = _errors_along(v, half_width, values)
     return Solutions(
         case=relation.case[owner],
         v=v,
-        error=v * spread,
-        slope=around[1, 0] / v,
-        by_coupling=around[3, 0],
+        error=v * half_width,
+        slope=values[1, 0] / v,
+        by_coupling=values[3, 0],
         error_along_coupling=along_c,
         error_along_target=along_target,
         evaluations=relation.evaluations,
@@ -229,39 +230,39 @@ def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solution
 def _refined(
     relation: _Relation, owner: IntArray, cells: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the zero of g in each bracket by cubic interpolation, its spread, and the values.
+    """Return the zero of g in each bracket by cubic interpolation, its error, and the values.
 
-    For the spread and the values see `_confirmed_spread`. The last step, after which g is zero to
-    within rounding, is evaluated together with the points on both sides.
+    For the error and the values see `_confirmed_half_width`. The last step, after which g is zero
+    to within rounding, is evaluated together with the points on both sides.
     """
     t = _crossing(cells)
-    here = relation(owner, t)
+    values = relation(owner, t)
     tried = False
     for _ in range(30):
-        g, by_t, error = here[:3]
-        left = (g > 0) == (cells[1] > 0)
-        dropped = np.where(left, t - cells[0], cells[4] - t)
-        middle = np.array([t, g, by_t, error])
-        np.copyto(cells[:4], middle, where=left)
-        np.copyto(cells[4:], middle, where=~left)
+        g, by_t, error = values[:3]
+        below_zero = (g > 0) == (cells[1] > 0)
+        discarded = np.where(below_zero, t - cells[0], cells[4] - t)
+        new_end = np.array([t, g, by_t, error])
+        np.copyto(cells[:4], new_end, where=below_zero)
+        np.copyto(cells[4:], new_end, where=~below_zero)
         new = _crossing(cells)
-        step, steep = np.abs(new - t), np.where(by_t == 0, 1.0, np.abs(by_t))
-        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / steep
-        far = step > rounding
-        (open_,) = far.nonzero()
+        step, abs_slope = np.abs(new - t), np.where(by_t == 0, 1.0, np.abs(by_t))
+        rounding = 4e-16 * np.maximum(1.0, np.abs(t)) + 0.5 * error / abs_slope
+        unconverged = step > rounding
+        (open_,) = unconverged.nonzero()
         if open_.size == 0:
             break
         t[open_] = new[open_]
         # The error is proportional to the squared distances from both ends: about step³/dropped².
-        if not tried and (far & (step**3 <= rounding * dropped**2)).all():
-            spread = _least_spread(t, by_t, error)
-            around = _values_at(relation, owner, t, t - spread, t + spread)
-            if _differ_surely(around).all():
-                return t, spread, around
-            here, tried = around[:, 0], True
+        if not tried and (unconverged & (step**3 <= rounding * discarded**2)).all():
+            half_width = _smallest_half_width(t, by_t, error)
+            confirmed = _values_at(relation, owner, t, t - half_width, t + half_width)
+            if _opposite_signs(confirmed).all():
+                return t, half_width, confirmed
+            values, tried = confirmed[:, 0], True
         else:
-            here[:, open_] = relation(owner[open_], t[open_])
-    return t, *_confirmed_spread(relation, owner, t, here)
+            values[:, open_] = relation(owner[open_], t[open_])
+    return t, *_confirmed_half_width(relation, owner, t, values)
 
 
 def _crossing(cells: FloatArray) -> FloatArray:
@@ -280,36 +281,36 @@ def _crossing(cells: FloatArray) -> FloatArray:
     return inside
 
 
-def _least_spread(t: FloatArray, by_t: FloatArray, off: FloatArray) -> FloatArray:
+def _smallest_half_width(t: FloatArray, by_t: FloatArray, g_bound: FloatArray) -> FloatArray:
     """Return the least distance from t, where |g| ≤ off, at which g may exceed its error."""
-    floor = 4.0 * EPS * np.maximum(1.0, np.abs(t))
-    steep = np.where(by_t == 0, 1e-300, np.abs(by_t))
-    return np.minimum(floor + 2.5 * off / steep, 1e-3)
+    rounding = 4.0 * EPS * np.maximum(1.0, np.abs(t))
+    abs_slope = np.where(by_t == 0, 1e-300, np.abs(by_t))
+    return np.minimum(rounding + 2.5 * g_bound / abs_slope, 1e-3)
 
 
-def _confirmed_spread(
-    relation: _Relation, owner: IntArray, t: FloatArray, here: FloatArray
+def _confirmed_half_width(
+    relation: _Relation, owner: IntArray, t: FloatArray, values: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return δ such that g has different signs, beyond its error, at t - δ and t + δ; and values.
+    """Return δ such that g has opposite signs, beyond its error, at t - δ and t + δ; and values.
 
     The values are those of the relation at t, t - δ and t + δ, shape (6, 3, n).
     """
-    spread = _least_spread(t, here[1], np.abs(here[0]) + here[2])
-    beside = _values_at(relation, owner, t - spread, t + spread)
+    half_width = _smallest_half_width(t, values[1], np.abs(values[0]) + values[2])
+    at_ends = _values_at(relation, owner, t - half_width, t + half_width)
     for _ in range(11):
-        sure = _differ_surely(beside)
-        if sure.all():
+        confirmed = _opposite_signs(at_ends)
+        if confirmed.all():
             break
-        spread = np.where(sure, spread, 2.0 * spread)
-        beside = _values_at(relation, owner, t - spread, t + spread)
-    return spread, np.concatenate([here[:, None], beside], axis=1)
+        half_width = np.where(confirmed, half_width, 2.0 * half_width)
+        at_ends = _values_at(relation, owner, t - half_width, t + half_width)
+    return half_width, np.concatenate([values[:, None], at_ends], axis=1)
 
 
-def _differ_surely(values: FloatArray) -> BoolArray:
-    """Return whether g has different signs, beyond its error, at the last two places."""
+def _opposite_signs(values: FloatArray) -> BoolArray:
+    """Return whether g has opposite signs, beyond its error, at the last two places."""
     g, error = values[0, -2:], values[2, -2:]
-    differ: BoolArray = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
-    return differ
+    opposite: BoolArray = (np.abs(g) > error).all(axis=0) & ((g[0] > 0) != (g[1] > 0))
+    return opposite
 
 
 def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> FloatArray:
@@ -319,21 +320,24 @@ def _values_at(relation: _Relation, owner: IntArray, *places: FloatArray) -> Flo
 
 
 def _errors_along(
-    v: FloatArray, spread: FloatArray, around: FloatArray
+    v: FloatArray, half_width: FloatArray, values: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Bound the errors that ∂v/∂c and ∂v/∂target, computed at v, have at the true velocity.
 
-    The true velocity lies within the spread. There the derivatives of g are assumed to lie between
-    those at the middle and at the ends, which are in ``around``.
+    The true ln v lies within ``half_width`` of the computed one. There the derivatives of g are
+    assumed to lie between those at the middle and at the ends, which are in ``values``.
     """
-    by, error = around[1:4:2], around[4:]
-    steep, by_c = np.array([(by - error).min(axis=1), (by + error).max(axis=1)]).swapaxes(0, 1)
-    decided = (steep[0] > 0) | (steep[1] < 0)
-    inverse = v / np.where(decided, steep, 1.0)
-    middle = v / np.where(decided, by[0, 0], 1.0)
-    rounding = (spread + 1e-15) * np.abs(inverse).max(axis=0)  # includes the error of the factor v
-    along_target = np.abs(inverse - middle).max(axis=0) + rounding
-    corners = inverse[:, None] * by_c
-    along_c = np.abs(corners - middle * by[1, 0]).max(axis=(0, 1))
-    along_c += rounding * np.abs(by_c).max(axis=0)
-    return np.where(decided, along_c, np.inf), np.where(decided, along_target, np.inf)
+    derivatives, error = values[1:4:2], values[4:]
+    slope_range, by_c_range = np.array(
+        [(derivatives - error).min(axis=1), (derivatives + error).max(axis=1)]
+    ).swapaxes(0, 1)
+    nonzero = (slope_range[0] > 0) | (slope_range[1] < 0)
+    inverse = v / np.where(nonzero, slope_range, 1.0)
+    at_middle = v / np.where(nonzero, derivatives[0, 0], 1.0)
+    # The term 1e-15 is the relative error of the factor v.
+    rounding = (half_width + 1e-15) * np.abs(inverse).max(axis=0)
+    along_target = np.abs(inverse - at_middle).max(axis=0) + rounding
+    corners = inverse[:, None] * by_c_range
+    along_c = np.abs(corners - at_middle * derivatives[1, 0]).max(axis=(0, 1))
+    along_c += rounding * np.abs(by_c_range).max(axis=0)
+    return np.where(nonzero, along_c, np.inf), np.where(nonzero, along_target, np.inf)

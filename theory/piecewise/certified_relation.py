@@ -134,7 +134,7 @@ def _one_by_one(
     relation: Relation, answer: KineticRelation, unproven: list[str]
 ) -> list[Enclosure]:
     """Return enclosures of the velocities that the search found, without proof of their number."""
-    relation.most_work *= 2
+    relation.max_work *= 2
     found = []
     for branch in answer.branches:
         try:

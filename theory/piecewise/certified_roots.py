@@ -16,7 +16,7 @@ from theory.piecewise.root_count import box_corners, box_of_strips, edge_pieces
 from theory.piecewise.roots import RootSet, labelled_roots, strip_bounds
 
 _BITS = 120
-_DEEPEST = 12
+_MAX_DEPTH = 12
 
 
 class CertificationError(ArithmeticError):
@@ -67,19 +67,19 @@ def certify_roots(v: float | str, c: float | str, labels: IntArray, upper: bool)
         If an enclosure or the count fails, or the two disagree.
     """
     flint = ball_arithmetic("a certified root")
-    before = flint.ctx.prec
+    precision = flint.ctx.prec
     flint.ctx.prec = _BITS
     try:
         found = labelled_roots(float(v), float(c), labels, upper)
         balls = [_enclose(flint, v, c, k, r) for k, r in zip(found.k, found.radius, strict=True)]
-        alone = _alone(flint, [place for _, place in balls], labels, upper)
+        in_own_strips = _in_own_strips(flint, [place for _, place in balls], labels, upper)
         counted = _certified_count(flint, v, c, labels, upper)
     finally:
-        flint.ctx.prec = before
+        flint.ctx.prec = precision
     where = f"at v = {v!r}, c = {c!r}"
     if counted != labels.size:
         raise CertificationError(f"{counted} roots counted and {labels.size} enclosed {where}")
-    if not alone:
+    if not in_own_strips:
         raise CertificationError(f"a root is too near the edge of its strip {where}")
     radius = np.array([size for size, _ in balls])
     roots = RootSet(labels=found.labels, k=found.k, residual=found.residual, radius=radius)
@@ -128,7 +128,7 @@ def _enclose(
 def _certified_count(
     flint: Any, v: float | str, c: float | str, labels: IntArray, upper: bool
 ) -> int:
-    """Return the winding number of L around the box of these strips, each piece of edge proved."""
+    """Return the winding number of L around the box of these strips, with every piece proven."""
     v_, c_, i = flint.arb(v), flint.arb(c), flint.acb(0, 1)
     v, c = float(v), float(c)
     corners = box_corners(*box_of_strips(v, c, labels, upper))
@@ -136,7 +136,7 @@ def _certified_count(
     def value(k: Any) -> Any:
         return flint.acb(0.5) - 2 * i * c_ * (k / 2).sin() ** 2 - i * v_ * k
 
-    turn = 0.0
+    argument_change = 0.0
     for start, end in itertools.pairwise(corners):
         a, b = edge_pieces(v, c, start, end)
         pieces = [
@@ -146,19 +146,19 @@ def _certified_count(
             low, high, depth = pieces.pop()
             middle = (low + high) / 2
             centre = value(middle)
-            spread = -i * (v_ + c_ * low.union(high).sin()) * (high - low) / (2 * centre)
-            if abs(spread) < 1:  # L/L(middle) stays in the right half-plane on this piece
+            relative_change = -i * (v_ + c_ * low.union(high).sin()) * (high - low) / (2 * centre)
+            if abs(relative_change) < 1:  # L/L(middle) stays in the right half-plane on this piece
                 change = (value(high) / value(low)).arg()
-                turn += float(change.mid())
-            elif depth < _DEEPEST:
+                argument_change += float(change.mid())
+            elif depth < _MAX_DEPTH:
                 pieces += [(low, middle, depth + 1), (middle, high, depth + 1)]
             else:
                 raise CertificationError(f"the edge piece {low} to {high} could not be certified")
     # The winding number of a closed curve is an integer; the rounding error is far below one half.
-    return round(turn / (2.0 * math.pi))
+    return round(argument_change / (2.0 * math.pi))
 
 
-def _alone(flint: Any, places: Sequence[Any], labels: IntArray, upper: bool) -> bool:
+def _in_own_strips(flint: Any, places: Sequence[Any], labels: IntArray, upper: bool) -> bool:
     """Return whether every root lies in its own strip, so that no two are the same."""
     bounds = zip(*strip_bounds(labels, upper), strict=True)
     return all(

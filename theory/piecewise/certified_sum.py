@@ -64,11 +64,11 @@ MAX_POINTS = 2000
 """Largest number of equispaced points; where more would be needed, the adaptive rule is used."""
 MAX_EVALUATIONS = 150_000
 """Largest number of values of the integrand in the adaptive rule: a few seconds."""
-_PARTS = (0.6, 0.75, 0.88, 0.95)  # of the strip, on which G is bounded
+_STRIP_FRACTIONS = (0.6, 0.75, 0.88, 0.95)  # of the strip, on which G is bounded
 _GUARD_BITS = 32
-_BEND = 0.5625
+_TAU = 0.5625
 """τ of the path: close to 1/√3, at which the strip is widest, and exact as a binary number."""
-_PIECES = 1024
+_INTERVALS = 1024
 _PARTIALS = (1, 3, 4)
 """Number of the quantities Σ, ∂Σ/∂v, ∂Σ/∂c and ∂²Σ/∂v² that are computed at order 0, 1 and 2."""
 
@@ -147,8 +147,8 @@ def certified_sum(v: float | str, c: float | str, digits: int) -> KineticSum:
     v_float, c_float = checked_velocity_and_coupling(float(v), float(c))
     flint = ball_arithmetic("a certified sum")
     # Digits are lost by arguments of the exponential as large as c/v, and differences down to 1/v.
-    lost = math.log2(1.0 + c_float / v_float) + 2.0 * math.log2(1.0 + v_float + 1.0 / c_float)
-    bits = math.ceil(3.33 * max(digits, DOUBLE)) + math.ceil(lost) + _GUARD_BITS
+    lost_bits = math.log2(1.0 + c_float / v_float) + 2.0 * math.log2(1.0 + v_float + 1.0 / c_float)
+    bits = math.ceil(3.33 * max(digits, DOUBLE)) + math.ceil(lost_bits) + _GUARD_BITS
     with flint.ctx.workprec(bits):
         v_, c_ = (flint.arb(flint.fmpq(*Fraction(each).as_integer_ratio())) for each in (v, c))
         found = _any_strip(flint, v_, c_, 10.0 ** -min(digits + 1, 300), digits)
@@ -182,8 +182,8 @@ def _upper(ball: Any) -> Any:
 
 def _any_strip(flint: Any, v: Any, c: Any, tolerance: float, digits: int) -> BallSum:
     """Return Σ by its limit at v = 0, by equispaced points, or by the adaptive rule."""
-    away = (-1 / (2 * v)).exp()
-    distance = (2 * away / (1 - away)).upper()  # theory.piecewise.limits.static_sum_distance
+    e = (-1 / (2 * v)).exp()
+    distance = (2 * e / (1 - e)).upper()  # theory.piecewise.limits.static_sum_distance
     if distance < flint.arb(10) ** (-digits - 1):
         ball = flint.arb(0, distance)
         return BallSum(ball_static_sum(flint, c) + flint.acb(ball, ball), None, None, None, 0)
@@ -203,7 +203,7 @@ def ball_static_sum(flint: Any, c: Any) -> Any:
     return flint.acb(0, 4 * c) / (q * (1 + q))
 
 
-def _adaptive(flint: Any, v: Any, c: Any, goal: Any) -> BallSum:
+def _adaptive(flint: Any, v: Any, c: Any, tolerance: Any) -> BallSum:
     """Return Σ by the adaptive Gauss-Legendre rule on half a period, G as a sum of two coth."""
     evaluated = 0
 
@@ -216,7 +216,7 @@ def _adaptive(flint: Any, v: Any, c: Any, goal: Any) -> BallSum:
 
     pi = flint.arb.pi()
     integral = flint.acb.integral(
-        integrand, 0, pi, rel_tol=goal, abs_tol=goal, eval_limit=MAX_EVALUATIONS
+        integrand, 0, pi, rel_tol=tolerance, abs_tol=tolerance, eval_limit=MAX_EVALUATIONS
     )
     return BallSum(integral / pi - 1, None, None, None, evaluated)
 
@@ -260,21 +260,21 @@ def _points_and_strip(
     v: float, c: float, tolerance: float, order: int, ratio: float
 ) -> tuple[int, Strip]:
     width = root_free_strip(v, c)
-    strips = [Strip(half_width=part * width) for part in _PARTS]
+    strips = [Strip(half_width=fraction * width) for fraction in _STRIP_FRACTIONS]
     if ratio < 1.0:  # else e^{-a} hardly oscillates
         widest = math.floor(4.0 * math.log2(min(1.0, c**-0.5)))
         widths = (2.0 ** ((widest - i) / 4.0) for i in range(12))
         strips += [Strip(half_width=each, ratio=ratio) for each in widths]
     best = (math.inf, strips[0])
     for strip in strips:
-        sigma, (sag, side, stretch) = strip.half_width, _geometry(strip)
-        gap = 0.5 - c * sag
+        sigma, (m, side, stretch) = strip.half_width, _geometry(strip)
+        gap = 0.5 - c * m
         p = 0.5 * (gap - (v * sigma if strip.ratio is None else 0.0)) / v
         if gap > 0.0 < p:
             coth, square = 1.0 / math.tanh(p), math.sinh(min(p, 300.0)) ** -2
-            peaks = _peaks(v, c, gap, coth=coth, square=square, side=side)
-            peak = stretch * max(peaks[: _PARTIALS[order]])
-            count = math.log1p(2.0 * peak / tolerance) / sigma
+            bounds = _bounds_in_strip(v, c, gap, coth=coth, square=square, side=side)
+            bound = stretch * max(bounds[: _PARTIALS[order]])
+            count = math.log1p(2.0 * bound / tolerance) / sigma
             best = min(best, (count, strip), key=lambda each: each[0])
     count, strip = best
     octave = 2.0 ** math.floor(math.log2(max(count, 8.0)))
@@ -286,26 +286,26 @@ def _geometry(strip: Strip) -> tuple[float, float, float]:
     sigma = strip.half_width
     if strip.ratio is None:
         return math.sinh(sigma), 1.0 + math.cosh(sigma), 1.0
-    stretch = _BEND * math.cosh(sigma)
-    return _sag(sigma, strip.ratio), 1.0 + math.cosh(sigma + stretch), 1.0 + stretch
+    stretch = _TAU * math.cosh(sigma)
+    return _bound_of_m(sigma, strip.ratio), 1.0 + math.cosh(sigma + stretch), 1.0 + stretch
 
 
 @lru_cache(maxsize=4096)
-def _sag(sigma: float, ratio: float) -> float:
+def _bound_of_m(sigma: float, ratio: float) -> float:
     """Return an upper bound of m, which is minus the minimum of sin κ sinh ψ - |ψ| ρ in |Im k| ≤ σ.
 
     By the symmetries k → -k and k → π - k it suffices to consider Im k = σ and Re k from -π/2 to
     π/2. The values at the midpoints of pieces are lowered by the largest change within the pieces
     that the first and second derivatives allow.
     """
-    half = 0.5 * math.pi / _PIECES
-    k = (np.arange(_PIECES) + 0.5) * 2.0 * half - 0.5 * math.pi + 1j * sigma
-    z, rate = k + 1j * _BEND * np.sin(k), 1.0 + 1j * _BEND * np.cos(k)
-    stretch = _BEND * math.cosh(sigma)
+    half = 0.5 * math.pi / _INTERVALS
+    k = (np.arange(_INTERVALS) + 0.5) * 2.0 * half - 0.5 * math.pi + 1j * sigma
+    z, rate = k + 1j * _TAU * np.sin(k), 1.0 + 1j * _TAU * np.cos(k)
+    stretch = _TAU * math.cosh(sigma)
     second = math.cosh(sigma + stretch) * ((1.0 + stretch) ** 2 + stretch)
     least = (1j * np.cos(z)).real - np.abs((1j * np.sin(z) * rate).real) * half
     least -= 0.5 * second * half**2 + ratio * (np.abs(z.imag) + stretch * half)
-    return max(1e-12 - float(least.min()), 0.25 * _BEND * ratio**2) * (1.0 + 1e-12)
+    return max(1e-12 - float(least.min()), 0.25 * _TAU * ratio**2) * (1.0 + 1e-12)
 
 
 def ball_sum(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int = 0) -> BallSum:
@@ -344,22 +344,22 @@ class _Node:
     """A point z of the path: X, the pairs (e^{±iz}, 1 - e^{±iz}), and the weight z'."""
 
     X: Any
-    turned: tuple[tuple[Any, Any], ...]
+    phases: tuple[tuple[Any, Any], ...]
     weight: Any
 
 
 @lru_cache(maxsize=64)
-def _nodes(flint: Any, points: int, bent: bool, _precision: int) -> list[_Node]:
+def _nodes(flint: Any, points: int, curved: bool, _precision: int) -> list[_Node]:
     """Return the points of half a period; the two end points have half the weight."""
     found = []
     for j in range(points // 2 + 1):
-        turn, bend = flint.fmpq(2 * j, points), flint.arb(_BEND if bent else 0.0)
+        half_turns, tau = flint.fmpq(2 * j, points), flint.arb(_TAU if curved else 0.0)
         k = flint.arb.pi() * 2 * j / points
-        z = flint.acb(k, bend * flint.arb.sin_pi_fmpq(turn))
-        weight = flint.acb(1, bend * flint.arb.cos_pi_fmpq(turn))
+        z = flint.acb(k, tau * flint.arb.sin_pi_fmpq(half_turns))
+        weight = flint.acb(1, tau * flint.arb.cos_pi_fmpq(half_turns))
         ends = 2 if j in (0, points // 2) else 1
-        turned = tuple((w.exp(), -w.expm1()) for w in (flint.acb(0, 1) * z, flint.acb(0, -1) * z))
-        found.append(_Node(X=(z / 2).sin() ** 2, turned=turned, weight=weight / ends))
+        phases = tuple((w.exp(), -w.expm1()) for w in (flint.acb(0, 1) * z, flint.acb(0, -1) * z))
+        found.append(_Node(X=(z / 2).sin() ** 2, phases=phases, weight=weight / ends))
     return found
 
 
@@ -368,40 +368,40 @@ def _integrand(flint: Any, v: Any, c: Any, node: _Node, order: int) -> list[Any]
     iX = flint.acb(0, 1) * node.X
     A = 0.5 - 2 * c * iX
     F = -(-A / v).expm1()
-    q = [1 / (away + F * turned) for turned, away in node.turned]
+    q = [1 / (complement + F * phase) for phase, complement in node.phases]
     S = q[0] + q[1] - 1
     G = S / (2 * A)
     if order == 0:
         return [G]
     by_a = [each * (1 - each) for each in q]
-    rate = (by_a[0] + by_a[1]) / v
-    found = [G, -rate / (2 * v), iX * (S / A - rate) / A]
+    S_a_over_v = (by_a[0] + by_a[1]) / v
+    found = [G, -S_a_over_v / (2 * v), iX * (S / A - S_a_over_v) / A]
     if order > 1:
         S_aa = sum(by * (1 - 2 * each) for by, each in zip(by_a, q, strict=True))
-        found.append((rate + S_aa * A / (2 * v * v)) / (v * v))
+        found.append((S_a_over_v + S_aa * A / (2 * v * v)) / (v * v))
     return found
 
 
 def _truncation(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int) -> list[Any]:
     """Return proven bounds of the truncation errors, namely the upper ends of balls."""
     s = flint.arb(strip.half_width)
-    grown = (points * s).expm1()
+    growth = (points * s).expm1()
     if strip.ratio is None:
         gap, side, stretch = flint.arb(0.5) - c * s.sinh(), 1 + s.cosh(), 1
         p = (gap - v * s) / (2 * v)
     else:
-        gap = flint.arb(0.5) - c * flint.arb(_sag(strip.half_width, strip.ratio))
-        stretch = 1 + flint.arb(_BEND) * s.cosh()
+        gap = flint.arb(0.5) - c * flint.arb(_bound_of_m(strip.half_width, strip.ratio))
+        stretch = 1 + flint.arb(_TAU) * s.cosh()
         side = 1 + (s + stretch - 1).cosh()
         p = gap / (2 * v) if flint.arb(strip.ratio) * c >= v else flint.arb(-1)
     if not p > 0:
         return [flint.arb.pos_inf()] * _PARTIALS[order]
-    bounds = _peaks(v, c, gap, coth=p.coth(), square=p.sinh() ** -2, side=side)
-    return [(2 * stretch * bound / grown).upper() for bound in bounds[: _PARTIALS[order]]]
+    bounds = _bounds_in_strip(v, c, gap, coth=p.coth(), square=p.sinh() ** -2, side=side)
+    return [(2 * stretch * bound / growth).upper() for bound in bounds[: _PARTIALS[order]]]
 
 
-def _peaks(v: Any, c: Any, gap: Any, *, coth: Any, square: Any, side: Any) -> list[Any]:
-    """Return the bounds of |G|, |G_v|, |G_c| and |G_vv| in a strip, from floats or from balls.
+def _bounds_in_strip(v: Any, c: Any, gap: Any, *, coth: Any, square: Any, side: Any) -> list[Any]:
+    """Return bounds on |G|, |G_v|, |G_c| and |G_vv| in a strip, from floats or from balls.
 
     ``gap`` is g, ``coth`` and ``square`` are coth p and csch² p, ``side`` bounds 2|X|.
     """

@@ -36,10 +36,10 @@ from theory.piecewise.folds import fold_coupling
 from theory.piecewise.limits import ETA_PIN_END
 
 _CLOSED_BITS = 320
-_NARROWEST = 1e-12
-_ROUNDED = 1.0 + 1e-12
-_WIDENED = (1.0, 10.0, 100.0)
-_LEAST_ERROR = 1e-15
+_MIN_RELATIVE_WIDTH = 1e-12
+_ROUND_UP = 1.0 + 1e-12
+_WIDENING_FACTORS = (1.0, 10.0, 100.0)
+_MIN_RELATIVE_ERROR = 1e-15
 
 
 def ball_ratio(flint: Any, eta: float) -> Any:
@@ -89,15 +89,15 @@ def enclose_fold(flint: Any, eta: float, pin: Enclosure) -> Enclosure | None:
     if fold is None:
         return None
     target = 2 * ball_ratio(flint, eta)
-    for wider in _WIDENED:
-        reach = wider * max(fold.error, _LEAST_ERROR * fold.value)
-        low = min(fold.value, pin.lower) - reach
+    for factor in _WIDENING_FACTORS:
+        margin = factor * max(fold.error, _MIN_RELATIVE_ERROR * fold.value)
+        low = min(fold.value, pin.lower) - margin
         if low > 0.0 and _never_moves(flint, low, target, fold.velocity):
             break
     else:
         return None
-    for wider in _WIDENED if fold.velocity > 0.0 else ():
-        high = fold.value + wider * max(fold.error, _LEAST_ERROR * fold.value)
+    for factor in _WIDENING_FACTORS if fold.velocity > 0.0 else ():
+        high = fold.value + factor * max(fold.error, _MIN_RELATIVE_ERROR * fold.value)
         relation = Relation(flint, flint.arb(high), target)
         if relation.sign(fold.velocity) > 0:
             return Enclosure(lower=low, upper=min(high, pin.upper))
@@ -138,15 +138,15 @@ def _below_on_line(relation: Relation, low: float, high: float, peak: float) -> 
     while cells:
         a, b = cells.pop()
         middle = 0.5 * (a + b)
-        half = (b - middle) * _ROUNDED
+        half = (b - middle) * _ROUND_UP
         if b < 1.5 * a:
             centre = relation.resolved(relation.flint.arb(middle))
             distance = relation.distance(centre)
             # at small v the distance is small, and the derivatives are exponentially small
-            slope, rate = relation.steepness(a, b, 0.1 * float(abs(distance).upper()) / half)
+            slope, rate = relation.slope_bounds(a, b, 0.1 * float(abs(distance).upper()) / half)
             if distance + half * rate < 0 or relation.height(centre) + half * abs(slope) < 0:
                 continue
-        if b - a < _NARROWEST * b:
+        if b - a < _MIN_RELATIVE_WIDTH * b:
             return False
         cells += [(middle, b), (a, middle)]
     return True
@@ -163,21 +163,21 @@ def _below_about_peak(relation: Relation, peak: float) -> tuple[float, float]:
     half = 0.25 * peak
     while half > 1e-4 * peak:
         cell = flint.arb(peak - half).union(flint.arb(peak + half))
-        if _bend(relation, cell)[1] < 0:
+        if _slope_and_curvature(relation, cell)[1] < 0:
             break
         half *= 0.5
     else:
         return peak, peak
     for _ in range(6):
-        slope, bend = _bend(relation, v)
-        v = (v - slope / bend).mid()
-    slope, _ = _bend(relation, v)
-    top = relation.height(relation.sum(v, relation.tolerances[-1]).value)
-    proven = bool(top + 2.0 * half * abs(slope) < 0)
+        slope, curvature = _slope_and_curvature(relation, v)
+        v = (v - slope / curvature).mid()
+    slope, _ = _slope_and_curvature(relation, v)
+    maximum = relation.height(relation.sum(v, relation.tolerances[-1]).value)
+    proven = bool(maximum + 2.0 * half * abs(slope) < 0)
     return (peak - half, peak + half) if proven else (peak, peak)
 
 
-def _bend(relation: Relation, v: Any) -> tuple[Any, Any]:
+def _slope_and_curvature(relation: Relation, v: Any) -> tuple[Any, Any]:
     """Return ∂h/∂v and ∂²h/∂v²."""
     found = relation.sum(v, relation.tolerances[-1], 2)
     squares = found.by_v.real**2 + found.by_v.imag**2
@@ -194,34 +194,34 @@ def _below_on_boxes(
     boxes = [(*velocities, *couplings)]
     while boxes:
         a, b, low, high = boxes.pop()
-        middle, level = 0.5 * (a + b), 0.5 * (low + high)
-        if b - a < _NARROWEST * b and high - low < _NARROWEST * high:
+        middle, middle_c = 0.5 * (a + b), 0.5 * (low + high)
+        if b - a < _MIN_RELATIVE_WIDTH * b and high - low < _MIN_RELATIVE_WIDTH * high:
             return False
-        across, along = math.log(b / a), math.log(high / low)
+        extent_v, extent_c = math.log(b / a), math.log(high / low)
         if _below_by_bounds(relation, a, b, high):
             continue
-        if across < 0.6 and along < 0.7:
+        if extent_v < 0.6 and extent_c < 0.7:
             v, c = flint.arb(a).union(flint.arb(b)), flint.arb(low).union(flint.arb(high))
-            wide = relation.sum(v, coarse, 1, c=c)
-            if relation.slope(wide.value, wide.by_c) > 0:
+            over_box = relation.sum(v, coarse, 1, c=c)
+            if relation.slope(over_box.value, over_box.by_c) > 0:
                 continue
-            if wide.by_v.is_finite() and wide.by_c.is_finite():
-                halves = (b - middle) * _ROUNDED, (high - level) * _ROUNDED
-                centre = relation.sum(flint.arb(middle), coarse, c=flint.arb(level)).value
-                rates = abs(wide.by_v) * halves[0], abs(wide.by_c) * halves[1]
+            if over_box.by_v.is_finite() and over_box.by_c.is_finite():
+                halves = (b - middle) * _ROUND_UP, (high - middle_c) * _ROUND_UP
+                centre = relation.sum(flint.arb(middle), coarse, c=flint.arb(middle_c)).value
+                rates = abs(over_box.by_v) * halves[0], abs(over_box.by_c) * halves[1]
                 if relation.distance(centre) + rates[0] + rates[1] < 0:
                     continue
                 changes = [
-                    abs(relation.slope(wide.value, by)) * half
-                    for by, half in zip((wide.by_v, wide.by_c), halves, strict=True)
+                    abs(relation.slope(over_box.value, by)) * half
+                    for by, half in zip((over_box.by_v, over_box.by_c), halves, strict=True)
                 ]
                 if relation.height(centre) + changes[0] + changes[1] < 0:
                     continue
-                across, along = (float(each.upper()) for each in changes)
-        if across >= along:
+                extent_v, extent_c = (float(each.upper()) for each in changes)
+        if extent_v >= extent_c:
             boxes += [(a, middle, low, high), (middle, b, low, high)]
         else:
-            boxes += [(a, b, low, level), (a, b, level, high)]
+            boxes += [(a, b, low, middle_c), (a, b, middle_c, high)]
     return True
 
 

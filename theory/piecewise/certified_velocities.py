@@ -41,9 +41,9 @@ BITS = 110
 MAX_WORK = 600_000
 """Largest number of values of the integrand in one proof: about eight seconds."""
 _GAMMA = 0.7247
-_NARROWEST = 1e-14
+_MIN_RELATIVE_WIDTH = 1e-14
 _RELATIVE_TOLERANCES = (1e-4, 1e-9, 1e-21)
-_ROUNDED = 1.0 + 1e-12
+_ROUND_UP = 1.0 + 1e-12
 _MAX_POINTS = 20_000
 
 
@@ -94,7 +94,7 @@ class Relation:
         s: 0, or 2 for fronts that retreat.
     work : int
         Number of values of the integrand so far.
-    most_work : int
+    max_work : int
         Number of values beyond which `WorkLimitError` is raised.
     """
 
@@ -103,7 +103,7 @@ class Relation:
     target: Any
     shift: int = 0
     work: int = 0
-    most_work: int = MAX_WORK
+    max_work: int = MAX_WORK
     _signs: dict[float, int] = field(default_factory=dict)
 
     def sum(self, v: Any, tolerance: float, order: int = 0, c: Any = None) -> BallSum:
@@ -117,10 +117,8 @@ class Relation:
             math.nextafter(float(c.lower()), 0.0),
         )
         self.work += points // 2 * (1 + order)
-        if points > _MAX_POINTS or self.work > self.most_work:
-            raise WorkLimitError(
-                f"it would take more than {self.most_work} values of the integrand"
-            )
+        if points > _MAX_POINTS or self.work > self.max_work:
+            raise WorkLimitError(f"it would take more than {self.max_work} values of the integrand")
         return ball_sum(self.flint, v, c, points, strip, order=order)
 
     def height(self, total: Any) -> Any:
@@ -133,15 +131,15 @@ class Relation:
         value = total + self.shift
         return 2 * (value.real * by.real + value.imag * by.imag)
 
-    def steepness(self, low: float, high: float, least: float = math.inf) -> tuple[Any, Any]:
-        """Return ∂h/∂v and |∂Σ/∂v| over all velocities from low to high.
+    def slope_bounds(self, low: float, high: float, least: float = math.inf) -> tuple[Any, Any]:
+        """Return enclosures of ∂h/∂v and |∂Σ/∂v| over all velocities from low to high.
 
         The truncation error is a small fraction of 2r, or ``least`` where that is smaller.
         """
         cell = self.flint.arb(low).union(self.flint.arb(high))
         tolerance = max(min(0.1 * self.tolerances[0], least), self.tolerances[-1])
-        wide = self.sum(cell, tolerance, 1)
-        return self.slope(wide.value, wide.by_v), abs(wide.by_v)
+        over_cell = self.sum(cell, tolerance, 1)
+        return self.slope(over_cell.value, over_cell.by_v), abs(over_cell.by_v)
 
     def resolved(self, v: Any, c: Any = None) -> Any:
         """Return Σ with a truncation error far below ||Σ + s| - 2r|, if possible."""
@@ -183,11 +181,11 @@ def fast_bound(flint: Any, v: float, c: Any) -> Any:
     arb
         Infinite where v ≤ γc, for which there is no such bound.
     """
-    rest = 1 - flint.arb(_GAMMA) * c / v
-    if not rest > 0:
+    denominator = 1 - flint.arb(_GAMMA) * c / v
+    if not denominator > 0:
         return flint.arb.pos_inf()
     v_ = flint.arb(v)
-    return (c / (4 * v_**2) + 2 * c**2 / (3 * flint.arb.pi() * v_**3)) / rest
+    return (c / (4 * v_**2) + 2 * c**2 / (3 * flint.arb.pi() * v_**3)) / denominator
 
 
 def lowest_velocity(relation: Relation) -> float:
@@ -204,16 +202,16 @@ def lowest_velocity(relation: Relation) -> float:
 def highest_velocity(relation: Relation) -> float:
     """Return v above which no solution lies, by the bound at large v."""
     flint, c = relation.flint, relation.c
-    room = abs(relation.shift - relation.target)
+    gap = abs(relation.shift - relation.target)
     high = float(c.upper()) + 1e-3
-    while not fast_bound(flint, high, c) < room:
+    while not fast_bound(flint, high, c) < gap:
         high *= 2.0
         if high > 1e300:
             raise WorkLimitError("no bound on the velocity was found")
     low = 0.5 * high
     for _ in range(6):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if fast_bound(flint, middle, c) < room else (middle, high)
+        low, high = (low, middle) if fast_bound(flint, middle, c) < gap else (middle, high)
     return high
 
 
@@ -255,7 +253,7 @@ def prove_velocities(
         middle = 0.5 * (a + b)
         if roots is not None:
             found += roots
-        elif b - a < _NARROWEST * b:
+        elif b - a < _MIN_RELATIVE_WIDTH * b:
             undecided.append((a, b))
         else:
             cells += [(middle, b), (a, middle)]
@@ -266,11 +264,11 @@ def _roots_in_cell(relation: Relation, a: float, b: float) -> list[Enclosure] | 
     """Return the solution between a and b, if there is one, or None if that is not decided."""
     if b > 1.5 * a:
         return None
-    slope, rate = relation.steepness(a, b)
+    slope, rate = relation.slope_bounds(a, b)
     if not rate.is_finite():
         return None
     middle = 0.5 * (a + b)
-    half = (b - middle) * _ROUNDED
+    half = (b - middle) * _ROUND_UP
     centre = relation.resolved(relation.flint.arb(middle))
     if abs(relation.distance(centre)) > half * rate or abs(relation.height(centre)) > half * abs(
         slope
@@ -300,9 +298,9 @@ def enclose_root(relation: Relation, low: float, high: float, slope: Any) -> Enc
     for _ in range(12):
         middle = cell.mid()
         h = relation.height(relation.sum(middle, relation.tolerances[-1]).value)
-        shrunk = (middle - h / slope).intersection(cell)
-        settled = shrunk.rad() > 0.5 * cell.rad() or shrunk.rad() < 1e-17 * middle
-        cell = shrunk
+        narrowed = (middle - h / slope).intersection(cell)
+        settled = narrowed.rad() > 0.5 * cell.rad() or narrowed.rad() < 1e-17 * middle
+        cell = narrowed
         if settled:
             break
         slope = _narrower(relation, cell, slope)
@@ -310,9 +308,9 @@ def enclose_root(relation: Relation, low: float, high: float, slope: Any) -> Enc
 
 
 def _narrower(relation: Relation, cell: Any, slope: Any) -> Any:
-    """Return ∂h/∂v over a cell inside another one, for which it is known already."""
-    wide = relation.sum(cell, relation.tolerances[1], 1)
-    return relation.slope(wide.value, wide.by_v).intersection(slope)
+    """Return ∂h/∂v over a cell, given an enclosure of it over a larger one."""
+    over_cell = relation.sum(cell, relation.tolerances[1], 1)
+    return relation.slope(over_cell.value, over_cell.by_v).intersection(slope)
 
 
 def enclose_near(relation: Relation, v: float, error: float) -> Enclosure | None:
@@ -325,10 +323,10 @@ def enclose_near(relation: Relation, v: float, error: float) -> Enclosure | None
     v, error : float
         A computed velocity and its stated error.
     """
-    for wider in (2.0, 1e2, 1e4):
-        reach = wider * max(error, 4e-16 * v)
-        low, high = v - reach, v + reach
-        slope, _ = relation.steepness(low, high)
+    for factor in (2.0, 1e2, 1e4):
+        margin = factor * max(error, 4e-16 * v)
+        low, high = v - margin, v + margin
+        slope, _ = relation.slope_bounds(low, high)
         if not slope.contains(0) and relation.sign(low) * relation.sign(high) < 0:
             return enclose_root(relation, low, high, slope)
     return None

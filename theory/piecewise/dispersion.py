@@ -98,10 +98,10 @@ def root_free_strip(v: Any, c: Any, steps: int = 4) -> Any:
     >>> bool(abs(0.5 * np.sinh(s) + 0.3 * s - 0.5) < 1e-13)
     True
     """
-    by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
-    s = least(0.5 / (c + v), by.log1p(1.0 / c))
+    xp, minimum = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
+    s = minimum(0.5 / (c + v), xp.log1p(1.0 / c))
     for _ in range(steps):
-        second, first = c * by.sinh(s), c * by.cosh(s) + v
-        value = second + v * s - 0.5
-        s = s - value * first / (first * first - 0.5 * value * second)
+        sinh_term, derivative = c * xp.sinh(s), c * xp.cosh(s) + v
+        value = sinh_term + v * s - 0.5
+        s = s - value * derivative / (derivative * derivative - 0.5 * value * sinh_term)
     return s * (1.0 - 1e-14)

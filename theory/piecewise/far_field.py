@@ -21,9 +21,9 @@ MAX_CELLS = 20_000
 """Largest number of intervals that are examined on one side."""
 _SLOW = 24
 """Number of terms that are followed; the others are bounded."""
-_BENT = 0.02
+_INTERPOLATION_MARGIN = 0.02
 """Relative amount by which a term or a rate may exceed those at both ends of a block of labels."""
-_SHORT = 0.125
+_MIN_LENGTH = 0.125
 """Length in sites below which an interval is not divided further."""
 
 
@@ -72,7 +72,8 @@ class FarField:
 
         Where v|k| > 6c, |cos k| ≥ 5 and |L_k| ≥ v|k|/2, so that a term is below 1/(v k²) and falls
         with a faster than 9^{-a}. Roots are computed for a sample of labels. Between two of these,
-        terms and rates are assumed to lie between those at both, to within a fraction ``_BENT``.
+        terms and rates are assumed to lie between those at both, to within a fraction
+        ``_INTERPOLATION_MARGIN``.
         """
         last = max(_SLOW, math.ceil(c / speed))
         labels = _sampled_labels(last, c / (math.pi * speed))
@@ -80,8 +81,12 @@ class FarField:
         terms = (0.5j if limit == 1.0 else -0.5j) / (k * (speed + c * np.sin(k)))
         rates = 1j * k if upper else -1j * k
         size, decay = np.abs(terms), rates.real
-        between = (np.diff(labels) - 1.0) * (1.0 + _BENT) * np.maximum(size[1:], size[:-1])
-        slowest = (1.0 - _BENT) * np.maximum(decay[1:], decay[:-1])
+        between = (
+            (np.diff(labels) - 1.0)
+            * (1.0 + _INTERPOLATION_MARGIN)
+            * np.maximum(size[1:], size[:-1])
+        )
+        slowest = (1.0 - _INTERPOLATION_MARGIN) * np.maximum(decay[1:], decay[:-1])
         slow, others = np.split(np.argsort(-size * np.exp(NEAR * decay)), [_SLOW])
         tail = 1.0 / (math.pi**2 * speed * (last - 0.5))
         return cls(
@@ -95,39 +100,39 @@ class FarField:
 
     def reach(self, r: float) -> tuple[float, float]:
         """Return how far to check, and the distance beyond which the sum of moduli proves (47)."""
-        room = r if self.limit == 0.0 else 1.0 - r
+        gap = r if self.limit == 0.0 else 1.0 - r
         size = np.append(np.abs(self.terms), self.size)
         decay = np.append(self.rates.real, self.decay)
-        far = NEAR
+        distance = NEAR
         tail = self.tail * 9.0**-NEAR
-        least = max(room - tail, tail)  # if the tail proves nothing, the rest is checked
-        while float(size @ np.exp(decay * far)) >= least:
-            far *= 1.5
-        return far, far if tail < 0.5 * room else math.inf
+        level = max(gap - tail, tail)  # if the tail proves nothing, the rest is checked
+        while float(size @ np.exp(decay * distance)) >= level:
+            distance *= 1.5
+        return distance, distance if tail < 0.5 * gap else math.inf
 
     def proven(self, r: float) -> ProvenRange:
         """Follow the slow terms outwards; their slopes and the moduli of the others bound |φ|."""
-        far, none = self.reach(r)[0], np.empty((2, 0))
-        if far == NEAR:
-            return ProvenRange(None, none)
-        knots = np.geomspace(NEAR, far, 64)
-        rest = np.exp(np.outer(knots, self.decay)) @ self.size
-        rest += self.tail * 9.0**-NEAR
+        outermost, no_interval = self.reach(r)[0], np.empty((2, 0))
+        if outermost == NEAR:
+            return ProvenRange(None, no_interval)
+        knots = np.geomspace(NEAR, outermost, 64)
+        remainder = np.exp(np.outer(knots, self.decay)) @ self.size
+        remainder += self.tail * 9.0**-NEAR
         terms, rates = self.terms, self.rates
-        steepness = np.abs(terms * rates)
+        slope_bounds = np.abs(terms * rates)
         a, b = knots[:-1], knots[1:]
-        nearest, thin = math.inf, [none]
+        nearest, thin = math.inf, [no_interval]
         while a.size:
             middle, width = 0.5 * (a + b), b - a
-            size_ = np.abs(self.limit + np.exp(np.outer(middle, rates)) @ terms)
-            margin = size_ - r if self.limit else r - size_
-            others = rest[np.searchsorted(knots, a, side="right") - 1]  # decreases with a
-            slope = np.exp(np.outer(a, rates.real)) @ steepness
+            modulus = np.abs(self.limit + np.exp(np.outer(middle, rates)) @ terms)
+            margin = modulus - r if self.limit else r - modulus
+            others = remainder[np.searchsorted(knots, a, side="right") - 1]  # decreases with a
+            slope = np.exp(np.outer(a, rates.real)) @ slope_bounds
             failed = margin + others < 0.0
             if failed.any():
                 nearest = min(nearest, float(middle[failed].min()))
             open_ = (margin <= 0.5 * slope * width + others) & (a < nearest)
-            short = width < _SHORT
+            short = width < _MIN_LENGTH
             thin.append(np.stack([a, b])[:, open_ & short & ~failed])
             open_ &= ~short
             a, middle, b = a[open_], middle[open_], b[open_]
@@ -135,9 +140,9 @@ class FarField:
             if a.size > MAX_CELLS:
                 thin.append(np.stack([a, b]))
                 break
-        stretches = np.concatenate(thin, axis=1)
-        stretches = stretches[:, stretches[0] < nearest]
-        return ProvenRange(nearest if nearest < math.inf else None, stretches)
+        intervals = np.concatenate(thin, axis=1)
+        intervals = intervals[:, intervals[0] < nearest]
+        return ProvenRange(nearest if nearest < math.inf else None, intervals)
 
 
 def _sampled_labels(last: int, resonance: float) -> IntArray:
@@ -147,11 +152,11 @@ def _sampled_labels(last: int, resonance: float) -> IntArray:
     to the distance from the nearest of them. The largest term is at -c/πv, where the linear wave
     with k = π travels with the front.
     """
-    away = np.arange(2.0 * _SLOW)
-    if last > away[-1]:
-        steps = math.ceil(math.log(last / away[-1]) / math.log1p(1.0 / _SLOW))
-        away = np.append(away, np.ceil(np.geomspace(away[-1], last, steps + 1)[1:]))
+    offsets = np.arange(2.0 * _SLOW)
+    if last > offsets[-1]:
+        steps = math.ceil(math.log(last / offsets[-1]) / math.log1p(1.0 / _SLOW))
+        offsets = np.append(offsets, np.ceil(np.geomspace(offsets[-1], last, steps + 1)[1:]))
     centres = np.array([[0.0], [round(resonance)]])
-    labels = np.concatenate([centres - away, centres + away]).astype(np.int64)
-    near: IntArray = np.union1d(labels, -labels)
-    return near[np.abs(near) <= last]
+    labels = np.concatenate([centres - offsets, centres + offsets]).astype(np.int64)
+    symmetric: IntArray = np.union1d(labels, -labels)
+    return symmetric[np.abs(symmetric) <= last]

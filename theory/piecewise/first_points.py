@@ -17,10 +17,11 @@ from theory.piecewise.limits import resonance_number, resonant_velocities, stati
 from theory.piecewise.smooth_part import WEAKEST, smooth_part_of_sum
 from theory.piecewise.sums.result import PrecisionError
 
-_COARSEST = 0.25
+_MAX_SPACING = 0.25
 _MANY_OSCILLATIONS = 64
-"""Number of points, a few for each oscillation, above which it pays to find where these matter."""
-_WIDEST, _PARTS = 2.0, 8
+"""Number of points, a few for each oscillation, above which the parts of the range in which these
+matter are determined first."""
+_INTERVAL_LENGTH, _PARTS = 2.0, 8
 """Length of the intervals of ln v that are examined first, and number of parts of each."""
 _FEW_POINTS = 4.0
 """Number of points of an interval at or below which it is not divided further."""
@@ -44,33 +45,36 @@ def first_points(
     low = _lowest_velocities(c, target, shift)
     high = np.maximum(_highest_velocities(c, np.abs(target - shift)), 2.0 * low)
     fine = math.pi / (4.0 * c + 1.0) / refine  # spacing in 1/v
-    spacing = np.full(c.size, _COARSEST / refine)
-    turn = np.minimum(np.maximum(spacing / fine, low), high)
-    low, turn, high = np.log(low), np.log(turn), np.log(high)
-    owner, begin, end = _where_oscillations_matter(c, target, shift, (low, turn, fine))
-    least, most = np.exp(-end), np.exp(-begin)
-    _refuse_too_many(c, target, owner, (most - least) / fine[owner])
-    every = np.arange(c.size)
-    # below ``turn`` points are spaced in 1/v, above in ln v
-    ranges = (least, turn), (most, high), (fine[owner], spacing)
+    spacing = np.full(c.size, _MAX_SPACING / refine)
+    transition = np.minimum(np.maximum(spacing / fine, low), high)
+    low, transition, high = np.log(low), np.log(transition), np.log(high)
+    owner, begin, end = _where_oscillations_matter(c, target, shift, (low, transition, fine))
+    lowest_inverse, highest_inverse = np.exp(-end), np.exp(-begin)
+    _refuse_too_many(c, target, owner, (highest_inverse - lowest_inverse) / fine[owner])
+    all_cases = np.arange(c.size)
+    # below ``transition`` points are equally spaced in 1/v, above it in ln v
+    ranges = (lowest_inverse, transition), (highest_inverse, high), (fine[owner], spacing)
     interval, x = _spaced(*(np.concatenate(pair) for pair in ranges))
     below = slice(int(interval.searchsorted(owner.size)))
     x[below] = -np.log(x[below])
     owner, begin, end = (
-        np.concatenate(pair) for pair in ((owner, every), (begin, turn), (end, high))
+        np.concatenate(pair) for pair in ((owner, all_cases), (begin, transition), (end, high))
     )
-    narrow, beside = _resonances(c[owner], (begin, end), fine[owner], refine)
+    resonant_interval, resonant_points = _resonances(c[owner], (begin, end), fine[owner], refine)
     order = np.lexsort((begin, owner))
-    apart = np.ones(owner.size, dtype=bool)
-    apart[1:] = (owner[order[1:]] != owner[order[:-1]]) | (begin[order[1:]] > end[order[:-1]])
+    starts_piece = np.ones(owner.size, dtype=bool)
+    starts_piece[1:] = (owner[order[1:]] != owner[order[:-1]]) | (
+        begin[order[1:]] > end[order[:-1]]
+    )
     piece = np.empty(owner.size, dtype=np.int64)
-    piece[order] = np.cumsum(apart) - 1
-    within, t = piece[np.concatenate([interval, narrow])], np.concatenate([x, beside])
-    ascending = np.lexsort((t, within))
-    within, t = within[ascending], t[ascending]
+    piece[order] = np.cumsum(starts_piece) - 1
+    piece_of_point = piece[np.concatenate([interval, resonant_interval])]
+    t = np.concatenate([x, resonant_points])
+    ascending = np.lexsort((t, piece_of_point))
+    piece_of_point, t = piece_of_point[ascending], t[ascending]
     distinct = np.ones(t.size, dtype=bool)
-    distinct[1:] = (t[1:] > t[:-1]) | (within[1:] > within[:-1])
-    return owner[order[apart]], within[distinct], t[distinct]
+    distinct[1:] = (t[1:] > t[:-1]) | (piece_of_point[1:] > piece_of_point[:-1])
+    return owner[order[starts_piece]], piece_of_point[distinct], t[distinct]
 
 
 def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -79,42 +83,44 @@ def _spaced(begin: FloatArray, end: FloatArray, spacing: FloatArray) -> tuple[In
     count = steps + 1
     interval = np.arange(begin.size).repeat(count)
     first = count.cumsum() - count
-    share = (np.arange(interval.size) - first[interval]) / steps[interval]
-    return interval, (1.0 - share) * begin[interval] + share * end[interval]
+    fraction = (np.arange(interval.size) - first[interval]) / steps[interval]
+    return interval, (1.0 - fraction) * begin[interval] + fraction * end[interval]
 
 
 def _resonances(
     c: FloatArray, bounds: tuple[FloatArray, FloatArray], fine: FloatArray, refine: float
 ) -> tuple[IntArray, FloatArray]:
-    """Return interval numbers and ln v of the resonances narrower than the spacing and their sides.
+    """Return intervals and ln v of points at and beside resonances narrower than the spacing.
 
     ``c``, ``bounds`` (in ln v) and ``fine`` are given for each interval.
     """
-    nothing = np.empty(0, dtype=np.int64), np.empty(0)
+    empty = np.empty(0, dtype=np.int64), np.empty(0)
     if c.max(initial=0.0) <= 1.0:  # no resonance is narrow
-        return nothing
+        return empty
     # The width is above v/4c and has to be below v² fine, so that v is above 1/π.
     first = np.floor(resonance_number(np.exp(bounds[1]) / c)).clip(0.0)
     last = np.ceil(resonance_number(np.maximum(np.exp(bounds[0]), 1.0 / math.pi) / c))
     count = np.where(c > 1.0, last - first + 1.0, 0.0).clip(0.0).astype(np.int64)
     interval = np.arange(c.size).repeat(count)
     if interval.size == 0:
-        return nothing
+        return empty
     number = np.arange(interval.size) + (first - (count.cumsum() - count))[interval]
     centre, width = resonant_velocities(c[interval], number)
-    ratio = np.minimum(_COARSEST, centre * fine[interval] * refine) * centre / width
+    ratio = np.minimum(_MAX_SPACING, centre * fine[interval] * refine) * centre / width
     (narrow,) = (ratio > 1.0).nonzero()
     interval = interval[narrow]
     centre, width, ratio = (row[narrow] for row in (centre, width, ratio))
     # On both sides, distances from one width to the spacing, by factors of `_GRADING`.
     pairs = 1 + (np.log(ratio) / math.log(_GRADING)).astype(np.int64)
-    which = np.arange(interval.size).repeat(pairs)
-    power = np.arange(which.size) - (pairs.cumsum() - pairs)[which]
-    side = width[which] / refine * _GRADING**power
-    near = np.log(np.concatenate([centre, centre[which] - side, centre[which] + side]))
-    interval = np.concatenate([interval, interval[which], interval[which]])
-    taken = (near > bounds[0][interval]) & (near < bounds[1][interval])
-    return interval[taken], near[taken]
+    resonance = np.arange(interval.size).repeat(pairs)
+    power = np.arange(resonance.size) - (pairs.cumsum() - pairs)[resonance]
+    offset = width[resonance] / refine * _GRADING**power
+    points = np.log(
+        np.concatenate([centre, centre[resonance] - offset, centre[resonance] + offset])
+    )
+    interval = np.concatenate([interval, interval[resonance], interval[resonance]])
+    inside = (points > bounds[0][interval]) & (points < bounds[1][interval])
+    return interval[inside], points[inside]
 
 
 def _where_oscillations_matter(
@@ -128,34 +134,36 @@ def _where_oscillations_matter(
     this part or an adjacent one. Where g may then vanish, the part is divided in turn, unless it
     has few points, or the oscillations are higher than the smooth part throughout.
     """
-    low, turn, fine = scales
-    points = (np.exp(-low) - np.exp(-turn)) / fine
-    several = (c > WEAKEST) & (points > _MANY_OSCILLATIONS)
-    if not several.any():
-        return np.arange(c.size), low, turn
-    (few,) = (~several).nonzero()
-    owners, begins, ends = [few], [low[few]], [turn[few]]
-    (wide,) = several.nonzero()
-    interval, t = _spaced(low[wide], turn[wide], np.full(wide.size, _WIDEST))
-    (left,) = (interval[1:] == interval[:-1]).nonzero()
-    owner, begin, end = wide[interval[left]], t[left], t[left + 1]
-    share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
+    low, transition, fine = scales
+    points = (np.exp(-low) - np.exp(-transition)) / fine
+    many = (c > WEAKEST) & (points > _MANY_OSCILLATIONS)
+    if not many.any():
+        return np.arange(c.size), low, transition
+    (few,) = (~many).nonzero()
+    owners, begins, ends = [few], [low[few]], [transition[few]]
+    (oscillating,) = many.nonzero()
+    interval, t = _spaced(
+        low[oscillating], transition[oscillating], np.full(oscillating.size, _INTERVAL_LENGTH)
+    )
+    (left_ends,) = (interval[1:] == interval[:-1]).nonzero()
+    owner, begin, end = oscillating[interval[left_ends]], t[left_ends], t[left_ends + 1]
+    fraction = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
     while owner.size:
-        t = (1.0 - share) * begin + share * end
+        t = (1.0 - fraction) * begin + fraction * end
         sum_, height = smooth_part_of_sum(np.exp(t).ravel(), np.tile(c[owner], _PARTS + 1))
         g = np.abs(sum_ + shift).reshape(t.shape) - target[owner]
-        rise = np.pad(np.abs(np.diff(g, axis=0)), ((1, 1), (0, 0)))
-        rise = np.maximum(np.maximum(rise[:-2], rise[2:]), rise[1:-1])
+        change = np.pad(np.abs(np.diff(g, axis=0)), ((1, 1), (0, 0)))
+        change = np.maximum(np.maximum(change[:-2], change[2:]), change[1:-1])
         height = height.reshape(t.shape)
         height = np.maximum(height[1:], height[:-1])
-        least = np.minimum(np.abs(g[1:]), np.abs(g[:-1]))
-        high = (least <= height).all(axis=0)
-        part, column = ((least <= rise + height) & ~high).nonzero()
+        smallest = np.minimum(np.abs(g[1:]), np.abs(g[:-1]))
+        dominant = (smallest <= height).all(axis=0)
+        part, column = ((smallest <= change + height) & ~dominant).nonzero()
         parts = owner[column], t[part, column], t[part + 1, column]
         done = ((np.exp(-begin) - np.exp(-end)) <= _FEW_POINTS * fine[owner])[column]
-        owners += [owner[high], parts[0][done]]
-        begins += [begin[high], parts[1][done]]
-        ends += [end[high], parts[2][done]]
+        owners += [owner[dominant], parts[0][done]]
+        begins += [begin[dominant], parts[1][done]]
+        ends += [end[dominant], parts[2][done]]
         owner, begin, end = (row[~done] for row in parts)
     return np.concatenate(owners), np.concatenate(begins), np.concatenate(ends)
 
@@ -173,14 +181,14 @@ def _refuse_too_many(
         )
 
 
-def _highest_velocities(c: FloatArray, least: FloatArray) -> FloatArray:
-    """Return v above which |Σ| is below ``least``.
+def _highest_velocities(c: FloatArray, level: FloatArray) -> FloatArray:
+    """Return v above which |Σ| is below ``level``.
 
     On the real line, with X = sin²(k/2) ≤ k²/4, |¼ - A²| ≤ 2c(1 + 2c)X, and |A² + v²k²| is at
     least ¼ and at least ¼ + (v² - c²)k². The first bound gives |Σ| ≤ 2c(1 + 2c)/v, the second
     |Σ| ≤ c(1 + 2c)/(2w(v + w)) with w² = v² - c².
     """
-    size = c * (1.0 + 2.0 * c) / least
+    size = c * (1.0 + 2.0 * c) / level
     return np.minimum(2.0 * size, np.sqrt(c * c + 0.25 * size))
 
 
@@ -193,14 +201,14 @@ def _lowest_velocities(c: FloatArray, target: FloatArray, shift: float) -> Float
     # returned the bound equals the gap.
     low = 0.5 / np.log1p(2.0 * np.sqrt(1.0 + static.real) / gap)
     # a sharper bound for large c, where the simple one would lead to many points
-    (wide,) = (c > 3.0).nonzero()
-    for some in np.array_split(wide, 1 + c.size // 256) if wide.size else ():
-        below, above, half = low[some], np.sqrt(c[some]), 0.5 * gap[some]
-        for _ in range(12 if some.size else 0):
+    (strong,) = (c > 3.0).nonzero()
+    for batch in np.array_split(strong, 1 + c.size // 256) if strong.size else ():
+        below, above, half = low[batch], np.sqrt(c[batch]), 0.5 * gap[batch]
+        for _ in range(12 if batch.size else 0):
             middle = np.sqrt(below * above)
-            far = _distance_on_contour(middle, c[some]) > half
-            below, above = np.where(far, below, middle), np.where(far, middle, above)
-        low[some] = below
+            exceeded = _distance_on_contour(middle, c[batch]) > half
+            below, above = np.where(exceeded, below, middle), np.where(exceeded, middle, above)
+        low[batch] = below
     return low
 
 

@@ -83,19 +83,21 @@ def fold_couplings(eta: npt.ArrayLike) -> list[KineticFold | None]:
     pins = [pinning_coupling(value) for value in etas]
     folds = [None if pin is None else KineticFold(pin, _pinned_error(pin), 0.0) for pin in pins]
     start = {i: _maxima(pin) for i, pin in enumerate(pins) if pin is not None and pin < LAST_FOLD}
-    some = [i for i, maxima in start.items() for _ in maxima]
-    if not some:
+    owners = [i for i, maxima in start.items() for _ in maxima]
+    if not owners:
         return folds
-    target = np.array([2.0 * threshold_ratio(etas[i]) for i in some])
+    target = np.array([2.0 * threshold_ratio(etas[i]) for i in owners])
     t = np.concatenate(list(start.values()))
-    c = np.array([pins[i] for i in some], dtype=float)
-    t, c = _summits(t, c, target)
-    height, _, by_c, error = _height(t, c)
+    c = np.array([pins[i] for i in owners], dtype=float)
+    t, c = _refined_maxima(t, c, target)
+    height, _, by_c, error = _modulus_and_slopes(t, c)
     # The height is stationary in v, so only its own error matters.
-    spread = 2.0 * (np.abs(height - target) + error) / by_c
-    for i, c_, e_, v_ in zip(some, c.tolist(), spread.tolist(), np.exp(t).tolist(), strict=True):
-        least = folds[i]
-        if least is not None and c_ < least.value - e_:
+    half_width = 2.0 * (np.abs(height - target) + error) / by_c
+    for i, c_, e_, v_ in zip(
+        owners, c.tolist(), half_width.tolist(), np.exp(t).tolist(), strict=True
+    ):
+        lowest = folds[i]
+        if lowest is not None and c_ < lowest.value - e_:
             folds[i] = KineticFold(c_, e_, v_)
     return folds
 
@@ -120,7 +122,7 @@ def fold_eta(c: float) -> KineticFold:
     if maxima.size == 0:
         return KineticFold(pinning_eta(c), 1e-15 + (_EXCESS if c < LAST_FOLD else 0.0), 0.0)
     t = maxima[:1]
-    height, _, _, error = (float(row[0]) for row in _height(t, np.array([c])))
+    height, _, _, error = (float(row[0]) for row in _modulus_and_slopes(t, np.array([c])))
     r = 0.5 * height
     by_r = r * (1.0 - r * r) / (1.0 + r * r) ** 3
     return KineticFold(eta_from_ratio(r), by_r * error + 1e-16, math.exp(t[0]))
@@ -138,23 +140,23 @@ def _pinned_error(pin: float) -> float:
 def _maxima(c: float) -> FloatArray:
     """Return ln v of the maxima of |Σ(v, c)| above the static limit, the highest first."""
     fastest = 2.0 * math.sqrt(c) + 1.0
-    fine = math.pi / (4.0 * c + 1.0) / 2.0
-    even = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, fine)
-    v = np.sort(np.concatenate([even, np.geomspace(_SLOWEST, fastest, 60)]))
+    spacing = math.pi / (4.0 * c + 1.0) / 2.0
+    equispaced = 1.0 / np.arange(1.0 / fastest, 1.0 / _SLOWEST, spacing)
+    v = np.sort(np.concatenate([equispaced, np.geomspace(_SLOWEST, fastest, 60)]))
     size = np.abs(sums(v, c, 1e-14).value)
     static = abs(static_sum(c))
     # Heights are compared at the refined maxima, since the scan may miss the top of some.
     rises = np.diff(size) > 0
-    crest = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
-    crest = crest[np.abs(size[crest] - static) > _EXCESS]  # smaller differences are rounding
-    couplings = np.full(crest.shape, c)
-    t, _ = _summits(np.log(v[crest]), couplings)
-    height = _height(t, couplings)[0]
+    peaks = np.flatnonzero(rises[:-1] & ~rises[1:]) + 1
+    peaks = peaks[np.abs(size[peaks] - static) > _EXCESS]  # smaller differences are rounding
+    couplings = np.full(peaks.shape, c)
+    t, _ = _refined_maxima(np.log(v[peaks]), couplings)
+    height = _modulus_and_slopes(t, couplings)[0]
     order = np.argsort(-height)
     return t[order[height[order] > static + _EXCESS]]
 
 
-def _summits(
+def _refined_maxima(
     t: FloatArray, c: FloatArray, target: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Return ln v and c of the maxima of |Σ| over v near t, at fixed c or of height ``target``.
@@ -163,22 +165,24 @@ def _summits(
     derivatives are differences of first ones.
     """
     for _ in range(20):
-        beside = np.concatenate([t, t + _STEP, t]), np.concatenate([c, c, c * (1.0 + _STEP)])
-        rows = (row.reshape(3, -1) for row in _height(*beside))
-        (height, _, _), (slope, ahead, above), (by_c, _, _), _ = rows
-        bend = np.minimum((ahead - slope) / _STEP, -1e-300)
-        rise = np.zeros_like(c)
+        points = np.concatenate([t, t + _STEP, t]), np.concatenate([c, c, c * (1.0 + _STEP)])
+        rows = (row.reshape(3, -1) for row in _modulus_and_slopes(*points))
+        (height, _, _), (slope, slope_at_t_step, slope_at_c_step), (by_c, _, _), _ = rows
+        curvature = np.minimum((slope_at_t_step - slope) / _STEP, -1e-300)
+        dc = np.zeros_like(c)
         if target is not None:
-            rise = (target - height) / by_c  # the height is stationary in v
-            slope = slope + (above - slope) / (_STEP * c) * rise
-        step = np.clip(slope / bend, -0.05, 0.05)
-        t, c = t - step, c + rise
-        if np.all(np.abs(step) < 1e-7) and np.all(np.abs(rise) < 1e-8 * c):
+            dc = (target - height) / by_c  # the height is stationary in v
+            slope = slope + (slope_at_c_step - slope) / (_STEP * c) * dc
+        step = np.clip(slope / curvature, -0.05, 0.05)
+        t, c = t - step, c + dc
+        if np.all(np.abs(step) < 1e-7) and np.all(np.abs(dc) < 1e-8 * c):
             break  # the remaining error is of the order of their squares, or 1e-5 of the step
     return t, c
 
 
-def _height(t: FloatArray, c: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _modulus_and_slopes(
+    t: FloatArray, c: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return |Σ|, d|Σ|/dt, ∂|Σ|/∂c and the error of |Σ| at v = e^t."""
     v = np.exp(t)
     found = sums(v, c, 1e-14, slopes=True)

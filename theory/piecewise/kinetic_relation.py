@@ -404,11 +404,16 @@ def trace_kinetic_relation(
         r = np.array([ratio[value] for value in eta_[cases].tolist()])
         found = all_velocities(c_[cases], 2.0 * r, retreating)
         terms += found.evaluations
-        mine = cases[found.case]
-        listed = _branches(
-            found, c_[mine], eta_[mine], r[found.case], retreating, admissibility=admissibility
+        case_of_solution = cases[found.case]
+        solutions = _branches(
+            found,
+            c_[case_of_solution],
+            eta_[case_of_solution],
+            r[found.case],
+            retreating,
+            admissibility=admissibility,
         )
-        for case, branch in zip(mine.tolist(), listed, strict=True):
+        for case, branch in zip(case_of_solution.tolist(), solutions, strict=True):
             branches[case].append(branch)
     if progress is not None:
         progress(1.0)

@@ -89,8 +89,8 @@ def _ratio_gap(eta: float) -> float:
     Near η = 2/25 the difference 1 - 4r² cancels, on which c_pin ≈ 1/(1 - 4r²)² depends.
     """
     s = math.sqrt(max(1.0 - 8.0 * eta, 0.0))
-    over, under = eta.as_integer_ratio()  # integers, so that their difference is exact
-    return 8.0 * ((2 * under - 25 * over) / under) / ((1.0 + s) * (3.0 + 5.0 * s))
+    numerator, denominator = eta.as_integer_ratio()  # integers, so that their difference is exact
+    return 8.0 * ((2 * denominator - 25 * numerator) / denominator) / ((1.0 + s) * (3.0 + 5.0 * s))
 
 
 def pinning_error(eta: float) -> float | None:
@@ -105,13 +105,13 @@ def pinning_error(eta: float) -> float | None:
     True
     """
     eta = bistable_eta(eta)
-    of = pinning_coupling if eta < ETA_PIN_END else retreat_coupling
-    value = of(eta)
+    coupling_at = pinning_coupling if eta < ETA_PIN_END else retreat_coupling
+    value = coupling_at(eta)
     if value is None:
         return None
-    beside = [of(math.nextafter(eta, to)) for to in (0.0, ETA_END)]
-    spread = max(0.5 * abs(each - value) for each in beside if each is not None)
-    return spread + 16.0 * EPS * value
+    neighbours = [coupling_at(math.nextafter(eta, limit)) for limit in (0.0, ETA_END)]
+    half_difference = max(0.5 * abs(each - value) for each in neighbours if each is not None)
+    return half_difference + 16.0 * EPS * value
 
 
 def retreat_coupling(eta: float) -> float | None:
@@ -193,7 +193,7 @@ def strong_coupling_velocity(eta: float) -> float | None:
     if eta >= ETA_PIN_END:
         return None
 
-    def beyond(x: float) -> bool:
+    def exceeds(x: float) -> bool:
         square = x * x
         modulus = math.hypot(1.0, square)
         linear = square + 2.0 * x * math.sqrt(0.5 * (modulus + square))
@@ -201,11 +201,11 @@ def strong_coupling_velocity(eta: float) -> float | None:
         return (twice_r * square) ** 2 + (twice_r * modulus) * (twice_r * linear) > gap
 
     low, high = 0.0, 1.0
-    while not beyond(high):
+    while not exceeds(high):
         high *= 2.0
     while high - low > 4.0 * EPS * high:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if beyond(middle) else (middle, high)
+        low, high = (low, middle) if exceeds(middle) else (middle, high)
     return 0.5 * (low + high)
 
 
@@ -250,8 +250,8 @@ def resonant_velocities(c: float | FloatArray, number: IntArray) -> tuple[FloatA
     return c * (2.0 * x / (1.0 + x * x)), 0.5 / x
 
 
-def resonance_number(share: FloatArray) -> FloatArray:
-    """Return the number j, not rounded, of the resonance at v/c = ``share``: 2x/(1 + x²) = v/c.
+def resonance_number(ratio: FloatArray) -> FloatArray:
+    """Return the number j, not rounded, of the resonance at v/c = ``ratio``: 2x/(1 + x²) = v/c.
 
     It is negative where v is above that of every resonance.
 
@@ -261,6 +261,6 @@ def resonance_number(share: FloatArray) -> FloatArray:
     >>> resonance_number(v / 3.0).round(9).tolist()
     [0.0, 5.0]
     """
-    share = np.minimum(share, 1.0)
-    x = (1.0 + np.sqrt(1.0 - share * share)) / share
+    ratio = np.minimum(ratio, 1.0)
+    x = (1.0 + np.sqrt(1.0 - ratio * ratio)) / ratio
     return (0.5 * x - np.arctan(x)) / np.pi

@@ -111,22 +111,22 @@ def _on_equal_fractions(grid: ProfileGrid, zeta: FloatArray) -> ComplexArray | N
     and the difference is corrected for to first order; its square is below 1e-18.
     """
     m = np.floor(zeta)
-    rest = (m + 1.0) - zeta
+    distance = (m + 1.0) - zeta
     sites, row = np.unique(m, return_inverse=True)
-    _, first, column = np.unique(np.round(rest, 12), return_index=True, return_inverse=True)
-    beyond = rest - rest[first][column]
-    farthest = float(np.abs(beyond).max() * np.abs(grid.a).max())
-    if sites.size * first.size > 2 * zeta.size or farthest > 1e-9:
+    _, first, column = np.unique(np.round(distance, 12), return_index=True, return_inverse=True)
+    deviation = distance - distance[first][column]
+    largest_exponent = float(np.abs(deviation).max() * np.abs(grid.a).max())
+    if sites.size * first.size > 2 * zeta.size or largest_exponent > 1e-9:
         return None
     total = np.zeros((2, sites.size, first.size), dtype=complex)
     width = max(1, _AT_ONCE // (sites.size + first.size))
     for begin in range(0, grid.points, width):
         part = slice(begin, begin + width)
         waves = grid.waves(sites, part)
-        bracket = grid.bracket(rest[first], part)
+        bracket = grid.bracket(distance[first], part)
         total[0] += waves @ bracket.T
         total[1] += waves @ ((grid.static[part] - bracket) * grid.a[part]).T
-    phi: ComplexArray = total[0][row, column] + beyond * total[1][row, column]
+    phi: ComplexArray = total[0][row, column] + deviation * total[1][row, column]
     return 0.5 - phi / (2.0 * grid.points)
 
 
@@ -178,12 +178,12 @@ class ProfileGrid:
         late = wave / ((turn.imag * turn * (-2j * np.exp(-q)) - np.expm1(-q)) * A)
         return cls(v, c, k, a, static / A, late, error)
 
-    def bracket(self, rest: FloatArray, part: slice = slice(None)) -> ComplexArray:
+    def bracket(self, distance: FloatArray, part: slice = slice(None)) -> ComplexArray:
         """Return the factor of e^{ikm} for distances 1 - f to the next site, shape (n, N).
 
         The argument is the distance rather than f, whose rounding error would grow as 1/v.
         """
-        factor: ComplexArray = np.exp(-self.a[part] * rest[:, None])
+        factor: ComplexArray = np.exp(-self.a[part] * distance[:, None])
         factor *= self.late[part]
         factor += self.static[part]
         return factor
@@ -193,9 +193,9 @@ class ProfileGrid:
         m = np.floor(zeta)
         return self.between(m, (m + 1.0) - zeta)
 
-    def between(self, m: FloatArray, rest: FloatArray) -> ComplexArray:
-        """Return φ/φ_s at a distance ``rest`` before the site m + 1, 0 ≤ rest ≤ 1, shape (n,)."""
-        total: ComplexArray = np.sum(self.waves(m) * self.bracket(rest), axis=1)
+    def between(self, m: FloatArray, distance: FloatArray) -> ComplexArray:
+        """Return φ/φ_s at a distance 0 ≤ ``distance`` ≤ 1 before the site m + 1, shape (n,)."""
+        total: ComplexArray = np.sum(self.waves(m) * self.bracket(distance), axis=1)
         return 0.5 - total / (2.0 * self.points)
 
     def with_neighbours(
@@ -253,31 +253,33 @@ def points_of_profile(v: float, c: float, extent: float, tolerance: float) -> tu
     PrecisionError
         If more than two million points are needed.
     """
-    (left, K_left), (right, K_right) = (tail_bound(v, c, ahead) for ahead in (False, True))
-    rate, size = min(left, right), max(K_left, K_right)
-    required = required_points(extent, tolerance, rate, size)
+    (rate_behind, K_behind), (rate_ahead, K_ahead) = (
+        tail_bound(v, c, ahead) for ahead in (False, True)
+    )
+    rate, prefactor = min(rate_behind, rate_ahead), max(K_behind, K_ahead)
+    required = required_points(extent, tolerance, rate, prefactor)
     if required > MAX_POINTS:
         raise PrecisionError(
             f"the profile at v = {v:.6g}, c = {c:.6g} needs {required:.2g} quadrature points, "
             f"more than {MAX_POINTS}: take a smaller c."
         )
     points = int(smooth_number(max(required, 2 * math.ceil(extent) + 2)))
-    truncation = 4.0 * size * math.exp(-rate * (points - extent - 1.0))
+    truncation = 4.0 * prefactor * math.exp(-rate * (points - extent - 1.0))
     rounding = 8.0 * EPS * (4.0 + math.log(points)) * (1.0 + math.sqrt(1.0 + c / v))
     return points, truncation + rounding
 
 
-def required_points(extent: Any, tolerance: float, rate: Any, size: Any) -> Any:
+def required_points(extent: Any, tolerance: float, rate: Any, prefactor: Any) -> Any:
     """Return the number of points for `points_of_profile`, for numbers or arrays of one shape.
 
-    ``rate`` is the smaller σ of the two tails, and ``size`` the larger K.
+    ``rate`` is the smaller σ of the two tails, and ``prefactor`` the larger K.
     """
-    return extent + 1.0 + np.log(1.0 + 4.0 * size / tolerance) / rate
+    return extent + 1.0 + np.log(1.0 + 4.0 * prefactor / tolerance) / rate
 
 
-def smooth_number(least: Any) -> Any:
-    """Return the smallest even number, at least 8 and ``least``, that is fast to transform."""
-    return _SMOOTH[np.searchsorted(_SMOOTH, least)]
+def smooth_number(lower_bound: Any) -> Any:
+    """Return the smallest fast even length of a transform, at least 8 and ``lower_bound``."""
+    return _SMOOTH[np.searchsorted(_SMOOTH, lower_bound)]
 
 
 @lru_cache(maxsize=32)
@@ -295,9 +297,9 @@ def _roots_of_unity(points: int) -> ComplexArray:
     return table
 
 
-def _wrapped(odd: IntArray, points: int) -> IntArray:
+def _wrapped(index: IntArray, points: int) -> IntArray:
     """Return integers modulo twice the points, from -points to points."""
-    return (odd + points) % (2 * points) - points
+    return (index + points) % (2 * points) - points
 
 
 def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:
@@ -313,11 +315,11 @@ def tail_bound(v: Any, c: Any, ahead: bool) -> tuple[Any, Any]:
     ahead : bool
         Whether the bound is for the tail ahead, at ζ > 0, or for that behind.
     """
-    by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
+    xp, maximum = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
     rate = 0.85 * (_strip_ahead(v, c) if ahead else root_free_strip(v, c))
-    d = 0.5 + (v if ahead else -v) * rate - c * by.sinh(rate)
-    X = most(1.0, 2.0 * c * (1.0 + by.cosh(rate)) / v)
-    K = (2.0 * by.asinh(X / rate) / d + 4.0 / (v * X)) / (4.0 * math.pi)
+    d = 0.5 + (v if ahead else -v) * rate - c * xp.sinh(rate)
+    X = maximum(1.0, 2.0 * c * (1.0 + xp.cosh(rate)) / v)
+    K = (2.0 * xp.asinh(X / rate) / d + 4.0 / (v * X)) / (4.0 * math.pi)
     return rate, K
 
 
@@ -328,16 +330,16 @@ def _strip_ahead(v: Any, c: Any) -> Any:
     of two upper bounds, one from sinh s ≥ s + s³/6 and one from the exponential, improved by the
     fixed-point iteration of sinh s = (½ + vs)/c.
     """
-    by, least = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
+    xp, minimum = (np, np.minimum) if isinstance(v, np.ndarray) else (math, min)
     excess = (abs(v - c) + (v - c)) / c
-    s = least(
-        1.0 + 2.0 * by.log1p((2.0 + 4.0 * v) / c),
-        by.sqrt(3.0 * excess) + (3.0 / c) ** (1.0 / 3.0),
+    s = minimum(
+        1.0 + 2.0 * xp.log1p((2.0 + 4.0 * v) / c),
+        xp.sqrt(3.0 * excess) + (3.0 / c) ** (1.0 / 3.0),
     )
     for _ in range(2):
-        s = by.asinh((0.5 + v * s) / c)
+        s = xp.asinh((0.5 + v * s) / c)
     for _ in range(_STEPS):
-        s = s - (c * by.sinh(s) - v * s - 0.5) / (c * by.cosh(s) - v)
+        s = s - (c * xp.sinh(s) - v * s - 0.5) / (c * xp.cosh(s) - v)
     return s
 
 
@@ -386,14 +388,14 @@ def front_profile_by_roots(zeta: npt.ArrayLike, v: float, c: float, count: int) 
     phi = np.empty(position.shape, dtype=complex)
     error = 0.0
     for upper in (True, False):
-        mine = position >= 0 if upper else position < 0
-        if not mine.any():
+        on_side = position >= 0 if upper else position < 0
+        if not on_side.any():
             continue
         k = nearest_roots(v, c, count, upper).k
         residue = 1.0 / (-1j * k * (v + c * np.sin(k)))
-        waves = np.exp(1j * np.outer(position[mine], k))
+        waves = np.exp(1j * np.outer(position[on_side], k))
         total = waves @ residue
-        phi[mine] = -0.5 * total if upper else 1.0 + 0.5 * total
+        phi[on_side] = -0.5 * total if upper else 1.0 + 0.5 * total
         # Beyond the last root terms decay at least like 1/k², and there are two roots per period.
         last = float(np.max(np.abs(residue[-2:]) * np.abs(waves[:, -2:]).max(axis=0)))
         error = max(error, 2.0 * last * count / 2.0 + 1e-14)

@@ -12,7 +12,7 @@ from theory.parameters import ParameterError
 from theory.piecewise.dispersion import dispersion, dispersion_slope
 from theory.piecewise.roots import checked_velocity_and_coupling, strip_bounds
 
-_DEEPEST = 200
+_MAX_BISECTIONS = 200
 _MAX_PIECES = 4_000_000
 
 
@@ -65,8 +65,8 @@ def count_in_box(
             "order its ends",
         )
     corners = box_corners(x_low, x_high, y_low, y_high)
-    turn = sum(_turning(v, c, a, b) for a, b in itertools.pairwise(corners))
-    return round(turn / (2.0 * math.pi))
+    argument_change = sum(_argument_change(v, c, a, b) for a, b in itertools.pairwise(corners))
+    return round(argument_change / (2.0 * math.pi))
 
 
 def box_corners(x_low: float, x_high: float, y_low: float, y_high: float) -> list[complex]:
@@ -109,19 +109,19 @@ def edge_pieces(
     pieces = max(4, math.ceil(abs(end - start)))
     ends: ComplexArray = np.asarray(start + (end - start) * np.arange(pieces + 1) / pieces)
     a, b = ends[:-1], ends[1:]
-    sure_a, sure_b = [], []
-    for _ in range(_DEEPEST):
+    resolved_a, resolved_b = [], []
+    for _ in range(_MAX_BISECTIONS):
         middle = 0.5 * (a + b)
-        room = _distance_from_axes(middle, v, c)
+        margin = _distance_from_axes(middle, v, c)
         half = 0.5 * np.abs(b - a)
-        bend = c * np.cosh(np.maximum(np.abs(a.imag), np.abs(b.imag)))
-        sure = room > half * (np.abs(dispersion_slope(middle, v, c)) + half * bend)
-        sure_a.append(a[sure])
-        sure_b.append(b[sure])
-        a, middle, b = a[~sure], middle[~sure], b[~sure]
+        curvature = c * np.cosh(np.maximum(np.abs(a.imag), np.abs(b.imag)))
+        resolved = margin > half * (np.abs(dispersion_slope(middle, v, c)) + half * curvature)
+        resolved_a.append(a[resolved])
+        resolved_b.append(b[resolved])
+        a, middle, b = a[~resolved], middle[~resolved], b[~resolved]
         if a.size == 0:
-            return np.concatenate(sure_a), np.concatenate(sure_b)
-        if np.any(room[~sure] <= 0.0) or a.size > _MAX_PIECES:
+            return np.concatenate(resolved_a), np.concatenate(resolved_b)
+        if np.any(margin[~resolved] <= 0.0) or a.size > _MAX_PIECES:
             break
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
     raise ParameterError(
@@ -132,7 +132,7 @@ def edge_pieces(
     )
 
 
-def _turning(v: float, c: float, start: complex, end: complex) -> float:
+def _argument_change(v: float, c: float, start: complex, end: complex) -> float:
     """Return the change of arg L along the straight edge from ``start`` to ``end``."""
     a, b = edge_pieces(v, c, start, end)
     return float(np.sum(np.angle(dispersion(b, v, c) / dispersion(a, v, c))))
@@ -145,11 +145,11 @@ def _distance_from_axes(k: ComplexArray, v: float, c: float) -> FloatArray:
     rounding error of Im L; on the real axis Re L is exactly ½.
     """
     L = dispersion(k, v, c)
-    swing = np.abs(np.sin(0.5 * k) ** 2)
+    sine_squared = np.abs(np.sin(0.5 * k) ** 2)
     real = 0.5 + c * np.abs(np.sin(k.real) * np.sinh(k.imag)) + v * np.abs(k.imag)
-    imaginary = 2.0 * c * swing + v * np.abs(k.real)
+    imaginary = 2.0 * c * sine_squared + v * np.abs(k.real)
     rounding = 16.0 * EPS
-    room: FloatArray = np.maximum(
+    margin: FloatArray = np.maximum(
         np.abs(L.real) - rounding * real, np.abs(L.imag) - rounding * imaginary
     )
-    return room
+    return margin

@@ -138,13 +138,13 @@ def labelled_roots(
         for start in _seeds(labels, v, c, upper):
             if missing.size == 0:
                 break
-            for step_of in (_labelled_step, _plain_step):
+            for newton_step in (_labelled_step, _plain_step):
                 required, v_, c_ = labels[missing], v[missing], c[missing]
-                found = _iterate(step_of, start[missing], required, v_, c_, upper=upper)
-                good = _inside(found, required, upper)
-                good &= _radius(found, v_, c_) <= 1e-6 * np.abs(found)
-                k[missing[good]] = found[good]
-                missing = missing[~good]
+                found = _iterate(newton_step, start[missing], required, v_, c_, upper=upper)
+                accepted = _inside(found, required, upper)
+                accepted &= _radius(found, v_, c_) <= 1e-6 * np.abs(found)
+                k[missing[accepted]] = found[accepted]
+                missing = missing[~accepted]
     if missing.size:
         raise IncompleteRootsError(
             f"no root was found in strips {labels[missing].tolist()} at v = {v[missing]}, "
@@ -203,9 +203,9 @@ def _inside(k: ComplexArray, labels: IntArray, upper: bool) -> BoolArray:
     middle of its strip.
     """
     low, high = strip_bounds(labels, upper)
-    half = k.imag > 0 if upper else k.imag < 0
+    in_half_plane = k.imag > 0 if upper else k.imag < 0
     rounding = 4.0 * EPS * np.abs(k.real) if upper else 0.0
-    return half & (k.real > low - rounding) & (k.real < high + rounding)
+    return in_half_plane & (k.real > low - rounding) & (k.real < high + rounding)
 
 
 def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:
@@ -216,8 +216,8 @@ def _radius(k: ComplexArray, v: FloatArray, c: FloatArray) -> FloatArray:
     # v + c sin k cancels near a branch point of the labels; subtract its rounding from the slope.
     slope = np.abs(dispersion_slope(k, v, c)) - 4.0 * EPS * (v + c * np.abs(np.sin(k)))
     step = value / slope
-    bend = 2.0 * step * (c * np.cosh(np.abs(k.imag) + 2.0 * step)) / slope
-    return np.where((slope > 0) & (bend < 0.5), 2.0 * step, np.inf)
+    h = 2.0 * step * (c * np.cosh(np.abs(k.imag) + 2.0 * step)) / slope
+    return np.where((slope > 0) & (h < 0.5), 2.0 * step, np.inf)
 
 
 def _argument(
@@ -256,7 +256,7 @@ def _plain_step(
 
 
 def _iterate(
-    step_of: Callable[..., ComplexArray],
+    newton_step: Callable[..., ComplexArray],
     k: ComplexArray,
     labels: IntArray,
     v: FloatArray,
@@ -266,12 +266,14 @@ def _iterate(
 ) -> ComplexArray:
     """Apply Newton's steps to each root until its own step is of the order of rounding."""
     k = k.copy()
-    moving = np.arange(k.size)
+    unconverged = np.arange(k.size)
     for _ in range(25):
-        step = step_of(k[moving], labels[moving], v[moving], c[moving], upper)
-        k[moving] -= step
-        moving = moving[np.abs(step) > 1e-13 * np.abs(k[moving])]
-        if moving.size == 0:
+        step = newton_step(
+            k[unconverged], labels[unconverged], v[unconverged], c[unconverged], upper
+        )
+        k[unconverged] -= step
+        unconverged = unconverged[np.abs(step) > 1e-13 * np.abs(k[unconverged])]
+        if unconverged.size == 0:
             break
     return k
 
@@ -283,20 +285,24 @@ def _seeds(labels: IntArray, v: FloatArray, c: FloatArray, upper: bool) -> Itera
     static = 2.0 * np.arcsinh(np.sqrt(0.25j / c))
     yield base + sign * static  # the roots at v = 0
     # Near a zero k* of L_k on the real axis two roots lie at k = k* ± √(-2 L/L_kk).
-    crest: AnyArray = base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
-    apart = np.sqrt(-2.0 * dispersion(crest + 0j, v, c) / (-1j * c * np.cos(crest)))
-    yield crest + np.where(apart.imag * sign.imag > 0, apart, -apart)
+    zero_of_slope: AnyArray = (
+        base + (-np.pi if upper else np.pi) + np.arcsin(np.minimum(v / c, 1.0))
+    )
+    separation = np.sqrt(
+        -2.0 * dispersion(zero_of_slope + 0j, v, c) / (-1j * c * np.cos(zero_of_slope))
+    )
+    yield zero_of_slope + np.where(separation.imag * sign.imag > 0, separation, -separation)
     k = base - sign * 0.5j * np.pi
     for _ in range(3):  # the labelled fixed point
         k = sign * _argument(k, labels, v, c, upper) + base
     yield k
-    far = (
+    outer_root = (
         -(v + np.sqrt(np.asarray(v * v - 1j * c, dtype=complex))) / c
     )  # k² + 2(v/c)k + i/c = 0, the continuum
-    yield far
-    yield 1j / (c * far)
-    yield -0.5j / v + 0.0 * far
+    yield outer_root
+    yield 1j / (c * outer_root)
+    yield -0.5j / v + 0.0 * outer_root
     low, high = strip_bounds(labels, upper)
-    for part in (0.05, 0.25, 0.5, 0.75, 0.95):
+    for fraction in (0.05, 0.25, 0.5, 0.75, 0.95):
         for height in (0.01, 0.1, 0.5, 1.5, 4.0, 10.0, 20.0):
-            yield low + part * (high - low) + (1j if upper else -1j) * height
+            yield low + fraction * (high - low) + (1j if upper else -1j) * height

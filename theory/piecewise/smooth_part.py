@@ -70,7 +70,7 @@ def _first_segment(v: FloatArray, c: FloatArray) -> ComplexArray:
     E = np.exp((-0.5 / v)[:, None] - square)
     F = 1.0 - E
     root = np.sqrt(0.5 + 0.5 * np.sqrt(1.0 + Y * Y))  # Re √(1 - iY); Im is -Y/2 over it
-    below = (F * F + 4j * Y * E) * (root - 0.5j * Y / root)
-    g = (F - 2j * Y) / below * (u * E / (0.5 + v[:, None] * square))
+    denominator = (F * F + 4j * Y * E) * (root - 0.5j * Y / root)
+    g = (F - 2j * Y) / denominator * (u * E / (0.5 + v[:, None] * square))
     total: ComplexArray = 2.0 / math.pi * SEGMENT_TURN * np.sqrt(0.5 * v / c) * step * g.sum(axis=1)
     return total

@@ -14,9 +14,9 @@ from theory.parameters import number, within
 from theory.piecewise.roots import PARAMETERS
 from theory.piecewise.symbol import Symbol, terms_at
 
-_ROOM = 1e-9
+_MARGIN = 1e-9
 """Distance of a multiplier from the unit circle below which stability is not decided."""
-_BESIDE, _FIRST_ORDER = 1e-6, 1e-2
+_PHASE_STEP, _MAX_PHASE_CHANGE = 1e-6, 1e-2
 """Changes of phase in the coefficients p_k over the shortest step in v by which differences are
 taken, and over the largest error of v whose effect is still proportional to it."""
 
@@ -91,23 +91,23 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     if symbol is None:
         return found
     phase = (1.0 + c / speed) * (1.0 + 1.0 / speed)  # change of phase in p_k per change of v
-    if v_error * phase > _FIRST_ORDER:
+    if v_error * phase > _MAX_PHASE_CHANGE:
         return found
-    step = max(v_error, _BESIDE / phase)
-    beside = Symbol.of(v + math.copysign(step, v), c) if v_error else symbol
-    if beside is None:
+    step = max(v_error, _PHASE_STEP / phase)
+    neighbour = Symbol.of(v + math.copysign(step, v), c) if v_error else symbol
+    if neighbour is None:
         return found
-    around = symbol.up_to(beside, 2.0 * v_error / step)
+    widened = symbol.up_to(neighbour, 2.0 * v_error / step)
     rate = float(symbol.q[0])
-    off = symbol.uncertainty * math.exp(-0.5 / speed)  # |p_k| ≤ e^{-k/2v}
-    if abs(rate) <= off + around.spread[0]:
+    rate_bound = symbol.uncertainty * math.exp(-0.5 / speed)  # |p_k| ≤ e^{-k/2v}
+    if abs(rate) <= rate_bound + widened.spread[0]:
         return found
     if rate < 0.0:
         return replace(found, stable=False)
-    if around.zeros_within(1.0 / found.floor) == 0:
+    if widened.zeros_within(1.0 / found.floor) == 0:
         return replace(found, stable=True)
-    inside = around.zeros_within(1.0 - _ROOM)
-    outside = around.zeros_within(1.0 + _ROOM)
+    inside = widened.zeros_within(1.0 - _MARGIN)
+    outside = widened.zeros_within(1.0 + _MARGIN)
     found = replace(found, stable=None if inside is None or inside != outside else inside == 0)
     nearest = symbol.nearest_zero(1.0 / found.floor)
     if nearest is None:
@@ -116,7 +116,7 @@ def front_stability(v: float, c: float, v_error: float = 0.0) -> FrontStability:
     modulus = 1.0 / abs(w)
     error *= modulus**2
     if v_error:
-        change = abs(1.0 / abs(beside.zero_near(w)) - modulus)
+        change = abs(1.0 / abs(neighbour.zero_near(w)) - modulus)
         error += 2.0 * v_error / step * change if math.isfinite(change) else math.inf
     if abs(modulus - 1.0) <= error:
         found = replace(found, stable=None)

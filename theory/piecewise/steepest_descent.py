@@ -32,7 +32,7 @@ from theory.piecewise.dispersion import onsite
 _POINTS = 16
 """Initial number of points of a panel."""
 _MAX_POINTS = 100
-_ACCURATE = 1e-12
+_TOLERANCE = 1e-12
 _AT_ONCE = 1 << 20
 """Largest number of exponentials held in memory."""
 
@@ -57,7 +57,7 @@ class _Path:
     def make(cls, v: float, c: float, m: int, points: int) -> _Path:
         """Return the path with the given number of points per panel."""
         k_0 = _static_wave(c)
-        g, s = _tilt(v, c, m, k_0)
+        g, s = _path_parameters(v, c, m, k_0)
         x, widths = _panels(v, c, g, points)
         k = x + 1j * s * (np.sin(x) + g)
         A = onsite(k, c)
@@ -88,7 +88,7 @@ class _Path:
         The two bounds are returned as rows. Each exponential is bounded by its slope and its
         curvature, respectively, or by twice its modulus where that is less.
         """
-        size, turn = np.abs(self.weights), np.abs(self.a)
+        size, abs_a = np.abs(self.weights), np.abs(self.a)
         bounds = np.empty(rho.shape)
         rows = max(1, _AT_ONCE // self.a.size)
         for first in range(0, rho.shape[1], rows):
@@ -96,7 +96,7 @@ class _Path:
             low, high = rho[0, some], rho[1, some]
             largest = np.exp(np.maximum(*(np.outer(-self.a.real, end) for end in (low, high))))
             largest *= size[:, None]
-            angle = np.outer(turn, np.abs(high - low))
+            angle = np.outer(abs_a, np.abs(high - low))
             bounds[0, some] = np.einsum("ij,ij->j", largest, np.minimum(angle, 2.0))
             bounds[1, some] = np.einsum("ij,ij->j", largest, np.minimum(0.125 * angle**2, 2.0))
         return bounds
@@ -173,7 +173,7 @@ def _accurate_path(v: float, c: float, m: int) -> tuple[_Path, float]:
         points += points // 2
         coarse, path = path, _Path.make(v, c, m, points)
         error = float(np.abs(path.at(rho)[0] - coarse.at(rho)[0]).max())
-        if error < _ACCURATE or points >= _MAX_POINTS:
+        if error < _TOLERANCE or points >= _MAX_POINTS:
             return path, error
 
 
@@ -183,7 +183,7 @@ def _static_wave(c: float) -> complex:
     return complex(k if k.imag > 0 else -k)
 
 
-def _tilt(v: float, c: float, m: int, k_0: complex) -> tuple[float, float]:
+def _path_parameters(v: float, c: float, m: int, k_0: complex) -> tuple[float, float]:
     """Return g and s such that |e^{ik(m+1)}| stays moderate and the path does not come near k₀."""
     g = v / c if v * v > 4.0 * c else 0.0
     s = min(1.0, 4.0 / ((1.0 + abs(m + 1)) * (1.0 + g)), 1.0 / g if g else c / v**2)
@@ -226,9 +226,9 @@ def _pole_distance(v: float, c: float, k: float) -> float:
 
     It is very small where a saddle point is in resonance, k + (2c/v) sin²(k/2) = 2πn.
     """
-    gap = abs(np.expm1(1j * k - onsite(np.array(k + 0j), c) / v))
-    turn, bend = abs(1.0 + c / v * math.sin(k)), abs(c / v * math.cos(k))
-    return float(2.0 * gap / (turn + math.sqrt(turn**2 + 2.0 * bend * gap)))
+    value = abs(np.expm1(1j * k - onsite(np.array(k + 0j), c) / v))
+    slope, curvature = abs(1.0 + c / v * math.sin(k)), abs(c / v * math.cos(k))
+    return float(2.0 * value / (slope + math.sqrt(slope**2 + 2.0 * curvature * value)))
 
 
 def _graded(length: float, shortest: float) -> FloatArray:

@@ -90,26 +90,26 @@ class Symbol:
             powers = radius**order
             scaled = self.q * powers
             sizes = np.abs(scaled)
-            off = self.uncertainty + float(self.spread @ powers[: self.spread.size])
-            if sizes[0] - off > np.sum(sizes[1:]):
+            uncertainty = self.uncertainty + float(self.spread @ powers[: self.spread.size])
+            if sizes[0] - uncertainty > np.sum(sizes[1:]):
                 return 0
-            slope = float(np.sum(sizes * order)) / radius
+            lipschitz = float(np.sum(sizes * order)) / radius
         points = 1 << math.ceil(math.log2(8 * self.q.size))
         while points <= _MAX_POINTS:
             values = np.fft.rfft(scaled, points)  # the other half is complex conjugate
-            least = float(np.abs(values).min()) - off
-            if least <= 0.0:
+            smallest = float(np.abs(values).min()) - uncertainty
+            if smallest <= 0.0:
                 return None
-            if least > slope * math.pi * radius / points:
+            if smallest > lipschitz * math.pi * radius / points:
                 turns = np.sum(np.angle(values[1:] / values[:-1])) / np.pi
                 return abs(round(float(turns)))
             points *= 4
         return None
 
-    def up_to(self, other: Symbol, part: float) -> Symbol:
+    def up_to(self, other: Symbol, factor: float) -> Symbol:
         """Return E with a spread of a multiple of the differences from those of another front."""
         count = min(self.q.size, other.q.size)
-        return Symbol(self.q, self.uncertainty, part * np.abs(other.q[:count] - self.q[:count]))
+        return Symbol(self.q, self.uncertainty, factor * np.abs(other.q[:count] - self.q[:count]))
 
     def nearest_zero(self, reach: float) -> tuple[complex, float] | None:
         """Return the zero of E nearest w = 0 within ``reach``, and its error; or None.
@@ -122,9 +122,9 @@ class Symbol:
         count = 1 << math.ceil(math.log2(4 * q.size))
         for radius in np.geomspace(0.1, 1.0, _CIRCLES) * reach:
             values = np.abs(np.fft.ifft(q * radius ** np.arange(q.size), count))[: count // 2 + 1]
-            beside = np.r_[np.inf, values, np.inf]
-            least = np.flatnonzero((values <= beside[:-2]) & (values <= beside[2:]))
-            starts = radius * np.exp(2j * np.pi * least[np.argsort(values[least])[:6]] / count)
+            padded = np.r_[np.inf, values, np.inf]
+            minima = np.flatnonzero((values <= padded[:-2]) & (values <= padded[2:]))
+            starts = radius * np.exp(2j * np.pi * minima[np.argsort(values[minima])[:6]] / count)
             zeros = _newton(q, slope, starts, reach)
             if zeros.size == 0:
                 continue
@@ -176,22 +176,22 @@ def symbol_coefficients(v: float, c: float, terms: int, points: int | None) -> F
     """
     speed = abs(v)
     count = _mean_points(terms, speed, c) if points is None else points
-    x, bend = 2.0 * np.pi * np.arange(count) / count, min(1.0, c / speed)
-    kappa = x + 1j * bend * (np.sin(x) + speed / c)
+    x, s = 2.0 * np.pi * np.arange(count) / count, min(1.0, c / speed)
+    kappa = x + 1j * s * (np.sin(x) + speed / c)
     u = np.exp(1j * kappa - onsite(kappa, c) / speed)
     at_threshold = -0.5 * sum_at(speed, c, 1e-15, False)[0]
     if v < 0:  # 1 - φ advances, and |φ| falls below the threshold where its sites switch
         at_threshold = 1.0 - at_threshold
-    turn = cmath.exp(-1j * cmath.phase(at_threshold))
-    weights = (1.0 + 1j * bend * np.cos(x)) / count
+    rotation = cmath.exp(-1j * cmath.phase(at_threshold))
+    weights = (1.0 + 1j * s * np.cos(x)) / count
     stride = math.ceil(math.sqrt(terms))  # each u^k is a product of two of about 2√K powers
-    near = _geometric(u, u, stride)
-    far = _geometric(weights.conj(), near[-1].conj(), math.ceil(terms / stride))
-    means = np.zeros((len(far), stride), dtype=complex)
+    low_powers = _geometric(u, u, stride)
+    high_powers = _geometric(weights.conj(), low_powers[-1].conj(), math.ceil(terms / stride))
+    means = np.zeros((len(high_powers), stride), dtype=complex)
     for first in range(0, count, _PIECE):
         part = slice(first, first + _PIECE)
-        means += np.vecdot(far[:, None, part], near[:, part])
-    return 0.5 * np.real(turn * means.ravel()[:terms])
+        means += np.vecdot(high_powers[:, None, part], low_powers[:, part])
+    return 0.5 * np.real(rotation * means.ravel()[:terms])
 
 
 def terms_at(speed: float) -> int:
@@ -215,15 +215,17 @@ def _newton(q: FloatArray, slope: FloatArray, starts: ComplexArray, reach: float
     w = np.array(starts, dtype=complex)
     step = np.full(w.shape, np.inf, dtype=complex)
     for _ in range(40):
-        moving = np.flatnonzero((np.abs(step) > 4.0 * EPS * np.abs(w)) & (np.abs(w) < farthest))
-        if moving.size == 0:
+        unconverged = np.flatnonzero(
+            (np.abs(step) > 4.0 * EPS * np.abs(w)) & (np.abs(w) < farthest)
+        )
+        if unconverged.size == 0:
             break
-        value, derivative = _polynomial(q, w[moving]), _polynomial(slope, w[moving])
-        gone = np.abs(value) >= 4.0 * reach * np.abs(derivative)
-        w[moving[gone]] = np.inf
-        there = moving[~gone]
-        step[there] = value[~gone] / derivative[~gone]
-        w[there] -= step[there]
+        value, derivative = _polynomial(q, w[unconverged]), _polynomial(slope, w[unconverged])
+        abandoned = np.abs(value) >= 4.0 * reach * np.abs(derivative)
+        w[unconverged[abandoned]] = np.inf
+        active = unconverged[~abandoned]
+        step[active] = value[~abandoned] / derivative[~abandoned]
+        w[active] -= step[active]
     zeros: ComplexArray = w[(np.abs(w) < reach) & (np.abs(step) < 1e-9 * np.abs(w))]
     return zeros
 

@@ -174,9 +174,9 @@ def test_the_error_of_quadrature_is_twice_its_estimate_and_the_rest() -> None:
 
 def test_the_series_adds_the_rounding_and_what_both_tails_leave(monkeypatch) -> None:
     missed = iter([mp.mpf("2e-17"), mp.mpf("5e-17")])
-    monkeypatch.setattr(sum_series, "_kept_terms", lambda *_: (mp.mpc(0), 1e-16))
+    monkeypatch.setattr(sum_series, "_summed_terms", lambda *_: (mp.mpc(0), 1e-16))
     monkeypatch.setattr(sum_series, "tail_sum", lambda *_: (mp.mpc(0), next(missed)))
-    monkeypatch.setattr(sum_series, "_kept_labels", lambda *_: (-3, 8))
+    monkeypatch.setattr(sum_series, "_summed_labels", lambda *_: (-3, 8))
     found = sum_by_roots(0.3, 0.5)
     assert found.error == pytest.approx(1.7e-16, rel=1e-12, abs=0)
     assert found.terms == 12

@@ -98,8 +98,8 @@ def recorded(monkeypatch, missed: list[float]) -> list[float]:
         distances.append(distance)
         return -3, 8
 
-    monkeypatch.setattr(sum_series, "_kept_labels", labels)
-    monkeypatch.setattr(sum_series, "_kept_terms", lambda *_: (mp.mpc(0), 0.0))
+    monkeypatch.setattr(sum_series, "_summed_labels", labels)
+    monkeypatch.setattr(sum_series, "_summed_terms", lambda *_: (mp.mpc(0), 0.0))
     monkeypatch.setattr(sum_series, "tail_sum", lambda *_: (mp.mpc(0), mp.mpf(next(left))))
     return distances
 
@@ -143,7 +143,7 @@ def test_the_labels_kept_are_those_nearer_than_the_distance(
     v: float, c: float, distance: float, upper: bool
 ) -> None:
     with mp.workdps(30):
-        first, last = sum_series._kept_labels(series(v, c, upper), distance)
+        first, last = sum_series._summed_labels(series(v, c, upper), distance)
     places = singular_labels(v, c, 1 if upper else -1)
     # A little way in from the last labels a singularity is too near; at them none is.
     for end, side in ((first, -1), (last, 1)):
@@ -161,10 +161,10 @@ def test_twenty_thousand_roots_to_many_digits_and_a_million_to_few() -> None:
     # S = 0 near k = -2c/v: some 10^5 strips away
     place = series(1.0, 3e5)
     with mp.workdps(30):
-        first, last = sum_series._kept_labels(place, 5.0)
+        first, last = sum_series._summed_labels(place, 5.0)
     assert 30_000 < last - first < 1_000_000
     with mp.workdps(60), pytest.raises(PrecisionError, match="more than 20000"):
-        sum_series._kept_labels(place, 5.0)
+        sum_series._summed_labels(place, 5.0)
 
 
 def test_what_a_shift_of_the_roots_does_to_the_kept_terms_is_their_error(monkeypatch) -> None:
@@ -178,7 +178,7 @@ def test_what_a_shift_of_the_roots_does_to_the_kept_terms_is_their_error(monkeyp
         return 1 / (-1j * k * (v + c * np.sin(k)))
 
     monkeypatch.setattr(sum_series, "labelled_roots", shifted)
-    _, error = sum_series._kept_terms(series(v, c), -4, 4, 15)
+    _, error = sum_series._summed_terms(series(v, c), -4, 4, 15)
     # d ln t = -(1/k + c cos k/(v + c sin k)) dk, and |cos k| is at most cosh Im k
     share = 1 / np.abs(roots.k)
     share += c * np.cosh(roots.k.imag) / np.abs(v + c * np.sin(roots.k))
@@ -194,7 +194,7 @@ def test_many_digits_give_up_eight_of_them_to_rounding() -> None:
     k = labelled_roots(v, c, np.arange(-4, 5), True).k
     size = np.sum(np.abs(1 / (k * (v + c * np.sin(k)))))
     with mp.workdps(45):
-        _, rounding = sum_series._kept_terms(series(v, c), -4, 4, 30)
+        _, rounding = sum_series._summed_terms(series(v, c), -4, 4, 30)
         share = float(rounding * mp.mpf(10) ** (45 - 8))
     assert share == pytest.approx(size, rel=1e-9)
 

@@ -87,19 +87,21 @@ def exponential_without_branches(x: float) -> float:
     limited = min(max(x, -_LARGEST_EXPONENT), _LARGEST_EXPONENT)
     n = np.rint(limited * (1.0 / math.log(2.0)))
     r = (limited - n * _LN2[0]) - n * _LN2[1]
-    rest = _EXPONENTIAL[12] + r * _EXPONENTIAL[13]
-    rest = _EXPONENTIAL[11] + r * rest
-    rest = _EXPONENTIAL[10] + r * rest
-    rest = _EXPONENTIAL[9] + r * rest
-    rest = _EXPONENTIAL[8] + r * rest
-    rest = _EXPONENTIAL[7] + r * rest
-    rest = _EXPONENTIAL[6] + r * rest
-    rest = _EXPONENTIAL[5] + r * rest
-    rest = _EXPONENTIAL[4] + r * rest
-    rest = _EXPONENTIAL[3] + r * rest
-    rest = _EXPONENTIAL[2] + r * rest
+    polynomial = _EXPONENTIAL[12] + r * _EXPONENTIAL[13]
+    polynomial = _EXPONENTIAL[11] + r * polynomial
+    polynomial = _EXPONENTIAL[10] + r * polynomial
+    polynomial = _EXPONENTIAL[9] + r * polynomial
+    polynomial = _EXPONENTIAL[8] + r * polynomial
+    polynomial = _EXPONENTIAL[7] + r * polynomial
+    polynomial = _EXPONENTIAL[6] + r * polynomial
+    polynomial = _EXPONENTIAL[5] + r * polynomial
+    polynomial = _EXPONENTIAL[4] + r * polynomial
+    polynomial = _EXPONENTIAL[3] + r * polynomial
+    polynomial = _EXPONENTIAL[2] + r * polynomial
     power = np.int64((np.int64(n) + _BIAS) << _FRACTION).view(np.float64)
-    found: float = (1.0 + r * (1.0 + r * rest)) * power * (1.0 if x >= -_LARGEST_EXPONENT else 0.0)
+    found: float = (
+        (1.0 + r * (1.0 + r * polynomial)) * power * (1.0 if x >= -_LARGEST_EXPONENT else 0.0)
+    )
     return found
 
 
@@ -111,22 +113,22 @@ def logarithm(x: float) -> float:
 def logarithm_without_branches(x: float) -> float:
     """Return ln x to 1e-15 of its value, for finite x ≥ 1."""
     bits = np.float64(x).view(np.int64)
-    above = np.int64((bits & ((1 << _FRACTION) - 1)) | _UNIT).view(np.float64)  # from 1 to 2
-    halved = 1.0 if above > math.sqrt(2.0) else 0.0
+    mantissa = np.int64((bits & ((1 << _FRACTION) - 1)) | _UNIT).view(np.float64)  # from 1 to 2
+    halved = 1.0 if mantissa > math.sqrt(2.0) else 0.0
     n = float((bits >> _FRACTION) - _BIAS) + halved
-    m = above * (1.0 - 0.5 * halved)
+    m = mantissa * (1.0 - 0.5 * halved)
     t = (m - 1.0) / (m + 1.0)  # ln m = 2 artanh t
     w = t * t
-    rest = _LOGARITHM[9] + w * _LOGARITHM[10]
-    rest = _LOGARITHM[8] + w * rest
-    rest = _LOGARITHM[7] + w * rest
-    rest = _LOGARITHM[6] + w * rest
-    rest = _LOGARITHM[5] + w * rest
-    rest = _LOGARITHM[4] + w * rest
-    rest = _LOGARITHM[3] + w * rest
-    rest = _LOGARITHM[2] + w * rest
-    rest = _LOGARITHM[1] + w * rest
-    found: float = n * _LN2[0] + (n * _LN2[1] + t * (2.0 + w * rest))
+    polynomial = _LOGARITHM[9] + w * _LOGARITHM[10]
+    polynomial = _LOGARITHM[8] + w * polynomial
+    polynomial = _LOGARITHM[7] + w * polynomial
+    polynomial = _LOGARITHM[6] + w * polynomial
+    polynomial = _LOGARITHM[5] + w * polynomial
+    polynomial = _LOGARITHM[4] + w * polynomial
+    polynomial = _LOGARITHM[3] + w * polynomial
+    polynomial = _LOGARITHM[2] + w * polynomial
+    polynomial = _LOGARITHM[1] + w * polynomial
+    found: float = n * _LN2[0] + (n * _LN2[1] + t * (2.0 + w * polynomial))
     return found
 
 

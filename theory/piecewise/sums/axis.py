@@ -58,40 +58,40 @@ def plain_points(v: Any, c: Any, tolerance: float) -> tuple[Any, Any]:
     tolerance : float
         Required truncation error.
     """
-    by, most = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
+    xp, maximum = (np, np.maximum) if isinstance(v, np.ndarray) else (math, max)
     # M grows like (s - σ)^{-1/2}, so that N is smallest near this σ.
-    depth = (1.0 - 0.5 / (math.log(2.0 / tolerance) + 3.0)) * root_free_strip(v, c, 2)
-    M = _line(v, c, depth)[0]
-    required = by.log1p(2.0 * M / tolerance) / depth
-    unit = 4.0 * by.exp2(most(by.ceil(by.log2(required / 64.0)), 0.0))
-    count = most(unit * by.ceil(required / unit), 8.0)
-    return count, 2.0 * M / by.expm1(count * depth)
+    sigma = (1.0 - 0.5 / (math.log(2.0 / tolerance) + 3.0)) * root_free_strip(v, c, 2)
+    M = _line(v, c, sigma)[0]
+    required = xp.log1p(2.0 * M / tolerance) / sigma
+    increment = 4.0 * xp.exp2(maximum(xp.ceil(xp.log2(required / 64.0)), 0.0))
+    count = maximum(increment * xp.ceil(required / increment), 8.0)
+    return count, 2.0 * M / xp.expm1(count * sigma)
 
 
 def plan(v: FloatArray, c: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
     """Return the result of `plain_points`, but 0 points where another rule is used."""
     points, truncation = np.zeros(v.size, dtype=np.int64), np.zeros(v.size)
     # All others need more than MAX_PLAIN points, since s ≤ ½/(c + v) and M ≥ 1.
-    near = c + v <= 0.5 * MAX_PLAIN / math.log(2.0 / tolerance)
-    every = None if near.all() else np.flatnonzero(near)
-    for first in range(0, v.size if every is None else every.size, _PIECE):
+    few_points = c + v <= 0.5 * MAX_PLAIN / math.log(2.0 / tolerance)
+    candidates = None if few_points.all() else np.flatnonzero(few_points)
+    for first in range(0, v.size if candidates is None else candidates.size, _PIECE):
         piece = slice(first, first + _PIECE)
-        some = piece if every is None else every[piece]
-        count, truncation[some] = plain_points(v[some], c[some], tolerance)
-        points[some] = np.where(is_plain(v[some], c[some], count), count, 0.0)
+        index = piece if candidates is None else candidates[piece]
+        count, truncation[index] = plain_points(v[index], c[index], tolerance)
+        points[index] = np.where(is_plain(v[index], c[index], count), count, 0.0)
     return points, truncation
 
 
-def _line(v: Any, c: Any, depth: Any) -> tuple[Any, Any, Any, Any]:
+def _line(v: Any, c: Any, sigma: Any) -> tuple[Any, Any, Any, Any]:
     """Return M, q = 2c sinh σ, 1 - 2vσ and 1 + 2vσ for the line Im k = σ, see `plain_points`.
 
     The means of 1/(p + q sin x) and 1/(p + q sin x)² over x are (p² - q²)^{-1/2} and
     p (p² - q²)^{-3/2}.
     """
-    by, shift = np if isinstance(v, np.ndarray) else math, 2.0 * v * depth
-    q, p, r = 2.0 * c * by.sinh(depth), 1.0 - shift, 1.0 + shift
-    M = 1.0 / by.sqrt(1.0 - q * q)
-    M = M + (1.0 / by.sqrt((p - q) * (p + q)) - 1.0 / by.sqrt((r - q) * (r + q))) / depth
+    xp, two_v_sigma = np if isinstance(v, np.ndarray) else math, 2.0 * v * sigma
+    q, p, r = 2.0 * c * xp.sinh(sigma), 1.0 - two_v_sigma, 1.0 + two_v_sigma
+    M = 1.0 / xp.sqrt(1.0 - q * q)
+    M = M + (1.0 / xp.sqrt((p - q) * (p + q)) - 1.0 / xp.sqrt((r - q) * (r + q))) / sigma
     return M, q, p, r
 
 
@@ -101,15 +101,17 @@ def slope_truncation(v: Any, c: Any, count: Any) -> Any:
     As in `plain_points`, since |∂S/∂a| is at most the sum of 1/Re²(a ± ik), ∂G/∂ln v =
     -(∂S/∂a)/2v and ∂G/∂ln c = ((A - ½)/A)((∂S/∂a)/2v - G), where |A - ½| ≤ c (1 + cosh σ).
     """
-    by, most, least = (
+    xp, maximum, minimum = (
         (np, np.maximum, np.minimum) if isinstance(v, np.ndarray) else (math, max, min)
     )
     s = root_free_strip(v, c, 2)
-    depth = s * (1.0 - most(2e-3, 1.5 / (count * s + 1.5)))
-    M, q, p, r = _line(v, c, depth)
+    sigma = s * (1.0 - maximum(2e-3, 1.5 / (count * s + 1.5)))
+    M, q, p, r = _line(v, c, sigma)
     M_v = 2.0 * v * (p * ((p - q) * (p + q)) ** -1.5 + r * ((r - q) * (r + q)) ** -1.5)
-    share = least(1.0 + 1.0 / (1.0 - q), 2.0 * c * (1.0 + by.cosh(depth)) / (1.0 - q))
-    return 2.0 * most(M_v, share * (M + M_v)) / by.expm1(least(count * depth, _LARGEST_EXPONENT))
+    factor = minimum(1.0 + 1.0 / (1.0 - q), 2.0 * c * (1.0 + xp.cosh(sigma)) / (1.0 - q))
+    return (
+        2.0 * maximum(M_v, factor * (M + M_v)) / xp.expm1(minimum(count * sigma, _LARGEST_EXPONENT))
+    )
 
 
 def is_plain(v: Any, c: Any, count: Any) -> Any:
@@ -147,11 +149,11 @@ def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any,
     v and c are numbers, or arrays with a last axis of length one, along which the points are laid
     out and summed.
     """
-    X4, turn, weights = _nodes(count)
+    X4, minus_2iX, weights = _nodes(count)
     single = isinstance(v, float)
     dot = np.vdot if single else np.vecdot  # neither starts threads
     mean = weights.dot if single else partial(np.vecdot, weights)
-    a = turn * (c / v) + 0.5 / v
+    a = minus_2iX * (c / v) + 0.5 / v
     E = np.exp(-a)
     q = 0.5 / (v if single else v[..., 0])
     if not slopes:
@@ -167,33 +169,37 @@ def axis_means(v: Any, c: Any, count: int, slopes: bool) -> tuple[Any, Any, Any,
     )
 
 
-def _add_values(X: float, at: FloatArray, sums: FloatArray) -> None:
-    """Add Re and Im of S/a, and |S/a|², at X and at 1 - X; ``at`` has the rows of `_prepared`."""
-    q, turn, decay, P_re, P_im, x, y = at[0], at[1], at[2], at[3], at[4], at[5], at[6]
+def _add_values(X: float, table: FloatArray, sums: FloatArray) -> None:
+    """Add Re and Im of S/a, and |S/a|², at X and at 1 - X; ``table`` is that of `_prepared`."""
+    q, phase, decay, P_re, P_im, x, y = (
+        table[0], table[1], table[2], table[3], table[4], table[5], table[6],
+    )  # fmt: skip
     re, im, squares = sums[0], sums[1], sums[2]
-    for i in range(turn.size):  # in a loop of its own, with which both are a fifth faster
-        x[i], y[i] = cosine_and_sine(turn[i] * X)
-    for i in range(turn.size):
+    for i in range(phase.size):  # in a loop of its own, with which both are a fifth faster
+        x[i], y[i] = cosine_and_sine(phase[i] * X)
+    for i in range(phase.size):
         E = complex(decay[i] * x[i], decay[i] * y[i])
-        g = integrand(E, complex(q[i], -turn[i] * X), 4.0 * X)
+        g = integrand(E, complex(q[i], -phase[i] * X), 4.0 * X)
         E = complex(P_re[i] * x[i] + P_im[i] * y[i], P_im[i] * x[i] - P_re[i] * y[i])
-        h = integrand(E, complex(q[i], turn[i] * X - turn[i]), 4.0 - 4.0 * X)
+        h = integrand(E, complex(q[i], phase[i] * X - phase[i]), 4.0 - 4.0 * X)
         re[i] += g.real + h.real
         im[i] += g.imag + h.imag
         squares[i] += g.real * g.real + g.imag * g.imag + h.real * h.real + h.imag * h.imag
 
 
-def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
+def _add_slopes(X: float, table: FloatArray, sums: FloatArray) -> None:
     """Add Re and Im of S_a, |S_a|², and Re and Im of the derivative by c, at X and at 1 - X."""
-    q, turn, decay, P_re, P_im, x, y = at[0], at[1], at[2], at[3], at[4], at[5], at[6]
+    q, phase, decay, P_re, P_im, x, y = (
+        table[0], table[1], table[2], table[3], table[4], table[5], table[6],
+    )  # fmt: skip
     re, im, squares, re_c, im_c = sums[0], sums[1], sums[2], sums[3], sums[4]
-    for i in range(turn.size):
-        x[i], y[i] = cosine_and_sine(turn[i] * X)
-    for i in range(turn.size):
+    for i in range(phase.size):
+        x[i], y[i] = cosine_and_sine(phase[i] * X)
+    for i in range(phase.size):
         E = complex(decay[i] * x[i], decay[i] * y[i])
-        _, g, g_c = integrand_and_slopes(E, complex(q[i], -turn[i] * X), 4.0 * X)
+        _, g, g_c = integrand_and_slopes(E, complex(q[i], -phase[i] * X), 4.0 * X)
         E = complex(P_re[i] * x[i] + P_im[i] * y[i], P_im[i] * x[i] - P_re[i] * y[i])
-        _, h, h_c = integrand_and_slopes(E, complex(q[i], turn[i] * X - turn[i]), 4.0 - 4.0 * X)
+        _, h, h_c = integrand_and_slopes(E, complex(q[i], phase[i] * X - phase[i]), 4.0 - 4.0 * X)
         re[i] += g.real + h.real
         im[i] += g.imag + h.imag
         squares[i] += g.real * g.real + g.imag * g.imag + h.real * h.real + h.imag * h.imag
@@ -203,15 +209,15 @@ def _add_slopes(X: float, at: FloatArray, sums: FloatArray) -> None:
 
 def _prepared(v: FloatArray, c: FloatArray) -> FloatArray:
     """Return the rows 1/2v, 2c/v, d = e^{-1/2v}, Re and Im of d e^{2ic/v}, and two to be filled."""
-    at = np.empty((7, v.size))
+    table = np.empty((7, v.size))
     for i in range(v.size):
-        at[0, i] = 0.5 / v[i]
-        at[1, i] = 4.0 * at[0, i] * c[i]
-        at[2, i] = math.exp(-at[0, i])
+        table[0, i] = 0.5 / v[i]
+        table[1, i] = 4.0 * table[0, i] * c[i]
+        table[2, i] = math.exp(-table[0, i])
     for i in range(v.size):
-        x, y = cosine_and_sine(at[1, i])
-        at[3, i], at[4, i] = at[2, i] * x, at[2, i] * y
-    return at
+        x, y = cosine_and_sine(table[1, i])
+        table[3, i], table[4, i] = table[2, i] * x, table[2, i] * y
+    return table
 
 
 def block_values(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
@@ -222,12 +228,12 @@ def block_values(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
     """
     means = np.empty((3, v.size))
     for first in range(0, v.size, BLOCK):
-        at = _prepared(v[first : first + BLOCK], c[first : first + BLOCK])
-        sums = np.zeros((3, at.shape[1]))
+        table = _prepared(v[first : first + BLOCK], c[first : first + BLOCK])
+        sums = np.zeros((3, table.shape[1]))
         for j in range(count // 4):
             half = math.sin((j + 0.5) * (math.pi / count))
-            _add_values(half * half, at, sums)
-        for i in range(at.shape[1]):
+            _add_values(half * half, table, sums)
+        for i in range(table.shape[1]):
             for row in range(3):
                 means[row, first + i] = sums[row, i] * (2.0 / count)
     return means
@@ -240,18 +246,18 @@ def block_slopes(v: FloatArray, c: FloatArray, count: int) -> FloatArray:
     """
     means = np.empty((5, v.size))
     for first in range(0, v.size, BLOCK):
-        at = _prepared(v[first : first + BLOCK], c[first : first + BLOCK])
-        sums = np.zeros((5, at.shape[1]))
+        table = _prepared(v[first : first + BLOCK], c[first : first + BLOCK])
+        sums = np.zeros((5, table.shape[1]))
         for j in range(count // 4):
             half = math.sin((j + 0.5) * (math.pi / count))
-            _add_slopes(half * half, at, sums)
-        for i in range(at.shape[1]):
+            _add_slopes(half * half, table, sums)
+        for i in range(table.shape[1]):
             for row in range(5):
                 means[row, first + i] = sums[row, i] * (2.0 / count)
     return means
 
 
-def plain_errors(v: Any, c: Any, size: Any, steep: Any) -> tuple[Any, Any]:
+def plain_errors(v: Any, c: Any, size: Any, slope_size: Any) -> tuple[Any, Any]:
     """Return bounds of the rounding errors of Σ, and of v ∂Σ/∂v and c ∂Σ/∂c."""
-    phase = 1.0 + np.exp(-0.5 / v) * c / v  # e^{-a} loses digits because its phase is large
-    return 8.0 * EPS * (size + 1.0) * phase, 8.0 * EPS * (1.0 + steep) * phase
+    phase_factor = 1.0 + np.exp(-0.5 / v) * c / v  # e^{-a} loses digits because its phase is large
+    return 8.0 * EPS * (size + 1.0) * phase_factor, 8.0 * EPS * (1.0 + slope_size) * phase_factor

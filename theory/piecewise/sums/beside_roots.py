@@ -25,33 +25,39 @@ def sums_beside_roots(
 ) -> tuple[ComplexArray, FloatArray, IntArray]:
     """Return Σ and derivatives, their error bounds, each of shape (3, n), and numbers of points.
 
-    Meant for values for which the plain rule does not suffice.
-    The shapes are (1, n) without ``slopes``.
+    This is for values for which the plain rule does not suffice. Without ``slopes`` the shapes are
+    (1, n).
     """
     rows = 3 if slopes else 1
     values, errors = np.empty((rows, v.size), dtype=complex), np.empty((rows, v.size))
     points = np.empty(v.size, dtype=np.int64)
     steep = c > STEEPEST * v
-    for rule, mine in ((_arches, np.flatnonzero(steep)), (_axes, np.flatnonzero(~steep))):
-        if not mine.size:
+    for rule, index in ((_arches, np.flatnonzero(steep)), (_axes, np.flatnonzero(~steep))):
+        if not index.size:
             continue
-        found = rule(v[mine], c[mine], tolerance, slopes, fast)
-        values[:, mine], errors[:, mine], points[mine], unconverged = found
+        found = rule(v[index], c[index], tolerance, slopes, fast)
+        values[:, index], errors[:, index], points[index], unconverged = found
         if unconverged.any():
-            left = mine[unconverged]
-            alone = np.empty((3, left.size), dtype=complex), np.empty((3, left.size))
-            number = np.empty(left.size, dtype=np.int64)
-            fill(v[left], c[left], tolerance, slopes, *alone, number)
-            values[:, left], errors[:, left] = alone[0][:rows], alone[1][:rows]
-            points[left] = number
+            remaining = index[unconverged]
+            found_singly = (
+                np.empty((3, remaining.size), dtype=complex),
+                np.empty((3, remaining.size)),
+            )
+            points_singly = np.empty(remaining.size, dtype=np.int64)
+            fill(v[remaining], c[remaining], tolerance, slopes, *found_singly, points_singly)
+            values[:, remaining], errors[:, remaining] = (
+                found_singly[0][:rows],
+                found_singly[1][:rows],
+            )
+            points[remaining] = points_singly
     return values, errors, points
 
 
 def _bounds(
-    v: FloatArray, c: FloatArray, bound: FloatArray, rough: FloatArray, slopes: bool
+    v: FloatArray, c: FloatArray, bound: FloatArray, slope_bound: FloatArray, slopes: bool
 ) -> FloatArray:
     """Return the error bounds of Σ and, with ``slopes``, of its derivatives, as rows."""
-    return np.stack([bound, rough / v, rough / c] if slopes else [bound])
+    return np.stack([bound, slope_bound / v, slope_bound / c] if slopes else [bound])
 
 
 def _arches(
@@ -60,10 +66,10 @@ def _arches(
     """Return the results of `segments.arch`."""
     found = np.empty((10, v.size))
     fast.arches(v, c, tolerance, slopes, _MAX_STEPS, found)
-    bound, rough, number, unconverged = found[6:]
+    bound, slope_bound, number, unconverged = found[6:]
     end = 6 if slopes else 2
     values = found[0:end:2] + 1j * found[1:end:2]
-    return values, _bounds(v, c, bound, rough, slopes), number, unconverged > 0.0
+    return values, _bounds(v, c, bound, slope_bound, slopes), number, unconverged > 0.0
 
 
 def _axes(
@@ -76,14 +82,14 @@ def _axes(
     rows = 3 if slopes else 1
     values, sizes = np.zeros((rows, v.size), dtype=complex), np.zeros((2, v.size))
     for number in np.unique(count):
-        some = np.flatnonzero(count == number)
-        values[:, some], sizes[:, some] = means_of_block(
-            v[some], c[some], int(number), slopes, fast
+        group = np.flatnonzero(count == number)
+        values[:, group], sizes[:, group] = means_of_block(
+            v[group], c[group], int(number), slopes, fast
         )
     values[0] -= 1.0
     values -= poles[0 : 2 * rows : 2] + 1j * poles[1 : 2 * rows : 2]
-    rounding, rough = corrected_errors(truncation, sizes[0], sizes[1], poles[6], poles[7])
-    errors = _bounds(v, c, truncation + rounding, rough, slopes)
+    rounding, slope_bound = corrected_errors(truncation, sizes[0], sizes[1], poles[6], poles[7])
+    errors = _bounds(v, c, truncation + rounding, slope_bound, slopes)
     return values, errors, count / 2, unconverged > 0.0
 
 

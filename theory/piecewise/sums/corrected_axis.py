@@ -20,7 +20,7 @@ PAIR_FROM = 1.0
 """c/v above which the resonant pair of roots is subtracted too."""
 
 
-def strip_of_what_is_left(v: float, c: float) -> tuple[float, float]:
+def strip_of_remainder(v: float, c: float) -> tuple[float, float]:
     """Return σ and a bound of |G̃| on |Im k| = σ, G̃ being G with the roots subtracted."""
     rho = c / v
     if rho > PAIR_FROM:
@@ -39,7 +39,7 @@ def truncation_beside_roots(bound: float, count: float, depth: float) -> float:
 
 
 def is_at_a_point(k: complex, count: int) -> bool:
-    """Return whether a root k above the axis is so near a point that digits are lost."""
+    """Return whether a root k above the axis is so near a node that digits are lost."""
     # an exponent above ln 1.5 makes the exponential larger than 1.5
     return k.imag * count < 0.41 and abs(1.0 + cmath.exp(-1j * count * k)) < 0.5
 
@@ -53,11 +53,11 @@ def points_off_roots(above: complex, below: complex, count: int) -> int:
 
 
 def corrected_errors(
-    truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
+    truncation: Any, size: Any, slope_size: Any, shifts: Any, gains: Any
 ) -> tuple[Any, Any]:
     """Return bounds of the rounding error, and of the errors of the derivatives by ln v, ln c."""
     rounding = 8.0 * EPS * (size + 1.0 + shifts)
-    return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + steep + gains)
+    return rounding, SLOPE_SHARE * truncation + 8.0 * EPS * (1.0 + slope_size + gains)
 
 
 def corrected_axis(
@@ -65,19 +65,19 @@ def corrected_axis(
 ) -> tuple[complex, complex, complex, float, float, float, int]:
     """Return Σ by points on the real axis and the roots near it; see `rules.sum_at`."""
     rho, q = c / v, 0.5 / v
-    near = root_near(two_roots_near(q, 0.0, rho)[0], q, 0.0, rho)
-    depth, bound = strip_of_what_is_left(v, c)
+    nearest = root_near(two_roots_near(q, 0.0, rho)[0], q, 0.0, rho)
+    depth, bound = strip_of_remainder(v, c)
     count = points_beside_roots(bound, tolerance, depth)
-    above, below = near, near
+    above, below = nearest, nearest
     if rho > PAIR_FROM:
         first, second = resonant_pair(q, rho)
         above, below = root_near(first, q, 0.0, rho), root_near(second, q, 0.0, rho)
         count = points_off_roots(above[0], below[0], count)
-    value, by_v, by_c, size, steep = axis_means(v, c, count, slopes)
+    value, by_v, by_c, size, slope_size = axis_means(v, c, count, slopes)
     value -= 1.0
     shifts, gains = 0.0, 0.0
     for i in range(3 if rho > PAIR_FROM else 1):
-        root = near if i == 0 else above if i == 1 else below
+        root = nearest if i == 0 else above if i == 1 else below
         side = side_of(root[0].imag)
         turn = -1j * side * count
         found = pole_correction(root, root[0], v, c, bounded_exp(turn * root[0]), turn, -1.0)
@@ -87,5 +87,7 @@ def corrected_axis(
         shifts += found[3]
         gains += found[4]
     truncation = truncation_beside_roots(bound, count, depth)
-    rounding, rough = corrected_errors(truncation, float(size), float(steep), shifts, gains)
-    return value, by_v, by_c, truncation, rounding, rough, count // 2
+    rounding, slope_bound = corrected_errors(
+        truncation, float(size), float(slope_size), shifts, gains
+    )
+    return value, by_v, by_c, truncation, rounding, slope_bound, count // 2

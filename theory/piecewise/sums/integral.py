@@ -186,11 +186,11 @@ def sums_of_pairs(
         return _one_by_one(v, c, tolerance, slopes)
     points, truncation = axis.plan(v, c, tolerance)
     if v.size < _FEW_POINTS and not fast:  # more points cost less than more groups
-        power = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
-        if v.size * power.max() <= _POINTS_OF_A_GROUP:
-            power = points.max()
-        more = np.maximum(points, np.minimum(power, axis.MAX_PLAIN))
-        points = np.where(points, more, 0.0).astype(np.int64)
+        power_of_two = np.exp2(np.ceil(np.log2(np.maximum(points, 1))))
+        if v.size * power_of_two.max() <= _POINTS_OF_A_GROUP:
+            power_of_two = points.max()
+        rounded_up = np.maximum(points, np.minimum(power_of_two, axis.MAX_PLAIN))
+        points = np.where(points, rounded_up, 0.0).astype(np.int64)
     # 16-bit integers are sorted in linear time, and the plain rule never has more points than fit
     order = np.argsort(points.astype(np.int16), kind="stable")
     v, c, truncation, points = v[order], c[order], truncation[order], points[order]
@@ -199,20 +199,26 @@ def sums_of_pairs(
     ends = [*(np.flatnonzero(points[1:] != points[:-1]) + 1).tolist(), v.size] if v.size else []
     for start, end in pairwise([0, *ends]):
         part, count = slice(start, end), int(points[start])
-        at = v[part], c[part]
+        pairs = v[part], c[part]
         if count and (fast or end - start > _FEW_VALUES):
-            bounds = truncation[part], axis.slope_truncation(*at, count) if slopes else 0.0
-            values[:, part], errors[:, part] = _plain(*at, count, bounds, slopes=slopes, fast=fast)
+            bounds = truncation[part], axis.slope_truncation(*pairs, count) if slopes else 0.0
+            values[:, part], errors[:, part] = _plain(
+                *pairs, count, bounds, slopes=slopes, fast=fast
+            )
             points[part] = count // 2
         else:
             values[:, part], errors[:, part], points[part] = (
-                sums_beside_roots(*at, tolerance, slopes, fast)
+                sums_beside_roots(*pairs, tolerance, slopes, fast)
                 if fast
-                else _one_by_one(*at, tolerance, slopes)
+                else _one_by_one(*pairs, tolerance, slopes)
             )
-    place = np.empty_like(order)
-    place[order] = np.arange(order.size)
-    return values.take(place, axis=1), errors.take(place, axis=1), points.take(place)
+    inverse_order = np.empty_like(order)
+    inverse_order[order] = np.arange(order.size)
+    return (
+        values.take(inverse_order, axis=1),
+        errors.take(inverse_order, axis=1),
+        points.take(inverse_order),
+    )
 
 
 def _plain(
@@ -235,11 +241,11 @@ def _plain(
             for row, column in zip((*values, *sizes), found, strict=True):
                 row[part] = column
     values[0] -= 1.0
-    rounding, rough = axis.plain_errors(v, c, *sizes)
+    rounding, slope_bound = axis.plain_errors(v, c, *sizes)
     bounds = [truncation[0] + rounding]
     if slopes:
-        rough += truncation[1]
-        bounds += [rough / v, rough / c]
+        slope_bound += truncation[1]
+        bounds += [slope_bound / v, slope_bound / c]
     return values[:rows], np.array(bounds)
 
 

@@ -30,14 +30,14 @@ def step_to_root(
     value = q + 1j * (psi - square - p)
     first, second = -1j * (1.0 + 2.0 * rho * sine * cosine), 1j * (square - rho)
     root = square_root(first * first - 2.0 * value * second)
-    toward = root.real * first.real + root.imag * first.imag
-    return quotient(-2.0 * value, first + (root if toward >= 0.0 else -root)), modulus(first)
+    alignment = root.real * first.real + root.imag * first.imag
+    return quotient(-2.0 * value, first + (root if alignment >= 0.0 else -root)), modulus(first)
 
 
-def has_converged(p: complex, step: complex, steep: float, rho: float) -> bool:
+def has_converged(p: complex, step: complex, abs_slope: float, rho: float) -> bool:
     """Return whether p, reached by ``step``, is a root to within rounding; False for NaN."""
     size = modulus(step)
-    return size * size * size * rho <= 1e-18 * steep * modulus(p)
+    return size * size * size * rho <= 1e-18 * abs_slope * modulus(p)
 
 
 def root_near(start: complex, q: float, psi: float, rho: float) -> tuple[complex, complex, complex]:
@@ -45,12 +45,13 @@ def root_near(start: complex, q: float, psi: float, rho: float) -> tuple[complex
     p = start
     sine, cosine = cmath.sin(0.5 * p), cmath.cos(0.5 * p)
     for _ in range(MAX_STEPS):
-        step, steep = step_to_root(p, sine, cosine, q, psi, rho)
+        step, abs_slope = step_to_root(p, sine, cosine, q, psi, rho)
         p += step
-        if has_converged(p, step, steep, rho):
-            turn = 0.5 * step
-            near, far = 1.0 - 0.5 * turn * turn, turn - turn * turn * turn / 6.0
-            return p, sine * near + cosine * far, cosine * near - sine * far
+        if has_converged(p, step, abs_slope, rho):
+            half_step = 0.5 * step
+            cos_step = 1.0 - 0.5 * half_step * half_step
+            sin_step = half_step - half_step * half_step * half_step / 6.0
+            return p, sine * cos_step + cosine * sin_step, cosine * cos_step - sine * sin_step
         sine, cosine = cmath.sin(0.5 * p), cmath.cos(0.5 * p)
     return p, sine, cosine
 
@@ -82,13 +83,13 @@ def two_roots_near(q: float, psi: float, rho: float) -> tuple[complex, complex]:
     linear wave), those of the second-order expansion about the point between them at which the
     slope vanishes.
     """
-    near, far, meet = pair_of_the_parabola(q, psi, rho)
-    if not meet:
+    near, far, nearly_double = pair_of_the_parabola(q, psi, rho)
+    if not nearly_double:
         return near, far
     k = -math.asin(1.0 / rho)
     value = q + 1j * (psi - rho * (1.0 - math.cos(k)) - k)
-    apart = cmath.sqrt(-2j * value / (rho * math.cos(k)))
-    return k + apart, k - apart
+    separation = cmath.sqrt(-2j * value / (rho * math.cos(k)))
+    return k + separation, k - separation
 
 
 def resonant_pair(q: float, rho: float) -> tuple[complex, complex]:
@@ -154,17 +155,25 @@ def pole_correction(
     slope = v + c * sine
     t = quotient(1j, wave * slope)
     weight = quotient(1.0 + 0j, sign * power - 1.0)
-    value, turned = t * weight, -t * weight * (1.0 + weight) * turn
+    value, value_by_p = t * weight, -t * weight * (1.0 + weight) * turn
     onsite = 2.0 * half * half if wave == p else -2.0 * cos_half * cos_half  # i∂L/∂c
     cosine = 1.0 - 2.0 * half * half
-    steep, size, far = modulus(slope), modulus(value), modulus(wave)
-    move = (0.5 + far * v + c * modulus(onsite)) / steep
-    along = 1.0 / far + c * modulus(cosine) / steep
-    shift = size * (move * along + (v + c * modulus(sine)) / steep) + 2.0 * modulus(turned) * move
+    abs_slope, size, abs_wave = modulus(slope), modulus(value), modulus(wave)
+    # the largest displacement of p, and relative change of t with p, for δ = 1
+    dp = (0.5 + abs_wave * v + c * modulus(onsite)) / abs_slope
+    log_slope = 1.0 / abs_wave + c * modulus(cosine) / abs_slope
+    shift = (
+        size * (dp * log_slope + (v + c * modulus(sine)) / abs_slope)
+        + 2.0 * modulus(value_by_p) * dp
+    )
     p_v, p_c = quotient(-wave, slope), quotient(-onsite, slope)
-    bend = quotient(1.0 + 0j, slope)
-    near = quotient(1.0 + 0j, wave)
-    value_v = turned * p_v - value * (p_v * near + (1.0 + c * cosine * p_v) * bend)
-    value_c = turned * p_c - value * (p_c * near + (sine + c * cosine * p_c) * bend)
-    gain = 2.0 * shift * (1.0 + move * (along + modulus(turn) * (1.0 + 2.0 * modulus(weight))))
+    inverse_slope = quotient(1.0 + 0j, slope)
+    inverse_wave = quotient(1.0 + 0j, wave)
+    value_v = value_by_p * p_v - value * (
+        p_v * inverse_wave + (1.0 + c * cosine * p_v) * inverse_slope
+    )
+    value_c = value_by_p * p_c - value * (
+        p_c * inverse_wave + (sine + c * cosine * p_c) * inverse_slope
+    )
+    gain = 2.0 * shift * (1.0 + dp * (log_slope + modulus(turn) * (1.0 + 2.0 * modulus(weight))))
     return value, value_v, value_c, shift, gain

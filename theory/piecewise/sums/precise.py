@@ -27,7 +27,7 @@ from theory.piecewise.roots import MAX_LABEL, checked_velocity_and_coupling
 from theory.piecewise.sums.result import DIGITS, KineticSum, PrecisionError, stated
 
 _MAX_POINTS = 200_000
-_SPARE = 8
+_SPARE_DIGITS = 8
 """Number of correct digits beyond those required, of the twelve that are computed."""
 
 
@@ -65,7 +65,7 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
         with mp.workdps(digits + 12):
             q = mp.sqrt(1 - 4j * exact(c))
             value = 4j * exact(c) / (q * (1 + q))
-        error = distance + mp.mpf(10) ** (-digits - _SPARE)
+        error = distance + mp.mpf(10) ** (-digits - _SPARE_DIGITS)
         return KineticSum(
             value=value,
             error=stated(error),
@@ -74,7 +74,8 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
             seconds=perf_counter() - start,
             digits=digits,
         )
-    lost = math.log10(2.0 + c_ / v_) + 2.0 * math.log10(2.0 + v_)  # includes loss in 1 - e^{-A/v}
+    # The second term includes the loss in 1 - e^{-A/v}.
+    lost_digits = math.log10(2.0 + c_ / v_) + 2.0 * math.log10(2.0 + v_)
     # The bound is least on a line inside the strip; with more points it lies nearer the edge.
     strip = (1.0 - 1.0 / (2.0 + (digits + 1) * math.log(10.0))) * root_free_strip(v_, c_)
     gap = 0.5 - c_ * math.sinh(strip)
@@ -82,22 +83,24 @@ def precise_sum_by_integral(v: float | str, c: float | str, digits: int) -> Kine
     peak = 1.0 / (math.tanh(0.5 * (gap - v_ * strip) / v_) * 2.0 * gap)
     equispaced = 2 * math.ceil((math.log(2.0 * peak) + (digits + 1) * math.log(10.0)) / strip / 2.0)
     step = math.pi**2 / 2.0 / ((digits + 3) * math.log(10.0)) * 0.8
-    reach = 2 * math.ceil(((digits + 3) * math.log(10.0) + math.log(4.0 + 4.0 * v_)) / step / 2.0)
-    points = min(equispaced // 2, 2 * reach)
+    half_count = 2 * math.ceil(
+        ((digits + 3) * math.log(10.0) + math.log(4.0 + 4.0 * v_)) / step / 2.0
+    )
+    points = min(equispaced // 2, 2 * half_count)
     if points > _MAX_POINTS:
         raise PrecisionError(f"{digits} digits need {points} points, more than {_MAX_POINTS}.")
-    with mp.workdps(digits + 12 + math.ceil(lost)):
-        if equispaced // 2 <= 2 * reach:
+    with mp.workdps(digits + 12 + math.ceil(lost_digits)):
+        if equispaced // 2 <= 2 * half_count:
             value = _equispaced(exact(v), exact(c), equispaced)
             truncation = 2.0 * peak / mp.expm1(equispaced * strip)
         else:
-            value, coarse = _graded(exact(v), exact(c), mp.mpf(step), reach)
+            value, coarse = _graded(exact(v), exact(c), mp.mpf(step), half_count)
             value += _correction(exact(v), exact(c), mp.mpf(step))
             coarse += _correction(exact(v), exact(c), 2 * mp.mpf(step))
             # At both ends |G| ≤ coth(1/4v) approximately, and the weights fall like 2e^{-|σ|}/π.
-            ends = 4.0 * (1.0 + 4.0 * v_) * mp.exp(-reach * step)
-            truncation = 100 * abs(value - coarse) ** 2 + ends
-        error = stated(truncation + mp.mpf(10) ** (-digits - _SPARE))
+            end_bound = 4.0 * (1.0 + 4.0 * v_) * mp.exp(-half_count * step)
+            truncation = 100 * abs(value - coarse) ** 2 + end_bound
+        error = stated(truncation + mp.mpf(10) ** (-digits - _SPARE_DIGITS))
     return KineticSum(
         value=value,
         error=error,
@@ -148,15 +151,15 @@ def _correction(v: Any, c: Any, step: Any) -> Any:
     return total
 
 
-def _graded(v: Any, c: Any, step: Any, reach: int) -> tuple[Any, Any]:
+def _graded(v: Any, c: Any, step: Any, half_count: int) -> tuple[Any, Any]:
     """Return the sums over the graded points with the given step and with twice the step.
 
     With t = e^σ and p = t², the point is X = (p² + ip)/(1 + p²), and the weight
     1/cosh(σ + iπ/4) = √2 t (p + 1 - i(p - 1))/(1 + p²).
     """
     total = {0: mp.mpc(0), 1: mp.mpc(0)}
-    t, ratio, root = mp.exp(-reach * step), mp.exp(step), mp.sqrt(2)
-    for j in range(-reach, reach + 1):
+    t, ratio, root = mp.exp(-half_count * step), mp.exp(step), mp.sqrt(2)
+    for j in range(-half_count, half_count + 1):
         p = t * t
         inverse = 1 / (1 + p * p)
         height = p * inverse

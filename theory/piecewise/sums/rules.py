@@ -94,8 +94,8 @@ def _plain(
     v: float, c: float, count: int, truncation: float, slopes: bool
 ) -> tuple[complex, complex, complex, float, float, float, int]:
     """Return Σ by the plain rule: points on the real axis, no root subtracted; see `sum_at`."""
-    value, by_v, by_c, size, steep = axis_means(v, c, count, slopes)
-    rounding, rough = plain_errors(v, c, size, steep)
+    value, by_v, by_c, size, slope_size = axis_means(v, c, count, slopes)
+    rounding, slope_bound = plain_errors(v, c, size, slope_size)
     if slopes:
-        rough += slope_truncation(v, c, count)
-    return complex(value - 1.0), by_v, by_c, truncation, float(rounding), rough, count // 2
+        slope_bound += slope_truncation(v, c, count)
+    return complex(value - 1.0), by_v, by_c, truncation, float(rounding), slope_bound, count // 2

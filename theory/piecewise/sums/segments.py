@@ -37,28 +37,28 @@ CLEAR = 0.5
 """|e^z ∓ 1| above which a root is far enough from every node."""
 
 
-def _segment_size(rho: float, far: float, second: bool) -> float:
-    """Bound (1/π) ∫|g̃| du along Im u = 1.6 or 1, where ``far`` is |2A| at u = 0."""
-    return (3.0 if not second else 4.0 if rho > 6.3 else 50.0) / (math.sqrt(rho) * far)
+def _segment_size(rho: float, twice_A_0: float, second: bool) -> float:
+    """Bound (1/π) ∫|g̃| du along Im u = 1.6 or 1, where ``twice_A_0`` is |2A| at u = 0."""
+    return (3.0 if not second else 4.0 if rho > 6.3 else 50.0) / (math.sqrt(rho) * twice_A_0)
 
 
 def segment_nodes(
-    tolerance: float, v: float, rho: float, far: float, second: bool
+    tolerance: float, v: float, rho: float, twice_A_0: float, second: bool
 ) -> tuple[float, int, float]:
     """Return the step, the number of nodes, and the bound of the error, truncation at U included.
 
     Beyond u = U ≥ √3 the terms are below 2.7 (1 + 2Y) e^{-q - u²} √m/|A|.
     """
-    size = _segment_size(rho, far, second)
-    required = logarithm(1.0 + max(1.5 * size / tolerance, 1.0))
-    step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / required
+    size = _segment_size(rho, twice_A_0, second)
+    exponent = logarithm(1.0 + max(1.5 * size / tolerance, 1.0))
+    step = TURN * (_DEPTHS[1] if second else _DEPTHS[0]) / exponent
     m, q = 0.5 / rho, 0.5 / v
-    U = math.sqrt(max(3.0, logarithm(1.0 + 4.0 / (math.sqrt(rho) * far * tolerance)) - q))
+    U = math.sqrt(max(3.0, logarithm(1.0 + 4.0 / (math.sqrt(rho) * twice_A_0 * tolerance)) - q))
     count = math.ceil(U / step)
     U = count * step
-    rest = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * exponential(-q - U * U) / math.pi
-    rest *= (step + 0.5 / U) / max(0.5 * far, v * U * U)  # 1 - e^{-x} is at least x/(1 + x)
-    return step, count, tolerance / 1.5 + rest  # size/(e^required - 1), and the part beyond U
+    tail = 2.7 * math.sqrt(m) * (1.0 + 2.0 * m * U * U) * exponential(-q - U * U) / math.pi
+    tail *= (step + 0.5 / U) / max(0.5 * twice_A_0, v * U * U)  # 1 - e^{-x} is at least x/(1 + x)
+    return step, count, tolerance / 1.5 + tail  # size/(e^exponent - 1), and the part beyond U
 
 
 def phase_rate(v: Any, c: Any, second: bool) -> Any:
@@ -101,25 +101,31 @@ def _on_a_segment(
     step, count, offset = nodes
     m = 0.5 * v / c
     phase = math.exp(-0.5 / v) * cmath.exp(-1j * psi)
-    turned = 2.0 * c if second else 0.0
-    total, by_v, by_c, size, steep = 0j, 0j, 0j, 0.0, 0.0
+    im_A = 2.0 * c if second else 0.0
+    total, by_v, by_c, size, slope_size = 0j, 0j, 0j, 0.0, 0.0
     for j in range(count):
         u = (j + offset) * step
         square = u * u
-        E, A = phase * math.exp(-square), complex(0.5 + v * square, turned)
-        share = 0.5 if u == 0.0 else 1.0
+        E, A = phase * math.exp(-square), complex(0.5 + v * square, im_A)
+        weight = 0.5 if u == 0.0 else 1.0
         if slopes:
             g, g_v, g_c = segment_slopes(E, m * square, A, v, second)
-            by_v += share * g_v
-            by_c += share * g_c
-            steep += share * size_of(g_v)
+            by_v += weight * g_v
+            by_c += weight * g_c
+            slope_size += weight * size_of(g_v)
         else:
             g = segment_term(E, m * square, A)
-        total += share * g
-        size += share * size_of(g)
+        total += weight * g
+        size += weight * size_of(g)
     width = segment_width(v, c, step)
-    weight = width * SEGMENT_TURN
-    return weight * total, -weight / (v * v) * by_v, weight * by_c, width * size, width * steep / v
+    factor = width * SEGMENT_TURN
+    return (
+        factor * total,
+        -factor / (v * v) * by_v,
+        factor * by_c,
+        width * size,
+        width * slope_size / v,
+    )
 
 
 def segment_unit(rho: float, step: float, side: float) -> complex:
@@ -171,28 +177,41 @@ def _segment(
         tolerance /= phase_rate(v, c, second)
     step, count, truncation = segment_nodes(tolerance, v, c / v, 2.0 * abs(A_0), second)
     offset = 0.5
-    taken = (0j, 0j, 0j, 0.0, 0.0, 1.0)
+    corrections = (0j, 0j, 0j, 0.0, 0.0, 1.0)
     if v >= SLOWEST:
-        taken = _roots_on_a_segment(v, c, psi, second, step, offset)
-        if second and taken[5] < CLEAR:
+        corrections = _roots_on_a_segment(v, c, psi, second, step, offset)
+        if second and corrections[5] < CLEAR:
             other = _roots_on_a_segment(v, c, psi, second, step, 0.0)
-            if other[5] > taken[5]:
-                offset, taken = 0.0, other
-    value, by_v, by_c, size, steep = _on_a_segment(v, c, psi, second, (step, count, offset), slopes)
-    bounds = segment_errors(v, c, second, truncation, size, steep, taken[3], taken[4])
+            if other[5] > corrections[5]:
+                offset, corrections = 0.0, other
+    value, by_v, by_c, size, slope_size = _on_a_segment(
+        v, c, psi, second, (step, count, offset), slopes
+    )
+    bounds = segment_errors(
+        v, c, second, truncation, size, slope_size, corrections[3], corrections[4]
+    )
     return (
-        value - taken[0], by_v - taken[1], by_c - taken[2], truncation, bounds[0], bounds[1], step,
-        count,
+        value - corrections[0], by_v - corrections[1], by_c - corrections[2],
+        truncation, bounds[0], bounds[1], step, count,
     )  # fmt: skip
 
 
 def segment_errors(
-    v: Any, c: Any, second: bool, truncation: Any, size: Any, steep: Any, shifts: Any, gains: Any
+    v: Any,
+    c: Any,
+    second: bool,
+    truncation: Any,
+    size: Any,
+    slope_size: Any,
+    shifts: Any,
+    gains: Any,
 ) -> tuple[Any, Any]:
     """Return bounds of the rounding error of one segment, and of the errors of its derivatives."""
-    phase = 1.0 + 2.0 * c / v if second else 1.0
-    rough = SLOPE_SHARE * phase_rate(v, c, second) * truncation
-    return 8.0 * EPS * (size * phase + shifts), rough + 8.0 * EPS * (steep * phase + gains)
+    phase_factor = 1.0 + 2.0 * c / v if second else 1.0
+    slope_bound = SLOPE_SHARE * phase_rate(v, c, second) * truncation
+    return 8.0 * EPS * (size * phase_factor + shifts), slope_bound + 8.0 * EPS * (
+        slope_size * phase_factor + gains
+    )
 
 
 def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
@@ -200,10 +219,12 @@ def static_part(v: float, c: float, step: float) -> tuple[complex, complex]:
     static = quotient(1.0 + 0j, square_root(1.0 - 4j * c))
     pole = math.pi / (step * math.sqrt(2.0 * v))  # from the pole of -1/2A at u = i/√(2v)
     decay = exponential(-2.0 * pole)
-    share = (1.0 - decay) / (1.0 + decay)  # tanh(pole)
+    tanh_pole = (1.0 - decay) / (1.0 + decay)
     # at fixed nodes this scales like c^{-1/2} and does not depend on v
-    by_c = static * (2j * static * static * share - 0.5 * pole / c * (1.0 - share * share))
-    return share * static, by_c
+    by_c = static * (
+        2j * static * static * tanh_pole - 0.5 * pole / c * (1.0 - tanh_pole * tanh_pole)
+    )
+    return tanh_pole * static, by_c
 
 
 def second_phase(v: float, c: float) -> float:

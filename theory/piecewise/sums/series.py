@@ -1,4 +1,4 @@
-"""Σ(v, c) as the printed series over the roots (53), its tail summed instead of cut off.
+"""Σ(v, c) as the printed series over the roots (53), with its tail summed instead of truncated.
 
 With the label ν as a real variable, k(ν) = ±i w + 2πν with 2cosh w = q = αk + β, α = 2v/c,
 β = 2 + i/c, and S = √(q² - 4) = 2 sinh w. A term of the series is then
@@ -101,24 +101,24 @@ def sum_by_roots(
     checked_velocity_and_coupling(v, c)
     # e^{-2πρ} is somewhat below 10^{-digits}; at smaller ρ the smallest term does not measure the
     # error.
-    corners = max(digits, 10) / 2.7 + 2.0
+    distance = max(digits, 10) / 2.7 + 2.0
     for _ in range(6):
         with mp.workdps(max(digits, DOUBLE) + 15):
             series = RootSeries(exact(v), exact(c), 1 if upper else -1)
-            first, last = _kept_labels(series, corners)
-            value, rounding = _kept_terms(series, first, last, digits)
-            uncertain = mp.mpf(0)
+            first, last = _summed_labels(series, distance)
+            value, rounding = _summed_terms(series, first, last, digits)
+            tail_bound = mp.mpf(0)
             for label, side in ((first, -1), (last, 1)):
-                tail, missed = tail_sum(series, label, side, math.ceil(3.2 * corners))
-                value, uncertain = value + tail, uncertain + missed
-        if uncertain <= mp.mpf(10) ** (-digits):
+                tail, bound = tail_sum(series, label, side, math.ceil(3.2 * distance))
+                value, tail_bound = value + tail, tail_bound + bound
+        if tail_bound <= mp.mpf(10) ** (-digits):
             break
-        corners *= 1.3
+        distance *= 1.3
     value = complex(value) if digits <= DOUBLE else value
     terms = last - first + 1
     return KineticSum(
         value=value,
-        error=stated(rounding + uncertain),
+        error=stated(rounding + tail_bound),
         terms=terms,
         method="series",
         seconds=perf_counter() - start,
@@ -126,7 +126,7 @@ def sum_by_roots(
     )
 
 
-def _kept_labels(series: RootSeries, distance: float) -> tuple[int, int]:
+def _summed_labels(series: RootSeries, distance: float) -> tuple[int, int]:
     """Return the labels at which the tails begin, ``distance`` from every singularity of t."""
     first, last = -2.0, 2.0
     for nu in _singularities(series):
@@ -153,7 +153,7 @@ def _singularities(series: RootSeries) -> Iterator[complex]:
             yield complex((k - sign * i * image) / (2 * mp.pi))
 
 
-def _kept_terms(series: RootSeries, first: int, last: int, digits: int) -> tuple[Any, Any]:
+def _summed_terms(series: RootSeries, first: int, last: int, digits: int) -> tuple[Any, Any]:
     """Return the sum of t over the labels, the first and last counted half, and its error."""
     labels, upper = np.arange(first, last + 1), series.sign > 0
     if digits <= DOUBLE:
@@ -220,7 +220,7 @@ def _taylor(series: RootSeries, k0: Any, S0: Any, radius: float, order: int) -> 
     largest = max(float(abs(x)) for x in (mp.mpf(1), shift, alpha, start))
     bits = mp.mp.prec + 30 + math.ceil(math.log2(largest)) + 2 * order.bit_length()
     rate = _fixed(2 * mp.pi * radius / (k0 * (1 + shift)), bits)
-    inverse, alpha, beside = (_fixed(x, bits) for x in (1 / (1 + shift), alpha, shift))
+    inverse, alpha, fixed_shift = (_fixed(x, bits) for x in (1 / (1 + shift), alpha, shift))
     k, S, d, t = ([(1 << bits, 0)] for _ in range(4))
     slope, q = [(0, 0)], [_fixed(start, bits)]
     for m in range(1, order + 1):
@@ -230,7 +230,7 @@ def _taylor(series: RootSeries, k0: Any, S0: Any, radius: float, order: int) -> 
         q.append(_times(alpha, k[m], bits))
         x, y = _dot(q, q[::-1], bits), _dot(S[1:], S[:0:-1], bits)
         S.append(((x[0] - y[0]) // 2, (x[1] - y[1]) // 2))
-        x, y = _dot(k, S[::-1], bits), _times(beside, k[m], bits)
+        x, y = _dot(k, S[::-1], bits), _times(fixed_shift, k[m], bits)
         d.append(_times(inverse, (x[0] + y[0], x[1] + y[1]), bits))
         x = _dot(d[1:], t[::-1], bits)
         t.append((-x[0], -x[1]))

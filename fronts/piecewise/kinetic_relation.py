@@ -129,8 +129,8 @@ def kinetic_relation(
     if certify:
         from theory.piecewise.certified_relation import certify_relation
 
-        shares = [of_part(progress, i, len(answers)) for i in range(len(answers))]
-        answers = [certify_relation(*each) for each in zip(answers, shares, strict=True)]
+        callbacks = [of_part(progress, i, len(answers)) for i in range(len(answers))]
+        answers = [certify_relation(*each) for each in zip(answers, callbacks, strict=True)]
     if single:
         return answers[0]
     return KineticCurve(

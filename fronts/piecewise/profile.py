@@ -12,7 +12,7 @@ from theory.parameters import ParameterError, RunError, count_within, number, wi
 from theory.piecewise.kinetic_relation import COUPLINGS, KineticBranch, trace_kinetic_relation
 from theory.result import Result
 
-_FARTHEST = 1e6
+_MAX_POSITION = 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,8 +137,8 @@ def front_profile(
     from theory.piecewise.profile import front_profile as shape_of
 
     points = count_within("number of points", points, 2, 1_000_000)
-    low = within("first position", low, -_FARTHEST, _FARTHEST)
-    high = within("last position", high, -_FARTHEST, _FARTHEST)
+    low = within("first position", low, -_MAX_POSITION, _MAX_POSITION)
+    high = within("last position", high, -_MAX_POSITION, _MAX_POSITION)
     if not low < high:
         raise ParameterError(
             "last position", high, f"above the first, {low:g}", "make it larger than the first"

@@ -153,17 +153,17 @@ def roots(
         raise ParameterError(
             "extent |Re k|", extent, "absent when a count is given", "give one of them"
         )
-    number = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
+    requested = count_within("root count", 10 if count is None else count, 1, _MAX_ROOTS)
     halves = [
-        nearest_roots(v_, c_, number, upper)
+        nearest_roots(v_, c_, requested, upper)
         if extent is None
         else roots_within(v_, c_, extent, upper)
         for upper in (True, False)
     ]
     if digits > DOUBLE:
-        most = max(half.labels.size for half in halves)
+        largest = max(half.labels.size for half in halves)
         remedy = "ask for fewer roots or digits"
-        count_within("roots times digits", most * digits, 0, _MAX_DIGITS_OF_ROOTS, remedy)
+        count_within("roots times digits", largest * digits, 0, _MAX_DIGITS_OF_ROOTS, remedy)
     counted = sum(_counted(v_, c_, half, upper=not i) for i, half in enumerate(halves))
     if certify:
         halves = [_certified(v, c, half, upper=not i) for i, half in enumerate(halves)]
@@ -174,8 +174,10 @@ def roots(
         if digits <= DOUBLE:
             rows.append(_in_double(half))
         else:
-            shown = of_part(progress, i, len(halves))
-            rows.append(_in_decimals(v, c, half, upper=not i, digits=digits, progress=shown))
+            part_progress = of_part(progress, i, len(halves))
+            rows.append(
+                _in_decimals(v, c, half, upper=not i, digits=digits, progress=part_progress)
+            )
     return Roots(upper=rows[0], lower=rows[1], counted=counted, certified=certify)
 
 
@@ -197,11 +199,11 @@ def _of_decimals(v: float | str, c: float | str, found: RootSet) -> RootSet:
     from fractions import Fraction
 
     v_, c_ = float(v), float(c)
-    moved = [abs(float(Fraction(text) - Fraction(float(text)))) for text in (v, c)]
+    rounding = [abs(float(Fraction(text) - Fraction(float(text)))) for text in (v, c)]
     slope = np.abs(v_ + c_ * np.sin(found.k))
     by_v, by_c = np.abs(found.k) / slope, 2.0 * np.abs(np.sin(0.5 * found.k)) ** 2 / slope
     # The factor 1.5 accounts for higher orders.
-    radius = found.radius + 1.5 * (by_v * moved[0] + by_c * moved[1])
+    radius = found.radius + 1.5 * (by_v * rounding[0] + by_c * rounding[1])
     return replace(found, radius=radius)
 
 

@@ -85,8 +85,8 @@ def steps(draft: Draft, chain: ChainModel) -> None:
 def comparison(draft: Draft, chain: ChainModel) -> None:
     """Derive what (44) retains of (43), and what it neglects."""
     checks = FrontCellChecks(chain)
-    size, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
-    below, above = (side(size, threshold) for side in (sp.Lt, sp.Gt))
+    modulus, threshold = sp.Abs(phi(n, t)), sp.Abs(phi_us)
+    below, above = (side(modulus, threshold) for side in (sp.Lt, sp.Gt))
     draft.derived("averaged chain near rest", Linearise({phi: phi}, at_rest=True),
                   "averaged chain at unit frequency",
                   check=checks.near_rest)

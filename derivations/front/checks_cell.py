@@ -14,7 +14,7 @@ from derivations.front import symbols as s
 from derivations.front.sampling import Sample, SampledChecks, as_point, complex_number, sites
 from derivations.symbols import n, t
 
-_OWN = s.phi(n, t)
+_PHI_N = s.phi(n, t)
 
 
 class FrontCellChecks(SampledChecks):
@@ -29,42 +29,42 @@ class FrontCellChecks(SampledChecks):
     def averaged_cell(self) -> Points:
         """Sample the cell without springs."""
         for sample, rng in self._cells():
-            own, rate = complex_number(rng, 2.0), complex_number(rng)
-            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
-            change = sample.chain.averaged_rate(uniform)
-            yield as_point(sample.chain, {0: own}, rate), [rate - change]
+            phi_n, rate = complex_number(rng, 2.0), complex_number(rng)
+            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), phi_n)
+            expected = sample.chain.averaged_rate(uniform)
+            yield as_point(sample.chain, {0: phi_n}, rate), [rate - expected]
 
     @at_points("moduli and arguments of numbers")
     def polar(self) -> Points:
         """Compare with modulus and argument of a number."""
-        for own in (0.7 - 0.4j, -1.1 + 0.2j):
-            yield {_OWN: own, s.radius: abs(own), s.phase: cmath.phase(own)}, [0]
+        for phi_n in (0.7 - 0.4j, -1.1 + 0.2j):
+            yield {_PHI_N: phi_n, s.radius: abs(phi_n), s.phase: cmath.phase(phi_n)}, [0]
 
     @at_points("Eq. (8) averaged by sampling", floor=0.1)
     def cell_parts(self) -> Points:
         """Compare with the rate of a real amplitude: real and imaginary part."""
         for sample, rng in self._cells():
-            size, rate, turn = (rng.uniform(0.3, 2) for _ in range(3))
-            change = sample.chain.cell_rate(size) * size
-            point = {s.radius: size, s.radius.diff(t): rate, s.phase.diff(t): turn,
+            amplitude, rate, phase_rate = (rng.uniform(0.3, 2) for _ in range(3))
+            expected = sample.chain.cell_rate(amplitude) * amplitude
+            point = {s.radius: amplitude, s.radius.diff(t): rate, s.phase.diff(t): phase_rate,
                      **sample.chain.values}  # fmt: skip
-            yield point, [rate - change.real, size * turn - change.imag]
+            yield point, [rate - expected.real, amplitude * phase_rate - expected.imag]
 
     @at_points("the sampled loss of the cell")
     def amplitude_rate(self) -> Points:
         """Compare after solving for the rate of the amplitude."""
         for sample, rng in self._cells():
-            size = rng.uniform(0.3, 2)
-            yield {s.radius: size, s.radius.diff(t): sample.rate(size),
+            amplitude = rng.uniform(0.3, 2)
+            yield {s.radius: amplitude, s.radius.diff(t): sample.rate(amplitude),
                    **sample.chain.values}, [0]  # fmt: skip
 
     @at_points("the sampled detuning of the cell", floor=0.1)
     def phase_rate(self) -> Points:
         """Compare after solving for the rate of the phase."""
         for sample, rng in self._cells():
-            size = rng.uniform(0.3, 2)
-            turn = sample.chain.cell_rate(size).imag
-            yield {s.radius: size, s.phase.diff(t): turn, **sample.chain.values}, [0]
+            amplitude = rng.uniform(0.3, 2)
+            detuning = sample.chain.cell_rate(amplitude).imag
+            yield {s.radius: amplitude, s.phase.diff(t): detuning, **sample.chain.values}, [0]
 
     def cycles(self, candidate: sp.Basic) -> Evidence:
         """Compare with the zeros of the sampled loss."""
@@ -104,23 +104,23 @@ class FrontCellChecks(SampledChecks):
     @at_points("a displaced number")
     def shifted(self) -> Points:
         """Compare with a relative deviation."""
-        point = {_OWN: (2 - 1j) * (1.1 + 0.2j), s.phi_s: 2 - 1j, s.deviation: 0.1 + 0.2j}
+        point = {_PHI_N: (2 - 1j) * (1.1 + 0.2j), s.phi_s: 2 - 1j, s.deviation: 0.1 + 0.2j}
         yield point, [0]
 
     @at_points("the linear response about rest, moved to the cycle", tolerance=1e-7)
     def upper(self) -> Points:
         """Compare with the response about rest, shifted to the cycle."""
         for sample, rng in self._cells():
-            own, cycle = complex_number(rng, 2.0), complex_number(rng, 2.0)
-            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own - cycle)
+            phi_n, cycle = complex_number(rng, 2.0), complex_number(rng, 2.0)
+            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), phi_n - cycle)
             rate = sample.linear(uniform)
-            yield {**as_point(sample.chain, {0: own}, rate), s.phi_s: cycle}, [0]
+            yield {**as_point(sample.chain, {0: phi_n}, rate), s.phi_s: cycle}, [0]
 
     @at_points("the linear response about rest", tolerance=1e-7)
     def upper_decay(self) -> Points:
         """Compare with the same for a relative deviation."""
         for sample, rng in self._cells():
-            own = complex_number(rng)
-            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), own)
+            value = complex_number(rng)
+            uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), value)
             rate = sample.linear(uniform)
-            yield {s.deviation: own, s.deviation.diff(t): rate, **sample.chain.values}, [0]
+            yield {s.deviation: value, s.deviation.diff(t): rate, **sample.chain.values}, [0]

@@ -26,10 +26,10 @@ class LimitChecks(SampledChecks):
         """Return the value at the site about to switch, with springs of several strengths."""
         for sample in self.samples:
             for factor in _FACTORS if self.model.is_scaled_by_c else (1.0,):
-                own = standing(sample.coupled(factor))
+                phi = standing(sample.coupled(factor))
                 values = {**sample.chain.values}
                 values[c] = values.get(c, 1.0) * factor
-                yield sample, own if ahead else 1 - own, values
+                yield sample, phi if ahead else 1 - phi, values
 
     @at_points("a quotient of moduli")
     def ratio_named(self) -> Points:
@@ -42,12 +42,12 @@ class LimitChecks(SampledChecks):
         name = s.static_sum if ahead else s.retreating_sum
 
         def points() -> Points:
-            for sample, own, values in self._standing(ahead=ahead):
-                yield {**values, name: -own / sample.lattice.decay}, [0]
+            for sample, phi, values in self._standing(ahead=ahead):
+                yield {**values, name: -phi / sample.lattice.decay}, [0]
             if ahead:
                 sample = self.samples[0]
                 # The correction is about e^{-decay/v}, and the decay is half the damping at rest.
-                slow = kinetic_sum(sample.lattice, 0.01 * sample.clock)
+                slow = kinetic_sum(sample.lattice, 0.01 * sample.damping_at_rest)
                 yield {**sample.chain.values, name: slow}, [0]
 
         return at_points("a standing chain, solved site by site", floor=1.0)(points)
@@ -68,8 +68,8 @@ class LimitChecks(SampledChecks):
         name = s.static_sum if ahead else s.retreating_sum
 
         def points() -> Points:
-            for sample, own, values in self._standing(ahead=ahead):
-                yield {**values, name: -own / sample.lattice.decay, s.ratio: abs(own)}, [0, 0]
+            for sample, phi, values in self._standing(ahead=ahead):
+                yield {**values, name: -phi / sample.lattice.decay, s.ratio: abs(phi)}, [0, 0]
 
         return at_points("a standing chain, solved site by site", floor=1.0)(points)
 
@@ -98,11 +98,11 @@ class LimitChecks(SampledChecks):
             yield point, [0]
 
     def _with_ratio(self, *, ahead: bool) -> Iterator[dict[Any, Any]]:
-        for (_, _, point), (_, own, _) in zip(
+        for (_, _, point), (_, phi, _) in zip(
             self._roots(), self._standing(ahead=ahead), strict=True
         ):
             coupling = point.pop(c)  # the threshold has its own symbol
-            yield {**point, s.ratio: abs(own), s.c_pin if ahead else s.c_retreat: coupling}
+            yield {**point, s.ratio: abs(phi), s.c_pin if ahead else s.c_retreat: coupling}
 
     def thresholds(self, *, ahead: bool) -> Check:
         """Compare with ratio and root of a static chain."""
@@ -125,8 +125,8 @@ class LimitChecks(SampledChecks):
 
     def largest_ratio(self, candidate: sp.Basic) -> Evidence:
         """Compare with the value ahead of a static chain at strong coupling, extrapolated."""
-        sizes = [abs(standing(Lattice(0.5, (strong,)))) for strong in (2.5e3, 1e4)]
-        limit = 2 * sizes[1] - sizes[0]  # the difference decreases like 1/sqrt(c)
+        moduli = [abs(standing(Lattice(0.5, (coupling,)))) for coupling in (2.5e3, 1e4)]
+        limit = 2 * moduli[1] - moduli[0]  # the difference decreases like 1/sqrt(c)
         found = solved_for(candidate, s.ratio, {}).real
         return Evidence(
             abs(found - limit) < 1e-4,
@@ -155,20 +155,20 @@ class LimitChecks(SampledChecks):
         """
         for sample in self.samples:
             values = {**sample.chain.values}
-            velocity = math.sqrt(sample.clock * sample.chain.pull_on_long_waves / values[c])
+            unit = math.sqrt(sample.damping_at_rest * sample.chain.pull_on_long_waves / values[c])
             values[c] *= factor
-            yield sample, sample.coupled(factor), values, velocity
+            yield sample, sample.coupled(factor), values, unit
 
     def long_waves(self, candidate: sp.Basic) -> Evidence:
         """Compare with L at strong coupling, at a wavenumber proportional to 1/sqrt(c)."""
         worst = 0.0
         for sample, lattice, values, unit in self._strong(1e6):
-            fast, number = 0.8 * unit, (0.7 - 0.4j) * sample.clock / unit
-            root = math.sqrt(values[c])
-            exact = complex(lattice.dispersion(number / root, fast * root))
-            point = {**values, s.V: fast, s.kappa: number}
-            missed = abs(solved_for(candidate, s.long_wave, point) - exact)
-            worst = max(worst, missed / sample.clock)
+            velocity, kappa = 0.8 * unit, (0.7 - 0.4j) * sample.damping_at_rest / unit
+            sqrt_c = math.sqrt(values[c])
+            exact = complex(lattice.dispersion(kappa / sqrt_c, velocity * sqrt_c))
+            point = {**values, s.V: velocity, s.kappa: kappa}
+            difference = abs(solved_for(candidate, s.long_wave, point) - exact)
+            worst = max(worst, difference / sample.damping_at_rest)
         return Evidence(
             worst < 1e-4, f"L at a million times the coupling, and k = κ/√c: off by {worst:.1e}"
         )
@@ -177,11 +177,13 @@ class LimitChecks(SampledChecks):
         """Compare with the root above the axis nearest the origin, by Newton's method."""
         worst = 0.0
         for sample, lattice, values, unit in self._strong(1e6):
-            for fast in (0.3 * unit, 0.8 * unit, 2.0 * unit):
-                root = math.sqrt(values[c])
-                found = root * _nearest(lattice, fast * root, sample.clock / unit / root)
-                missed = abs(solved_for(candidate, s.kappa, {**values, s.V: fast}) - found)
-                worst = max(worst, missed / abs(found))
+            for velocity in (0.3 * unit, 0.8 * unit, 2.0 * unit):
+                sqrt_c = math.sqrt(values[c])
+                found = sqrt_c * _nearest(
+                    lattice, velocity * sqrt_c, sample.damping_at_rest / unit / sqrt_c
+                )
+                difference = abs(solved_for(candidate, s.kappa, {**values, s.V: velocity}) - found)
+                worst = max(worst, difference / abs(found))
         return Evidence(
             worst < 1e-4,
             f"the root nearest the origin at a million times the coupling: off by {worst:.1e}",
@@ -190,14 +192,15 @@ class LimitChecks(SampledChecks):
     def strong_sum(self, candidate: sp.Basic) -> Evidence:
         """Compare with the whole sum at large c, from the history of the front."""
         errors = []
-        far = self.model.reach**2  # for the same pull on long waves, each spring is weaker
-        for factor in (100.0 * far, 8100.0 * far):
+        # For the same pull on long waves, each spring of a long reach is weaker.
+        reach_squared = self.model.reach**2
+        for factor in (100.0 * reach_squared, 8100.0 * reach_squared):
             worst = 0.0
             for sample, lattice, values, unit in self._strong(factor):
-                fast = 0.8 * unit
-                exact = kinetic_sum(lattice, fast * math.sqrt(values[c]))
-                found = solved_for(candidate, s.strong_sum, {**values, s.V: fast})
-                worst = max(worst, sample.clock * abs(found - exact))
+                velocity = 0.8 * unit
+                exact = kinetic_sum(lattice, velocity * math.sqrt(values[c]))
+                found = solved_for(candidate, s.strong_sum, {**values, s.V: velocity})
+                worst = max(worst, sample.damping_at_rest * abs(found - exact))
             errors.append(worst)
         # The neglected terms are the roots near k = 2 pi m. There c (k - 2 pi m)²/2 balances 2 pi m
         # v, and v is of order sqrt(c): k - 2 pi m decreases like c^(-1/4), L_k grows like c^(3/4),
@@ -223,10 +226,10 @@ def _nearest(lattice: Lattice, v: float, unit: float) -> complex:
     with np.errstate(all="ignore"):
         for _ in range(40):
             k = k - lattice.dispersion(k, v) / lattice.slope(k, v)
-    good = (
+    converged = (
         np.isfinite(k)
         & (k.imag > 0)
         & (np.abs(lattice.dispersion(k, v)) < 1e-7 * 2 * lattice.decay)
     )
-    k = k[good]
+    k = k[converged]
     return complex(k[np.abs(k).argmin()])

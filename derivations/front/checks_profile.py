@@ -30,7 +30,7 @@ from derivations.front.sampling import (
 )
 from derivations.symbols import epsilon, n, t
 
-_OWN = s.phi(n, t)
+_PHI_N = s.phi(n, t)
 
 
 def _wave(z: Any) -> Any:
@@ -43,11 +43,11 @@ class ProfileChecks(SampledChecks):
     def _states(self) -> Iterator[tuple[Sample, dict[int, complex], complex, complex, bool]]:
         """Yield sites just below and just above the threshold 2, and far from it, at any phase."""
         rng = random.Random(7)
-        for size in (0.4, 1.999, 2.001, 3.0):
+        for amplitude in (0.4, 1.999, 2.001, 3.0):
             for sample in self.samples:
                 field = sites(self.model, rng, 2.0)
-                field[0] = size * cmath.exp(1j * rng.uniform(0, 6))
-                yield sample, field, complex_number(rng), complex_number(rng, 4.0), size > 2
+                field[0] = amplitude * cmath.exp(1j * rng.uniform(0, 6))
+                yield sample, field, complex_number(rng), complex_number(rng, 4.0), amplitude > 2
 
     @at_points(
         "the direct average linearised at rest, and its translate, on both sides close to the "
@@ -57,7 +57,7 @@ class ProfileChecks(SampledChecks):
         """Linearise the direct average about rest and, beyond the threshold, about phi_s."""
         for sample, field, rate, cycle, excited in self._states():
             shift = cycle if excited else 0
-            linear = sample.linear({place: own - shift for place, own in field.items()})
+            linear = sample.linear({place: value - shift for place, value in field.items()})
             point = as_point(sample.chain, field, rate)
             yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j)}, [rate - linear]
 
@@ -65,18 +65,18 @@ class ProfileChecks(SampledChecks):
     def force(self) -> Points:
         """Compare with the force on a site: the response without springs."""
         for sample, field, rate, cycle, excited in self._states():
-            own = field[0] - (cycle if excited else 0)
-            same = dict.fromkeys(field, own)
+            deviation = field[0] - (cycle if excited else 0)
+            uniform = dict.fromkeys(field, deviation)
             point = as_point(sample.chain, field, rate)
             yield {**point, s.phi_s: cycle, s.phi_us: 2 * cmath.exp(1j),
-                   s.F: sample.linear(same)}, [0]  # fmt: skip
+                   s.F: sample.linear(uniform)}, [0]  # fmt: skip
 
     @at_points("the direct average linearised at rest, and its translate", tolerance=1e-7)
     def located(self) -> Points:
         """Compare with the branch chosen by the sign of the coordinate."""
         for sample, field, rate, cycle, excited in self._states():
             shift = cycle if excited else 0
-            linear = sample.linear({place: own - shift for place, own in field.items()})
+            linear = sample.linear({place: value - shift for place, value in field.items()})
             point = as_point(sample.chain, field, rate)
             yield {**point, s.phi_s: cycle, s.zeta: -0.01 if excited else 0.01}, [rate - linear]
 
@@ -85,32 +85,32 @@ class ProfileChecks(SampledChecks):
         """Compare with a wave observed at fixed sites."""
         rng = random.Random(2)
         for _ in range(3):
-            at, when, fast = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
-            here = at - fast * when
-            point: dict[Any, Any] = {n: at, t: when, s.speed: fast, s.zeta: here}
+            site, time, velocity = rng.randrange(-3, 4), rng.uniform(0, 2), rng.uniform(0.3, 1)
+            zeta = site - velocity * time
+            point: dict[Any, Any] = {n: site, t: time, s.speed: velocity, s.zeta: zeta}
             for offset in range(-self.model.reach, self.model.reach + 1):
-                seen = complex(_wave(at + offset - fast * when))
-                point[s.phi(n + offset, t)] = seen
-                point[s.phi(n - s.speed * t + offset)] = seen
-                point[s.phi(s.zeta + offset)] = complex(_wave(here + offset))
+                observed = complex(_wave(site + offset - velocity * time))
+                point[s.phi(n + offset, t)] = observed
+                point[s.phi(n - s.speed * t + offset)] = observed
+                point[s.phi(s.zeta + offset)] = complex(_wave(zeta + offset))
             yield point, [0] * (2 * (2 * self.model.reach + 1))
 
     def admissible(self, candidate: sp.Basic) -> Evidence:
         """Compare both sides at several places of an existing front."""
-        sample, fast = front(self.model)
+        sample, velocity = front(self.model)
         for place in PLACES:
-            own = abs(profile(sample.lattice, place, fast))
-            found = candidate.xreplace({_OWN: sp.Float(own), s.phi_us: sp.Float(sample.ratio),
+            modulus = abs(profile(sample.lattice, place, velocity))
+            found = candidate.xreplace({_PHI_N: sp.Float(modulus), s.phi_us: sp.Float(sample.ratio),
                                         s.zeta: sp.Float(place)})  # fmt: skip
             if found != sp.true:
-                return Evidence(False, f"not so at ζ = {place}: |φ/φₛ| = {own:.4f}")
-        return Evidence(True, f"so at {len(PLACES)} places of a front with v̂ = {fast:.6f}")
+                return Evidence(False, f"not so at ζ = {place}: |φ/φₛ| = {modulus:.4f}")
+        return Evidence(True, f"so at {len(PLACES)} places of a front with v̂ = {velocity:.6f}")
 
     @at_points("a distance over both times")
     def slow_velocity(self) -> Points:
         """Require the distance covered to be the same by both clocks."""
-        small, when, moved = 0.2, 3.0, 1.7
-        point = {epsilon: small, s.v: moved / (small * when), s.speed: moved / when}
+        eps, time, distance = 0.2, 3.0, 1.7
+        point = {epsilon: eps, s.v: distance / (eps * time), s.speed: distance / time}
         yield point, [0]
 
     def profile_equation(self, velocity: sp.Symbol) -> Check:
@@ -118,19 +118,20 @@ class ProfileChecks(SampledChecks):
 
         def points() -> Points:
             rng = random.Random(4)
-            for here in (-0.7, 0.6, -0.02, 0.02):
+            for zeta in (-0.7, 0.6, -0.02, 0.02):
                 for sample in self.samples:
-                    fast, cycle, small = rng.uniform(0.3, 1), complex_number(rng), sample.chain.eps
-                    unit = 1 if velocity == s.speed else small
-                    rate = -unit * fast * complex(mp.diff(_wave, here))
-                    field = {q: complex(_wave(here + q))
+                    v_value, cycle, eps = rng.uniform(0.3, 1), complex_number(rng), sample.chain.eps
+                    unit = 1 if velocity == s.speed else eps
+                    rate = -unit * v_value * complex(mp.diff(_wave, zeta))
+                    field = {q: complex(_wave(zeta + q))
                              for q in range(-self.model.reach, self.model.reach + 1)}  # fmt: skip
-                    shift = cycle if here < 0 else 0
-                    linear = sample.linear({q: own - shift for q, own in field.items()})
-                    point: dict[Any, Any] = {**sample.chain.values, velocity: fast, s.phi_s: cycle,
-                                             s.zeta: here}  # fmt: skip
-                    point[s.phi(s.zeta).diff(s.zeta)] = complex(mp.diff(_wave, here))
-                    point |= {s.phi(s.zeta + q): own for q, own in field.items()}
+                    shift = cycle if zeta < 0 else 0
+                    linear = sample.linear({q: value - shift for q, value in field.items()})
+                    point: dict[Any, Any] = {
+                        **sample.chain.values, velocity: v_value, s.phi_s: cycle, s.zeta: zeta,
+                    }  # fmt: skip
+                    point[s.phi(s.zeta).diff(s.zeta)] = complex(mp.diff(_wave, zeta))
+                    point |= {s.phi(s.zeta + q): value for q, value in field.items()}
                     yield point, [(rate - linear) / unit]
 
         return at_points("(44) for a travelling test wave", tolerance=1e-7)(points)
@@ -147,15 +148,19 @@ class ProfileChecks(SampledChecks):
     def _transforms(self) -> list[tuple[Point, complex, complex]]:
         """Return the image of the bell, and both sides of (48), at three wavenumbers."""
         found: list[tuple[Point, complex, complex]] = []
-        for sample, fast, number in self.waves():
-            image = _integral(lambda z, q=number: _bell(z) * np.exp(-1j * q * z), -12, 12)
+        for sample, velocity, wavenumber in self.waves():
+            image = _integral(lambda z, q=wavenumber: _bell(z) * np.exp(-1j * q * z), -12, 12)
             left = _integral(
-                lambda z, at=sample, f=fast, q=number: _operated(at, f, z) * np.exp(-1j * q * z),
+                lambda z, at=sample, f=velocity, q=wavenumber: (
+                    _operated(at, f, z) * np.exp(-1j * q * z)
+                ),
                 -14,
                 14,
             )
-            step = _integral(lambda z, q=number: np.exp(-1j * q * z), -90 / number.imag**0.5, 0)
-            point: dict[Any, Any] = {**sample.chain.values, s.v: fast, s.k: number,
+            step = _integral(
+                lambda z, q=wavenumber: np.exp(-1j * q * z), -90 / wavenumber.imag**0.5, 0
+            )
+            point: dict[Any, Any] = {**sample.chain.values, s.v: velocity, s.k: wavenumber,
                                      s.phi_s: CYCLE, s.phi_hat(s.k): image}  # fmt: skip
             found.append((point, left, sample.lattice.decay * CYCLE * step))
         return found
@@ -163,15 +168,19 @@ class ProfileChecks(SampledChecks):
     @at_points("(48) applied to e^(ikζ), numerically", tolerance=1e-8)
     def dispersion(self) -> Points:
         """Compare with (48) applied to a wave, computed from its values at the neighbours."""
-        for sample, fast, number in self.waves():
-            yield {**sample.chain.values, s.v: fast, s.k: number,
-                   s.L(s.k): complex(sample.lattice.dispersion(number, fast))}, [0]  # fmt: skip
+        for sample, velocity, wavenumber in self.waves():
+            exact = complex(sample.lattice.dispersion(wavenumber, velocity))
+            yield {**sample.chain.values, s.v: velocity, s.k: wavenumber, s.L(s.k): exact}, [0]
 
     def _slopes(self, on_roots: bool) -> Points:
-        for sample, fast, number in self.waves():
-            for at in roots(sample.lattice, fast)[::1999] if on_roots else (number, -number):
-                slope = complex(slope_of(partial(sample.lattice.dispersion, v=fast), at, step=1e-4))
-                yield {**sample.chain.values, s.v: fast, s.k: complex(at), s.L_k: slope}, [0]
+        for sample, velocity, wavenumber in self.waves():
+            for k in (
+                roots(sample.lattice, velocity)[::1999] if on_roots else (wavenumber, -wavenumber)
+            ):
+                slope = complex(
+                    slope_of(partial(sample.lattice.dispersion, v=velocity), k, step=1e-4)
+                )
+                yield {**sample.chain.values, s.v: velocity, s.k: complex(k), s.L_k: slope}, [0]
 
     @at_points("numerical derivatives of L at any k", tolerance=1e-8)
     def slope(self) -> Points:
@@ -193,38 +202,40 @@ class ProfileChecks(SampledChecks):
             conditions = member.rhs.condition.args
             relation = next(q for q in conditions if isinstance(q, sp.Equality))
             others = sp.And(*(q for q in conditions if q != relation))
-            for near in (0.7 + 1e-9j, 0.7 - 1e-9j):  # the half-plane is bounded by the axis
-                if bool(others.subs(s.k, sp.sympify(near))) != ((near.imag > 0) == (place == 0)):
-                    return Evidence(False, f"wrong about numbers like {near}")
+            for nearby in (0.7 + 1e-9j, 0.7 - 1e-9j):  # the half-plane is bounded by the axis
+                if bool(others.subs(s.k, sp.sympify(nearby))) != (
+                    (nearby.imag > 0) == (place == 0)
+                ):
+                    return Evidence(False, f"wrong about numbers like {nearby}")
             for upper in (True, False):
-                for number in roots(sample.lattice, 0.5, 60, upper)[::17]:
-                    size = complex(sample.lattice.dispersion(number, 0.5))
-                    left = value(relation.lhs - relation.rhs, {s.L(s.k): size})
-                    here = sp.sympify(complex(number))
-                    inside = abs(left) < 1e-8 and bool(others.subs(s.k, here))
+                for root in roots(sample.lattice, 0.5, 60, upper)[::17]:
+                    L_value = complex(sample.lattice.dispersion(root, 0.5))
+                    difference = value(relation.lhs - relation.rhs, {s.L(s.k): L_value})
+                    k = sp.sympify(complex(root))
+                    inside = abs(difference) < 1e-8 and bool(others.subs(s.k, k))
                     if inside != (upper == (place == 0)):
-                        return Evidence(False, f"wrong about the root {complex(number):.4f}")
+                        return Evidence(False, f"wrong about the root {complex(root):.4f}")
         return Evidence(True, "roots of both half-planes are sorted correctly")
 
-    def _image(self, sample: Sample, fast: float, number: complex) -> complex:
-        step = _integral(lambda z: np.exp(-1j * number * z), -90 / number.imag**0.5, 0)
+    def _image(self, sample: Sample, velocity: float, wavenumber: complex) -> complex:
+        step = _integral(lambda z: np.exp(-1j * wavenumber * z), -90 / wavenumber.imag**0.5, 0)
         drive = sample.lattice.decay * CYCLE * step
-        return complex(drive / sample.lattice.dispersion(number, fast))
+        return complex(drive / sample.lattice.dispersion(wavenumber, velocity))
 
     @at_points("the transform of the step by quadrature", tolerance=1e-6)
     def image(self) -> Points:
         """Compare with the transform of the step by quadrature, divided by the numerical L."""
-        for sample, fast, number in self.waves():
-            yield {**sample.chain.values, s.v: fast, s.k: number, s.phi_s: CYCLE,
-                   s.L(s.k): complex(sample.lattice.dispersion(number, fast)),
-                   s.phi_hat(s.k): self._image(sample, fast, number)}, [0]  # fmt: skip
+        for sample, velocity, wavenumber in self.waves():
+            yield {**sample.chain.values, s.v: velocity, s.k: wavenumber, s.phi_s: CYCLE,
+                   s.L(s.k): complex(sample.lattice.dispersion(wavenumber, velocity)),
+                   s.phi_hat(s.k): self._image(sample, velocity, wavenumber)}, [0]  # fmt: skip
 
     def contour(self, candidate: sp.Basic) -> Evidence:
         """Integrate along a line above the axis, by the trapezoidal rule with a cut-off."""
         worst = 0.0
-        for place, (sample, fast, _) in zip((-0.6, 0.7, 1.4), self.waves(), strict=True):
+        for place, (sample, velocity, _) in zip((-0.6, 0.7, 1.4), self.waves(), strict=True):
             lattice = sample.lattice
-            height = 0.5 * float(roots(lattice, fast).imag.min())
+            height = 0.5 * float(roots(lattice, velocity).imag.min())
             # With three points in the distance to 0 and to the first root, the error is of order
             # e^(-6π).
             count = int(2000.0 / min(0.02, height / 3.0)) + 1
@@ -232,12 +243,14 @@ class ProfileChecks(SampledChecks):
             integral = candidate.rhs.atoms(sp.Integral).pop()
             if integral.limits != (sp.Tuple(s.k),):
                 return Evidence(False, "it is not an integral over the wavenumber along a line")
-            plain = integral.function.xreplace({s.L(s.k): s.L_k, s.phi_s: _sympy(CYCLE)})
-            plain = plain.subs({**sample.chain.values, s.v: fast, s.zeta: place})
-            terms = sp.lambdify((s.k, s.L_k), plain, "numpy")(line, lattice.dispersion(line, fast))
+            integrand = integral.function.xreplace({s.L(s.k): s.L_k, s.phi_s: _sympy(CYCLE)})
+            integrand = integrand.subs({**sample.chain.values, s.v: velocity, s.zeta: place})
+            terms = sp.lambdify((s.k, s.L_k), integrand, "numpy")(
+                line, lattice.dispersion(line, velocity)
+            )
             found = complex(np.trapezoid(terms, line))
             total = complex(value(candidate.rhs.xreplace({integral: _sympy(found)}), {}))
-            worst = max(worst, abs(total - CYCLE * profile(lattice, place, fast)))
+            worst = max(worst, abs(total - CYCLE * profile(lattice, place, velocity)))
             if candidate.lhs != s.phi(s.zeta):
                 return Evidence(False, "it does not give the profile")
         # The tails beyond 1000 decrease like 1/k² and oscillate.
@@ -248,11 +261,11 @@ class ProfileChecks(SampledChecks):
         left, right = candidate.args
         worst = 0.0
         cases = zip((-1.5, -0.4, 0.3, 1.5), (*self.waves(), next(self.waves())), strict=True)
-        for place, (sample, fast, _) in cases:
-            point = {**sample.chain.values, s.v: fast, s.phi_s: CYCLE, s.zeta: place}
+        for place, (sample, velocity, _) in cases:
+            point = {**sample.chain.values, s.v: velocity, s.phi_s: CYCLE, s.zeta: place}
             branch = right.xreplace({s.zeta: sp.Float(place)})
-            found = evaluated(branch, point, sample.lattice, fast)
-            worst = max(worst, abs(found - CYCLE * profile(sample.lattice, place, fast)))
+            found = evaluated(branch, point, sample.lattice, velocity)
+            worst = max(worst, abs(found - CYCLE * profile(sample.lattice, place, velocity)))
         holds = worst < 1e-7 and left == s.phi(s.zeta)
         return Evidence(holds, f"the front from its history: off by at most {worst:.1e}")
 
@@ -281,13 +294,13 @@ def _bell(z: Any) -> Any:
     return np.exp(-((z - 0.4) ** 2)) * (1 + 0.5j * z)
 
 
-def _operated(sample: Sample, fast: float, z: Any) -> Any:
+def _operated(sample: Sample, velocity: float, z: Any) -> Any:
     """Return the left side of (48) for the bell: derivative, decay and springs."""
     lattice = sample.lattice
-    out = -fast * slope_of(_bell, z, step=1e-4) + lattice.decay * _bell(z)
+    total = -velocity * slope_of(_bell, z, step=1e-4) + lattice.decay * _bell(z)
     for distance, spring in enumerate(lattice.springs, start=1):
-        out = out - 0.5j * spring * (2 * _bell(z) - _bell(z + distance) - _bell(z - distance))
-    return out
+        total = total - 0.5j * spring * (2 * _bell(z) - _bell(z + distance) - _bell(z - distance))
+    return total
 
 
 def _integral(function: Any, low: float, high: float) -> complex:

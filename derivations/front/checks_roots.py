@@ -24,11 +24,11 @@ class RootChecks(SampledChecks):
 
         def points() -> Points:
             rng = random.Random(12)
-            for sample, fast, _ in self.waves():
+            for sample, velocity, _ in self.waves():
                 for _ in range(3):
                     point: dict[Any, Any] = {s.x: rng.uniform(-9, 9), s.turns: rng.randrange(-4, 5)}
-                    point |= {s.y: rng.uniform(-2, 2), **sample.chain.values, s.v: fast}
-                    exact = complex(sample.lattice.dispersion(complex(where(point)), fast))
+                    point |= {s.y: rng.uniform(-2, 2), **sample.chain.values, s.v: velocity}
+                    exact = complex(sample.lattice.dispersion(complex(where(point)), velocity))
                     yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
 
         return at_points("L from its values at the neighbours")(points)
@@ -36,16 +36,19 @@ class RootChecks(SampledChecks):
     def _turns(self) -> Iterator[tuple[Sample, float, complex, dict[Any, Any]]]:
         """Yield velocity and wavenumber at which the numerical slope of L vanishes."""
         for sample in self.samples:
-            for turn, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
-                fast = sample.lattice.springs[0] * math.cosh(height)
-                number = complex(2 * math.pi * turn - math.pi / 2, height)
-                yield sample, fast, number, {**sample.chain.values, s.v: fast, s.k: number,
-                                             s.turns: turn, s.height: height}  # fmt: skip
+            for m, height in ((0, 0.9), (1, -1.4), (-2, 0.3)):
+                velocity = sample.lattice.springs[0] * math.cosh(height)
+                wavenumber = complex(2 * math.pi * m - math.pi / 2, height)
+                yield sample, velocity, wavenumber, {
+                    **sample.chain.values, s.v: velocity, s.k: wavenumber, s.turns: m,
+                    s.height: height,
+                }  # fmt: skip
 
     def turning(self, candidate: sp.Basic) -> Evidence:
         """Compare with wavenumbers at which the numerical slope of L vanishes."""
         worst = max(
-            abs(sample.lattice.slope(number, fast)) for sample, fast, number, _ in self._turns()
+            abs(sample.lattice.slope(wavenumber, velocity))
+            for sample, velocity, wavenumber, _ in self._turns()
         )
         points = [(point, [0]) for *_, point in self._turns()]
         what = "wavenumbers where the slope of L vanishes"
@@ -61,19 +64,21 @@ class RootChecks(SampledChecks):
     @at_points("L where its slope vanishes")
     def at_turning(self) -> Points:
         """Compare with L at this point, computed from its values at the neighbours."""
-        for sample, fast, number, point in self._turns():
-            exact = complex(sample.lattice.dispersion(number, fast))
+        for sample, velocity, wavenumber, point in self._turns():
+            exact = complex(sample.lattice.dispersion(wavenumber, velocity))
             yield {**point, s.half_real: exact.real, s.half_imag: exact.imag}, [0, 0]
 
     def no_double(self, candidate: sp.Basic) -> Evidence:
         """Require Im L to vanish on the line at the value of n found, which is no integer."""
         worst, nearest = 0.0, 1.0
-        for sample, fast, number, point in self._turns():
-            turn = solved_for(candidate, s.turns, point).real
-            moved = complex(2 * math.pi * turn - math.pi / 2, number.imag)
-            level = sample.lattice.dispersion(number, fast) - 1j * fast * (moved - number)
-            worst = max(worst, abs(level.imag))
-            nearest = min(nearest, abs(turn - round(turn)))
+        for sample, velocity, wavenumber, point in self._turns():
+            m = solved_for(candidate, s.turns, point).real
+            shifted = complex(2 * math.pi * m - math.pi / 2, wavenumber.imag)
+            L_value = sample.lattice.dispersion(wavenumber, velocity) - 1j * velocity * (
+                shifted - wavenumber
+            )
+            worst = max(worst, abs(L_value.imag))
+            nearest = min(nearest, abs(m - round(m)))
         return Evidence(
             worst < 1e-9 and nearest > 0.05,
             f"Im L there: at most {worst:.1e}; {nearest:.3f} from any integer",
@@ -84,9 +89,9 @@ class RootChecks(SampledChecks):
 
         def check(candidate: sp.Basic) -> Evidence:
             expected = solved_for(candidate, s.root_count, {})
-            for sample, fast, _ in self.waves():
+            for sample, velocity, _ in self.waves():
                 for start in (left - 2, left, left + 2):
-                    found = count_between(sample.lattice, fast, start * math.pi,
+                    found = count_between(sample.lattice, velocity, start * math.pi,
                                           (start + 1) * math.pi, True)  # fmt: skip
                     if abs(found - expected) > 1e-12:
                         return Evidence(False, f"{found} roots in a strip from {start} pi")

@@ -43,13 +43,13 @@ class StrongChecks(SampledChecks):
             at_rest = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), 0.0)
             yield {y(n, t): sample.chain.rest(at_rest, 0.0)}, [0]
 
-    def _tiny(self, sample: Sample, field: dict[int, float], rate: float) -> float:
+    def _linear_force(self, sample: Sample, field: dict[int, float], rate: float) -> float:
         """Return the force of a displacement minus that of its opposite, without even powers."""
-        there, back = (
-            sample.chain.rest({place: size * own for place, own in field.items()}, size * rate)
+        forward, backward = (
+            sample.chain.rest({place: size * value for place, value in field.items()}, size * rate)
             for size in (sample.tiny, -sample.tiny)
         )
-        return float(there - back) / (2 * sample.tiny)
+        return float(forward - backward) / (2 * sample.tiny)
 
     @at_points("forces at a tiny displacement", tolerance=1e-8)
     def chain_near_rest(self) -> Points:
@@ -58,14 +58,14 @@ class StrongChecks(SampledChecks):
         for sample in self.samples:
             field = {q: rng.uniform(-1, 1)
                      for q in range(-self.model.reach, self.model.reach + 1)}  # fmt: skip
-            rate, second = rng.uniform(-1, 1), rng.uniform(-1, 1)
-            point: dict[Any, Any] = {s.deviation_field(n + q, t): own
-                                     for q, own in field.items()}  # fmt: skip
-            own = s.deviation_field(n, t)
-            point |= {own.diff(t): rate, own.diff(t, 2): second, **sample.chain.values}
-            yield point, [second + self._tiny(sample, field, rate)]
+            rate, acceleration = rng.uniform(-1, 1), rng.uniform(-1, 1)
+            point: dict[Any, Any] = {s.deviation_field(n + q, t): value
+                                     for q, value in field.items()}  # fmt: skip
+            z_n = s.deviation_field(n, t)
+            point |= {z_n.diff(t): rate, z_n.diff(t, 2): acceleration, **sample.chain.values}
+            yield point, [acceleration + self._linear_force(sample, field, rate)]
 
-    def _square(self, chain: ChainNumbers) -> Callable[[Any], Any]:
+    def _omega_squared(self, chain: ChainNumbers) -> Callable[[Any], Any]:
         """Return omega² of a wave, from the pull of the springs on a cosine."""
 
         def of(q: Any) -> Any:
@@ -78,15 +78,17 @@ class StrongChecks(SampledChecks):
     def linear_waves(self) -> Points:
         """Compare with the pull of the springs on a cosine."""
         for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
-            size = math.sqrt(float(self._square(sample.chain)(q)))
-            yield {**sample.chain.values, s.q: q, omega: size}, [0]
+            frequency = math.sqrt(float(self._omega_squared(sample.chain)(q)))
+            yield {**sample.chain.values, s.q: q, omega: frequency}, [0]
 
     @at_points("numerical derivatives of the frequency", tolerance=1e-6)
     def frequency_derivatives(self) -> Points:
         """Compare with numerical derivatives of the square root of that."""
         for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
-            square = self._square(sample.chain)
-            rates = [float(mp.diff(lambda k, f=square: mp.sqrt(f(k)), q, j)) for j in range(4)]
+            omega_squared = self._omega_squared(sample.chain)
+            rates = [
+                float(mp.diff(lambda k, f=omega_squared: mp.sqrt(f(k)), q, j)) for j in range(4)
+            ]
             yield {**sample.chain.values, s.q: q, omega: rates[0], s.w_1: rates[1],
                    s.w_2: rates[2], s.w_3: rates[3]}, [0, 0, 0]  # fmt: skip
 
@@ -94,8 +96,8 @@ class StrongChecks(SampledChecks):
     def local_rate(self) -> Points:
         """Compare with the sampled loss of the cell."""
         for sample in self.samples:
-            for size in (0.6, 1.8):
-                yield {s.envelope: size, s.envelope.diff(t): sample.rate(size),
+            for amplitude in (0.6, 1.8):
+                yield {s.envelope: amplitude, s.envelope.diff(t): sample.rate(amplitude),
                        **sample.chain.values}, [0]  # fmt: skip
 
     @at_points("the frequency at a distance from the carrier, and the sampled loss", tolerance=1e-8)
@@ -106,8 +108,8 @@ class StrongChecks(SampledChecks):
             for distance in (0.3, -0.8):
                 tiny = sample.tiny
                 decay = sample.rate(tiny) / tiny
-                turn = -1j * (one * distance + three * distance**3 / 6)
-                yield self._envelope(sample, tiny, (turn + decay) * tiny,
+                rotation = -1j * (one * distance + three * distance**3 / 6)
+                yield self._envelope(sample, tiny, (rotation + decay) * tiny,
                                      [tiny * (1j * distance) ** j for j in (1, 3)],
                                      one=one, three=three), [0]  # fmt: skip
             yield self._envelope(sample, 1.4, sample.rate(1.4), [0, 0],
@@ -122,38 +124,43 @@ class StrongChecks(SampledChecks):
     @at_points("a shape watched at a fixed place")
     def inner_scale(self) -> Points:
         """Compare with a shape observed at a fixed place."""
-        place, when, fast, size = 1.7, 0.6, 0.9, 2.3
-        seen = float(_shape((place - fast * when) / size))
+        place, time, velocity, length = 1.7, 0.6, 0.9, 2.3
+        observed = float(_shape((place - velocity * time) / length))
         moving = s.profile((s.place - s.speed * t) / s.length)
-        point = {s.envelope: seen, moving: seen,
-                 s.inner: float(_shape((place - fast * when) / size))}  # fmt: skip
+        point = {s.envelope: observed, moving: observed,
+                 s.inner: float(_shape((place - velocity * time) / length))}  # fmt: skip
         yield point, [0, 0]
 
     def _frames(self) -> Iterator[tuple[Sample, dict[Any, Any], dict[str, float]]]:
         rng = random.Random(9)
         for sample in self.samples:
-            number = {name: rng.uniform(0.3, 1.5) for name in ("v", "length", "w", "g", "z")}
-            at = number["z"]
-            slopes = [float(mp.diff(_shape, at, j)) for j in range(4)]
-            point: dict[Any, Any] = {s.inner: slopes[0], s.length: number["length"],
-                                     s.w_1: number["w"], **sample.chain.values}  # fmt: skip
+            numbers = {name: rng.uniform(0.3, 1.5) for name in ("v", "length", "w", "g", "z")}
+            z = numbers["z"]
+            slopes = [float(mp.diff(_shape, z, j)) for j in range(4)]
+            point: dict[Any, Any] = {s.inner: slopes[0], s.length: numbers["length"],
+                                     s.w_1: numbers["w"], **sample.chain.values}  # fmt: skip
             point |= {s.inner.diff((s.inner_place, j)) if j > 1 else s.inner.diff(s.inner_place):
                       slopes[j] for j in (1, 2, 3)}  # fmt: skip
-            number |= {"d1": slopes[1], "d3": slopes[3], "loss": sample.rate(slopes[0])}
-            yield sample, point, number
+            numbers |= {"d1": slopes[1], "d3": slopes[3], "loss": sample.rate(slopes[0])}
+            yield sample, point, numbers
 
-    def _rest(self, number: dict[str, float]) -> float:
+    def _moving_residual(self, numbers: dict[str, float]) -> float:
         """Return the residual of a moving envelope: its rate, minus dispersion and loss."""
-        size = number["length"]
-        rate = -number["v"] * number["d1"] / size
-        spread = -number["w"] * number["d1"] / size - number["g"] * number["d3"] / (6 * size**3)
-        return rate - spread - number["loss"]
+        length = numbers["length"]
+        rate = -numbers["v"] * numbers["d1"] / length
+        dispersion = -numbers["w"] * numbers["d1"] / length - numbers["g"] * numbers["d3"] / (
+            6 * length**3
+        )
+        return rate - dispersion - numbers["loss"]
 
     @at_points("a moving shape, differentiated numerically", tolerance=1e-7)
     def inner_frame(self) -> Points:
         """Compare with a test shape and its numerical derivatives."""
-        for _, point, number in self._frames():
-            yield {**point, s.speed: number["v"], s.w_3: -number["g"]}, [self._rest(number)]
+        for _, point, numbers in self._frames():
+            yield (
+                {**point, s.speed: numbers["v"], s.w_3: -numbers["g"]},
+                [self._moving_residual(numbers)],
+            )
 
     @at_points("numbers for both")
     def sizes(self) -> Points:
@@ -164,18 +171,18 @@ class StrongChecks(SampledChecks):
     @at_points("a moving shape, differentiated numerically", tolerance=1e-7)
     def inner_named(self) -> Points:
         """Compare with the same per unit of slow time."""
-        for sample, point, number in self._frames():
-            small = sample.chain.eps
+        for sample, point, numbers in self._frames():
+            eps = sample.chain.eps
             yield (
-                {**point, s.v: number["v"] / small, s.w_3_size: number["g"]},
-                [self._rest(number) / small],
+                {**point, s.v: numbers["v"] / eps, s.w_3_size: numbers["g"]},
+                [self._moving_residual(numbers) / eps],
             )
 
     def _law_point(self) -> dict[Any, Any]:
-        small, size, front, group = 0.13, 0.8, -0.45, 0.37
-        length = float(np.cbrt(size / (6 * small)))
-        return {epsilon: small, s.w_3_size: size, s.kappa_front: front, s.w_1: group,
-                s.length: length, s.v: group / small + front * length}  # fmt: skip
+        eps, size, kappa, group = 0.13, 0.8, -0.45, 0.37
+        length = float(np.cbrt(size / (6 * eps)))
+        return {epsilon: eps, s.w_3_size: size, s.kappa_front: kappa, s.w_1: group,
+                s.length: length, s.v: group / eps + kappa * length}  # fmt: skip
 
     @at_points("the scales that make the coefficients one and -κ")
     def speed_law(self) -> Points:
@@ -190,10 +197,10 @@ class StrongChecks(SampledChecks):
     @at_points("a shape differentiated numerically, and the sampled loss", tolerance=1e-7)
     def inner_problem(self) -> Points:
         """Compare with the third derivative minus kappa times the first plus the cell's loss."""
-        for sample, point, number in self._frames():
-            front = -0.7
-            rest = number["d3"] - front * number["d1"] - number["loss"] / sample.chain.eps
-            yield {**point, s.kappa_front: front, s.w_3_size: number["g"]}, [rest]
+        for sample, point, numbers in self._frames():
+            kappa = -0.7
+            residual = numbers["d3"] - kappa * numbers["d1"] - numbers["loss"] / sample.chain.eps
+            yield {**point, s.kappa_front: kappa, s.w_3_size: numbers["g"]}, [residual]
 
     def _fastest(self, sample: Sample) -> tuple[float, float, float]:
         """Return wave, largest group velocity and third derivative, by maximisation."""
@@ -206,14 +213,14 @@ class StrongChecks(SampledChecks):
         return {}
 
     def _maximised(self, chain: ChainNumbers) -> tuple[float, float, float]:
-        square = self._square(chain)
+        omega_squared = self._omega_squared(chain)
 
         def group(q: float) -> float:
-            return float(mp.diff(lambda k: mp.sqrt(square(k)), q))
+            return float(mp.diff(lambda k: mp.sqrt(omega_squared(k)), q))
 
         found = float(minimize_scalar(lambda q: -group(q), bounds=(0.05, 3.1), method="bounded",
                                       options={"xatol": 1e-10}).x)  # fmt: skip
-        third = float(mp.diff(lambda k: mp.sqrt(square(k)), found, 3))
+        third = float(mp.diff(lambda k: mp.sqrt(omega_squared(k)), found, 3))
         return found, group(found), third
 
     @at_points("the largest group velocity, by maximisation", tolerance=1e-6, floor=1.0)
@@ -243,54 +250,58 @@ class StrongChecks(SampledChecks):
     def closed_law(self) -> Points:
         """Compare with group velocity and third derivative by maximisation."""
         for point, group, third in self._speeds():
-            small, front = point[epsilon], -0.45
-            fast = group / small + front * float(np.cbrt(-third / (6 * small)))
-            yield {**point, s.kappa_front: front, s.v: fast}, [0]
+            eps, kappa = point[epsilon], -0.45
+            velocity = group / eps + kappa * float(np.cbrt(-third / (6 * eps)))
+            yield {**point, s.kappa_front: kappa, s.v: velocity}, [0]
 
     @cached_property
     def _slow_cell(self) -> Sample:
         """Return the cell of slowest return; the law is for couplings much above its rates."""
         drawn = islice(cells(self.model), 12)
-        return min(drawn, key=lambda each: each.return_rate / each.clock)
+        return min(drawn, key=lambda each: each.return_rate / each.damping_at_rest)
 
     def weak_law(self, candidate: sp.Basic) -> Evidence:
         """Compare with fronts of the averaged chain, with kappa from the inner problem."""
         sample = self._slow_cell
-        fast = sample.return_rate / sample.clock
-        if fast > FASTEST_RETURN:
+        relative_return = sample.return_rate / sample.damping_at_rest
+        if relative_return > FASTEST_RETURN:
             raise DerivationInputError(
                 "damping", self.model.damping_of(sp.Symbol("y")), "that of a cell which returns to "
                 f"its cycle at most {FASTEST_RETURN:g} times as fast as it comes to rest (here "
-                f"{fast:.0f})",
+                f"{relative_return:.0f})",
                 "take other coefficients, or leave this check out: the runs would take minutes",
             )  # fmt: skip
-        front = inner_velocity(sample)
-        least = max(20.0, 0.5 * fast)
+        kappa = inner_velocity(sample)
+        weakest = max(20.0, 0.5 * relative_return)
         errors = []
-        for factor in (least, 8.0 * least):
-            stronger = factor * sample.clock / sample.chain.springs[0]
-            springs = tuple(q * stronger for q in sample.chain.springs)
-            point = {**sample.chain.values, s.kappa_front: front}
-            point[c] = point.get(c, 1.0) * stronger
+        for factor in (weakest, 8.0 * weakest):
+            multiplier = factor * sample.damping_at_rest / sample.chain.springs[0]
+            springs = tuple(q * multiplier for q in sample.chain.springs)
+            point = {**sample.chain.values, s.kappa_front: kappa}
+            point[c] = point.get(c, 1.0) * multiplier
             predicted = float(solved_for(candidate, s.v, point).real)
-            missed = (run_front(sample, springs) - predicted) / sample.clock
-            errors.append(missed / float(np.cbrt(factor / 6)))
+            difference = (run_front(sample, springs) - predicted) / sample.damping_at_rest
+            errors.append(difference / float(np.cbrt(factor / 6)))
         # The neglected terms are smaller by the square of the length, 8^(2/3) = 4.
         holds = abs(errors[1]) < 0.1 and abs(errors[1]) < 0.5 * abs(errors[0])
         return Evidence(
             holds,
-            f"runs of the averaged chain at c = {least:.3g}, {8 * least:.3g} times its damping at "
-            f"rest with κ = {front:.4f}: off by {errors[0]:.1e}, {errors[1]:.1e} of the length",
+            f"runs of the averaged chain at c = {weakest:.3g}, {8 * weakest:.3g} times its damping "
+            f"at rest with κ = {kappa:.4f}: off by {errors[0]:.1e}, {errors[1]:.1e} of the length",
         )
 
 
 def _loss(sample: Sample) -> Callable[[Any], Any]:
     """Return the loss of the cell per unit of eps t, as a polynomial fitted to samples."""
     degree = len(sample.chain.damping)
-    sizes = sample.outer * 1.2 * np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (2 * degree + 2))
-    rates = [sample.rate(float(size)) / sample.chain.eps / size for size in sizes]
-    fit = np.polynomial.Polynomial.fit(sizes**2, rates, (degree + 1) // 2)
-    return lambda size: size * fit(size**2)
+    amplitudes = (
+        sample.outer * 1.2 * np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (2 * degree + 2))
+    )
+    rates = [
+        sample.rate(float(amplitude)) / sample.chain.eps / amplitude for amplitude in amplitudes
+    ]
+    fit = np.polynomial.Polynomial.fit(amplitudes**2, rates, (degree + 1) // 2)
+    return lambda amplitude: amplitude * fit(amplitude**2)
 
 
 @lru_cache(maxsize=8)
@@ -301,15 +312,15 @@ def inner_velocity(sample: Sample) -> float:
     the path misses the cycle on different sides, running away upwards or falling back, which is
     used for bisection.
     """
-    loss, length = _loss(sample), 1.0 / float(np.cbrt(sample.clock))
+    loss, length = _loss(sample), 1.0 / float(np.cbrt(sample.damping_at_rest))
 
-    def misses(front: float) -> int:
-        rates = np.roots([1.0, 0.0, -front, sample.lattice.decay])
+    def misses(kappa: float) -> int:
+        rates = np.roots([1.0, 0.0, -kappa, sample.lattice.decay])
         (rate,) = (q.real for q in rates if abs(q.imag) < 1e-12 and q.real < 0)
         start = 1e-4 * sample.inner * np.array([1.0, rate, rate**2])
 
         def slopes(_: float, state: Any) -> list[float]:
-            return [-state[1], -state[2], -(front * state[1] + float(loss(state[0])))]
+            return [-state[1], -state[2], -(kappa * state[1] + float(loss(state[0])))]
 
         def high(_: float, state: Any) -> float:
             return float(state[0] - 2 * sample.outer)
@@ -344,10 +355,10 @@ def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
 
     Phase steps of -pi/2 make the amplitudes real; see 'amplitudes in quarter turns'.
     """
-    loss, end, first = _loss(sample), 12.0 / sample.clock, springs[0]
+    loss, end, first = _loss(sample), 12.0 / sample.damping_at_rest, springs[0]
     sites = int(1.4 * first * end) + 60
     place = np.arange(sites)
-    width = 2 * np.cbrt(max(first / sample.clock, 1.0) / 6)
+    width = 2 * np.cbrt(max(first / sample.damping_at_rest, 1.0) / 6)
     r = sample.outer * expit((20 - place) / width)
     step = min(0.8 / first, 1.0 / sample.return_rate)  # a longer one runs away from the cycle
     half = 0.5 * sample.outer
@@ -357,14 +368,16 @@ def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
         right = np.concatenate([r[1:], [0.0]])
         return 0.5 * first * (left - right) + loss(r)
 
-    marks: list[tuple[float, float]] = []
+    positions: list[tuple[float, float]] = []
     for count in range(int(end / step)):
-        a = rates(r)
-        b = rates(r + step / 2 * a)
-        d = rates(r + step / 2 * b)
-        r = r + step / 6 * (a + 2 * b + 2 * d + rates(r + step * d))
+        k1 = rates(r)
+        k2 = rates(r + step / 2 * k1)
+        k3 = rates(r + step / 2 * k2)
+        r = r + step / 6 * (k1 + 2 * k2 + 2 * k3 + rates(r + step * k3))
         if (count + 1) * step > 0.6 * end:
             last = int(np.flatnonzero(r > half)[-1])
-            marks.append(((count + 1) * step, last + (r[last] - half) / (r[last] - r[last + 1])))
-    times, places = np.array(marks).T
+            positions.append(
+                ((count + 1) * step, last + (r[last] - half) / (r[last] - r[last + 1]))
+            )
+    times, places = np.array(positions).T
     return float(np.polyfit(times, places, 1)[0])

@@ -100,10 +100,12 @@ def roots(lattice: Lattice, v: float, count: int = COUNT, upper: bool = True) ->
         If the number of roots disagrees, wherever labels begin.
     """
     sign = 1.0 if upper else -1.0
-    far = _far(lattice, v, count, sign)
+    by_label = _roots_by_label(lattice, v, count, sign)
     for periods in (4, 8, 16, 32):
         edge = 2 * np.pi * periods + 0.3
-        found = np.concatenate([_near(lattice, v, edge, sign), far[np.abs(far.real) >= edge]])
+        found = np.concatenate(
+            [_roots_near_origin(lattice, v, edge, sign), by_label[np.abs(by_label.real) >= edge]]
+        )
         inside = np.count_nonzero(np.abs(found.real) < 2 * edge)
         expected = count_between(lattice, v, -2 * edge, 2 * edge, upper)
         if inside == expected and _are_zeros(found, lattice, v).all():
@@ -116,19 +118,19 @@ def _are_zeros(k: Any, lattice: Lattice, v: float) -> Any:
     return np.isfinite(k) & (np.abs(lattice.dispersion(k, v)) < 1e-8 * size)
 
 
-def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
+def _roots_near_origin(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
     """Apply Newton's method from a grid; return each root once."""
     columns = np.linspace(-edge - 1, edge + 1, round(6.3 * edge))
     heights = np.geomspace(0.02, 9, 14)
     k = (columns[:, None] + 1j * sign * heights[None, :]).ravel()
     with np.errstate(all="ignore"):
-        moves = np.arange(k.size)
+        active = np.arange(k.size)
         for _ in range(25):
-            steps = lattice.newton(k[moves], v)
-            k[moves] -= steps
-            moves = moves[np.abs(steps) > 1e-15 * np.abs(k[moves])]  # also drops NaN
-        good = _are_zeros(k, lattice, v)
-    k = k[good & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
+            steps = lattice.newton(k[active], v)
+            k[active] -= steps
+            active = active[np.abs(steps) > 1e-15 * np.abs(k[active])]  # also drops NaN
+        converged = _are_zeros(k, lattice, v)
+    k = k[converged & (sign * k.imag > 0) & (np.abs(k.real) < edge)]
     found: list[complex] = []
     for each in k:
         if all(abs(each - other) > 1e-6 for other in found):
@@ -136,19 +138,19 @@ def _near(lattice: Lattice, v: float, edge: float, sign: float) -> Any:
     return np.array(found)
 
 
-def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
+def _roots_by_label(lattice: Lattice, v: float, count: int, sign: float) -> Any:
     """Solve for the growing exponential, with a label for the sheet of the logarithm."""
     reach = len(lattice.springs)
     labels = np.arange(-count * reach, count * reach + 1)
     labels = labels[np.abs(labels) > 2 * reach]
-    top = lattice.springs[-1]
+    outermost = lattice.springs[-1]
     k = 2 * np.pi * labels / reach + 1j * sign * np.log(2 + np.abs(labels)) / reach
     for _ in range(25):
-        before = k
-        growing = 0.5j * top * np.exp(-1j * sign * reach * k)
-        rest = -(lattice.dispersion(k, v) - growing) / (0.5j * top)
-        k = 1j * sign / reach * (np.log(-1j * rest) + 1j * np.pi / 2 - 2j * np.pi * sign * labels)
-        if np.all(np.abs(k - before) < 1e-9 * np.abs(k)):  # Newton's method does the rest
+        previous = k
+        dominant = 0.5j * outermost * np.exp(-1j * sign * reach * k)
+        others = -(lattice.dispersion(k, v) - dominant) / (0.5j * outermost)
+        k = 1j * sign / reach * (np.log(-1j * others) + 1j * np.pi / 2 - 2j * np.pi * sign * labels)
+        if np.all(np.abs(k - previous) < 1e-9 * np.abs(k)):  # Newton's method does the rest
             break
     for _ in range(3):
         k = k - lattice.newton(k, v)
@@ -157,18 +159,22 @@ def _far(lattice: Lattice, v: float, count: int, sign: float) -> Any:
 
 def count_between(lattice: Lattice, v: float, left: float, right: float, upper: bool) -> int:
     """Return the number of roots in a half-infinite strip: the winding number of L around it."""
-    sign, reach, top = (1.0 if upper else -1.0), len(lattice.springs), abs(lattice.springs[-1])
+    sign, reach, outermost = (
+        (1.0 if upper else -1.0),
+        len(lattice.springs),
+        abs(lattice.springs[-1]),
+    )
     height = 2.0
     size = 1 + sum(map(abs, lattice.springs)) * np.exp((reach - 1) * 2.0)
     span = abs(left) + abs(right)
-    while top * np.exp(reach * height) < 20 * (
+    while outermost * np.exp(reach * height) < 20 * (
         size * np.exp((reach - 1) * (height - 2.0)) + v * (span + height)
     ):
         height += 0.5
     points = 4001 + int(200 * (right - left) * reach)
-    along, up = np.linspace(left, right, points), np.linspace(0, height, 4001)
-    path = [along, right + 1j * sign * up, along[::-1] + 1j * sign * height,
-            left + 1j * sign * up[::-1]]  # fmt: skip
+    horizontal, vertical = np.linspace(left, right, points), np.linspace(0, height, 4001)
+    path = [horizontal, right + 1j * sign * vertical, horizontal[::-1] + 1j * sign * height,
+            left + 1j * sign * vertical[::-1]]  # fmt: skip
     angles = np.unwrap(np.angle(lattice.dispersion(np.concatenate(path), v)))
     return round(sign * float(angles[-1] - angles[0]) / (2 * np.pi))
 
@@ -188,11 +194,11 @@ def profile(lattice: Lattice, zeta: float, v: float) -> complex:
     k = 2 * np.pi * np.arange(count) / count
     decay = lattice.on_site(k)
     sites = np.arange(int(np.floor(zeta)) + 1, count // 2)
-    settled = np.fft.ifft(1 / decay)[sites].sum()
+    static = np.fft.ifft(1 / decay)[sites].sum()
     factor = np.exp(1j * k - decay / v)
     first = np.exp(1j * sites[0] * k - (sites[0] - zeta) / v * decay) / decay
-    left = (first * (1 - factor**sites.size) / (1 - factor)).mean()
-    return complex(lattice.decay * (settled - left))
+    transient = (first * (1 - factor**sites.size) / (1 - factor)).mean()
+    return complex(lattice.decay * (static - transient))
 
 
 def kinetic_sum(lattice: Lattice, v: float) -> complex:
@@ -257,16 +263,16 @@ def _to_infinity(function: Callable[[Any], Any]) -> complex:
     of a period, which are halved until the result no longer changes; it must not depend on the
     smallest M either.
     """
-    before = _in_parts(function, 8)
+    previous = _in_parts(function, 8)
     for parts in (16, 32, 64):
         sums = _in_parts(function, parts)
         found = _extrapolated(sums, _PERIODS)
-        near = 1e-8 * abs(found)
-        if abs(found - _extrapolated(before, _PERIODS)) <= near:
-            if abs(found - _extrapolated(sums[1:], _PERIODS[1:])) <= 10 * near:
+        tolerance = 1e-8 * abs(found)
+        if abs(found - _extrapolated(previous, _PERIODS)) <= tolerance:
+            if abs(found - _extrapolated(sums[1:], _PERIODS[1:])) <= 10 * tolerance:
                 return found
             break
-        before = sums
+        previous = sums
     raise ArithmeticError("an integral did not converge")
 
 

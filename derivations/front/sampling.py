@@ -30,7 +30,7 @@ MAX_RATIO = 0.6
 """Largest ratio of the cycles; above it the cell relaxes too slowly for a direct run."""
 TINY = 1e-5
 """Amplitude of a linear response over the inner cycle: nonlinear terms are 1e-10 of it."""
-MAX_UNLIKE = 27.0
+MAX_IMBALANCE = 27.0
 """Largest ratio, in either direction, of the strength of the springs to the damping at rest."""
 CYCLE = 0.8 - 0.4j
 """Value of the envelope on the cycle behind a front."""
@@ -75,16 +75,16 @@ class Sample:
         return Lattice(self.lattice.decay, tuple(factor * q for q in self.chain.springs))
 
     @property
-    def clock(self) -> float:
+    def damping_at_rest(self) -> float:
         """Damping at rest, the unit of velocities and couplings of fronts."""
         return self.chain.damping[0]
 
     @cached_property
     def return_rate(self) -> float:
         """Rate at which the cell returns to its cycle, per unit of eps t."""
-        near = 1e-3 * self.outer
-        change = self.rate(self.outer + near) - self.rate(self.outer - near)
-        return float(abs(change) / (2 * near * self.chain.eps))
+        increment = 1e-3 * self.outer
+        change = self.rate(self.outer + increment) - self.rate(self.outer - increment)
+        return float(abs(change) / (2 * increment * self.chain.eps))
 
     @property
     def eta(self) -> float:
@@ -92,14 +92,14 @@ class Sample:
         low, middle, top = (q for q in self.chain.damping if q != 0)
         return low * top / middle**2
 
-    def rate(self, size: float) -> float:
+    def rate(self, amplitude: float) -> float:
         """Rate of change of the amplitude of the cell."""
-        return float((self.chain.cell_rate(size) * size).real)
+        return float((self.chain.cell_rate(amplitude) * amplitude).real)
 
     def linear(self, field: dict[int, complex]) -> complex:
         """Rate of the averaged chain at a tiny amplitude, scaled back."""
-        tiny = {place: self.tiny * own for place, own in field.items()}
-        return self.chain.averaged_rate(tiny) / self.tiny
+        small = {place: self.tiny * value for place, value in field.items()}
+        return self.chain.averaged_rate(small) / self.tiny
 
 
 @lru_cache(maxsize=16)
@@ -117,7 +117,7 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
     if next(cells(model, math.inf), None):
         raise DerivationInputError(
             "coupling", model.coupling, "such that the springs pull on long waves between "
-            f"1/{MAX_UNLIKE:g} and {MAX_UNLIKE:g} times as strongly as the cell is damped",
+            f"1/{MAX_IMBALANCE:g} and {MAX_IMBALANCE:g} times as strongly as the cell is damped",
             "take other numbers: the fronts of such a chain are not resolved by the checks",
         )  # fmt: skip
     raise DerivationInputError(
@@ -127,17 +127,18 @@ def samples(model: ChainModel) -> tuple[Sample, ...]:
     )  # fmt: skip
 
 
-def cells(model: ChainModel, most_unlike: float = MAX_UNLIKE) -> Iterator[Sample]:
+def cells(model: ChainModel, max_imbalance: float = MAX_IMBALANCE) -> Iterator[Sample]:
     """Draw coefficients over two decades, then more; yield cells with two well-separated cycles.
 
-    Springs and damping at rest differ at most by the cube root of the factor, later by all of it.
+    Springs and damping at rest differ at most by the cube root of ``max_imbalance`` at first, and
+    later by up to ``max_imbalance``.
     """
     rng = random.Random(11)
     for draw in range(2000):
         spread = 1.0 + draw // 500
         chain = _drawn(model, rng, spread)
-        unlike = most_unlike ** (min(spread, 3.0) / 3.0)
-        if not _may_have_two_cycles(chain) or not _is_balanced(chain, unlike):
+        imbalance = max_imbalance ** (min(spread, 3.0) / 3.0)
+        if not _may_have_two_cycles(chain) or not _is_balanced(chain, imbalance):
             continue
         cycles = chain.cycles()
         if len(cycles) == 2 and cycles[0] / cycles[1] < MAX_RATIO:
@@ -164,10 +165,10 @@ def _drawn(model: ChainModel, rng: random.Random, spread: float) -> ChainNumbers
     return chain
 
 
-def _is_balanced(chain: ChainNumbers, unlike: float) -> bool:
+def _is_balanced(chain: ChainNumbers, imbalance: float) -> bool:
     """Whether springs and damping at rest differ by less than a factor; a coupling may lack c."""
     pull = abs(chain.pull_on_long_waves)
-    return pull == 0 or 1 / unlike < pull / chain.damping[0] < unlike
+    return pull == 0 or 1 / imbalance < pull / chain.damping[0] < imbalance
 
 
 def _may_have_two_cycles(chain: ChainNumbers) -> bool:
@@ -189,7 +190,7 @@ def sites(model: ChainModel, rng: random.Random, size: float = 1.0) -> dict[int,
 
 def as_point(chain: ChainNumbers, field: dict[int, complex], rate: complex) -> dict[Any, Any]:
     """Return values for the envelope at the sites, its rate, and the parameters."""
-    point: dict[Any, Any] = {s.phi(n + place, t): own for place, own in field.items()}
+    point: dict[Any, Any] = {s.phi(n + place, t): value for place, value in field.items()}
     return {**point, s.phi(n, t).diff(t): rate, **chain.values}
 
 
@@ -208,12 +209,14 @@ def front(model: ChainModel) -> tuple[Sample, float]:
     """
     for sample in cells(model):
         lattice = sample.lattice
-        speeds = sample.clock * np.linspace(0.35, 3.0, 9)
-        sizes = [abs(profile(lattice, 0.0, float(v))) - sample.ratio for v in speeds]
-        for low, high, before, after in zip(speeds, speeds[1:], sizes, sizes[1:], strict=False):
+        speeds = sample.damping_at_rest * np.linspace(0.35, 3.0, 9)
+        differences = [abs(profile(lattice, 0.0, float(v))) - sample.ratio for v in speeds]
+        for low, high, before, after in zip(
+            speeds, speeds[1:], differences, differences[1:], strict=False
+        ):
             if before * after < 0:
                 v = float(brentq(lambda q, at=lattice, r=sample.ratio: abs(profile(at, 0.0, q)) - r,
-                                 low, high, xtol=1e-12 * sample.clock))  # fmt: skip
+                                 low, high, xtol=1e-12 * sample.damping_at_rest))  # fmt: skip
                 if all((abs(profile(lattice, z, v)) > sample.ratio) == (z < 0) for z in PLACES):
                     return sample, v
     raise DerivationInputError(
@@ -276,9 +279,9 @@ class SampledChecks:
     def waves(self) -> Iterator[tuple[Sample, float, complex]]:
         """Yield each chain with a velocity and a wavenumber above the real axis."""
         rng = random.Random(6)
-        for sample, fast in zip(self.samples, _SPEEDS, strict=True):
-            number = complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
-            yield sample, fast * sample.clock, number
+        for sample, velocity in zip(self.samples, _SPEEDS, strict=True):
+            wavenumber = complex(rng.uniform(-3, 3), rng.uniform(0.1, 0.6))
+            yield sample, velocity * sample.damping_at_rest, wavenumber
 
     def on_cycles(self, what: str, parts: int) -> Check:
         """Return a check of every part with the cycles of the direct average, at any phase."""
@@ -294,21 +297,21 @@ class SampledChecks:
     def at_front(self, candidate: sp.Basic) -> Evidence:
         """Evaluate left minus right of each part on fronts at three velocities."""
         worst = 0.0
-        for sample, fast, _ in self.waves():
+        for sample, velocity, _ in self.waves():
             lattice = sample.lattice
-            here = CYCLE * profile(lattice, 0.0, fast)
-            worst = max(worst, *_differences(candidate, sample, lattice, fast, here))
+            phi_0 = CYCLE * profile(lattice, 0.0, velocity)
+            worst = max(worst, *_differences(candidate, sample, lattice, velocity, phi_0))
         other = Lattice(1.1 * lattice.decay, lattice.springs)
-        if min(_differences(candidate, sample, other, fast, 1.1 * here)) < 1e-7:
+        if min(_differences(candidate, sample, other, velocity, 1.1 * phi_0)) < 1e-7:
             return Evidence(False, "it holds for another front as well, so it has no content")
         return Evidence(worst < 1e-7, f"φ(0) of the front from its history: off by {worst:.1e}")
 
 
 def _differences(
-    candidate: sp.Basic, sample: Sample, lattice: Lattice, v: float, here: complex
+    candidate: sp.Basic, sample: Sample, lattice: Lattice, v: float, phi_0: complex
 ) -> list[float]:
     """Return left minus right of each part, with sums over the roots of a lattice, and phi(0)."""
-    point = {**sample.chain.values, s.v: v, s.phi_s: CYCLE, s.phi(0): here, s.phi_us: here,
-             s.ratio: abs(here / CYCLE)}  # fmt: skip
+    point = {**sample.chain.values, s.v: v, s.phi_s: CYCLE, s.phi(0): phi_0, s.phi_us: phi_0,
+             s.ratio: abs(phi_0 / CYCLE)}  # fmt: skip
     sides = (part.args for part in parts_of(candidate))
     return [abs(evaluated(left - right, point, lattice, v)) for left, right in sides]

@@ -116,7 +116,7 @@ def test_a_growth_rate_is_as_far_off_as_from_the_exact_one_with_both_errors() ->
         for growth, error in ((0.5, 0.125), (0.75, 0.0625))
     )
     for one, apart in ((own, 0.4375), (SimpleNamespace(growth=0.5, growth_error=None), 0.3125)):
-        assert breathers._growth_apart(one, exact) == apart
+        assert breathers._growth_distance(one, exact) == apart
 
 
 @pytest.mark.parametrize("gap", [4e-3, 8e-4, 8e-5])
@@ -758,7 +758,9 @@ def test_the_bound_on_second_derivatives_of_the_damping_is_sharp_for_each_term(
     aside = h * np.exp(1j * np.linspace(0.0, math.pi, 181))
     second = np.abs(damped(r + aside) - 2.0 * damped(r) + damped(r - aside)) / h**2
     # Finite differences err by h²/2r² of the second derivative.
-    assert second.max() == pytest.approx(exponents_of._bend(r, chain), rel=(h / r) ** 2)
+    assert second.max() == pytest.approx(
+        exponents_of._second_derivative_bound(r, chain), rel=(h / r) ** 2
+    )
 
 
 def test_only_what_is_its_own_mirror_image_is_split() -> None:
@@ -785,7 +787,7 @@ def test_a_solution_far_from_its_start_is_another_pattern() -> None:
     for change, left in ((0.999 * far, False), (1.001 * far, True)):
         for side in (-1.0, 1.0, 1j):
             phi = guess + np.array([5.0, 0.0, side * change, 5.0])  # of excited sites only
-            assert envelope._left_pattern(phi, guess, np.array([1, 2]), chain) is left
+            assert envelope._has_left_pattern(phi, guess, np.array([1, 2]), chain) is left
 
 
 # ------------------------------------------------------------------------------- its methods
@@ -922,7 +924,7 @@ def test_waves_are_apart_by_those_of_the_sites_that_both_chains_have_whichever_i
         replace(_breather(of, waves=waves + 0j), chain=replace(CHAIN, sites=waves.size))
         for waves in (few, many)
     )
-    at = breathers._turned_gaps
+    at = breathers._wave_distances
     assert at(short, long) == pytest.approx([4.0, 6.0, 1.75])  # 2 and 8 at the centre
     beyond = [7.0, 0.5, 4.0, 6.0, 1.75, 1.0, 7.0]
     assert at(long, short) == pytest.approx(beyond)  # beyond the other chain
@@ -965,7 +967,7 @@ def test_side_by_side_a_breather_has_its_centre_and_neighbour() -> None:
     ],
 )
 def test_what_is_still_to_come_is_a_geometric_series(drifts: list[float], left: float) -> None:
-    assert run._still_to_come(drifts) == pytest.approx(left)
+    assert run._remaining_distance(drifts) == pytest.approx(left)
 
 
 class _Envelope:
@@ -1001,7 +1003,7 @@ def test_a_run_of_the_averaged_chain_ends_when_its_drift_is_small(
     assert found.drift == pytest.approx(0.99 * run.TOLERANCE)
     assert (found.error_unknown, found.stable) == ("", None)
     assert found.amplitudes == pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0])
-    assert found.error == pytest.approx(run._still_to_come([1e-6, 0.99 * run.TOLERANCE]))
+    assert found.error == pytest.approx(run._remaining_distance([1e-6, 0.99 * run.TOLERANCE]))
     noise = made.starts[0] - Nucleus(1).envelope(chain)
     parts = np.random.default_rng(0).normal(size=(2, 5))
     assert noise == pytest.approx(run.NOISE * (parts[0] + 1j * parts[1]), abs=1e-15)
@@ -1176,7 +1178,7 @@ def test_the_rounding_of_a_rotating_wave_is_that_of_all_its_terms() -> None:
     """Of a site with φ = 1 + i, |φ|² = 2: 1/2 + 2a/8 + 4b/16, Ω, and c/2 at it and beside it."""
     family = RotatingWaves(AveragedChain(a=8.0, b=4.0, c=0.0, sites=2), Nucleus(1))
     for c, site in ((0.0, 1.0 + 1.0j), (2.0, 1.0 + 1.0j), (2.0, -1.0 - 1.0j)):
-        off = family._off(np.array([site, 0.0]), -0.25, c) * family.unit * family.rate_unit
+        off = family._f_rounding(np.array([site, 0.0]), -0.25, c) * family.unit * family.rate_unit
         one, beside = 0.5 + 2.0 + 1.0 + 0.25 + 0.5 * c, 0.5 * c
         terms = 4.0 * EPSILON * np.array([one, beside, one, beside, 0.0])
         assert off.tolist() == pytest.approx(terms.tolist(), rel=1e-12, abs=0.0)

@@ -149,11 +149,11 @@ def breather(
         _check_length(chain, found)
         choice.check_read(found)
         return _METHODS[found](chain, nucleus, choice)
-    every = [each for each in BreatherMethod if _applies(each, chain, nucleus)]
-    _check_length(chain, min(every, key=lambda each: MAX_SITES[each]))
+    applicable = [each for each in BreatherMethod if _applies(each, chain, nucleus)]
+    _check_length(chain, min(applicable, key=lambda each: MAX_SITES[each]))
     methods: dict[str, Breather] = {}
     refusals: dict[str, ParameterError] = {}
-    for each in every:
+    for each in applicable:
         try:
             methods[str(each)] = _METHODS[each](chain, nucleus, choice)
         except ParameterError as refusal:
@@ -178,8 +178,8 @@ class _Choice(NamedTuple):
     def check_read(self, method: BreatherMethod) -> None:
         """Refuse options that have no effect with the chosen method."""
         read = {BreatherMethod.CLOSED_FORM: ["reading"], BreatherMethod.SIMULATION: ["seed"]}
-        usual = {name: each.default for name, each in signature(breather).parameters.items()}
-        refuse_unread(self._asdict(), usual, read.get(method, []), f"with the method {method}")
+        defaults = {name: each.default for name, each in signature(breather).parameters.items()}
+        refuse_unread(self._asdict(), defaults, read.get(method, []), f"with the method {method}")
 
 
 def with_pattern(nucleus: Nucleus, sites: int) -> Nucleus:
@@ -300,7 +300,7 @@ def _simulation(chain: VanDerPolChain, nucleus: Nucleus, choice: _Choice) -> Bre
 
 
 def _renamed(found: Breather, nucleus: Nucleus) -> Breather:
-    """Return a run that has settled under the name of the nucleus that it has settled on."""
+    """Return a settled run under the name of the nucleus on which it has settled."""
     centre = nucleus.outward(found.chain.sites)
     error = found.error
     wave_error = None if error is None else wave_error_of(error, found.waves, centre)
@@ -328,47 +328,47 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
     assert found.frequency is not None  # since the breather exists
     assert found.error is not None
     assert found.frequency_error is not None
-    gap = float(_gaps(found, exact, found.amplitudes, exact.amplitudes).max())
-    apart = abs(found.frequency - exact.frequency)
+    amplitude_distance = float(_distances(found, exact, found.amplitudes, exact.amplitudes).max())
+    frequency_distance = abs(found.frequency - exact.frequency)
     return replace(
         found,
-        error=gap + exact.error + found.error,
-        frequency_error=apart + (exact.frequency_error + found.frequency_error),
-        wave_error=_turned_gaps(found, exact)
+        error=amplitude_distance + exact.error + found.error,
+        frequency_error=frequency_distance + (exact.frequency_error + found.frequency_error),
+        wave_error=_wave_distances(found, exact)
         + (0.0 if exact.wave_error is None else exact.wave_error)
         + wave_error_of(found.error, found.waves, found.nucleus.outward(found.chain.sites)),
-        growth_error=_growth_apart(found, exact),
+        growth_error=_growth_distance(found, exact),
     )
 
 
-def _growth_apart(found: Breather, exact: Breather) -> float | None:
+def _growth_distance(found: Breather, exact: Breather) -> float | None:
     """Return the distance of a growth rate from the exact one plus both errors, if known."""
     if found.growth is None or exact.growth is None or exact.growth_error is None:
         return None
     return abs(found.growth - exact.growth) + exact.growth_error + (found.growth_error or 0.0)
 
 
-def _turned_gaps(found: Breather, exact: Breather) -> FloatArray:
+def _wave_distances(found: Breather, exact: Breather) -> FloatArray:
     """Return the distance of each wave from the exact one, both real at the centre."""
 
-    def turned(each: Breather) -> ComplexArray:
+    def rotated(each: Breather) -> ComplexArray:
         centre = each.nucleus.outward(each.chain.sites)
         return np.asarray(each.waves / np.exp(1j * np.angle(each.waves[centre])), dtype=complex)
 
-    return _gaps(found, exact, turned(found), turned(exact))
+    return _distances(found, exact, rotated(found), rotated(exact))
 
 
-def _gaps(found: Breather, exact: Breather, ours: AnyArray, true: AnyArray) -> FloatArray:
+def _distances(found: Breather, exact: Breather, ours: AnyArray, true: AnyArray) -> FloatArray:
     """Return the distance of the value of each site from the exact one, on both sides.
 
     Sites beyond the end of the exact chain count with their whole amplitude.
     """
     centre, other = (each.nucleus.outward(each.chain.sites) for each in (found, exact))
     left, right = min(centre, other), min(ours.size - centre, true.size - other)
-    gaps: FloatArray = np.abs(ours)
-    both = slice(centre - left, centre + right)
-    gaps[both] = np.abs(ours[both] - true[other - left : other + right])
-    return gaps
+    distances: FloatArray = np.abs(ours)
+    overlap = slice(centre - left, centre + right)
+    distances[overlap] = np.abs(ours[overlap] - true[other - left : other + right])
+    return distances
 
 
 def _fold_below(chain: VanDerPolChain, nucleus: Nucleus) -> tuple[float | None, float | None]:

@@ -47,13 +47,13 @@ the stated error."""
 
 
 def start_of(
-    chain: VanDerPolChain, nucleus: Nucleus, latest: float = 0.01, part: float = 0.25
+    chain: VanDerPolChain, nucleus: Nucleus, largest: float = 0.01, fraction: float = 0.25
 ) -> float:
     """Return the coupling at which branches leave the limit c → 0: a fraction of their fold.
 
     The fold of a single site goes to zero like √η, and agrees with that of the closed form to a few
     per cent. A site with an excited neighbour may be driven at first order in c, against a rate of
-    the cell that vanishes like 1 - 8η where its cycles meet; so does the fold then.
+    the cell that vanishes like 1 - 8η where its cycles meet; the fold then vanishes likewise.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def start_of(
     fold = closed_form_fold(chain).c
     if nucleus.size > 1:
         fold = min(fold, 1.0 - chain.eta / ETA_END)
-    return min(latest, part * fold)
+    return min(largest, fraction * fold)
 
 
 @dataclass(frozen=True)
@@ -109,20 +109,20 @@ class RotatingWaves(BreatherFamily):
         """
         chain, sites, centre = self.chain, self.chain.sites, self.centre
         unit, rate_unit = self.unit, self.rate_unit
-        springs = coupling_matrix(sites, chain.ends)
+        matrix = coupling_matrix(sites, chain.ends)
 
         def system(u: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-            here = replace(chain, c=abs(c))
+            chain_at_c = replace(chain, c=abs(c))
             x, y, omega = u[:sites], u[sites:-1], u[-1]
             phi = np.asarray(unit * (x + 1j * y), dtype=complex)
-            rate = (envelope_rate(phi, here) - 1j * omega * phi) / (unit * rate_unit)
+            rate = (envelope_rate(phi, chain_at_c) - 1j * omega * phi) / (unit * rate_unit)
             value = np.concatenate([rate.real, rate.imag, [y[centre]]])
-            slope = np.zeros((2 * sites + 1, 2 * sites + 1))
-            slope[:-1, :-1] = rotating_jacobian(phi, omega, here) / rate_unit
-            slope[:-1, -1] = np.concatenate([y, -x]) / rate_unit
-            slope[-1, sites + centre] = 1.0
-            by_c = 0.5j * (springs @ phi) / (unit * rate_unit)
-            return value, slope, np.concatenate([by_c.real, by_c.imag, [0.0]])
+            jacobian = np.zeros((2 * sites + 1, 2 * sites + 1))
+            jacobian[:-1, :-1] = rotating_jacobian(phi, omega, chain_at_c) / rate_unit
+            jacobian[:-1, -1] = np.concatenate([y, -x]) / rate_unit
+            jacobian[-1, sites + centre] = 1.0
+            by_c = 0.5j * (matrix @ phi) / (unit * rate_unit)
+            return value, jacobian, np.concatenate([by_c.real, by_c.imag, [0.0]])
 
         return system
 
@@ -142,20 +142,20 @@ class RotatingWaves(BreatherFamily):
         remedy = "take the closed form, whose relative difference is of order η there"
         at_least("eta = b/a^2", chain.eta, SMALLEST_ETA, remedy)
         phi = nucleus.envelope(chain)
-        here = replace(chain, c=c)
+        chain_at_c = replace(chain, c=c)
         excited = np.flatnonzero(phi)
-        rates = envelope_rate(phi, here)[excited] / phi[excited]
+        rates = envelope_rate(phi, chain_at_c)[excited] / phi[excited]
         omega = float(np.mean(rates.imag))
         # The neighbours at rest follow immediately: 0 = -(ic/2) φ_excited - φ/2 to leading order.
-        for side, inner in ((excited[0] - 1, excited[0]), (excited[-1] + 1, excited[-1])):
-            if 0 <= side < chain.sites:
-                phi[side] = -1j * c * phi[inner]
+        for outside, inner in ((excited[0] - 1, excited[0]), (excited[-1] + 1, excited[-1])):
+            if 0 <= outside < chain.sites:
+                phi[outside] = -1j * c * phi[inner]
         guess = np.concatenate([phi.real / self.unit, phi.imag / self.unit, [omega]])
         try:
             point = solve_at(self.system(), guess, c)
         except NotConvergedError:
             point = None
-        if point is None or _left_pattern(self.unpack(point.u)[0], phi, excited, chain):
+        if point is None or _has_left_pattern(self.unpack(point.u)[0], phi, excited, chain):
             raise ParameterError(
                 "pattern",
                 repr(nucleus.pattern),
@@ -172,47 +172,49 @@ class RotatingWaves(BreatherFamily):
     def stability(self, u: FloatArray, c: float, *, split: bool = True) -> BreatherStability:
         """Return the exponents, without bounds on their errors."""
         mirrored = split and self.nucleus.mirrored(self.chain.sites)
-        here = replace(self.chain, c=c)
-        return exponents(*self.unpack(u), here, mirrored, error=math.inf)
+        chain_at_c = replace(self.chain, c=c)
+        return exponents(*self.unpack(u), chain_at_c, mirrored, error=math.inf)
 
     def step_error(self, fold: Fold) -> FoldShift:
-        """Return by how much the rounding of F shifts a fold."""
+        """Return bounds on the shifts of a fold by the rounding of F."""
         phi, omega = self.unpack(fold.u)
-        return fold_shift(self.system(), fold, self._off(phi, omega, fold.parameter))
+        return fold_shift(self.system(), fold, self._f_rounding(phi, omega, fold.parameter))
 
     def amplitudes(self, u: FloatArray, c: float) -> FloatArray:
         """Return |φ| of every site."""
         found: FloatArray = np.abs(self.unpack(u)[0])
         return found
 
-    def _off(self, phi: ComplexArray, omega: float, c: float) -> FloatArray:
+    def _f_rounding(self, phi: ComplexArray, omega: float, c: float) -> FloatArray:
         """Return the rounding error of F in `system`, from the sizes of its terms."""
         chain = self.chain
         square = np.abs(phi) ** 2
         rates = 0.5 + chain.a * square / 8.0 + chain.b * square**2 / 16.0
         springs = 0.5 * c * np.abs(coupling_matrix(chain.sites, chain.ends))
-        turns = springs + abs(omega) * np.eye(chain.sites)
+        rotation = springs + abs(omega) * np.eye(chain.sites)
         x, y = np.abs(phi.real), np.abs(phi.imag)
-        terms = np.concatenate([rates * x + turns @ y, rates * y + turns @ x, [0.0]])
+        terms = np.concatenate([rates * x + rotation @ y, rates * y + rotation @ x, [0.0]])
         return 4.0 * EPS * terms / (self.unit * self.rate_unit)
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return a solution; its error is that of Newton's method plus rounding."""
-        here = replace(self.chain, c=point.parameter)
+        chain_at_c = replace(self.chain, c=point.parameter)
         phi, omega = self.unpack(point.u)
-        frequency = 1.0 + here.eps * omega
-        rounding = _rounding(phi, here)
-        off = self._off(phi, omega, here.c)
-        fold_error, aside = self.near_fold(here.c, fold)
-        left = solution_error(self.system(), point.u, here.c, off, aside)
-        left = max(left, 2.0 * point.correction)
+        frequency = 1.0 + chain_at_c.eps * omega
+        rounding = _rounding(phi, chain_at_c)
+        f_bound = self._f_rounding(phi, omega, chain_at_c.c)
+        fold_error, c_bound = self.near_fold(chain_at_c.c, fold)
+        u_bound = solution_error(self.system(), point.u, chain_at_c.c, f_bound, c_bound)
+        u_bound = max(u_bound, 2.0 * point.correction)
         # Ω is dimensionless: its rounding is the relative one of φ, and also that of the frequency.
-        relative = left + rounding / float(np.abs(phi).max())
-        error = left * self.unit + rounding
-        mirrored = self.nucleus.mirrored(here.sites)
-        stability = exponents(phi, omega, here, mirrored, error=error, omega_error=relative)
+        relative_bound = u_bound + rounding / float(np.abs(phi).max())
+        error = u_bound * self.unit + rounding
+        mirrored = self.nucleus.mirrored(chain_at_c.sites)
+        stability = exponents(
+            phi, omega, chain_at_c, mirrored, error=error, omega_error=relative_bound
+        )
         return Breather(
-            chain=here,
+            chain=chain_at_c,
             nucleus=self.nucleus,
             method=self.method,
             status=BreatherStatus.EXISTS,
@@ -221,8 +223,8 @@ class RotatingWaves(BreatherFamily):
             frequency=frequency,
             growth_error=stability.growth_error,
             error=error,
-            frequency_error=here.eps * relative + EPS * frequency,
-            wave_error=wave_error_of(error, phi, self.nucleus.outward(here.sites)),
+            frequency_error=chain_at_c.eps * relative_bound + EPS * frequency,
+            wave_error=wave_error_of(error, phi, self.nucleus.outward(chain_at_c.sites)),
             residual=point.residual,
             fold=None if fold is None else fold.parameter,
             fold_error=fold_error,
@@ -277,19 +279,19 @@ def quarter_turn_branch(chain: VanDerPolChain, nucleus: Nucleus) -> Continuation
     free = replace(chain, ends=Ends.FREE)
 
     def system(r: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        here = replace(free, c=abs(c))
+        chain_at_c = replace(free, c=abs(c))
         uncoupled = quarter_turn_rate(r, replace(free, c=0.0))
-        unit = quarter_turn_rate(r, replace(free, c=1.0)) - uncoupled
-        return quarter_turn_rate(r, here), quarter_turn_jacobian(r, here), unit
+        by_c = quarter_turn_rate(r, replace(free, c=1.0)) - uncoupled
+        return quarter_turn_rate(r, chain_at_c), quarter_turn_jacobian(r, chain_at_c), by_c
 
     # In the frame of `envelope` φ is real at the centre; here it is rotated so that r is real too.
-    turned = nucleus.envelope(chain) / quarter_turn_phase(chain.sites)
-    r = (turned / quarter_turn_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
+    rotated = nucleus.envelope(chain) / quarter_turn_phase(chain.sites)
+    r = (rotated / quarter_turn_phase(chain.sites)[nucleus.centre(chain.sites)].conj()).real
     return trace(system, solve_at(system, r, start_of(chain, nucleus)), 2.0)
 
 
-def _left_pattern(
+def _has_left_pattern(
     phi: ComplexArray, guess: ComplexArray, excited: NDArray[np.intp], chain: VanDerPolChain
 ) -> bool:
-    """Whether the solution is no longer the one from which the branch started."""
+    """Return whether the solution is no longer the one from which the branch started."""
     return bool(np.abs(phi[excited] - guess[excited]).max() > 0.3 * chain.stable_amplitude)

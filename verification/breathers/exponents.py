@@ -70,10 +70,12 @@ class BreatherStability:
 
 def rotating_jacobian(phi: ComplexArray, omega: float, chain: VanDerPolChain) -> FloatArray:
     """Return the Jacobian of φ' - iΩφ in (Re φ, Im φ), shape (2N, 2N)."""
-    turn = omega * np.eye(chain.sites)
-    zero = np.zeros_like(turn)
-    turned: FloatArray = envelope_jacobian(phi, chain) + np.block([[zero, turn], [-turn, zero]])
-    return turned
+    rotation = omega * np.eye(chain.sites)
+    zero = np.zeros_like(rotation)
+    jacobian: FloatArray = envelope_jacobian(phi, chain) + np.block(
+        [[zero, rotation], [-rotation, zero]]
+    )
+    return jacobian
 
 
 def exponents(
@@ -94,10 +96,17 @@ def exponents(
     if mirrored:  # the phase mode iφ has the parity of φ
         parity = 1 if np.linalg.norm(phi - phi[::-1]) < np.linalg.norm(phi) else -1
     # The error of φ is that of its real and of its imaginary part; sites do not affect one another.
-    aside = math.sqrt(2.0) * error
-    off = omega_error + _bend(float(np.abs(phi).max()) + aside, chain) * aside
+    phi_bound = math.sqrt(2.0) * error
+    perturbation = (
+        omega_error
+        + _second_derivative_bound(float(np.abs(phi).max()) + phi_bound, chain) * phi_bound
+    )
     found = modes_of(
-        rotating_jacobian(phi, omega, chain), parity, trivial=0.0, size=np.real, off=off
+        rotating_jacobian(phi, omega, chain),
+        parity,
+        trivial=0.0,
+        size=np.real,
+        perturbation=perturbation,
     )
     return BreatherStability(
         values=found.values,
@@ -114,7 +123,7 @@ def exponents(
     )
 
 
-def _bend(largest: float, chain: VanDerPolChain) -> float:
+def _second_derivative_bound(largest: float, chain: VanDerPolChain) -> float:
     """Return a bound on the second derivatives of -φ (1 - a|φ|²/4 + b|φ|⁴/8)/2 up to some |φ|."""
     return largest * (0.75 * chain.a + 1.25 * chain.b * largest**2)
 
@@ -152,7 +161,7 @@ def modes_of(
     *,
     trivial: float,
     size: Callable[[ComplexArray], FloatArray],
-    off: float,
+    perturbation: float,
 ) -> Modes:
     """Return the eigenvalues of a matrix, sorted and split by parity, with their error.
 
@@ -166,7 +175,7 @@ def modes_of(
         Eigenvalue of the trivial mode of an exact breather.
     size : callable
         What the eigenvalues are sorted by.
-    off : float
+    perturbation : float
         Error of the matrix in the spectral norm. No eigenvectors are computed if it is infinite.
     """
 
@@ -179,15 +188,15 @@ def modes_of(
         if parity
         else [np.eye(len(matrix))]
     )
-    spectra = [_spectrum(basis @ matrix @ basis.T, off) for basis in bases]
+    spectra = [_spectrum(basis @ matrix @ basis.T, perturbation) for basis in bases]
     values = np.concatenate([found for found, _ in spectra])
     own = spectra[0][0]
-    place = int(np.abs(own - trivial).argmin())
-    nontrivial = [np.delete(own, place), *(found for found, _ in spectra[1:])]
+    trivial_index = int(np.abs(own - trivial).argmin())
+    nontrivial = [np.delete(own, trivial_index), *(found for found, _ in spectra[1:])]
     symmetric, antisymmetric = map(largest, nontrivial) if parity else (None, None)
     return Modes(
         values=values[np.argsort(-size(values), kind="stable")],
-        trivial=float(abs(own[place] - trivial)),
+        trivial=float(abs(own[trivial_index] - trivial)),
         leader=largest(np.concatenate(nontrivial)),
         symmetric=symmetric,
         antisymmetric=antisymmetric,
@@ -195,16 +204,18 @@ def modes_of(
     )
 
 
-def _spectrum(matrix: FloatArray, off: float) -> tuple[ComplexArray, float]:
-    """Return the eigenvalues of a matrix and their error, which is infinite if ``off`` is."""
-    if off == math.inf:
+def _spectrum(matrix: FloatArray, perturbation: float) -> tuple[ComplexArray, float]:
+    """Return the eigenvalues of a matrix and their error, infinite if ``perturbation`` is."""
+    if perturbation == math.inf:
         return np.asarray(np.linalg.eigvals(matrix), dtype=complex), math.inf
     values, vectors = np.linalg.eig(matrix)
-    return np.asarray(values, dtype=complex), eigenvalue_bound(matrix, values, vectors, off)
+    return np.asarray(values, dtype=complex), eigenvalue_bound(
+        matrix, values, vectors, perturbation
+    )
 
 
 def eigenvalue_bound(
-    matrix: FloatArray, values: ComplexArray, vectors: ComplexArray, off: float
+    matrix: FloatArray, values: ComplexArray, vectors: ComplexArray, perturbation: float
 ) -> float:
     """Return a bound on the distances of eigenvalues from those of the exact matrix, in pairs.
 
@@ -220,26 +231,26 @@ def eigenvalue_bound(
     ----------
     matrix, values, vectors : array
         Computed n × n matrix, and its eigenvalues and eigenvectors.
-    off : float
+    perturbation : float
         Error of the matrix in the spectral norm.
 
     Examples
     --------
     >>> pair = np.diag([1.0, 1.5])
-    >>> [round(eigenvalue_bound(pair, np.diag(pair), np.eye(2), off), 9) for off in (0.2, 0.3)]
+    >>> [round(eigenvalue_bound(pair, np.diag(pair), np.eye(2), delta), 9) for delta in (0.2, 0.3)]
     [0.2, 0.8]
     """
     size = len(matrix)
     norm = float(np.linalg.norm(matrix))
-    off += size * EPS * norm
-    elsner = (2.0 * norm + off) ** (1.0 - 1.0 / size) * off ** (1.0 / size)
+    perturbation += size * EPS * norm
+    elsner = (2.0 * norm + perturbation) ** (1.0 - 1.0 / size) * perturbation ** (1.0 / size)
     with np.errstate(over="ignore"):  # eigenvectors may be dependent to the last bit
-        radius = float(min(float(np.linalg.cond(vectors)) * off, elsner))
-    apart = np.abs(np.subtract.outer(values, values))
-    connected = apart <= 2.0 * radius
+        radius = float(min(float(np.linalg.cond(vectors)) * perturbation, elsner))
+    distances = np.abs(np.subtract.outer(values, values))
+    connected = distances <= 2.0 * radius
     for _ in range(size.bit_length()):  # through twice as many discs each time
         connected = connected.astype(float) @ connected > 0.0
-    return radius + float(apart[connected].max())
+    return radius + float(distances[connected].max())
 
 
 def parity_basis(sites: int, parity: int) -> FloatArray:

@@ -113,7 +113,7 @@ class BreatherFamily(ABC):
 
     @abstractmethod
     def step_error(self, fold: Fold) -> FoldShift:
-        """Return by how much integration steps, or rounding in F, shift a fold."""
+        """Return the shifts of a fold by truncation in the integration, or by rounding of F."""
 
     def fold_error(self, fold: Fold) -> float:
         """Return the error of the coupling of a fold."""
@@ -124,11 +124,11 @@ class BreatherFamily(ABC):
 
         Branches of a mirror-symmetric nucleus are crossed by those that break the symmetry.
         """
-        usual = self.steps_along
+        default = self.steps_along
         # A step changes c by no more than longest/PARAMETER_WEIGHT.
-        most = usual.max_steps + math.ceil(PARAMETER_WEIGHT * c_end / usual.longest)
+        needed = default.max_steps + math.ceil(PARAMETER_WEIGHT * c_end / default.longest)
         generic = not self.nucleus.mirrored(self.chain.sites)
-        return replace(usual, generic=generic, max_steps=min(most, MAX_STEPS))
+        return replace(default, generic=generic, max_steps=min(needed, MAX_STEPS))
 
     def near_fold(self, c: float, fold: Fold | None) -> tuple[float | None, float]:
         """Return the error of a fold, if there is one, and that of a coupling.

@@ -62,11 +62,13 @@ def floquet_multipliers(
         return math.log(max(abs(multiplier), 1e-300)) / (eps * period)
 
     def rate_error(multiplier: complex | None) -> float:
-        share = found.error / abs(multiplier) if multiplier else math.inf
-        return -math.log1p(-share) / (eps * period) if share < 1.0 else math.inf
+        ratio = found.error / abs(multiplier) if multiplier else math.inf
+        return -math.log1p(-ratio) / (eps * period) if ratio < 1.0 else math.inf
 
     # The spectral norm of a matrix is at most its order times its largest entry.
-    found = modes_of(monodromy, parity, trivial=1.0, size=np.abs, off=len(monodromy) * error)
+    found = modes_of(
+        monodromy, parity, trivial=1.0, size=np.abs, perturbation=len(monodromy) * error
+    )
     leader = found.leader
     return BreatherStability(
         values=found.values,

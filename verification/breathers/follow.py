@@ -18,9 +18,9 @@ from verification.breathers.family import BreatherFamily
 from verification.breathers.result import Breather
 from verification.continuation.branch import BranchFold, Fold, solutions_at, trace
 
-_FURTHEST = 2.0
+_MAX_FOLD_COUPLING = 2.0
 """Coupling up to which a fold is searched for."""
-_BEYOND = 1e-12
+_WIDENING = 1e-12
 """Relative amount by which the range is widened, so that its ends are passed."""
 
 
@@ -70,23 +70,23 @@ def follow(
     nucleus = with_pattern(nucleus, chain.sites)
     family = own_family(chain, nucleus)
     system = family.system()
-    start = family.start(required[-1], required[0] * (1.0 - _BEYOND))
+    start = family.start(required[-1], required[0] * (1.0 - _WIDENING))
     # To reach its fold, the branch may go beyond the couplings requested.
-    furthest = max(required[-1] * (1.0 + _BEYOND), _FURTHEST if folds else 0.0)
-    steps = replace(family.step_control(furthest), folds=folds)
-    branch = trace(system, start, furthest, None, steps)
+    c_end = max(required[-1] * (1.0 + _WIDENING), _MAX_FOLD_COUPLING if folds else 0.0)
+    steps = replace(family.step_control(c_end), folds=folds)
+    branch = trace(system, start, c_end, None, steps)
     with_errors = [(fold, family.fold_error(fold)) for fold in branch.folds]
     end = _end(with_errors)
     points, folds_passed = [], []
     for point, passed in solutions_at(system, branch, required):
-        near = _fold_at(with_errors, point.parameter)
-        points.append(replace(family.measured(point, started, near), **end))
+        nearby_fold = _fold_at(with_errors, point.parameter)
+        points.append(replace(family.measured(point, started, nearby_fold), **end))
         folds_passed.append(passed)
         started = time.perf_counter()
-    turned = []
+    described = []
     for number, fold in enumerate(branch.folds):
         place = sum(each <= number for each in folds_passed)
-        turned.append(_described(family, fold, place))
+        described.append(_described(family, fold, place))
     reached = {point.chain.c for point in points}
     points += [
         Breather(
@@ -100,13 +100,13 @@ def follow(
         for c in required
         if c not in reached
     ]
-    return FollowedBreather(points=tuple(points), folds=tuple(turned))
+    return FollowedBreather(points=tuple(points), folds=tuple(described))
 
 
 def _fold_at(folds: Sequence[tuple[Fold, float]], c: float) -> Fold | None:
     """Return the nearest of the folds (given with their errors) whose error reaches a coupling."""
-    near = [fold for fold, error in folds if abs(fold.parameter - c) <= error]
-    return min(near, key=lambda fold: abs(fold.parameter - c), default=None)
+    within_error = [fold for fold, error in folds if abs(fold.parameter - c) <= error]
+    return min(within_error, key=lambda fold: abs(fold.parameter - c), default=None)
 
 
 def _end(folds: Sequence[tuple[Fold, float]]) -> dict[str, Any]:
@@ -123,18 +123,18 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
     Its coupling is known to the square of its distance along the branch, its amplitude only to this
     distance.
     """
-    site, moved = family.nucleus.outward(family.chain.sites), family.step_error(fold)
-    height, beside = (
+    site, shift = family.nucleus.outward(family.chain.sites), family.step_error(fold)
+    height, height_away = (
         float(family.amplitudes(u, fold.parameter)[site]) for u in (fold.u, fold.u + fold.away)
     )
     # Across the branch, amplitudes change no faster than the state, of which they have two parts.
     return BranchFold(
         c=float(fold.parameter),
         eta=family.chain.eta,
-        error=fold.error + moved.parameter,
+        error=fold.error + shift.parameter,
         height=height,
-        height_error=abs(height - beside)
-        + 2.0 * family.unit * (fold.transverse_error + moved.solution)
+        height_error=abs(height - height_away)
+        + 2.0 * family.unit * (fold.transverse_error + shift.solution)
         + 1e-14 * height,
         place=place,
     )

@@ -103,15 +103,15 @@ class Orbits(BreatherFamily):
 
         def system(u: FloatArray, c: float) -> tuple[FloatArray, FloatArray, FloatArray]:
             try:
-                end = self.flow(abs(c), u[:-1], float(u[-1]), count)
+                flow = self.flow(abs(c), u[:-1], float(u[-1]), count)
             except ParameterError as error:
                 raise NotConvergedError(str(error)) from None
-            value = np.append(end.state - u[:-1], u[site])
-            slope = np.zeros((size + 1, size + 1))
-            slope[:-1, :-1] = end.monodromy - np.eye(size)
-            slope[:-1, -1] = self.rate(abs(c), end.state)
-            slope[-1, site] = 1.0
-            return value, slope, np.append(end.by_c, 0.0)
+            value = np.append(flow.state - u[:-1], u[site])
+            jacobian = np.zeros((size + 1, size + 1))
+            jacobian[:-1, :-1] = flow.monodromy - np.eye(size)
+            jacobian[:-1, -1] = self.rate(abs(c), flow.state)
+            jacobian[-1, site] = 1.0
+            return value, jacobian, np.append(flow.by_c, 0.0)
 
         return system
 
@@ -126,13 +126,14 @@ class Orbits(BreatherFamily):
         return point
 
     def _first(self, c_end: float) -> BranchPoint:
-        least = start_of(self.chain, self.nucleus, STARTS[0], 0.5)
-        starts = (least, *STARTS[1:]) if c_end > least else (0.5 * c_end,)
+        smallest = start_of(self.chain, self.nucleus, STARTS[0], 0.5)
+        starts = (smallest, *STARTS[1:]) if c_end > smallest else (0.5 * c_end,)
         for start in starts:
             if start < c_end:
-                # A later start may be beyond the fold of the averaged breather, which nobody gave.
-                missed = () if start == starts[0] else (ParameterError,)
-                with contextlib.suppress(NotConvergedError, *missed):
+                # A later start, which the user did not choose, may lie beyond the fold of the
+                # averaged breather.
+                ignored = () if start == starts[0] else (ParameterError,)
+                with contextlib.suppress(NotConvergedError, *ignored):
                     return replace(self, chain=self.chain.replace(c=start))._from_small_eps()
         raise ParameterError(
             "small parameter eps",
@@ -149,8 +150,8 @@ class Orbits(BreatherFamily):
         except NotConvergedError:
             if not halvings:
                 raise
-        weaker = replace(self, chain=self.chain.replace(eps=0.5 * self.chain.eps))
-        return solve_at(system, weaker._from_small_eps(halvings - 1).u, self.chain.c)
+        at_half_eps = replace(self, chain=self.chain.replace(eps=0.5 * self.chain.eps))
+        return solve_at(system, at_half_eps._from_small_eps(halvings - 1).u, self.chain.c)
 
     def directly(self) -> BranchPoint | None:
         """Return the orbit near the averaged breather; None if that is too near its fold."""
@@ -178,12 +179,12 @@ class Orbits(BreatherFamily):
         state, period = point.u[:-1], float(point.u[-1])
         coarse = self.flow(c, state, period, count)
         fine = self.flow(c, state, period, max(SAMPLES, 2 * count))
-        value, slope, _ = self.system(2)(point.u, c)
-        step = np.linalg.solve(slope, value)
-        nearer = self.flow(c, state - step[:-1], period - float(step[-1]), count)
+        value, jacobian, _ = self.system(2)(point.u, c)
+        step = np.linalg.solve(jacobian, value)
+        corrected = self.flow(c, state - step[:-1], period - float(step[-1]), count)
         # Error of the matrix: its change when the step is halved, and that due to the orbit's
         # error.
-        changes = [np.abs(each.monodromy - coarse.monodromy).max() for each in (fine, nearer)]
+        changes = [np.abs(each.monodromy - coarse.monodromy).max() for each in (fine, corrected)]
         stability = floquet_multipliers(
             fine.monodromy,
             period,
@@ -191,13 +192,13 @@ class Orbits(BreatherFamily):
             parity=self._parity(state) if self.symmetric_chain else 0,
             error=float(sum(changes)),
         )
-        fold_error, aside = self.near_fold(c, fold)
-        # Round-off of the steps, which adds up at random; the defect may be small by chance.
+        fold_error, c_bound = self.near_fold(c, fold)
+        # Rounding errors of the steps add up at random; the residual may be small by chance.
         rounding = EPS * math.sqrt(2 * count) * float(np.abs(state).max())
-        error = solution_error(self.system(2), point.u, c, rounding, aside) + point.correction
+        error = solution_error(self.system(2), point.u, c, rounding, c_bound) + point.correction
         frequency = 2.0 * math.pi / period
         waves = first_harmonics(fine.samples)
-        turned = self.nucleus.outward(self.chain.sites)
+        centre = self.nucleus.outward(self.chain.sites)
         return Breather(
             chain=self.chain.replace(c=c),
             nucleus=self.nucleus,
@@ -209,7 +210,7 @@ class Orbits(BreatherFamily):
             growth_error=stability.growth_error if stability.growth_error < math.inf else None,
             error=error,
             frequency_error=frequency * error / period,
-            wave_error=wave_error_of(error * max(1.0, 1.0 / frequency), waves, turned),
+            wave_error=wave_error_of(error * max(1.0, 1.0 / frequency), waves, centre),
             residual=float(np.abs(coarse.state - state).max()),
             fold=None if fold is None else fold.parameter,
             fold_error=fold_error,

@@ -164,18 +164,18 @@ def evolution(joined: FloatArray, slow_time: float, size: int, pause: float = PA
     moments = np.concatenate([[0.0], np.unique(times)])
     sizes = tuple((float(at), started + int(np.count_nonzero(times <= at))) for at in moments)
     ends = joined[[0, -1]]
-    filled = float(np.min(ends[ends > 0.0], initial=np.inf))
-    grew = times[times <= filled]
+    end_reached = float(np.min(ends[ends > 0.0], initial=np.inf))
+    growth_times = times[times <= end_reached]
     # The time from the last site to the end of the run is a pause too, unless the chain is full.
-    marks = grew if filled <= slow_time else np.append(grew, slow_time)
-    longest = float(np.diff(grew).max()) if grew.size > 1 else None
+    marks = growth_times if end_reached <= slow_time else np.append(growth_times, slow_time)
+    longest = float(np.diff(growth_times).max()) if growth_times.size > 1 else None
     if size < started:
         outcome = NucleusOutcome.SHRUNK
     elif not times.size:
         outcome = NucleusOutcome.HELD
-    elif filled > slow_time and times[-1] <= 0.5 * slow_time:
+    elif end_reached > slow_time and times[-1] <= 0.5 * slow_time:
         outcome = NucleusOutcome.LARGER
-    elif grew.size < SEVERAL and filled > slow_time:
+    elif growth_times.size < SEVERAL and end_reached > slow_time:
         outcome = NucleusOutcome.UNDECIDED
     else:
         outcome = (
@@ -283,16 +283,16 @@ def distance_from_breather(followed: FollowedNucleus) -> BreatherDistance:
     orbit = solve_orbit(shorter, Nucleus(size, outward_pattern(size)))
     if orbit.growth is None:
         return BreatherDistance(gap=float("inf"), growth=None)
-    beside = (sites - shorter.sites) // 2
-    inside = followed.run.amplitude[-1][beside : beside + shorter.sites]
+    offset = (sites - shorter.sites) // 2
+    inside = followed.run.amplitude[-1][offset : offset + shorter.sites]
     gap = float(np.abs(inside - orbit.amplitudes).max())
     return BreatherDistance(gap=gap, growth=orbit.growth)
 
 
 def _same_until(one: FloatArray, other: FloatArray, slow_time: float) -> float:
     """Return the slow time of the first difference, or the end of the run."""
-    known = np.nan_to_num(one, nan=np.inf), np.nan_to_num(other, nan=np.inf)
+    times = np.nan_to_num(one, nan=np.inf), np.nan_to_num(other, nan=np.inf)
     with np.errstate(invalid="ignore"):
-        apart = ~((known[0] == known[1]) | (np.abs(known[0] - known[1]) <= SAME))
-    first = np.minimum(*known)[apart]
+        differ = ~((times[0] == times[1]) | (np.abs(times[0] - times[1]) <= SAME))
+    first = np.minimum(*times)[differ]
     return float(first.min()) if first.size else slow_time

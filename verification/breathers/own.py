@@ -74,8 +74,8 @@ class OwnOrbits(Orbits):
         system = self.system()
         for c in STARTS:
             with suppress(NotConvergedError, ParameterError):
-                here = self.chain.replace(c=c)
-                return solve_at(system, _settled_start(here, self.nucleus, report), c)
+                chain_at_c = self.chain.replace(c=c)
+                return solve_at(system, _settled_start(chain_at_c, self.nucleus, report), c)
         raise ParameterError(
             "pattern",
             repr(self.nucleus.pattern),
@@ -142,8 +142,8 @@ def integrate_with_tangents(
         for step in range(steps):
             samples[step] = columns[:count, 0]
             for i in range(DOP853.n_stages):
-                inner = DOP853.A[i, :i] @ flat[:i]
-                stages[i] = rate(columns + h * inner.reshape(columns.shape))
+                increment = DOP853.A[i, :i] @ flat[:i]
+                stages[i] = rate(columns + h * increment.reshape(columns.shape))
             columns = columns + h * (DOP853.B @ flat).reshape(columns.shape)
     if not np.isfinite(columns.sum()):
         raise ParameterError(
@@ -158,7 +158,7 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
 
     They are columns of one array; shared quantities are looked up once rather than at every stage.
     """
-    count, resistive = chain.sites, chain.velocity_coupling
+    count, velocity_coupling = chain.sites, chain.velocity_coupling
     matrix, p, n = chain.links.matrix.toarray(), chain.kernel_parameters(), np.arange(count)
     cell, slopes = chain.kernels()
     line = chain.network is None
@@ -166,7 +166,7 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
 
     def rate(columns: FloatArray) -> FloatArray:
         y, v = columns[:count], columns[count:]
-        pull = matrix @ (y + resistive * v) if resistive else matrix @ y
+        pull = matrix @ (y + velocity_coupling * v) if velocity_coupling else matrix @ y
         by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
         out = np.empty_like(columns)
         out[:count] = v
@@ -175,12 +175,14 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
         out[count:, -1] -= chain.eps * pull[:, 0]
         site = y[:, 0], v[:, 0]
         # Differences of velocities are needed only where velocities are coupled.
-        plain = (matrix @ site[0], matrix @ site[1]) if resistive else (pull[:, 0], site[1])
+        springs = (
+            (matrix @ site[0], matrix @ site[1]) if velocity_coupling else (pull[:, 0], site[1])
+        )
         if line:
-            left = 2.0 * site[0] - plain[0], 2.0 * site[1] - plain[1]
-            out[count:, 0] = cell(site, left, (0.0, 0.0), p)[1]
+            neighbours = 2.0 * site[0] - springs[0], 2.0 * site[1] - springs[1]
+            out[count:, 0] = cell(site, neighbours, (0.0, 0.0), p)[1]
         else:
-            out[count:, 0] = cell(site, plain, p, n, count)[1]
+            out[count:, 0] = cell(site, springs, p, n, count)[1]
         return out
 
     return rate
@@ -209,7 +211,7 @@ def _settled_start(
 ) -> FloatArray:
     """Run until the nucleus has settled; return (X, period) where y passes 0 upwards at the centre.
 
-    The run counts as much as one solution in what is reported.
+    In progress reports the run counts as one solution.
 
     Raises
     ------
@@ -242,8 +244,8 @@ def _settled_start(
             f"at eps = {chain.eps:g} the nucleus oscillates more slowly than in {_LAST // 2} "
             f"periods of a cell as eps -> 0, {period:.4g}: take a smaller eps."
         )
-    parts = -y[rising] / (y[rising + 1] - y[rising])
-    passed = times[rising] + parts * (times[1] - times[0])
-    at, part = rising[-1], parts[-1]
-    state = (1.0 - part) * run.samples[at] + part * run.samples[at + 1]
-    return np.append(state.ravel(), passed[-1] - passed[-2])
+    fractions = -y[rising] / (y[rising + 1] - y[rising])
+    crossings = times[rising] + fractions * (times[1] - times[0])
+    last, fraction = rising[-1], fractions[-1]
+    state = (1.0 - fraction) * run.samples[last] + fraction * run.samples[last + 1]
+    return np.append(state.ravel(), crossings[-1] - crossings[-2])

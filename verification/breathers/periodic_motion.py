@@ -51,7 +51,9 @@ def largest_displacements(samples: FloatArray) -> FloatArray:
         return np.asarray(terms.sum(axis=0).real)
 
     for _ in range(_NEWTON):
-        slope, bend = derivative(1), derivative(2)
-        step = np.divide(slope, bend, out=np.zeros_like(slope), where=bend != 0.0)
+        slope, second_derivative = derivative(1), derivative(2)
+        step = np.divide(
+            slope, second_derivative, out=np.zeros_like(slope), where=second_derivative != 0.0
+        )
         phase = phase - np.clip(step, -spacing, spacing)
     return np.abs(derivative(0))

@@ -209,7 +209,7 @@ class Breather(Result):
         """Errors of the phases, in units of π: 1 where unknown; empty if unknown at every site."""
         if self.wave_error is None:
             return np.empty(0)
-        errors = self._turns / np.pi
+        errors = self._rotation_bounds / np.pi
         errors[self.nucleus.outward(self.chain.sites)] = 0.0
         return np.asarray(errors)
 
@@ -219,16 +219,16 @@ class Breather(Result):
         if self.phase_step is None or self.wave_error is None:
             return None
         last = self.nucleus.first(self.chain.sites) + self.nucleus.size - 1
-        return min(float(self._turns[last : last + 2].sum()), math.pi)
+        return min(float(self._rotation_bounds[last : last + 2].sum()), math.pi)
 
     @property
-    def _turns(self) -> FloatArray:
+    def _rotation_bounds(self) -> FloatArray:
         """Largest rotation of each wave that its error allows, in radians."""
         size = np.abs(self.waves)
         error = np.broadcast_to(0.0 if self.wave_error is None else self.wave_error, size.shape)
-        share = np.divide(error, size, out=np.ones_like(size), where=size > error)
-        turns = np.where(size > error, np.arcsin(share), np.pi)
-        return np.minimum(turns + 4.0 * EPS, np.pi)
+        ratio = np.divide(error, size, out=np.ones_like(size), where=size > error)
+        rotation = np.where(size > error, np.arcsin(ratio), np.pi)
+        return np.minimum(rotation + 4.0 * EPS, np.pi)
 
     @property
     def phase_step(self) -> float | None:
@@ -292,12 +292,12 @@ class BreatherComparison(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result for JSON."""
-        of = {"method": "all", "pattern": self.nucleus.pattern, "c": self.chain.c}
+        header = {"method": "all", "pattern": self.nucleus.pattern, "c": self.chain.c}
         rows = [{"method": name, "reason": reason} for name, reason in self.refusals.items()]
-        return of | super().to_dict() | {"refusals": rows}
+        return header | super().to_dict() | {"refusals": rows}
 
     def __getitem__(self, method: str) -> Breather:
-        """Return what one method found."""
+        """Return the breather found by one method."""
         return self.methods[method]
 
     def rows(self) -> list[dict[str, Any]]:

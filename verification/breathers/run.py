@@ -84,14 +84,14 @@ def run_breather(
     state = np.concatenate([phi.imag, phi.real])
     state = state + NOISE * np.random.default_rng(seed).normal(size=2 * sites)
     # A block lasts a few units of slow time and is a whole number of revolutions.
-    rounds = max(1, round(BLOCK / (2.0 * math.pi * chain.eps)))
+    periods = max(1, round(BLOCK / (2.0 * math.pi * chain.eps)))
     steps = _steps(chain)
     period, elapsed = 2.0 * math.pi, 0.0
     drifts: list[float] = []
     status = BreatherStatus.UNSETTLED
     while status is BreatherStatus.UNSETTLED and elapsed * chain.eps < SLOW_TIME:
-        state = integrate_chain(chain, state, rounds * period, rounds * steps, ORDER).state
-        elapsed += rounds * period
+        state = integrate_chain(chain, state, periods * period, periods * steps, ORDER).state
+        elapsed += periods * period
         amplitude = np.hypot(state[:sites], state[sites:])
         if amplitude[outside].max(initial=0.0) > chain.unstable_amplitude:
             status = BreatherStatus.ESCAPED
@@ -149,8 +149,8 @@ def run_averaged_breather(chain: VanDerPolChain, nucleus: Nucleus, *, seed: int)
     """
     started = time.perf_counter()
     centre, outside = nucleus.centre(chain.sites), nucleus.outside(chain.sites)
-    parts = np.random.default_rng(seed).normal(size=(2, chain.sites))
-    phi = nucleus.envelope(chain) + NOISE * (parts[0] + 1j * parts[1])
+    noise = np.random.default_rng(seed).normal(size=(2, chain.sites))
+    phi = nucleus.envelope(chain) + NOISE * (noise[0] + 1j * noise[1])
     status, elapsed, drifts, rotation = BreatherStatus.UNSETTLED, 0.0, [], 0.0
     while elapsed < SLOW_TIME and status is BreatherStatus.UNSETTLED:
         run = run_envelope(chain, phi, BLOCK, watched=outside, limit=chain.unstable_amplitude)
@@ -203,7 +203,7 @@ def _at_end(
             time=elapsed,
             seconds=time.perf_counter() - started,
         )
-    error = _still_to_come(drifts) if settled else math.inf
+    error = _remaining_distance(drifts) if settled else math.inf
     known = math.isfinite(error)
     return Breather(
         chain=chain,
@@ -232,12 +232,12 @@ def _steps(chain: VdpChain) -> int:
 
 
 def _period(chain: VdpChain, state: FloatArray, guess: float, steps: int) -> tuple[float, float]:
-    """Return the time after which the state comes nearest to itself, and the remaining drift."""
+    """Return the time after which the state comes closest to its initial value, and the drift."""
     period, orbits = guess, Orbits(chain, Nucleus(1))
     for _ in range(6):
         after = integrate_chain(chain, state, period, steps, ORDER).state
-        along = orbits.rate(chain.c, after)
-        change = float(along @ (after - state)) / float(along @ along)
+        rate = orbits.rate(chain.c, after)
+        change = float(rate @ (after - state)) / float(rate @ rate)
         period -= change
         if abs(change) < 1e-13:
             break
@@ -245,7 +245,7 @@ def _period(chain: VdpChain, state: FloatArray, guess: float, steps: int) -> tup
     return period, float(np.abs(after - state).max()) / (chain.eps * period)
 
 
-def _still_to_come(drifts: list[float]) -> float:
+def _remaining_distance(drifts: list[float]) -> float:
     """Return the distance of a run from its limit, for a drift that falls geometrically by block.
 
     The drift is the change of the state per unit of slow time at the end of each block. The result

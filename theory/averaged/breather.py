@@ -38,7 +38,7 @@ from theory.status import Status
 
 _NOISE = 64.0 * EPS
 """Relative rounding error of c along a branch."""
-_SCAN = 500
+_SCAN_POINTS = 500
 
 
 class Reading(Status):
@@ -297,11 +297,11 @@ def closed_form_fold(
         c = math.sqrt(m) * math.sqrt(1.0 + m)
         return ClosedFormFold(c=c, error=8.0 * EPS * c)
     branch = NeighbourBranch(chain.a, chain.b, gap)
-    grid = np.linspace(math.log(branch.first), 0.0, _SCAN)
+    grid = np.linspace(math.log(branch.first), 0.0, _SCAN_POINTS)
     # the first decrease: c rises from zero, and decreases before S turns
     falling = np.flatnonzero(np.diff(branch.coupling(grid)) < 0.0)
     peak = max(int(falling[0]), 1)
-    low, high = float(grid[peak - 1]), float(grid[min(peak + 1, _SCAN - 1)])
+    low, high = float(grid[peak - 1]), float(grid[min(peak + 1, _SCAN_POINTS - 1)])
     found = minimize_scalar(
         lambda t: -branch.coupling_at(t),
         bounds=(low, high),
@@ -328,15 +328,15 @@ def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, fl
     """
     a, b, c = Fraction(chain.a), Fraction(chain.b), Fraction(chain.c)
     m = (a * a - 8 * b) / (16 * b)
-    wide = Fraction(2.0 * float(m) + 1.0) + Fraction(math.hypot(1.0, 2.0 * chain.c))
-    inside = 32 * b * (m * (1 + m) - c * c) / wide
-    root = math.sqrt(max(float(inside), 0.0))
+    denominator = Fraction(2.0 * float(m) + 1.0) + Fraction(math.hypot(1.0, 2.0 * chain.c))
+    radicand = 32 * b * (m * (1 + m) - c * c) / denominator
+    root = math.sqrt(max(float(radicand), 0.0))
     error = 8.0 * EPS
-    if inside <= 0:
+    if radicand <= 0:
         # c is beyond the fold by the rounding error of the fold only. The breather at the fold is
         # returned; the rounding error of c moves it by an amount like the square root of the error.
-        slack = 32 * b * 2 * c * Fraction(fold.error) / wide
-        error += math.sqrt(float(slack)) / chain.a
+        radicand_bound = 32 * b * 2 * c * Fraction(fold.error) / denominator
+        error += math.sqrt(float(radicand_bound)) / chain.a
     z = 2.0 * chain.c / (1.0 + math.hypot(1.0, 2.0 * chain.c))
     return (chain.a + root) / chain.b, z * z, error
 
@@ -344,24 +344,26 @@ def _tail(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, fl
 def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, float, float]:
     """Return S, w and their relative error for n = 1, on the branch before the fold."""
     branch = NeighbourBranch(chain.a, chain.b, discriminant(chain))
-    c, top = chain.c, math.log(fold.place)
+    c, t_fold = chain.c, math.log(fold.place)
     low = min(math.log(branch.first), branch.start_at(c))
-    t = top
-    if branch.coupling_at(top) > c:
-        t = brentq(lambda x: branch.coupling_at(x) - c, low, top, xtol=1e-15, rtol=4.0 * EPS)
+    t = t_fold
+    if branch.coupling_at(t_fold) > c:
+        t = brentq(lambda x: branch.coupling_at(x) - c, low, t_fold, xtol=1e-15, rtol=4.0 * EPS)
     # The true t lies in an interval over which c - c(t) surely changes sign or, near the fold, at
     # both ends of which c(t) is surely below c.
-    spread = 4.0 * EPS * max(1.0, abs(t))
-    noise = _NOISE * c
+    half_width = 4.0 * EPS * max(1.0, abs(t))
+    rounding = _NOISE * c
     for _ in range(60):
-        beyond = branch.coupling_at(t + spread)
-        after = beyond > c + noise or branch.coupling_at(max(t, top) + spread) < c - noise
-        if branch.coupling_at(t - spread) < c - noise and after:
+        c_above = branch.coupling_at(t + half_width)
+        bracketed_above = (
+            c_above > c + rounding or branch.coupling_at(max(t, t_fold) + half_width) < c - rounding
+        )
+        if branch.coupling_at(t - half_width) < c - rounding and bracketed_above:
             break
-        spread *= 2.0
-    ends = [branch.squares(np.array([x])) for x in (t - spread, t, t + spread)]
+        half_width *= 2.0
+    ends = [branch.squares(np.array([x])) for x in (t - half_width, t, t + half_width)]
     (S_low, s_low), (S, s), (S_high, s_high) = [(float(x[0]), float(y[0])) for x, y in ends]
     w = s / S
-    moved = max(abs(S_low - S) / S, abs(S_high - S) / S, abs(s_low / S_low - w) / w)
-    moved = max(moved, abs(s_high / S_high - w) / w)
-    return S, w, moved + 16.0 * EPS
+    relative_change = max(abs(S_low - S) / S, abs(S_high - S) / S, abs(s_low / S_low - w) / w)
+    relative_change = max(relative_change, abs(s_high / S_high - w) / w)
+    return S, w, relative_change + 16.0 * EPS

@@ -60,9 +60,9 @@ class NeighbourBranch:
         return S, s
 
     def _gain_and_square(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        part = np.exp(t)
-        G = 0.25 * self.gap / self.b * part * np.maximum(1.0 - part, 0.0)
-        return G, (self.a + math.sqrt(self.gap) * (1.0 - 2.0 * part)) / self.b
+        fraction = np.exp(t)
+        G = 0.25 * self.gap / self.b * fraction * np.maximum(1.0 - fraction, 0.0)
+        return G, (self.a + math.sqrt(self.gap) * (1.0 - 2.0 * fraction)) / self.b
 
     def coupling(self, t: FloatArray) -> FloatArray:
         """Return c = G/z = G √(S/s), or zero beyond the turning point of S."""

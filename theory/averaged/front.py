@@ -138,14 +138,14 @@ _FIRST_ETA, _FACTOR = 0.0567, 1.5
 
 def _followed(eta: float, spacing: float) -> float:
     s = spacing * np.arange(-round(_EXTENT / spacing), round(_EXTENT / spacing) + 1)
-    rho, kappa, here, factor = 0.5 * (1.0 - np.tanh(0.35 * s)), 0.0, _FIRST_ETA, _FACTOR
-    found = _solved(here, rho, kappa, spacing)
-    while found is not None and here != eta:
+    rho, kappa, current, factor = 0.5 * (1.0 - np.tanh(0.35 * s)), 0.0, _FIRST_ETA, _FACTOR
+    found = _solved(current, rho, kappa, spacing)
+    while found is not None and current != eta:
         rho, kappa = found
-        there = min(here * factor, eta) if eta > here else max(here / factor, eta)
-        following = _solved(there, rho, kappa, spacing)
-        if following is not None:
-            found, here = following, there
+        target = min(current * factor, eta) if eta > current else max(current / factor, eta)
+        solution = _solved(target, rho, kappa, spacing)
+        if solution is not None:
+            found, current = solution, target
         elif factor < 1.01:
             found = None
         else:
@@ -161,25 +161,25 @@ def _solved(
     """Solve the front equation for ρ = r/r_s and κ; return None where Newton's method fails."""
     root = math.sqrt(1.0 - 8.0 * eta)
     square, gamma = (1.0 + root) / eta, math.cbrt((1.0 + root) * root / (4.0 * eta))
-    unstable, middle = math.sqrt((1.0 - root) / (1.0 + root)), rho.size // 2
+    unstable, centre = math.sqrt((1.0 - root) / (1.0 + root)), rho.size // 2
     first = _odd_difference(1) * gamma / spacing
     third = _odd_difference(3) * (gamma / spacing) ** 3
     for _ in range(30):
-        whole = np.concatenate([np.ones(_REACH), rho, np.zeros(_REACH)])
-        slope = np.correlate(whole, first, "valid")
+        padded = np.concatenate([np.ones(_REACH), rho, np.zeros(_REACH)])
+        slope = np.correlate(padded, first, "valid")
         r2 = square * rho * rho
         loss = 0.5 * rho * (1.0 - 0.25 * r2 + 0.125 * eta * r2 * r2)
-        value = np.correlate(whole, third, "valid") - kappa * slope + loss
+        value = np.correlate(padded, third, "valid") - kappa * slope + loss
         bands = np.repeat((third - kappa * first)[::-1, None], rho.size, axis=1)
         bands[_REACH] += 0.5 - 0.375 * r2 + 0.3125 * eta * r2 * r2
-        change, by_kappa = solve_banded((_REACH, _REACH), bands, np.stack([value, -slope], 1)).T
-        step = (rho[middle] - unstable - change[middle]) / by_kappa[middle]
-        change += step * by_kappa
-        size = max(float(np.abs(change).max()), abs(step))
+        increment, by_kappa = solve_banded((_REACH, _REACH), bands, np.stack([value, -slope], 1)).T
+        kappa_step = (rho[centre] - unstable - increment[centre]) / by_kappa[centre]
+        increment += kappa_step * by_kappa
+        size = max(float(np.abs(increment).max()), abs(kappa_step))
         if not math.isfinite(size):
             return None
-        part = min(1.0, 0.5 / size)
-        rho, kappa = rho - part * change, kappa + part * float(step)
+        damping = min(1.0, 0.5 / size)
+        rho, kappa = rho - damping * increment, kappa + damping * float(kappa_step)
         if size < 1e-9 * max(1.0, abs(kappa)):
             return rho, kappa
     return None

@@ -26,8 +26,8 @@ from derivations.algebra.oscillation import complex_parts
 
 def _site_of(motion: sp.Basic) -> tuple[sp.Expr, sp.Symbol]:
     """Return index and time of the site for which a modulation or motion is written."""
-    (own,) = {q.expr for q in left_minus_right(motion).atoms(sp.Derivative)}
-    index, time = own.args
+    (field,) = {q.expr for q in left_minus_right(motion).atoms(sp.Derivative)}
+    index, time = field.args
     return index, time
 
 
@@ -166,8 +166,8 @@ class ChangeAmplitude(Operation):
         # In a single expression, both share a ring; the shift is tagged with a high power.
         tagged = averaged.rhs + self.small**3 * scaled
         ring, parts = _from_fields(sp.expand(tagged), self.envelope, index, self.small, 4)
-        _, first, second, own, shift = parts
-        if own != ring.amplitude(0):
+        _, first, second, leading, shift = parts
+        if leading != ring.amplitude(0):
             raise OperationError("the fundamental is not -(i/2) φ to leading order")
         modulation = Modulation(ring, ring.reach // 2, first, second, Harmonics(ring, {}))
         first, second = in_scales_amplitude(modulation, shift)
@@ -237,14 +237,19 @@ class SeekCycles(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``damping of the mean = 0``, and frequency and size as functions of the square."""
         (modulation,) = sources
-        (first, turning), (second, more) = self._rates(modulation)
-        shift = sp.S.Zero if second == 0 else sp.cancel(-second / sp.diff(first, self.square))
-        moved = sp.diff(turning, self.square) * shift
+        (growth_1, frequency_1), (growth_2, frequency_2) = self._rates(modulation)
+        square_shift = (
+            sp.S.Zero if growth_2 == 0 else sp.cancel(-growth_2 / sp.diff(growth_1, self.square))
+        )
+        frequency_shift = sp.diff(frequency_1, self.square) * square_shift
         root = sp.sqrt(self.square)
         return sp.Tuple(
-            equation(-2 * first),
-            equation(self.frequency, 1 + self.small * turning + self.small**2 * (more + moved)),
-            equation(self.size, root / 2 + self.small * shift / (4 * root)),
+            equation(-2 * growth_1),
+            equation(
+                self.frequency,
+                1 + self.small * frequency_1 + self.small**2 * (frequency_2 + frequency_shift),
+            ),
+            equation(self.size, root / 2 + self.small * square_shift / (4 * root)),
         )
 
     def _rates(self, modulation: sp.Basic) -> list[tuple[sp.Expr, sp.Expr]]:

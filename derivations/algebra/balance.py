@@ -30,23 +30,25 @@ def phase_mean(expression: sp.Expr, phase: sp.Symbol) -> sp.Expr:
     total = sp.S.Zero
     for term in sp.Add.make_args(sp.expand(expression)):
         slow, fast = term.as_independent(phase, as_Add=False)
-        plain = fast.subs(sp.cos(phase), cosine)
-        mean = _closed(plain, cosine, phase)
+        in_cosine = fast.subs(sp.cos(phase), cosine)
+        mean = _closed(in_cosine, cosine, phase)
         total += slow * (_integral(fast, phase) if mean is None else mean)
     return total
 
 
-def _closed(plain: sp.Expr, cosine: sp.Symbol, phase: sp.Symbol) -> sp.Expr | None:
+def _closed(in_cosine: sp.Expr, cosine: sp.Symbol, phase: sp.Symbol) -> sp.Expr | None:
     """Return the mean of ``cos^p s e^{rate cos s}`` and of trigonometric polynomials."""
-    if plain.has(phase):
-        back = plain.subs(cosine, sp.cos(phase))
-        trigonometric = all(q in (sp.sin(phase), sp.cos(phase)) for q in back.atoms(sp.Function))
-        if not trigonometric or not back.is_polynomial(sp.sin(phase), sp.cos(phase)):
+    if in_cosine.has(phase):
+        expression = in_cosine.subs(cosine, sp.cos(phase))
+        trigonometric = all(
+            q in (sp.sin(phase), sp.cos(phase)) for q in expression.atoms(sp.Function)
+        )
+        if not trigonometric or not expression.is_polynomial(sp.sin(phase), sp.cos(phase)):
             return None
-        return sp.integrate(back, (phase, 0, 2 * sp.pi)) / (2 * sp.pi)
+        return sp.integrate(expression, (phase, 0, 2 * sp.pi)) / (2 * sp.pi)
     power = sp.S.Zero
     rate = sp.S.Zero
-    for factor in sp.Mul.make_args(plain):
+    for factor in sp.Mul.make_args(in_cosine):
         base, exponent = factor.as_base_exp()
         if base == cosine and exponent.is_Integer:
             power += exponent

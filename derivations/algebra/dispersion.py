@@ -37,14 +37,16 @@ class FastestWave(Operation):
         derivatives, relation = sources
         first, second = parts_of(derivatives)[:2]
         cosine = sp.Dummy("C")
-        flat = second.rhs.subs(first.lhs, first.rhs) * self.frequency**3
-        flat = sp.expand(flat).subs(self.frequency, sp.sqrt(relation.rhs))
+        second_derivative = second.rhs.subs(first.lhs, first.rhs) * self.frequency**3
+        second_derivative = sp.expand(second_derivative).subs(self.frequency, sp.sqrt(relation.rhs))
         k = self.wavenumber
-        plain = sp.expand(sp.expand_trig(sp.expand(flat)).subs(sp.sin(k) ** 2, 1 - sp.cos(k) ** 2))
-        plain = sp.expand(plain.subs(sp.cos(k), cosine))
-        if plain.has(k) or sp.degree(plain, cosine) > 2:
+        polynomial = sp.expand(
+            sp.expand_trig(sp.expand(second_derivative)).subs(sp.sin(k) ** 2, 1 - sp.cos(k) ** 2)
+        )
+        polynomial = sp.expand(polynomial.subs(sp.cos(k), cosine))
+        if polynomial.has(k) or sp.degree(polynomial, cosine) > 2:
             raise OperationError("the fastest wave has no closed form")
-        admissible = [root for root in sp.solve(plain, cosine) if _is_cosine(root)]
+        admissible = [root for root in sp.solve(polynomial, cosine) if _is_cosine(root)]
         if len(admissible) != 1:
             raise OperationError("not one wave of largest group velocity")
         return equation(sp.cos(k), admissible[0])
@@ -81,21 +83,21 @@ class AtFastestWave(Operation):
         first, second, third = parts_of(derivatives)
         k = self.wavenumber
         root = fastest.rhs
-        radical, parameter, back, least = _parametrised(root)
-        cosine = sp.factor(root.subs(back))
+        radical, parameter, by_parameter, smallest = _parametrised(root)
+        cosine = sp.factor(root.subs(by_parameter))
         square = sp.factor(sp.expand_trig(first.rhs**2 * self.frequency**2).subs(
-            sp.sin(k) ** 2, 1 - sp.cos(k) ** 2).subs(sp.cos(k), cosine).subs(back)
-            / relation.rhs.subs(sp.cos(k), cosine).subs(back))  # fmt: skip
+            sp.sin(k) ** 2, 1 - sp.cos(k) ** 2).subs(sp.cos(k), cosine).subs(by_parameter)
+            / relation.rhs.subs(sp.cos(k), cosine).subs(by_parameter))  # fmt: skip
         excess = sp.Dummy("x", positive=True)
-        above = sp.sqrt(sp.factor(square.subs(parameter, least + excess)))
-        speed = above.subs(excess, parameter - least)
+        above = sp.sqrt(sp.factor(square.subs(parameter, smallest + excess)))
+        speed = above.subs(excess, parameter - smallest)
         if not speed.is_rational_function(parameter):
             raise OperationError("the group velocity is not rational in the radical")
-        own = equation(first.lhs, sp.factor(speed).subs(parameter, radical))
+        group_velocity = equation(first.lhs, sp.factor(speed).subs(parameter, radical))
         # At the flat point the second derivative is zero, so the third follows from the first.
-        flat = third.rhs.subs(second.lhs, 0)
-        wave = sp.simplify(flat / first.rhs)
-        return sp.Tuple(own, equation(third.lhs, sp.expand(wave * own.rhs)))
+        third_derivative = third.rhs.subs(second.lhs, 0)
+        ratio = sp.simplify(third_derivative / first.rhs)
+        return sp.Tuple(group_velocity, equation(third.lhs, sp.expand(ratio * group_velocity.rhs)))
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the wave."""
@@ -111,10 +113,10 @@ def _parametrised(root: sp.Expr) -> tuple[sp.Expr, sp.Symbol, dict[sp.Basic, sp.
     if len(radicals) != 1:
         raise OperationError("not one square root in the cosine of the wave")
     parameter = sp.Dummy("s")
-    inside = radicals[0].base
-    gone = sorted(inside.free_symbols, key=str)[0]
-    (value,) = sp.solve(inside - parameter**2, gone)
-    return radicals[0], parameter, {gone: value}, sp.sqrt(inside.subs(gone, 0))
+    radicand = radicals[0].base
+    eliminated = sorted(radicand.free_symbols, key=str)[0]
+    (value,) = sp.solve(radicand - parameter**2, eliminated)
+    return radicals[0], parameter, {eliminated: value}, sp.sqrt(radicand.subs(eliminated, 0))
 
 
 @dataclass(frozen=True)
@@ -149,6 +151,6 @@ class EnvelopeOfWave(Operation):
         (local,) = sources
         rate = sp.S.Zero
         for order, coefficient in enumerate(self.coefficients, start=1):
-            moved = (-sp.I) ** order * self.envelope.diff((self.place, order))
-            rate -= sp.I * coefficient / sp.factorial(order) * moved
+            derivative = (-sp.I) ** order * self.envelope.diff((self.place, order))
+            rate -= sp.I * coefficient / sp.factorial(order) * derivative
         return equation(self.envelope.diff(self.time), sp.expand(rate) + local.rhs)

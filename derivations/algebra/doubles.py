@@ -62,26 +62,30 @@ def _sum(terms: list[Number]) -> Number:
 
 def _product(factors: list[Number]) -> Number:
     value, error = factors[0]
-    for factor, off in factors[1:]:
-        error = abs(value) * off + (abs(factor) + off) * error + 3 * EPS * abs(value * factor)
+    for factor, bound in factors[1:]:
+        error = abs(value) * bound + (abs(factor) + bound) * error + 3 * EPS * abs(value * factor)
         value *= factor
     return value, error
 
 
 def _power(parts: list[Number]) -> Number:
-    (base, off), (exponent, uncertain) = parts
-    if uncertain <= EPS * abs(exponent) and exponent.imag == 0.0 and exponent.real.is_integer():
-        value, uncertain = base ** int(exponent.real), 0.0
+    (base, bound), (exponent, exponent_bound) = parts
+    if (
+        exponent_bound <= EPS * abs(exponent)
+        and exponent.imag == 0.0
+        and exponent.real.is_integer()
+    ):
+        value, exponent_bound = base ** int(exponent.real), 0.0
         # Python multiplies up to a hundred factors, and uses the polar form for more.
         logarithm = abs(cmath.log(base)) if abs(exponent) > 100.0 else 0.0
     else:
-        base = _beside_the_cut(base, off)
+        base = _beside_the_cut(base, bound)
         value, logarithm = base**exponent, abs(cmath.log(base))
-    if off > 1e-6 * abs(base):
+    if bound > 1e-6 * abs(base):
         raise ArithmeticError
     size = abs(exponent)
-    relative = (size + 1) * off / abs(base) if off else 0.0
-    relative += logarithm * uncertain + EPS * (4 + 3 * size * (1 + logarithm))
+    relative = (size + 1) * bound / abs(base) if bound else 0.0
+    relative += logarithm * exponent_bound + EPS * (4 + 3 * size * (1 + logarithm))
     return value, abs(value) * relative
 
 
@@ -98,19 +102,19 @@ def _smooth(
     """Return a function of one number whose slope is at most ``slope`` nearby."""
 
     def combine(parts: list[Number]) -> Number:
-        ((inner, off),) = parts
-        if off > 1e-6:
+        ((inner, bound),) = parts
+        if bound > 1e-6:
             raise ArithmeticError
-        steep = slope(inner)
-        return function(inner), 2 * steep * off + 4 * EPS * steep
+        slope_bound = slope(inner)
+        return function(inner), 2 * slope_bound * bound + 4 * EPS * slope_bound
 
     return combine
 
 
 def _step(parts: list[Number]) -> Number:
     """Return the step function, 0 or 1, of a real number other than zero."""
-    inner, off = parts[0]
-    if inner.imag != 0.0 or abs(inner) <= off:
+    inner, bound = parts[0]
+    if inner.imag != 0.0 or abs(inner) <= bound:
         raise ArithmeticError
     return complex(inner.real > 0.0), 0.0
 

@@ -56,15 +56,15 @@ def is_zero(expression: sp.Expr) -> bool:
     differs = _differs_from_zero(plain)
     if differs:
         return False
-    quick = sp.expand(plain)
+    expanded = sp.expand(plain)
     if differs is None:  # conditions between complex numbers cannot be simplified
-        return bool(quick == 0)
-    if quick == 0:
+        return bool(expanded == 0)
+    if expanded == 0:
         return True
-    together = sp.cancel(sp.together(sp.powsimp(sp.expand(quick.rewrite(sp.exp)))))
-    if sp.expand(together) == 0:
+    combined = sp.cancel(sp.together(sp.powsimp(sp.expand(expanded.rewrite(sp.exp)))))
+    if sp.expand(combined) == 0:
         return True
-    return bool(sp.simplify(together) == 0)
+    return bool(sp.simplify(combined) == 0)
 
 
 def _differs_from_zero(expression: sp.Expr) -> bool | None:
@@ -72,7 +72,7 @@ def _differs_from_zero(expression: sp.Expr) -> bool | None:
 
     None if it has no value there because it depends on an order of complex numbers.
     """
-    draw = random.Random(7)
+    rng = random.Random(7)
     plain = expression.xreplace({
         own: sp.Dummy(real=own.is_real)
         for own in sorted(expression.atoms(sp.Derivative), key=sp.default_sort_key)
@@ -83,11 +83,11 @@ def _differs_from_zero(expression: sp.Expr) -> bool | None:
     })  # fmt: skip
     point = {}
     for symbol in sorted(plain.free_symbols, key=sp.default_sort_key):
-        real = sp.Float(draw.uniform(0.3, 1.2), 30)
+        real = sp.Float(rng.uniform(0.3, 1.2), 30)
         if symbol.is_integer:
-            real = sp.Integer(draw.randrange(1, 4))
-        turned = sp.I * sp.Float(draw.uniform(-0.8, 0.8), 30)
-        point[symbol] = real if symbol.is_real else real + turned
+            real = sp.Integer(rng.randrange(1, 4))
+        imaginary = sp.I * sp.Float(rng.uniform(-0.8, 0.8), 30)
+        point[symbol] = real if symbol.is_real else real + imaginary
     try:
         found = plain.xreplace(point).evalf(30)
         if not found.is_number or not found.is_finite:

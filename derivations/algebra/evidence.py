@@ -49,9 +49,9 @@ def value(expression: sp.Basic, point: Point) -> Any:
 
 def _evaluated(expression: sp.Basic, point: Point, digits: int) -> Any:
     expression = sp.sympify(expression)
-    quick = in_doubles(expression, point) if digits <= _DOUBLE else None
-    if quick is not None:
-        return quick
+    in_double_precision = in_doubles(expression, point) if digits <= _DOUBLE else None
+    if in_double_precision is not None:
+        return in_double_precision
     numbers = {atom: _number(given, digits + _GUARD) for atom, given in point.items()}
     result = expression.xreplace(numbers).evalf(digits)
     if result.free_symbols or not result.is_number:
@@ -171,9 +171,9 @@ def at_points(
 def holds_anywhere(piece: sp.Basic, point: Point) -> bool:
     """Whether an equation also holds with all values changed, which makes its check void."""
     rng = random.Random(3)
-    moved = {atom: given + rng.uniform(0.05, 0.15) * (1 + abs(given))
+    perturbed = {atom: given + rng.uniform(0.05, 0.15) * (1 + abs(given))
              for atom, given in point.items()}  # fmt: skip
-    found, scale = residual(piece, moved)
+    found, scale = residual(piece, perturbed)
     return bool(abs(found) <= TOLERANCE * scale)
 
 

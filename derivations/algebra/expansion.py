@@ -70,14 +70,14 @@ class DifferentiateInScales(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``d/dt`` and the higher derivatives of the motion, one part each."""
         (scales,) = sources
-        speeds = {part.lhs: sp.diff(part.rhs, self.time) for part in parts_of(scales)}
-        current, out = self.scaled, []
+        rates = {part.lhs: sp.diff(part.rhs, self.time) for part in parts_of(scales)}
+        current, derivatives = self.scaled, []
         for power in range(1, self.order + 1):
             current = sp.expand(
-                sum((speed * current.diff(scale) for scale, speed in speeds.items()), sp.S.Zero)
+                sum((rate * current.diff(scale) for scale, rate in rates.items()), sp.S.Zero)
             )
-            out.append(equation(self.function.diff((self.time, power)), current))
-        return sp.Tuple(*out)
+            derivatives.append(equation(self.function.diff((self.time, power)), current))
+        return sp.Tuple(*derivatives)
 
 
 @dataclass(frozen=True)
@@ -139,8 +139,8 @@ class CollectPower(Operation):
         whole = sp.expand(taylor_coefficient(left_minus_right(source), self.small, self.power))
         if self.unknown is None:
             return equation(whole)
-        kept = sum((q for q in sp.Add.make_args(whole) if q.has(self.unknown)), sp.S.Zero)
-        return equation(kept, kept - whole)
+        left = sum((q for q in sp.Add.make_args(whole) if q.has(self.unknown)), sp.S.Zero)
+        return equation(left, left - whole)
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the order."""
@@ -192,14 +192,14 @@ class Limit(Operation):
     def _under(self, integral: sp.Integral) -> sp.Integral:
         k, *bounds = integral.limits[0]
         positive = sp.Dummy("A")
-        (wave,) = integral.function.atoms(sp.sinh)
-        periodic = sp.expand(wave.args[0] * self.parameter)
+        (hyperbolic,) = integral.function.atoms(sp.sinh)
+        periodic = sp.expand(hyperbolic.args[0] * self.parameter)
         plain = integral.function.subs(periodic, positive)
         if self.side == 0 or not plain.has(positive):
             raise OperationError("the integrand has no limit")
         ratio = sp.Dummy("s")  # e^{-A/|v|}
-        small = plain.subs(self.parameter, -self.side * positive / sp.log(ratio)).rewrite(sp.exp)
-        limit = sp.limit(sp.simplify(small), ratio, 0)
+        in_ratio = plain.subs(self.parameter, -self.side * positive / sp.log(ratio)).rewrite(sp.exp)
+        limit = sp.limit(sp.simplify(in_ratio), ratio, 0)
         if limit.has(ratio):
             raise OperationError("the integrand has no limit")
         return sp.Integral(limit.xreplace({positive: periodic}), (k, *bounds))
@@ -233,24 +233,29 @@ class Linearise(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the linear equation of the perturbation."""
         target, *state = sources
-        size = sp.Dummy("s")
+        delta = sp.Dummy("s")
 
-        def first(side: sp.Expr) -> sp.Expr:
-            for own, change in self.changes.items():
-                side = self._perturbed(side, own, change, size, *state)
-            return sp.expand(taylor_coefficient(side.doit(), size, 1))
+        def first_order(side: sp.Expr) -> sp.Expr:
+            for quantity, perturbation in self.changes.items():
+                side = self._perturbed(side, quantity, perturbation, delta, *state)
+            return sp.expand(taylor_coefficient(side.doit(), delta, 1))
 
         if self.rate is None:
-            return equation(first(left_minus_right(target)))
-        return equation(self.rate, sp.ImmutableMatrix([first(row) for row in target.rhs]))
+            return equation(first_order(left_minus_right(target)))
+        return equation(self.rate, sp.ImmutableMatrix([first_order(row) for row in target.rhs]))
 
     def _perturbed(
-        self, side: sp.Expr, own: sp.Basic, change: sp.Basic, size: sp.Symbol, *state: sp.Basic
+        self,
+        side: sp.Expr,
+        quantity: sp.Basic,
+        perturbation: sp.Basic,
+        delta: sp.Symbol,
+        *state: sp.Basic,
     ) -> sp.Expr:
-        if not isinstance(own, sp.FunctionClass):
-            return side.xreplace({own: own + size * change})
-        base = sp.S.Zero if self.at_rest else state[0].rhs
-        return side.replace(own, lambda *at: base + size * change(*at))
+        if not isinstance(quantity, sp.FunctionClass):
+            return side.xreplace({quantity: quantity + delta * perturbation})
+        state_value = sp.S.Zero if self.at_rest else state[0].rhs
+        return side.replace(quantity, lambda *at: state_value + delta * perturbation(*at))
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the state."""

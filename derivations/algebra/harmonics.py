@@ -45,9 +45,9 @@ class HarmonicRing:
     ring: PolyRing = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        bars = tuple(sp.Symbol(rf"\bar{{{s.name}}}") for s in self.amplitudes)
-        object.__setattr__(self, "conjugates", bars)
-        generators = self.amplitudes + bars + self.parameters
+        conjugates = tuple(sp.Symbol(rf"\bar{{{s.name}}}") for s in self.amplitudes)
+        object.__setattr__(self, "conjugates", conjugates)
+        generators = self.amplitudes + conjugates + self.parameters
         object.__setattr__(self, "ring", PolyRing(generators, QQ_I, sp.polys.orderings.lex))
 
     @property
@@ -75,11 +75,11 @@ class HarmonicRing:
     def conjugate(self, value: Coefficient) -> Coefficient:
         """Return the complex conjugate of a coefficient."""
         count = len(self.amplitudes)
-        out = {}
+        terms = {}
         for powers, number in value.items():
             swapped = powers[count : 2 * count] + powers[:count] + powers[2 * count :]
-            out[swapped] = QQ_I(number.x, -number.y)
-        return self.ring.from_dict(out)
+            terms[swapped] = QQ_I(number.x, -number.y)
+        return self.ring.from_dict(terms)
 
     def shift(self, value: Coefficient, places: int) -> Coefficient:
         """Return the same coefficient written for the site ``places`` further on.
@@ -90,16 +90,16 @@ class HarmonicRing:
             If an amplitude would leave the sites contained in the ring.
         """
         count = len(self.amplitudes)
-        out = {}
+        terms = {}
         for powers, number in value.items():
-            moved = [0] * (2 * count) + list(powers[2 * count :])
+            shifted = [0] * (2 * count) + list(powers[2 * count :])
             for site in range(count):
                 for block in (0, count):
                     if powers[block + site]:
-                        there = self._position(site - self.reach + places)
-                        moved[block + there] = powers[block + site]
-            out[tuple(moved)] = number
-        return self.ring.from_dict(out)
+                        position = self._position(site - self.reach + places)
+                        shifted[block + position] = powers[block + site]
+            terms[tuple(shifted)] = number
+        return self.ring.from_dict(terms)
 
     def along(
         self, value: Coefficient, flow: Mapping[int, Coefficient],
@@ -115,8 +115,8 @@ class HarmonicRing:
         for offset, rate in flow.items():
             position = self._position(offset)
             total += value.diff(self.ring.gens[position]) * rate
-            other = self.conjugate(rate) if conjugates is None else conjugates[offset]
-            total += value.diff(self.ring.gens[count + position]) * other
+            conjugate_rate = self.conjugate(rate) if conjugates is None else conjugates[offset]
+            total += value.diff(self.ring.gens[count + position]) * conjugate_rate
         return total
 
     def flow(self, rate: Coefficient, reach: int) -> dict[int, Coefficient]:
@@ -194,20 +194,20 @@ class Harmonics:
 
     def oscillation(self) -> Harmonics:
         """Return the antiderivative in T0 with zero mean of everything but the mean."""
-        out = {m: value * QQ_I(0, sp.QQ(-1, m)) for m, value in self.terms.items() if m}
-        return Harmonics(self.ring, out)
+        terms = {m: value * QQ_I(0, sp.QQ(-1, m)) for m, value in self.terms.items() if m}
+        return Harmonics(self.ring, terms)
 
     def response(self) -> Harmonics:
         """Solve ``u'' + u = self`` for u without ``e^{±i T0}``, omitting resonant terms.
 
         The secular condition must already have made the resonant coefficients vanish.
         """
-        out = {
+        terms = {
             m: value * QQ_I(sp.QQ(1, 1 - m * m), 0)
             for m, value in self.terms.items()
             if abs(m) != 1
         }
-        return Harmonics(self.ring, out)
+        return Harmonics(self.ring, terms)
 
     def shifted(self, places: int) -> Harmonics:
         """Return the same element written for the site ``places`` further on."""

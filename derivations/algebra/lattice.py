@@ -92,12 +92,13 @@ class WriteFirstOrder(Operation):
         """Return ``dX/dt = f(X)`` in the components."""
         chain, state = sources
         names = dict(zip(state.rhs, self.components, strict=True))
-        seconds = {}
+        accelerations = {}
         for part in parts_of(chain):
             whole = sp.expand(left_minus_right(part))
-            (own,) = (q for q in whole.atoms(sp.Derivative) if q.derivative_count == 2)
-            seconds[own] = -(whole - whole.coeff(own) * own) / whole.coeff(own)
-        rows = [sp.diff(entry, self.time).subs(seconds) for entry in state.rhs]
+            (acceleration,) = (q for q in whole.atoms(sp.Derivative) if q.derivative_count == 2)
+            factor = whole.coeff(acceleration)
+            accelerations[acceleration] = -(whole - factor * acceleration) / factor
+        rows = [sp.diff(entry, self.time).subs(accelerations) for entry in state.rhs]
         rows = [row.xreplace(names) for row in rows]
         if any(row.has(self.time) for row in rows):
             raise OperationError("the state does not determine its own rate")
@@ -123,10 +124,12 @@ class ReadMatrix(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``name = matrix``."""
         (source,) = sources
-        entries = [[sp.expand(row).coeff(own) for own in self.unknowns] for row in source.rhs]
+        entries = [
+            [sp.expand(row).coeff(unknown) for unknown in self.unknowns] for row in source.rhs
+        ]
         matrix = sp.ImmutableMatrix(entries)
-        left_over = sp.ImmutableMatrix(source.rhs) - matrix * sp.ImmutableMatrix(self.unknowns)
-        if not left_over.expand().is_zero_matrix:
+        remainder = sp.ImmutableMatrix(source.rhs) - matrix * sp.ImmutableMatrix(self.unknowns)
+        if not remainder.expand().is_zero_matrix:
             raise OperationError("the system is not linear and homogeneous")
         return equation(self.name, matrix)
 
@@ -153,8 +156,8 @@ class InsertPlaneWave(Operation):
         """Return the characteristic equation, in cosines of the wavenumber."""
         (source,) = sources
         whole = left_minus_right(source)
-        here = next(iter(sorted(whole.atoms(AppliedUndef), key=str)))
-        site, time = (next(iter(here.args[place].free_symbols)) for place in (0, 1))
+        site_field = next(iter(sorted(whole.atoms(AppliedUndef), key=str)))
+        site, time = (next(iter(site_field.args[place].free_symbols)) for place in (0, 1))
 
         def wave(place: sp.Expr, when: sp.Expr) -> sp.Expr:
             return sp.exp(self.rate * when + sp.I * self.wavenumber * place)

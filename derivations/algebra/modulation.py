@@ -56,19 +56,19 @@ class Force:
         accelerations = [q for q in whole.atoms(sp.Derivative) if q.derivative_count == 2]
         if len(accelerations) != 1:
             raise OperationError("one second derivative is needed")
-        own = accelerations[0].expr
-        index, time = own.args
+        field = accelerations[0].expr
+        index, time = field.args
         force = sp.diff(whole, small)
-        if sp.expand(whole.subs(small, 0) - accelerations[0] - own) != 0 or force.has(small):
+        if sp.expand(whole.subs(small, 0) - accelerations[0] - field) != 0 or force.has(small):
             raise OperationError(f"{motion} is not y'' + y + {small} F = 0")
-        stand_ins: dict[sp.Basic, sp.Symbol] = {own.diff(time): sp.Dummy("rate")}
-        names: dict[sp.Symbol, Argument] = {stand_ins[own.diff(time)]: RATE}
+        stand_ins: dict[sp.Basic, sp.Symbol] = {field.diff(time): sp.Dummy("rate")}
+        names: dict[sp.Symbol, Argument] = {stand_ins[field.diff(time)]: RATE}
         for site in sorted(force.atoms(AppliedUndef), key=str):
             stand_ins[site] = sp.Dummy(str(site))
             names[stand_ins[site]] = int(site.args[0] - index)
-        plain = sp.expand(force.xreplace(stand_ins))
-        used = [symbol for symbol in names if plain.has(symbol)]
-        return cls(tuple(names[symbol] for symbol in used), sp.Poly(plain, *used))
+        polynomial = sp.expand(force.xreplace(stand_ins))
+        used = [symbol for symbol in names if polynomial.has(symbol)]
+        return cls(tuple(names[symbol] for symbol in used), sp.Poly(polynomial, *used))
 
     @property
     def reach(self) -> int:
@@ -235,10 +235,10 @@ def by_averaging(force: Force, order: int) -> Modulation:
     # <Dg u1>: only the product of opposite harmonics has a mean.
     second = ring.ring.zero
     for m, value in right.terms.items():
-        moved = {site: u.shifted(site) for site in range(-reach, reach + 1)}
-        back = {site: moved[site].coefficient(-m) for site in moved}
-        forth = {site: ring.conjugate(moved[site].coefficient(m)) for site in moved}
-        second += ring.along(value, back, forth)
+        shifted = {site: u.shifted(site) for site in range(-reach, reach + 1)}
+        changes = {site: shifted[site].coefficient(-m) for site in shifted}
+        conjugate_changes = {site: ring.conjugate(shifted[site].coefficient(m)) for site in shifted}
+        second += ring.along(value, changes, conjugate_changes)
     return Modulation(ring, reach, first, second, u)
 
 
@@ -278,9 +278,11 @@ def in_scales_amplitude(
     ring, first, reach = averaged.ring, averaged.first, averaged.reach
     if averaged.second is None:
         raise ValueError("averaging was carried to first order only")
-    moved = averaged.second
-    moved += ring.along(shift, ring.flow(first, reach)) - ring.along(first, ring.flow(shift, reach))
-    return _phi_to_amplitude(ring, first), _phi_to_amplitude(ring, moved)
+    second = averaged.second
+    second += ring.along(shift, ring.flow(first, reach)) - ring.along(
+        first, ring.flow(shift, reach)
+    )
+    return _phi_to_amplitude(ring, first), _phi_to_amplitude(ring, second)
 
 
 def _phi_to_amplitude(ring: HarmonicRing, value: Any) -> Any:

@@ -26,30 +26,34 @@ def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
         If the expression is not a polynomial in harmonics of the phase.
     """
     frozen = _frozen(expression)
-    turn, fast = sp.Dummy("turn"), phase
+    phase_factor, fast_phase = sp.Dummy("turn"), phase
     plain = sp.sympify(expression).xreplace(frozen)
     if not phase.is_Symbol:
-        fast = sp.Dummy("fast")
+        fast_phase = sp.Dummy("fast")
         (time,) = (q for q in phase.free_symbols if q.name == "t")
-        plain = plain.subs(time, fast * time / phase)
+        plain = plain.subs(time, fast_phase * time / phase)
     plain = plain.replace(
-        lambda q: isinstance(q, (sp.sin, sp.cos)) and q.has(fast), lambda q: q.rewrite(sp.exp)
+        lambda q: isinstance(q, (sp.sin, sp.cos)) and q.has(fast_phase), lambda q: q.rewrite(sp.exp)
     )
     rules = {}
     for wave in plain.atoms(sp.exp):
-        if wave.has(fast):
-            rest, turning = sp.expand(wave.exp).as_independent(fast, as_Add=True)
-            rules[wave] = turn ** sp.cancel(turning / (sp.I * fast)) * sp.exp(rest)
+        if wave.has(fast_phase):
+            slow_exponent, fast_exponent = sp.expand(wave.exp).as_independent(
+                fast_phase, as_Add=True
+            )
+            rules[wave] = phase_factor ** sp.cancel(fast_exponent / (sp.I * fast_phase)) * sp.exp(
+                slow_exponent
+            )
     plain = sp.expand(plain.xreplace(rules), power_exp=False)
-    if plain.has(fast):
+    if plain.has(fast_phase):
         raise OperationError(f"{spoken(phase)} remains outside the harmonics")
     found: dict[int, sp.Expr] = {}
     for term in sp.Add.make_args(plain):
-        slow, wave = term.as_independent(turn, as_Add=False)
+        slow, wave = term.as_independent(phase_factor, as_Add=False)
         number = 0 if wave == 1 else int(wave.as_base_exp()[1])
         found[number] = found.get(number, sp.S.Zero) + slow
-    back = {dummy: own for own, dummy in frozen.items()}
-    return {m: q.xreplace(back) for m, q in found.items() if q != 0}
+    originals = {dummy: own for own, dummy in frozen.items()}
+    return {m: q.xreplace(originals) for m, q in found.items() if q != 0}
 
 
 def _frozen(expression: sp.Basic) -> dict[sp.Basic, sp.Dummy]:
@@ -73,11 +77,11 @@ def complex_parts(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     plain = sp.powsimp(sp.expand(expression.xreplace(frozen)), combine="exp")
     plain = plain.replace(sp.exp, _euler)
     plain = sp.expand(plain)
-    loose = [q for q in plain.free_symbols if q.is_extended_real is not True]
-    if loose:
-        raise OperationError(f"{', '.join(map(str, loose))} may be complex")
-    back = {dummy: own for own, dummy in frozen.items()}
-    real, imaginary = (plain.coeff(sp.I, power).xreplace(back) for power in (0, 1))
+    not_real = [q for q in plain.free_symbols if q.is_extended_real is not True]
+    if not_real:
+        raise OperationError(f"{', '.join(map(str, not_real))} may be complex")
+    originals = {dummy: own for own, dummy in frozen.items()}
+    real, imaginary = (plain.coeff(sp.I, power).xreplace(originals) for power in (0, 1))
     return real, imaginary
 
 
@@ -111,11 +115,13 @@ class RemoveSecularTerms(Operation):
         """Return ``coefficient of the resonant harmonic = 0``."""
         target, *rules = sources
         whole = sp.expand(left_minus_right(target))
-        own = sum((q for q in sp.Add.make_args(whole) if q.has(self.unknown)), sp.S.Zero)
+        terms_of_unknown = sum(
+            (q for q in sp.Add.make_args(whole) if q.has(self.unknown)), sp.S.Zero
+        )
         wave = sp.exp(sp.I * self.harmonic * self.fast)
-        if sp.expand(own.subs(self.unknown, wave).doit()) != 0:
+        if sp.expand(terms_of_unknown.subs(self.unknown, wave).doit()) != 0:
             raise OperationError(f"harmonic {self.harmonic} is not resonant")
-        drive = left_minus_right(Substitute()(equation(whole - own), *rules))
+        drive = left_minus_right(Substitute()(equation(whole - terms_of_unknown), *rules))
         return equation(harmonics_of(drive, self.fast).get(self.harmonic, sp.S.Zero))
 
     def words(self, labels: Sequence[str]) -> str:
@@ -183,19 +189,19 @@ class Average(Operation):
 
 def with_modulus(expression: sp.Expr) -> sp.Expr:
     """Return the expression with ``z z*`` written ``|z|²``."""
-    out = []
+    terms = []
     for term in sp.Add.make_args(sp.expand(expression)):
         powers = dict(term.as_powers_dict())
         for factor in list(powers):
             if isinstance(factor, sp.conjugate) and factor.args[0] in powers:
-                own = factor.args[0]
-                common = min(powers[own], powers[factor])
-                powers[own] -= common
-                powers[factor] -= common
-                size = sp.Abs(own)
-                powers[size] = powers.get(size, 0) + 2 * common
-        out.append(sp.Mul(*(base**power for base, power in powers.items())))
-    return sp.Add(*out)
+                conjugated = factor.args[0]
+                pairs = min(powers[conjugated], powers[factor])
+                powers[conjugated] -= pairs
+                powers[factor] -= pairs
+                absolute = sp.Abs(conjugated)
+                powers[absolute] = powers.get(absolute, 0) + 2 * pairs
+        terms.append(sp.Mul(*(base**power for base, power in powers.items())))
+    return sp.Add(*terms)
 
 
 @dataclass(frozen=True)
@@ -245,16 +251,16 @@ class SquareAndAdd(Operation):
         """Return the sum of the squares."""
         (source,) = sources
         first, second = (sp.expand(left_minus_right(part)) for part in parts_of(source))
-        rests, waves = zip(*(q.as_independent(self.angle, as_Add=True) for q in (first, second)),
-                           strict=True)  # fmt: skip
+        split = (q.as_independent(self.angle, as_Add=True) for q in (first, second))
+        constants, oscillating = zip(*split, strict=True)
         # For real waves the sum of squares is a product of conjugates, in which angles cancel.
-        turning = [sp.expand(wave.rewrite(sp.exp)) for wave in waves]
-        up, down = (sp.expand(turning[0] + sign * sp.I * turning[1]) for sign in (1, -1))
+        exponentials = [sp.expand(wave.rewrite(sp.exp)) for wave in oscillating]
+        up, down = (sp.expand(exponentials[0] + sign * sp.I * exponentials[1]) for sign in (1, -1))
         product = sp.expand(up * down)
         left = sp.expand(sp.powsimp(product, combine="exp").replace(sp.exp, _euler))
         if left.has(self.angle):
             raise OperationError(f"{self.angle} does not drop out")
-        return equation(left, sum((sp.collect(rest, ()) ** 2 for rest in rests), sp.S.Zero))
+        return equation(left, sum((sp.collect(rest, ()) ** 2 for rest in constants), sp.S.Zero))
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the angle."""
@@ -284,8 +290,8 @@ class CompareFundamental(Operation):
         found = [harmonics_of(source.rhs, self.phase).get(1, sp.S.Zero) for source in sources]
         if self.name is not None:
             return equation(self.name, 2 * modulus(found[0]))
-        sizes = equation(*(2 * modulus(each) for each in found))
-        return system((sizes, equation(*map(argument, found))))
+        amplitudes = equation(*(2 * modulus(each) for each in found))
+        return system((amplitudes, equation(*map(argument, found))))
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the motions."""
@@ -308,5 +314,5 @@ def argument(value: sp.Expr) -> sp.Expr:
     for factor in sp.Mul.make_args(sp.powsimp(value, combine="exp")):
         total += sp.im(factor.exp) if isinstance(factor, sp.exp) else sp.arg(factor)
     number, rest = total.as_independent(*total.free_symbols, as_Add=True)
-    turned = sp.Mod(number + sp.pi, 2 * sp.pi) - sp.pi  # in [-pi, pi)
-    return turned + rest
+    principal = sp.Mod(number + sp.pi, 2 * sp.pi) - sp.pi  # in [-pi, pi)
+    return principal + rest

@@ -160,21 +160,21 @@ def _cancelled(side: sp.Expr) -> sp.Expr:
     A side whose numerator is a sum of more than `MAX_TERMS` terms is left unchanged, since factors
     would hide its form.
     """
-    above, below = sp.fraction(sp.together(side))
-    if below == 1:
+    numerator, denominator = sp.fraction(sp.together(side))
+    if denominator == 1:
         return side
-    above = sp.expand(above)
-    if len(sp.Add.make_args(above)) > MAX_TERMS:
+    numerator = sp.expand(numerator)
+    if len(sp.Add.make_args(numerator)) > MAX_TERMS:
         return side
-    return sp.factor(above) / sp.factor(below)
+    return sp.factor(numerator) / sp.factor(denominator)
 
 
 def _with_short_roots(side: sp.Expr) -> sp.Expr:
     """Write each radicand as a product, and take squares out of roots."""
-    for shorter in (sp.factor, sp.cancel):
+    for rewrite in (sp.factor, sp.cancel):
         side = side.replace(
             lambda q: q.is_Pow and q.exp == sp.Rational(1, 2),
-            lambda q, of=shorter: sp.sqrt(of(q.base)),
+            lambda q, rewritten=rewrite: sp.sqrt(rewritten(q.base)),
         )
     return side
 
@@ -244,12 +244,12 @@ class Apply(Operation):
         if self.function is Function.SQUARE_ROOT:
             left, right = (_root(side) for side in source.args)
             return sp.Tuple(equation(left, right), equation(left, -right))
-        of = {
+        functions = {
             Function.MODULUS: sp.Abs,
             Function.SQUARE: lambda side: sp.cancel(side**2),
             Function.RECIPROCAL: lambda side: sp.cancel(1 / side),
         }
-        return on_sides(source, of[self.function])
+        return on_sides(source, functions[self.function])
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the function."""
@@ -290,11 +290,11 @@ class TakeCoefficient(Operation):
 def with_cosines(expression: sp.Expr) -> sp.Expr:
     """Return the expanded expression with ``e^{iz}`` written by cosine and sine of z."""
 
-    def turned(exponent: sp.Expr) -> sp.Expr:
+    def by_cosine(exponent: sp.Expr) -> sp.Expr:
         angle = sp.expand(exponent).as_coefficient(sp.I)
         return sp.exp(exponent) if angle is None else sp.cos(angle) + sp.I * sp.sin(angle)
 
-    return sp.expand(expression.replace(sp.exp, turned))
+    return sp.expand(expression.replace(sp.exp, by_cosine))
 
 
 @dataclass(frozen=True)
@@ -319,17 +319,18 @@ class Differentiate(Operation):
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return ``name = derivative`` in the variable, the quantity and lower derivatives."""
         (source,) = sources
-        held = sp.Function("held")(self.variable)
-        current = left_minus_right(source).subs(self.quantity, held)
+        function = sp.Function("held")(self.variable)
+        current = left_minus_right(source).subs(self.quantity, function)
         known: dict[sp.Basic, sp.Basic] = {}
-        out = []
+        derivatives = []
         for order, name in enumerate(self.names, start=1):
             current = current.diff(self.variable)
-            known = {held.diff((self.variable, order)): name, **known}  # the highest first
-            plain = current.subs(known).subs(held, self.quantity)
-            found = -plain.subs(name, 0) / plain.diff(name)  # linear in the highest derivative
-            out.append(equation(name, sp.expand(found)))
-        return system(tuple(out))
+            known = {function.diff((self.variable, order)): name, **known}  # the highest first
+            relation = current.subs(known).subs(function, self.quantity)
+            # The relation is linear in the highest derivative.
+            found = -relation.subs(name, 0) / relation.diff(name)
+            derivatives.append(equation(name, sp.expand(found)))
+        return system(tuple(derivatives))
 
 
 @dataclass(frozen=True)

@@ -109,10 +109,10 @@ def _bare(part: sp.Basic) -> str:
 def sentence(step: Step) -> str:
     """Return kind, operation and note of a step as running text."""
     kind = "" if step.kind is Kind.DERIVED else f"{step.kind.value.capitalize()}: "
-    said = step.operation if kind else step.operation[:1].upper() + step.operation[1:]
+    words = step.operation if kind else step.operation[:1].upper() + step.operation[1:]
     # A note that begins with a lower-case letter, possibly a symbol, continues the sentence.
     mark = "; " if step.note[:1].islower() else ". "
-    return f"{kind}{said}" + (f"{mark}{step.note}" if step.note else "")
+    return f"{kind}{words}" + (f"{mark}{step.note}" if step.note else "")
 
 
 def named(step: Step) -> str:
@@ -229,7 +229,7 @@ def _broken(part: sp.Basic) -> list[str]:
 def _rows_of_terms(total: sp.Expr) -> list[str]:
     """Return a sum in rows of a few terms; a factor that is a long sum begins rows of its own."""
     rows: list[str] = []
-    held = 0
+    terms_in_row = 0
     for place, term in enumerate(sp.Add.make_args(total)):
         factor, inner = _factor_and_sum(term)
         new = [str(sp.latex(term))]
@@ -238,12 +238,12 @@ def _rows_of_terms(total: sp.Expr) -> list[str]:
             new[0], new[-1] = f"{sp.latex(factor)} \\Bigl( {new[0]}", f"{new[-1]} \\Bigr)"
         if place and not new[0].startswith("-"):
             new[0] = f"{{}} + {new[0]}"
-        if 0 < held < TERMS_A_LINE and len(new) == 1:
+        if 0 < terms_in_row < TERMS_A_LINE and len(new) == 1:
             rows[-1] += new[0]
-            held += 1
+            terms_in_row += 1
         else:
             rows += new
-            held = 1 if len(new) == 1 else 0
+            terms_in_row = 1 if len(new) == 1 else 0
     return rows
 
 

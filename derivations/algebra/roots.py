@@ -44,8 +44,8 @@ class CountAbove(Operation):
             if not real.subs(heights).is_positive:
                 raise OperationError(f"the real part {real} may vanish on the boundary")
         wave = sp.exp(-sp.I * self.wavenumber)
-        growing = sp.expand(function.rhs.rewrite(sp.exp)).coeff(wave)
-        ends = [sp.arg(growing.subs(_ones(growing)) * sp.exp(-sp.I * sp.pi * q))
+        dominant = sp.expand(function.rhs.rewrite(sp.exp)).coeff(wave)
+        ends = [sp.arg(dominant.subs(_ones(dominant)) * sp.exp(-sp.I * sp.pi * q))
                 for q in (self.left, self.left + 1)]  # fmt: skip
         width = sp.pi
         return equation(self.name, sp.simplify((width + ends[1] - ends[0]) / (2 * sp.pi)))
@@ -145,11 +145,11 @@ class SquareModulus(Operation):
             raise OperationError(f"{relation.lhs} is not the modulus of {value.lhs}")
         partner = sp.Dummy("q", real=True)
         (power,) = (q for q in root.rhs.atoms(sp.Pow) if q.exp == sp.Rational(1, 2))
-        inside = value.rhs.subs(root.lhs, root.rhs.subs(power, partner))
-        square = sp.cancel(sp.together(sp.expand(inside * sp.conjugate(inside))))
-        top, bottom = (sp.expand(q).subs(partner**2, power.base)
+        z_value = value.rhs.subs(root.lhs, root.rhs.subs(power, partner))
+        square = sp.cancel(sp.together(sp.expand(z_value * sp.conjugate(z_value))))
+        numerator, denominator = (sp.expand(q).subs(partner**2, power.base)
                        for q in (sp.numer(square), sp.denom(square)))  # fmt: skip
-        reduced = sp.cancel(top / bottom)
+        reduced = sp.cancel(numerator / denominator)
         if reduced.has(partner):
             raise OperationError("the modulus is not rational in the parameter")
         return equation(reduced, relation.rhs**2)

@@ -66,13 +66,16 @@ class SolveFor(Operation):
         if polynomial.has(angle):
             raise OperationError(f"not only cosines of {self.unknown} occur")
         if polynomial.degree() == 1:
-            slope, low = polynomial.all_coeffs()
-            roots = [sp.simplify(-low / slope)]
+            linear, constant = polynomial.all_coeffs()
+            roots = [sp.simplify(-constant / linear)]
         elif polynomial.degree() == 2:
             # First the root that stays finite when the leading coefficient vanishes.
-            top, middle, low = polynomial.all_coeffs()
-            spread = sp.sqrt(middle**2 - 4 * top * low)
-            roots = [-2 * low / (middle + spread), -(middle + spread) / (2 * top)]
+            quadratic, linear, constant = polynomial.all_coeffs()
+            root_of_discriminant = sp.sqrt(linear**2 - 4 * quadratic * constant)
+            roots = [
+                -2 * constant / (linear + root_of_discriminant),
+                -(linear + root_of_discriminant) / (2 * quadratic),
+            ]
         else:
             raise OperationError(
                 f"it is of degree {polynomial.degree()} in cos {spoken(self.unknown)}"

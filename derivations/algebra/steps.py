@@ -222,9 +222,9 @@ class Derived(Step):
     def operation(self) -> str:
         """What was done, one sentence per operation."""
         labels = [source.label for source in self.given_by]
-        said = [self.operations[0].words(labels)]
-        said += [operation.words(["the result"]) for operation in self.operations[1:]]
-        return "; ".join(said)
+        sentences = [self.operations[0].words(labels)]
+        sentences += [operation.words(["the result"]) for operation in self.operations[1:]]
+        return "; ".join(sentences)
 
 
 @dataclass(frozen=True)
@@ -247,9 +247,9 @@ class Derivation:
 
     def __post_init__(self) -> None:
         names = [step.name for step in self.steps]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ValueError(f"derivation '{self.key}' has two steps called '{twice[0]}'")
+        repeated = sorted({name for name in names if names.count(name) > 1})
+        if repeated:
+            raise ValueError(f"derivation '{self.key}' has two steps called '{repeated[0]}'")
 
     def examined(self) -> Iterator[tuple[Step, Evidence]]:
         """Each step with its evidence; stops after the first step whose check fails."""
@@ -290,9 +290,9 @@ class Derivation:
         for step in self.steps:
             if step.number == number:
                 return step
-        held = ", ".join(str(step.number) for step in self.steps if step.number is not None)
+        numbers = ", ".join(str(step.number) for step in self.steps if step.number is not None)
         raise DerivationInputError(
-            "equation", number, f"one of {held} in '{self.key}'", "choose one of these numbers"
+            "equation", number, f"one of {numbers} in '{self.key}'", "choose one of these numbers"
         )
 
     def named(self, name: str) -> Step:
@@ -361,8 +361,8 @@ class Draft:
         check: Check, number: int | None = None, note: str = "", assumes: bool = False,
     ) -> None:  # fmt: skip
         """Add a step derived from the steps with these names."""
-        done = operations if isinstance(operations, tuple) else (operations,)
-        self.add(Derived(name=name, operations=done, given_by=tuple(self[q] for q in sources),
+        sequence = operations if isinstance(operations, tuple) else (operations,)
+        self.add(Derived(name=name, operations=sequence, given_by=tuple(self[q] for q in sources),
                          check=check, number=number, note=note, assumes=assumes))  # fmt: skip
 
     def finished(self, key: str, title: str) -> Derivation:

@@ -79,11 +79,11 @@ class Substitute(Operation):
 def _step_rule(rule: sp.Equivalent) -> dict[sp.Basic, sp.Basic]:
     """Read ``p > q if and only if z < z_0``: where the step function of ``p - q`` switches."""
     relations = {isinstance(part, sp.Gt): part for part in rule.args}
-    over, place = relations[True], relations[False]
-    if not isinstance(place, sp.Lt):
+    threshold_relation, position_relation = relations[True], relations[False]
+    if not isinstance(position_relation, sp.Lt):
         raise OperationError(f"{rule} does not say where the threshold is passed")
-    switch = sp.Heaviside(over.lhs - over.rhs, HALF)
-    return {switch: sp.Heaviside(place.rhs - place.lhs, HALF)}
+    step = sp.Heaviside(threshold_relation.lhs - threshold_relation.rhs, HALF)
+    return {step: sp.Heaviside(position_relation.rhs - position_relation.lhs, HALF)}
 
 
 def mirrored(field: sp.FunctionClass, time: sp.Symbol, reach: int) -> Substitute:
@@ -121,18 +121,18 @@ class Eliminate(Operation):
         target, others = sources[0], Substitute(self.where)(sources[1])
         rules: dict[sp.Basic, sp.Basic] = {}
         for part in parts_of(others):
-            gone = [own for own in self.unknowns if part.rhs.has(own)]
-            solved = SolveFor(gone[0])(part) if gone else part
+            contained = [own for own in self.unknowns if part.rhs.has(own)]
+            solved = SolveFor(contained[0])(part) if contained else part
             if len(parts_of(solved)) != 1:
-                raise OperationError(f"{part} has several solutions for {gone[0]}")
+                raise OperationError(f"{part} has several solutions for {contained[0]}")
             rules[solved.lhs] = solved.rhs
 
-        def written(side: sp.Expr) -> sp.Expr:
+        def eliminated(side: sp.Expr) -> sp.Expr:
             for _ in rules:  # the solution for one symbol may contain another
                 side = side.subs(rules)
             return side.doit()
 
-        return on_sides(target, written)
+        return on_sides(target, eliminated)
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the unknowns."""
@@ -152,9 +152,9 @@ class EliminatePowers(Operation):
         target, relation = sources
         if not target.rhs.is_polynomial(self.symbol):
             return target
-        own = sp.Poly(left_minus_right(relation), self.symbol)
-        rest = sp.rem(sp.Poly(sp.expand(target.rhs), self.symbol), own)
-        return equation(target.lhs, sp.collect(sp.expand(rest.as_expr()), self.symbol))
+        polynomial = sp.Poly(left_minus_right(relation), self.symbol)
+        remainder = sp.rem(sp.Poly(sp.expand(target.rhs), self.symbol), polynomial)
+        return equation(target.lhs, sp.collect(sp.expand(remainder.as_expr()), self.symbol))
 
 
 @dataclass(frozen=True)
@@ -254,26 +254,26 @@ class ChangeVariables(Operation):
         """Return the equation in the new variables; derivatives follow by the chain rule."""
         target, scales = sources
         rules = {part.lhs: part.rhs for part in parts_of(scales)}
-        clock = rules.pop(self.scaled_time)
-        (before,) = sp.solve(self.scaled_time - clock, self.time)
+        new_time = rules.pop(self.scaled_time)
+        (old_time,) = sp.solve(self.scaled_time - new_time, self.time)
         fields = {own: new for own, new in rules.items() if isinstance(own, AppliedUndef)}
         plain = {own: new for own, new in rules.items() if own not in fields}
 
         def changed(side: sp.Expr) -> sp.Expr:
             for own, new in fields.items():
-                side = side.replace(own.func, _scaled_field(own, new, self.scaled_time, clock))
-            return side.doit().subs(self.time, before).doit().xreplace(plain)
+                side = side.replace(own.func, _scaled_field(own, new, self.scaled_time, new_time))
+            return side.doit().subs(self.time, old_time).doit().xreplace(plain)
 
         return on_sides(target, changed)
 
 
 def _scaled_field(
-    own: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, clock: sp.Expr
+    own: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, new_time: sp.Expr
 ) -> Callable[..., sp.Expr]:
     """Return what replaces a field at any index and time."""
 
     def scaled(*arguments: sp.Expr) -> sp.Expr:
-        return new.subs(scaled_time, clock).subs(dict(zip(own.args, arguments, strict=True)))
+        return new.subs(scaled_time, new_time).subs(dict(zip(own.args, arguments, strict=True)))
 
     return scaled
 
@@ -304,14 +304,14 @@ class RescaleTime(Operation):
         rules = {part.lhs: part.rhs for source in derivatives for part in parts_of(source)}
         rules[self.function] = self.scaled
         fast = parts_of(scales)[0]
-        speed = sp.diff(fast.rhs, self.time)
+        rate = sp.diff(fast.rhs, self.time)
 
         def rescaled(side: sp.Expr) -> sp.Expr:
             known = side.xreplace(rules)
-            left = [q for q in known.atoms(AppliedUndef) if self.time in q.args]
-            if left:
-                raise OperationError(f"{left[0]} is a function of {self.time} without scales")
-            return known.subs(self.time, fast.lhs / speed)
+            remaining = [q for q in known.atoms(AppliedUndef) if self.time in q.args]
+            if remaining:
+                raise OperationError(f"{remaining[0]} is a function of {self.time} without scales")
+            return known.subs(self.time, fast.lhs / rate)
 
         return on_sides(target, rescaled)
 
@@ -338,18 +338,18 @@ class EnterMovingFrame(Operation):
         target, wave = sources
         parts = parts_of(wave)
         (moving,) = (q for q in parts if q.lhs.args == (self.site, self.time))
-        (named,) = (q for q in parts if q.lhs == moving.rhs)
-        (there,) = sp.solve(named.lhs.args[0] - named.rhs.args[0], self.site)
+        (definition,) = (q for q in parts if q.lhs == moving.rhs)
+        (position,) = sp.solve(definition.lhs.args[0] - definition.rhs.args[0], self.site)
         field, profile = moving.lhs.func, moving.rhs.func
 
-        def put(place: sp.Expr, *when: sp.Expr) -> sp.Expr:
+        def insert(place: sp.Expr, *when: sp.Expr) -> sp.Expr:
             return moving.rhs.subs(self.site, place) if when else field(place)  # a profile stays
 
-        def moved(side: sp.Expr) -> sp.Expr:
-            found = side.replace(field, put).doit().subs(self.site, there).doit()
+        def in_frame(side: sp.Expr) -> sp.Expr:
+            found = side.replace(field, insert).doit().subs(self.site, position).doit()
             return found.replace(profile, lambda at: profile(sp.expand(at))).doit()
 
-        result = on_sides(target, moved)
+        result = on_sides(target, in_frame)
         if result.has(self.time):  # a function of the site has become one of both
             raise OperationError(f"{self.site} or {self.time} is left: not a travelling wave")
         return result

@@ -105,8 +105,8 @@ def residue_at_root(integrand: sp.Expr, symbol: sp.Expr, slope: sp.Symbol) -> sp
         Name of the derivative of the function at the root.
     """
     distance = sp.Dummy("d")
-    near = integrand.xreplace({symbol: slope * distance}) * distance
-    found = sp.limit(near, distance, 0)
+    scaled = integrand.xreplace({symbol: slope * distance}) * distance
+    found = sp.limit(scaled, distance, 0)
     if not found.has(slope) or found.has(sp.oo, sp.zoo):
         raise OperationError(f"{symbol} has no simple zero in the denominator")
     return found
@@ -139,20 +139,20 @@ class CloseContour(Operation):
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the profile as sums over roots, on either side of the step."""
-        integral, named, sets = sources
+        integral, definition, sets = sources
         z, k = self.coordinate, self.wavenumber
         integrand = integral.rhs.function
         upper, lower = self._half_planes(sets)
-        at_root = residue_at_root(integrand, named.lhs, self.slope)
-        at_zero = (k * integrand).xreplace({named.lhs: named.rhs}).subs(k, 0)
+        at_root = residue_at_root(integrand, definition.lhs, self.slope)
+        at_zero = (k * integrand).xreplace({definition.lhs: definition.rhs}).subs(k, 0)
         if at_zero.has(sp.zoo, sp.nan):
             raise OperationError(f"there is no simple pole at {k} = 0")
-        turn = 2 * sp.pi * sp.I
-        above = self._sum(turn * at_root, upper)
-        below = -turn * at_zero + self._sum(-turn * at_root, lower)
+        two_pi_i = 2 * sp.pi * sp.I
+        above = self._sum(two_pi_i * at_root, upper)
+        below = -two_pi_i * at_zero + self._sum(-two_pi_i * at_root, lower)
         return equation(
             integral.lhs,
-            sp.Piecewise((sp.simplify(-turn * at_zero) + below + turn * at_zero, z < 0),
+            sp.Piecewise((sp.simplify(-two_pi_i * at_zero) + below + two_pi_i * at_zero, z < 0),
                          (above, z > 0)),
         )  # fmt: skip
 
@@ -191,17 +191,17 @@ class LayOnRealAxis(Operation):
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the profile at zero as half a residue and an integral from 0 to infinity."""
-        integral, named = sources
+        integral, definition = sources
         k = self.wavenumber
-        held = integral.rhs.function.subs(self.coordinate, 0)
-        even = sp.expand((named.rhs + named.rhs.subs(k, -k)) / 2)
-        odd = sp.expand(named.rhs - even)
-        rest = sp.simplify(held * named.lhs * k)  # the part that does not depend on k
-        if rest.has(k) or even.subs(k, 0) == 0:
+        integrand = integral.rhs.function.subs(self.coordinate, 0)
+        even = sp.expand((definition.rhs + definition.rhs.subs(k, -k)) / 2)
+        odd = sp.expand(definition.rhs - even)
+        constant = sp.simplify(integrand * definition.lhs * k)  # the part that does not depend on k
+        if constant.has(k) or even.subs(k, 0) == 0:
             raise OperationError("the integrand is not a constant over k L(k)")
-        half_residue = -sp.pi * sp.I * rest / even.subs(k, 0)
+        half_residue = -sp.pi * sp.I * constant / even.subs(k, 0)
         # (1/(even + odd) - 1/(even - odd)) / 2k, the even part of 1/(k L).
-        factor = 2 * rest * sp.cancel(-odd / k)
+        factor = 2 * constant * sp.cancel(-odd / k)
         line = factor * sp.Integral(1 / (even**2 + sp.cancel(-(odd**2))), (k, 0, sp.oo))
         at_zero = integral.lhs.subs(self.coordinate, 0)
         return equation(at_zero, sp.simplify(half_residue) + line)
@@ -235,13 +235,17 @@ class SumOverPeriods(Operation):
         denominator = 1 / line.function
         square = sum((q for q in sp.Add.make_args(denominator) if q.is_Pow), sp.S.Zero)
         periodic = square.base if square.is_Pow and square.exp == 2 else sp.S.Zero
-        moved = periodic.subs(k, k + 2 * sp.pi)
-        if periodic == 0 or sp.simplify(moved - periodic) != 0 or periodic.subs(k, -k) != periodic:
+        shifted = periodic.subs(k, k + 2 * sp.pi)
+        if (
+            periodic == 0
+            or sp.simplify(shifted - periodic) != 0
+            or periodic.subs(k, -k) != periodic
+        ):
             raise OperationError("the integrand has no even periodic part A squared")
-        rest = denominator - square
+        remainder = denominator - square
         comb = sp.S.Zero
-        for root in sp.solve(stand_in**2 + rest, k):
-            weight = 1 / sp.diff(rest, k).subs(k, root)
+        for root in sp.solve(stand_in**2 + remainder, k):
+            weight = 1 / sp.diff(remainder, k).subs(k, root)
             comb += weight * sp.cot((k - root) / 2) / 2
         period = hyperbolic(comb, k) / 2
         factor, kernel = sp.factor_terms(period).as_independent(k, stand_in, as_Add=False)
@@ -256,8 +260,8 @@ def hyperbolic(comb: sp.Expr, k: sp.Symbol) -> sp.Expr:
         raise OperationError("partial fractions did not give two terms")
     (weight, one), (_, other) = (q.as_independent(k, as_Add=False) for q in terms)
     x, y = one.args[0], other.args[0]
-    twice, apart = sp.expand(x + y), sp.expand(x - y)
-    total = 2 * weight * sp.sin(twice) / (sp.cos(apart) - sp.cos(twice))
+    sum_of_arguments, difference = sp.expand(x + y), sp.expand(x - y)
+    total = 2 * weight * sp.sin(sum_of_arguments) / (sp.cos(difference) - sp.cos(sum_of_arguments))
     if sp.simplify((total - comb).rewrite(sp.exp)) != 0:
         raise OperationError("the cotangents do not combine")
     return total
@@ -285,12 +289,13 @@ class IntegratePeriod(Operation):
         (integral,) = source.rhs.atoms(sp.Integral)
         k = integral.limits[0][0]
         cosine = sp.Dummy("cos")
-        plain = sp.expand_trig(integral.function).subs(sp.cos(k), cosine)
-        top, bottom = sp.fraction(sp.together(plain))
-        if plain.has(k) or not bottom.has(cosine):
+        in_cosine = sp.expand_trig(integral.function).subs(sp.cos(k), cosine)
+        numerator, denominator = sp.fraction(sp.together(in_cosine))
+        if in_cosine.has(k) or not denominator.has(cosine):
             raise OperationError("the integrand is not a rational function of the cosine")
-        weights = [(root, sp.simplify((top / sp.diff(bottom, cosine)).subs(cosine, root)))
-                   for root in sp.solve(bottom, cosine)]  # fmt: skip
+        residue = numerator / sp.diff(denominator, cosine)
+        weights = [(root, sp.simplify(residue.subs(cosine, root)))
+                   for root in sp.solve(denominator, cosine)]  # fmt: skip
         means = [self._short(-weight / (root * sp.sqrt(1 - 1 / root**2)))
                  for root, weight in weights]  # fmt: skip
         return equation(source.lhs, source.rhs.xreplace({integral: 2 * sp.pi * sum(means)}))

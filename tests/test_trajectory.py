@@ -136,7 +136,7 @@ def test_distances_are_from_rest_wherever_that_is() -> None:
     moved = np.array([[[0.3, 0.0], [0.4, 0.0]], [[0.0, -3.0], [0.1, 4.0]]])
     run: Any = SimpleNamespace(chain=chain, samples=moved + np.array(chain.rest_state)[:, None])
     assert chain.rest_state.y > 0.0
-    assert simulate_module._away(run) == pytest.approx([0.5, 5.0])
+    assert simulate_module._distance_from_rest(run) == pytest.approx([0.5, 5.0])
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,7 @@ def averaging_error(
     eps = np.array([chain.eps * 0.5**k for k in range(halvings + 1)])
     chain.averaged()  # refuses a chain that has no average
     scaled = _scalable(chain)
-    found = [_distance(_at(scaled, float(each)), state, slow_time) for each in eps]
+    found = [_distance(_at_eps(scaled, float(each)), state, slow_time) for each in eps]
     return AveragingError(
         chain=chain,
         slow_time=slow_time,
@@ -161,22 +161,22 @@ def _scalable(chain: VdpChain | OscillatorChain) -> VdpChain | OscillatorChain:
         return chain
     terms = as_polynomial(chain.stiffness, "stiffness").terms
     linear = {each: value for each, value in terms.items() if dict(each).get("y") == 1}
-    rest = {each: value for each, value in terms.items() if each not in linear}
+    nonlinear = {each: value for each, value in terms.items() if each not in linear}
     varied = {name for name, value in chain.site_values.items() if np.ndim(value)}
     if varied & {name for each in linear for name, _ in each}:
         raise ParameterError(
             "linear part of the stiffness", "different from site to site", "the same at every site "
             "where eps is halved", "run chain and chain.averaged() by themselves",
         )  # fmt: skip
-    if not rest:
+    if not nonlinear:
         return chain
     if SHARE in chain.names:
         raise ParameterError("named parameter", SHARE, "another name here", "rename it")
-    text = f"{Polynomial(linear).source()} + {SHARE}*({Polynomial(rest).source()})"
+    text = f"{Polynomial(linear).source()} + {SHARE}*({Polynomial(nonlinear).source()})"
     return chain.replace(stiffness=text, values={**chain.values, SHARE: 1.0})
 
 
-def _at(scaled: VdpChain | OscillatorChain, eps: float) -> VdpChain | OscillatorChain:
+def _at_eps(scaled: VdpChain | OscillatorChain, eps: float) -> VdpChain | OscillatorChain:
     if isinstance(scaled, VdpChain) or SHARE not in scaled.names:
         return scaled.replace(eps=eps)
     return scaled.replace(eps=eps, values={**scaled.values, SHARE: eps / scaled.eps})
@@ -190,13 +190,18 @@ def _distance(
     omega = 1.0 if isinstance(chain, VdpChain) else chain.cell.frequency
     times = np.linspace(0.0, end, _SAMPLES)
     full = simulate(chain, start, end, times=list(times), tolerance=_TOLERANCE, level=_NO_LEVEL)
-    first = start / np.array([[1.0], [omega]])
+    averaged_start = start / np.array([[1.0], [omega]])
     averaged = simulate(
-        chain.averaged(), first, end, times=list(times), tolerance=_TOLERANCE, level=_NO_LEVEL
+        chain.averaged(),
+        averaged_start,
+        end,
+        times=list(times),
+        tolerance=_TOLERANCE,
+        level=_NO_LEVEL,
     )
     assert full.error is not None
     assert averaged.error is not None
     psi = full.states[:, 1] / omega + 1j * full.states[:, 0]
     phi = averaged.states[:, 1] + 1j * averaged.states[:, 0]
-    apart = np.abs(psi * np.exp(-1j * omega * times)[:, None] - phi)
-    return float(apart.max()), full.error * max(1.0, 1.0 / omega) + averaged.error
+    distance = np.abs(psi * np.exp(-1j * omega * times)[:, None] - phi)
+    return float(distance.max()), full.error * max(1.0, 1.0 / omega) + averaged.error

@@ -87,19 +87,19 @@ def run_to_end(
     """
     begin = perf_counter()
     with sole_writer(checkpoint) if checkpoint else nullcontext():
-        spent = 0.0
+        earlier_seconds = 0.0
         metadata = _metadata(integrations) if checkpoint else {}  # of the code as it is now
         if checkpoint is not None and checkpoint.exists():
-            spent = _resumed(checkpoint, integrations, metadata, end)
+            earlier_seconds = _resumed(checkpoint, integrations, metadata, end)
 
         def save() -> None:
             if checkpoint is not None:
-                seconds = max(0.0, spent + perf_counter() - begin)
+                seconds = max(0.0, earlier_seconds + perf_counter() - begin)
                 save_checkpoint(checkpoint, _arrays(integrations), metadata, seconds)
 
         _advance(integrations, end, budget, save if checkpoint else None, progress)
         save()
-    return spent
+    return earlier_seconds
 
 
 def _advance(
@@ -113,7 +113,7 @@ def _advance(
 
     An interrupt waits for the end of a piece: within one, the arrays are not a consistent state.
     """
-    due = perf_counter() + SAVE_PERIOD
+    next_save = perf_counter() + SAVE_PERIOD
     with deferred_interrupts() if save is not None else nullcontext(Deferred()) as interrupts:
         for each in integrations:
             while not each.finished:
@@ -133,10 +133,12 @@ def _advance(
                     if save is not None:
                         save()
                     raise
-                if save is not None and perf_counter() > due:
+                if save is not None and perf_counter() > next_save:
                     started = perf_counter()
                     save()
-                    due = perf_counter() + max(SAVE_PERIOD, SAVE_SHARE * (perf_counter() - started))
+                    next_save = perf_counter() + max(
+                        SAVE_PERIOD, SAVE_SHARE * (perf_counter() - started)
+                    )
 
 
 def _resumed(
@@ -227,10 +229,10 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
         If the file cannot be read.
     """
     try:
-        with path.open("rb") as file, zipfile.ZipFile(file) as box:
-            header = _header(box)
+        with path.open("rb") as file, zipfile.ZipFile(file) as archive:
+            header = _header(archive)
             _check_header(path, header, metadata)
-            found = {name: _read(box, f"{name}.npy", like) for name, like in arrays.items()}
+            found = {name: _read(archive, f"{name}.npy", like) for name, like in arrays.items()}
     except ParameterError:
         raise
     except OSError as error:
@@ -247,14 +249,14 @@ def load_checkpoint(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> 
     return float(header["seconds"])
 
 
-def _header(box: zipfile.ZipFile) -> dict[str, Any]:
-    with box.open("header.json") as entry:
+def _header(archive: zipfile.ZipFile) -> dict[str, Any]:
+    with archive.open("header.json") as entry:
         text = entry.read(_MAX_HEADER)
     header: dict[str, Any] = json.loads(text)
     if not isinstance(header["metadata"], dict):
         raise TypeError("header")
     seconds = header["seconds"]
-    if isinstance(seconds, bool):  # what is no number cannot be compared with one
+    if isinstance(seconds, bool):  # other types that are not numbers cannot be compared with one
         raise TypeError("seconds")
     if not (0.0 <= seconds < math.inf and isinstance(header["digest"], str)):
         raise ValueError("seconds")
@@ -264,22 +266,22 @@ def _header(box: zipfile.ZipFile) -> dict[str, Any]:
 def _check_header(path: Path, header: Mapping[str, Any], metadata: Mapping[str, Any]) -> None:
     if header["format"] != FORMAT:
         raise _refusal(path, f"a checkpoint of format {FORMAT}")
-    here = {**_plain(metadata), "versions": _versions()}
-    if header["metadata"] != here:
-        said = differences(header["metadata"], here)
+    expected = {**_plain(metadata), "versions": _versions()}
+    if header["metadata"] != expected:
+        listed = differences(header["metadata"], expected)
         raise _refusal(
-            path, f"of a run with the same parameters, code and versions ({said})",
+            path, f"of a run with the same parameters, code and versions ({listed})",
             "use the same ones, or name another file",
         )  # fmt: skip
 
 
-def _read(box: zipfile.ZipFile, name: str, like: AnyArray) -> AnyArray:
+def _read(archive: zipfile.ZipFile, name: str, template: AnyArray) -> AnyArray:
     """Read an array that must have the type and shape of a given one."""
-    with box.open(name) as entry:
+    with archive.open(name) as entry:
         major = npy.read_magic(entry)
         read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0
         shape, fortran, dtype = read(entry)
-        if shape != like.shape or dtype != like.dtype or fortran:
+        if shape != template.shape or dtype != template.dtype or fortran:
             raise ValueError("shape")
         entry.seek(0)
         found: AnyArray = npy.read_array(entry, allow_pickle=False)

@@ -59,8 +59,8 @@ def error_by_sample(samples: FloatArray, other: FloatArray) -> FloatArray:
     >>> error_by_sample(state, state + 0.25).round(6).tolist()
     [1.06066]
     """
-    apart: FloatArray = np.hypot(*np.moveaxis(samples - other, 1, 0)).max(axis=-1)
-    return _SAFETY * apart
+    distance: FloatArray = np.hypot(*np.moveaxis(samples - other, 1, 0)).max(axis=-1)
+    return _SAFETY * distance
 
 
 def arrival_error_from(run: FloatArray, other: FloatArray) -> float:
@@ -83,7 +83,7 @@ def difference(first: FloatArray, second: FloatArray) -> float:
     >>> difference(np.array([1.0, np.nan]), np.array([1.5, np.nan]))
     0.5
     """
-    one, other = np.isnan(first), np.isnan(second)
-    if np.any(one != other):
+    missing_first, missing_second = np.isnan(first), np.isnan(second)
+    if np.any(missing_first != missing_second):
         return float("inf")
-    return float(np.max(np.abs(first - second)[~one], initial=0.0))
+    return float(np.max(np.abs(first - second)[~missing_first], initial=0.0))

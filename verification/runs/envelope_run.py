@@ -123,8 +123,8 @@ def run_envelope(
         )  # fmt: skip
     averaged = chain.averaged()
     mask = np.ones(chain.sites) if watched is None else np.asarray(watched, dtype=float)
-    stable = _ATTRACTED / attraction_rate(chain.eta) if chain.bistable else STEP
-    steps = max(1, round(duration / min(STEP, stable)))
+    stable_step = _ATTRACTED / attraction_rate(chain.eta) if chain.bistable else STEP
+    steps = max(1, round(duration / min(STEP, stable_step)))
     run = SmoothIntegration(
         averaged,
         np.asarray(phi, dtype=complex),

@@ -90,16 +90,16 @@ class FrictionIntegration(Integration):
         self.times = np.asarray(times, dtype=float)
         self.end = (float(self.times[-1]) if self.times.size else math.inf) if end is None else end
         logged = count_within("events logged", logged_events, 0, 10**8)
-        own = np.full(chain.sites, 2.0)
+        neighbours = np.full(chain.sites, 2.0)
         if chain.ends is Ends.FREE:
-            own[0] -= 1.0
-            own[-1] -= 1.0
+            neighbours[0] -= 1.0
+            neighbours[-1] -= 1.0
         self.order = taylor_order(tolerance)
         self._run = friction.new_run(
             new_numbers(cell, chain.c, tolerance),
             law_of(cell),
             state,
-            own,
+            neighbours,
             times=self.times,
             logged=logged,
             order=self.order,
@@ -256,9 +256,11 @@ class FrictionIntegration(Integration):
         >>> (FrictionIntegration.perturbed(chain, np.ones((2, 2)), 4) - 1.0).tolist()
         [[8.881784197001252e-16, 8.881784197001252e-16], [0.0, 0.0]]
         """
-        moved = np.array(start, dtype=float)
-        moved[0] += ulps * np.spacing(np.maximum(np.abs(moved[0]), chain.rest_state.y))
-        return moved
+        perturbed_start = np.array(start, dtype=float)
+        perturbed_start[0] += ulps * np.spacing(
+            np.maximum(np.abs(perturbed_start[0]), chain.rest_state.y)
+        )
+        return perturbed_start
 
     def advance(self, budget: int) -> None:
         """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
@@ -274,16 +276,16 @@ class FrictionIntegration(Integration):
         RunError
             If time does not advance or the state overflows.
         """
-        ended, left = StopCode.BUDGET_SPENT, max_steps
-        while ended is StopCode.BUDGET_SPENT and left > 0:
-            steps = min(left, 1 + _PIECE // self.chain.sites)
-            left -= steps
-            ended = StopCode(friction.advance(self._run, stop, steps))
-        if ended is StopCode.NOT_FINITE:
+        stop_code, remaining = StopCode.BUDGET_SPENT, max_steps
+        while stop_code is StopCode.BUDGET_SPENT and remaining > 0:
+            steps = min(remaining, 1 + _PIECE // self.chain.sites)
+            remaining -= steps
+            stop_code = StopCode(friction.advance(self._run, stop, steps))
+        if stop_code is StopCode.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at tau = {self.time:.6g}; start from a smaller displacement."
             )
-        if ended is StopCode.STEP_TOO_SHORT:
+        if stop_code is StopCode.STEP_TOO_SHORT:
             raise StandstillError(
                 f"the time step vanished at tau = {self.time:.6g}; take a larger v0 or a smaller c."
             )
@@ -299,9 +301,9 @@ class FrictionIntegration(Integration):
         if cell.effective_damping <= 0.0 or self.chain.ends is not Ends.FREE:
             return False
         y, velocity = self.state
-        away = y - cell.steady_sliding
-        energy = 0.5 * float(velocity @ velocity + away @ away)
-        energy += 0.5 * c * float(np.sum(np.diff(away) ** 2))
+        deviation = y - cell.steady_sliding
+        energy = 0.5 * float(velocity @ velocity + deviation @ deviation)
+        energy += 0.5 * c * float(np.sum(np.diff(deviation) ** 2))
         # The energy decreases while every |ẏ| < u, if the damping is positive at v_d - u.
         u = min(1e-3 * cell.v_d, 0.5 * cell.stability_margin)
         return energy < 0.5 * u * u and math.isfinite(energy)

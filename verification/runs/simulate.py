@@ -136,7 +136,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     begin = perf_counter()
     need_instance("chain", chain, (Chain,), "give one, as VdpChain(a=4, b=0.5, c=0.6)")
     t_end = end_time("end time t", t_end)
-    asked = _sample_times(chain, t_end, samples, times)
+    requested = _sample_times(chain, t_end, samples, times)
     if level is not None:
         options["level"] = positive("level", level)
     if tolerance is not None:
@@ -146,7 +146,7 @@ def simulate(  # noqa: PLR0913  (all but three by name)
     options["end"] = t_end
     compared = truth("estimate_error", estimate_error)
     check_progress(progress)
-    sampled, places = _with_comparisons(asked, chain) if compared else (asked, None)
+    sampled, places = _with_comparisons(requested, chain) if compared else (requested, None)
     first = integration(chain, start, sampled, **options)
     runs = [first]
     if compared:
@@ -157,8 +157,8 @@ def simulate(  # noqa: PLR0913  (all but three by name)
         budget = first.default_budget
     budget = count_within("budget of sites times steps", budget, 1, 10**12)
     file = None if checkpoint is None else file_path("checkpoint", checkpoint)
-    spent = run_to_end(runs, t_end, budget, file, progress)
-    return _trajectory(chain, t_end, runs, spent - begin, places)
+    earlier_seconds = run_to_end(runs, t_end, budget, file, progress)
+    return _trajectory(chain, t_end, runs, earlier_seconds - begin, places)
 
 
 def _sample_times(
@@ -185,26 +185,26 @@ def _sample_times(
     return found
 
 
-def _with_comparisons(asked: FloatArray, chain: Chain) -> tuple[FloatArray, IntArray | None]:
+def _with_comparisons(requested: FloatArray, chain: Chain) -> tuple[FloatArray, IntArray | None]:
     """Return the times of the samples and of further comparisons, and the places of the former.
 
     The places are None if no comparison is added. Further times are in the middle of equal parts,
     so that few of them are those of samples.
     """
-    further = min(_COMPARED, _COMPARED_NUMBERS // getattr(chain, "sites", 1)) - len(asked)
+    further = min(_COMPARED, _COMPARED_NUMBERS // getattr(chain, "sites", 1)) - len(requested)
     if further <= 0:
-        return asked, None
-    every = np.append(asked, asked[-1] * (np.arange(further) + 0.5) / further)
-    order = np.argsort(every, kind="stable")
-    return every[order], np.flatnonzero(order < len(asked))
+        return requested, None
+    all_times = np.append(requested, requested[-1] * (np.arange(further) + 0.5) / further)
+    order = np.argsort(all_times, kind="stable")
+    return all_times[order], np.flatnonzero(order < len(requested))
 
 
-def _check_samples(samples: int, sites: int, least: int) -> None:
-    count_within("number of samples", samples, least, int(SAMPLES.high))
-    most = MAX_NUMBERS // sites
-    if samples > most:
+def _check_samples(samples: int, sites: int, fewest: int) -> None:
+    count_within("number of samples", samples, fewest, int(SAMPLES.high))
+    largest = MAX_NUMBERS // sites
+    if samples > largest:
         raise ParameterError(
-            "number of samples", samples, f"at most {most} for {sites} sites", "ask for fewer"
+            "number of samples", samples, f"at most {largest} for {sites} sites", "ask for fewer"
         )
 
 
@@ -218,7 +218,7 @@ def _trajectory(
     """Return the trajectory of the first run at the samples, with its error from the others."""
     first, *others = runs
     error = arrival_error = until = None
-    shown = slice(None) if places is None else places
+    at_samples = slice(None) if places is None else places
     status = RunStatus.NOT_COMPARED
     for other in others:
         errors = error_by_sample(first.samples, other.samples)
@@ -228,15 +228,15 @@ def _trajectory(
             arrival_error = max(arrival_error, first.least_arrival_error())
         status, until = _resolution(first, errors)
         if status is RunStatus.NOT_RESOLVED:
-            error = max(error, _apart(first, other))
+            error = max(error, _independent_distance(first, other))
         if status is RunStatus.RESOLVED and dict(other.events) != dict(first.events):
             status = RunStatus.EVENTS_DIFFER
     return Trajectory(
         chain=chain,
         t_end=t_end,
-        times=first.times[shown],
-        states=first.samples[shown],
-        amplitude=first.sampled_amplitude[shown],
+        times=first.times[at_samples],
+        states=first.samples[at_samples],
+        amplitude=first.sampled_amplitude[at_samples],
         arrivals=first.arrivals,
         level=first.level if hasattr(first, "level") else chain.unstable_amplitude,
         error=error,
@@ -251,27 +251,27 @@ def _trajectory(
     )
 
 
-def _away(run: Integration) -> FloatArray:
+def _distance_from_rest(run: Integration) -> FloatArray:
     """Return the largest distance of a site from rest at each sample."""
     rest = np.array(run.chain.rest_state)[None, :, None]
-    away: FloatArray = np.hypot(*np.moveaxis(run.samples - rest, 1, 0)).max(axis=-1)
-    return away
+    distance: FloatArray = np.hypot(*np.moveaxis(run.samples - rest, 1, 0)).max(axis=-1)
+    return distance
 
 
-def _apart(run: Integration, other: Integration) -> float:
+def _independent_distance(run: Integration, other: Integration) -> float:
     """Return a bound on the distance between two independent motions of the size of these runs.
 
     Where a run is not resolved, the distance of the second run is a matter of chance, and so is
     three times this distance. Two motions are never further apart than the sum of their largest
     distances from rest; the factor 1.5 allows for motions larger than those seen in either run.
     """
-    return 1.5 * float(_away(run).max() + _away(other).max())
+    return 1.5 * float(_distance_from_rest(run).max() + _distance_from_rest(other).max())
 
 
 def _resolution(run: Integration, errors: FloatArray) -> tuple[RunStatus, float]:
     """Return whether errors stay below the largest distance from rest so far, and until when."""
-    away = _away(run)
-    lost = np.flatnonzero(errors > np.maximum.accumulate(away))
-    if not lost.size:
+    distance = _distance_from_rest(run)
+    unresolved = np.flatnonzero(errors > np.maximum.accumulate(distance))
+    if not unresolved.size:
         return RunStatus.RESOLVED, float(run.times[-1])
-    return RunStatus.NOT_RESOLVED, float(run.times[max(0, int(lost[0]) - 1)])
+    return RunStatus.NOT_RESOLVED, float(run.times[max(0, int(unresolved[0]) - 1)])

@@ -149,8 +149,8 @@ class SmoothIntegration(Integration):
         self._measured = (0, 0.0, self._size)
         # Where rest is unstable, even the smallest motion ahead grows, so no site is left out.
         local = first != RING and self._margin < chain.sites and chain.rest_attracts
-        narrowed = truth("active_window", active_window) and local
-        self._rest = self._close_window() if narrowed else -1.0
+        windowed = truth("active_window", active_window) and local
+        self._rest = self._close_window() if windowed else -1.0
         if self._rest < 0.0:
             self._run.counters[smooth.HI] = chain.sites
         self._task = smooth.LoopTask(
@@ -179,11 +179,11 @@ class SmoothIntegration(Integration):
         known = [each.name for each in fields(self.chain) if each.type == "float"]
         for name, rate in rates.items():
             word("drifting parameter", name, known)
-            what, remedy = f"rate of change of {name}", "give its change per unit of t"
-            real_number(what, rate, *_RATES, remedy)
+            quantity, remedy = f"rate of change of {name}", "give its change per unit of t"
+            real_number(quantity, rate, *_RATES, remedy)
             # The kernel's parameters are affine in each chain parameter that may drift.
-            ahead = self.chain.replace(**{name: getattr(self.chain, name) + 1.0})
-            found += rate * (np.array(ahead.kernel_parameters()) - p)
+            shifted = self.chain.replace(**{name: getattr(self.chain, name) + 1.0})
+            found += rate * (np.array(shifted.kernel_parameters()) - p)
         return found / self._rate
 
     def _close_window(self) -> float:
@@ -315,13 +315,13 @@ class SmoothIntegration(Integration):
 
     def least_error(self) -> float:
         """Return the local error of a step that does not grow, at the largest sampled state."""
-        least = self.tolerance
+        local_tolerance = self.tolerance
         if self.counts["stiff_steps"]:
             from verification.steppers.stiff_stage import TIGHTEST
 
-            least = max(least, TIGHTEST)
+            local_tolerance = max(local_tolerance, TIGHTEST)
         size: float = max(float(np.abs(self._run.samples).max()), self.chain.forced_size)
-        return smooth.LAZY * least * size
+        return smooth.LAZY * local_tolerance * size
 
     def least_arrival_error(self) -> float:
         """Return the same fraction of the tolerance, in kernel time."""
@@ -338,10 +338,10 @@ class SmoothIntegration(Integration):
         run, counters = self._run, self._run.counters
         active = max(1, int(counters[smooth.HI] - counters[smooth.LO]))
         loop = smooth.loop(self.chain, self._watch)
-        ended = StopCode(loop(self._task, run, max(1, budget // active)))
-        if ended is StopCode.STEP_TOO_SHORT and self._stiff:
+        stop_code = StopCode(loop(self._task, run, max(1, budget // active)))
+        if stop_code is StopCode.STEP_TOO_SHORT and self._stiff:
             self._pass_stiff_stage()
-        elif ended is StopCode.STEP_TOO_SHORT:
+        elif stop_code is StopCode.STEP_TOO_SHORT:
             raise StandstillError(
                 f"a displacement of {np.abs(run.state).max():.3g} makes the model "
                 f"{self.chain.model} need steps below {self._task.shortest:g} of its time at "
@@ -352,7 +352,7 @@ class SmoothIntegration(Integration):
                     else "."
                 )
             )
-        elif ended is StopCode.NOT_FINITE:
+        elif stop_code is StopCode.NOT_FINITE:
             raise NotFiniteError(
                 f"the run overflowed at t = {self.time:.6g}; "
                 "start from a smaller displacement, or lower the coupling."
@@ -371,21 +371,24 @@ class SmoothIntegration(Integration):
         """
         run, task = self._run, self._task
         steps, time = int(run.counters[smooth.STEPS]), float(run.clock[0])
-        taken = steps - self._measured[0]
-        if taken < _PACE_STEPS or self._watch is not None or task.tolerance == 0.0:
+        new_steps = steps - self._measured[0]
+        if new_steps < _PACE_STEPS or self._watch is not None or task.tolerance == 0.0:
             return
         size = float(np.abs(run.state).max())
-        passed, change = time - self._measured[1], abs(size - self._measured[2])
+        elapsed, change = time - self._measured[1], abs(size - self._measured[2])
         self._measured = (steps, time, size)
-        ahead = max(task.end - time, 0.0)
+        remaining = max(task.end - time, 0.0)
         if change > 0.0:
-            ahead = min(ahead, _PACE_CHANGE * size / change * passed)
-        if passed < STIFF_STEP * taken and _PACE_GAIN * ahead * taken > MAX_STIFF_STEPS * passed:
+            remaining = min(remaining, _PACE_CHANGE * size / change * elapsed)
+        if (
+            elapsed < STIFF_STEP * new_steps
+            and _PACE_GAIN * remaining * new_steps > MAX_STIFF_STEPS * elapsed
+        ):
             raise StandstillError(
                 f"a displacement of {size:.3g} makes the model {self.chain.model} so stiff that at "
                 f"t = {self.time:.6g} it needs more than {MAX_STIFF_STEPS:g} further steps of some "
-                f"{passed / taken / self._rate:.2g}: start from a smaller displacement, or end "
-                "earlier; of all chains only (8) of model vdp has a stiff method."
+                f"{elapsed / new_steps / self._rate:.2g}: start from a smaller displacement, or "
+                "end earlier; of all chains only (8) of model vdp has a stiff method."
             )
 
     def _pass_stiff_stage(self) -> None:
@@ -405,21 +408,21 @@ class SmoothIntegration(Integration):
             self._margin,
             int(counters[smooth.STIFF_STEPS]),
         )
-        part, end = slice(piece.first, piece.last), float(piece.times[-1])
+        active, end = slice(piece.first, piece.last), float(piece.times[-1])
         while (
             counters[smooth.SAMPLED] < self.times.size
             and task.times[counters[smooth.SAMPLED]] <= end
         ):
             sample = run.samples[counters[smooth.SAMPLED]]
             sample[:] = run.state
-            sample[:, part] = piece.state(task.times[counters[smooth.SAMPLED]])
+            sample[:, active] = piece.state(task.times[counters[smooth.SAMPLED]])
             counters[smooth.SAMPLED] += 1
         for site, time in piece.passes(self.level).items():
             if np.isnan(run.arrivals[site]):
                 run.arrivals[site] = time
-        run.state[:, part] = piece.state(end)
+        run.state[:, active] = piece.state(end)
         run.clock[0], run.clock[4] = end, 0.0
-        moving = piece.first + np.flatnonzero(np.hypot(*run.state[:, part]) > self._rest)
+        moving = piece.first + np.flatnonzero(np.hypot(*run.state[:, active]) > self._rest)
         if moving.size:
             sites = self.chain.sites
             counters[smooth.LO] = min(first, max(0, moving[0] - self._margin))
@@ -445,7 +448,7 @@ def _at_start(
 
 
 def _check_steps(step: float | None, shortest: float, longest: float) -> None:
-    """Refuse lengths of steps that are none."""
+    """Refuse invalid lengths of steps."""
     if step is not None:
         positive("step", step, "give the length of the steps in kernel time")
     for name, limit in (("shortest step", shortest), ("longest step", longest)):

@@ -156,8 +156,8 @@ class Trajectory(Result):
     def phase(self) -> FloatArray:
         """Phase of φ in radians, shape (M, N); for (8), the phase of Ψe^{-it}."""
         oscillates = getattr(self.chain, "oscillates", False)
-        turn: Any = np.exp(-1j * self.times)[:, None] if oscillates else 1.0
-        phase: FloatArray = np.angle(self.psi * turn)
+        rotation: Any = np.exp(-1j * self.times)[:, None] if oscillates else 1.0
+        phase: FloatArray = np.angle(self.psi * rotation)
         return phase
 
     @property

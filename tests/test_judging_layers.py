@@ -379,7 +379,7 @@ def _windows(*sites: tuple[float, float]) -> list[Any]:
 
 def test_of_a_filled_chain_every_site_is_above_and_of_a_breather_some() -> None:
     up, down, passes = (2.0, 2.1), (0.1, 0.2), (0.5, 2.0)
-    named = smooth_rules._named
+    named = smooth_rules._state_of
     assert named(_windows(up, up, up, up), 1.0, True) is State.FRONT
     for few in ((up, up, up, down), (up, up, down, down), (up, up, up, passes)):
         assert named(_windows(*few), 1.0, True) is State.BREATHER
@@ -400,7 +400,7 @@ def test_of_a_filled_chain_every_site_is_above_and_of_a_breather_some() -> None:
 )
 def test_rest_is_a_fall_in_every_window(heights: list[float], state: State) -> None:
     windows = [smooth_rules._Window(np.full(3, high), np.zeros(3)) for high in heights]
-    assert smooth_rules._named(windows, 1.0, True) is state
+    assert smooth_rules._state_of(windows, 1.0, True) is state
 
 
 def test_a_window_differs_from_the_one_before_by_the_larger_change_of_either_end() -> None:

@@ -24,9 +24,9 @@ NOTHING = "nothing"
 """What lies between the two labels if they are adjacent."""
 _PREDICTED = 1.0 / 8.0
 """Width of the predictor's bracket relative to that of the task's."""
-_ROUNDED = 1.0 + 1e-9
+_ROUNDING_FACTOR = 1.0 + 1e-9
 """Allowance for rounding at the ends of a bracket, so that rounding requires no further run."""
-_WITHIN = 0.999
+_FIRST_DISTANCE = 0.999
 """Distance of the first two values tried, relative to the width; below 1 to allow for rounding."""
 
 
@@ -85,17 +85,17 @@ class Bisection:
                 known[value] = str(self.task(_at(point, value))[self.label])
             return known[value]
 
-        begins = self._predicted(point)
-        low, other = _narrowed(
-            lambda x: label_at(x) == point["label_low"], (first, last), width, begins[0]
+        starts = self._predicted(point)
+        low, upper = _bracketed(
+            lambda x: label_at(x) == point["label_low"], (first, last), width, starts[0]
         )
-        high, between = other, NOTHING
-        if known[other] != point["label_high"]:
+        high, between = upper, NOTHING
+        if known[upper] != point["label_high"]:
             # The change away from label_low need not be the one to label_high, so there is a second
             # search, which starts from the nearest point known to have label_high.
-            between = known[other]
-            _, high = _narrowed(
-                lambda x: label_at(x) != point["label_high"], (other, last), width, begins[1]
+            between = known[upper]
+            _, high = _bracketed(
+                lambda x: label_at(x) != point["label_high"], (upper, last), width, starts[1]
             )
         return {
             "low": low,
@@ -115,22 +115,22 @@ class Bisection:
             return None, None
         finer = max(TOLERANCES.low, _PREDICTED * self.tolerance)
         found = Bisection(self.predictor, finer, self.label)(point)
-        at = ("at", "at") if found["between"] == NOTHING else ("low", "high")
-        return float(found[at[0]]), float(found[at[1]])
+        names = ("at", "at") if found["between"] == NOTHING else ("low", "high")
+        return float(found[names[0]]), float(found[names[1]])
 
 
 def _at(line: Point, value: float) -> Point:
     """Return the point of a line at a given value of the coordinate that changes."""
-    own = ("along", "until", "label_low", "label_high")
-    place = {name: each for name, each in line.items() if name not in own}
-    return Point({**place, str(line["along"]): value})
+    line_names = ("along", "until", "label_low", "label_high")
+    coordinates = {name: each for name, each in line.items() if name not in line_names}
+    return Point({**coordinates, str(line["along"]): value})
 
 
-def _narrowed(
+def _bracketed(
     is_low: Callable[[float], bool],
     ends: tuple[float, float],
     width: float,
-    begins: float | None,
+    start: float | None,
 ) -> tuple[float, float]:
     """Return two values no further apart than ``width``, of which only the first is low.
 
@@ -140,23 +140,23 @@ def _narrowed(
     given, the bracket is bisected.
     """
     low, high = ends
-    if begins is not None and low < begins < high:
-        step = _WITHIN * width
-        tried = begins - 0.5 * step
-        upwards = tried <= low or is_low(tried)
+    if start is not None and low < start < high:
+        step = _FIRST_DISTANCE * width
+        trial = start - 0.5 * step
+        upwards = trial <= low or is_low(trial)
         if upwards:
-            low = max(low, tried)
+            low = max(low, trial)
         else:
-            high = tried
-        while low < (tried := low + step if upwards else high - step) < high:
-            if is_low(tried):
-                low = tried
+            high = trial
+        while low < (trial := low + step if upwards else high - step) < high:
+            if is_low(trial):
+                low = trial
             else:
-                high = tried
-            if (high == tried) == upwards:
+                high = trial
+            if (high == trial) == upwards:
                 break
             step *= 2.0
-    while high - low > _ROUNDED * width and low < 0.5 * (low + high) < high:
+    while high - low > _ROUNDING_FACTOR * width and low < 0.5 * (low + high) < high:
         middle = 0.5 * (low + high)
         if is_low(middle):
             low = middle
@@ -198,10 +198,10 @@ def boundary_lines(table: Table, axes: Sequence[str]) -> tuple[Point, ...]:
     rows[tuple(inverse for _, inverse in found)] = np.arange(len(table))
     if (rows < 0).any():
         missing = np.argwhere(rows < 0)[0].tolist()
-        here = tuple(values[i] for values, i in zip(ticks, missing, strict=True))
-        raise ValueError(f"the point {here} of the grid is not in the table.")
-    words, numbers = np.unique(table["label"], return_inverse=True)
-    labels = numbers[rows]
+        coordinates = tuple(values[i] for values, i in zip(ticks, missing, strict=True))
+        raise ValueError(f"the point {coordinates} of the grid is not in the table.")
+    names, codes = np.unique(table["label"], return_inverse=True)
+    labels = codes[rows]
     changes = [
         (*place, -number)  # in this order: along the last axis first
         for number in range(len(axes))
@@ -216,8 +216,8 @@ def boundary_lines(table: Table, axes: Sequence[str]) -> tuple[Point, ...]:
                 {name: values[i] for name, values, i in zip(axes, ticks, place, strict=True)},
                 along=axes[along],
                 until=ticks[along][next_place[along]],
-                label_low=words[labels[tuple(place)]],
-                label_high=words[labels[tuple(next_place)]],
+                label_low=names[labels[tuple(place)]],
+                label_high=names[labels[tuple(next_place)]],
             )
         )
     return tuple(lines)

@@ -94,8 +94,8 @@ def find_friction_state(
     within("end time tau", end, *ENDS)
     within("tolerance", tolerance, *TOLERANCES)
     run = FrictionIntegration(chain, start, tolerance=tolerance)
-    ever = np.zeros(chain.sites, dtype=bool)
-    steady_from, held = 0.0, 0
+    reached = np.zeros(chain.sites, dtype=bool)
+    steady_from, front_windows = 0.0, 0
     amplitude = run.amplitude
     state, reason, active = State.UNDECIDED, Reason.END_TIME, 0
     # Whole windows only: in a part of one, fewer sites stick and amplitudes change less.
@@ -104,19 +104,23 @@ def find_friction_state(
         run.advance_to(run.time + WINDOW)
         sticking = ~np.isnan(run.arrivals)
         active = int(np.count_nonzero(sticking))
-        fresh = bool(np.any(sticking & ~ever))
-        ever |= sticking
-        before, amplitude = amplitude, run.amplitude
-        if fresh or float(np.max(np.abs(amplitude - before))) > STEADY:
+        newly_reached = bool(np.any(sticking & ~reached))
+        reached |= sticking
+        previous, amplitude = amplitude, run.amplitude
+        if newly_reached or float(np.max(np.abs(amplitude - previous))) > STEADY:
             steady_from = run.time
         if run.going_to_rest():
             state, reason = State.FIXED_POINT, Reason.DECIDED
             break
-        held = held + 1 if not fresh and ever.all() and 2 * active >= chain.sites else 0
-        if held == HOLD:
+        front_windows = (
+            front_windows + 1
+            if not newly_reached and reached.all() and 2 * active >= chain.sites
+            else 0
+        )
+        if front_windows == HOLD:
             state, reason = State.FRONT, Reason.DECIDED
             break
-        if active and not ever.all() and run.time >= 2.0 * steady_from:
+        if active and not reached.all() and run.time >= 2.0 * steady_from:
             if chain.cell.effective_damping > 0.0:
                 state, reason = State.BREATHER, Reason.DECIDED
             else:
@@ -127,7 +131,7 @@ def find_friction_state(
         reason=reason,
         time=run.time,
         above=active,
-        reached=int(np.count_nonzero(ever)),
+        reached=int(np.count_nonzero(reached)),
         steps=run.counts["steps"],
         amplitude=run.amplitude,
         seconds=perf_counter() - begin,

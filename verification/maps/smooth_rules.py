@@ -100,27 +100,27 @@ def find_smooth_state(
     check_chain(chain)
     level = chain.unstable_amplitude
     state, elapsed, steps = checked_state(chain, start), 0.0, 0
-    ever = np.hypot(*state) > level
+    reached = np.hypot(*state) > level
     windows: list[_Window] = []
     steady_from = 0.0
     found = State.UNDECIDED
     while elapsed + WINDOW <= 0.5 * end and found is State.UNDECIDED:
-        state, window, taken = _through_window(chain, state, tolerance)
-        elapsed, steps = elapsed + WINDOW, steps + taken
-        fresh = (window.high > level) & ~ever
-        ever |= fresh
-        passes = (window.low <= level) & (window.high >= level)
+        state, window, window_steps = _through_window(chain, state, tolerance)
+        elapsed, steps = elapsed + WINDOW, steps + window_steps
+        newly_reached = (window.high > level) & ~reached
+        reached |= newly_reached
+        crossing = (window.low <= level) & (window.high >= level)
         changed = not windows or _change(windows[-1], window) > STEADY * level
-        if fresh.any() or passes.any() or changed:
+        if newly_reached.any() or crossing.any() or changed:
             steady_from = elapsed
         windows = [*windows, window][-HOLD:]
-        found = _named(windows, level, elapsed >= 2.0 * steady_from)
+        found = _state_of(windows, level, elapsed >= 2.0 * steady_from)
     return FoundState(
         state=found,
         reason=Reason.END_TIME if found is State.UNDECIDED else Reason.DECIDED,
         time=elapsed,
         above=int(np.count_nonzero(windows[-1].high > level)) if windows else 0,
-        reached=int(np.count_nonzero(ever)),
+        reached=int(np.count_nonzero(reached)),
         steps=steps,
         amplitude=np.hypot(*state),
         seconds=perf_counter() - begin,
@@ -144,7 +144,7 @@ def _change(before: _Window, after: _Window) -> float:
     return max(float(np.abs(new - old).max()) for old, new in zip(before, after, strict=True))
 
 
-def _named(windows: list[_Window], level: float, steady: bool) -> State:
+def _state_of(windows: list[_Window], level: float, steady: bool) -> State:
     """Apply the rules to the last ``HOLD`` windows."""
     if len(windows) == HOLD:
         if all((each.low > level).all() for each in windows):

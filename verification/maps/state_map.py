@@ -130,8 +130,8 @@ class StateMap(Result):
         varied = {"model", *self.axes}
         if "eta" in self.axes:
             varied |= {*HELD} - {self.task.held}
-        own = self.task.chain.parameters().items()
-        return {name: value for name, value in own if name not in varied}
+        parameters = self.task.chain.parameters().items()
+        return {name: value for name, value in parameters if name not in varied}
 
     @property
     def undecided(self) -> list[dict[str, Scalar]]:
@@ -250,23 +250,25 @@ def state_map(
             "name a file ending in .zarr or .npz",
         )  # fmt: skip
     points = state_points(task, axes)
-    count = min(worker_count(workers), len(points))
+    processes = min(worker_count(workers), len(points))
     # One pool for both sweeps, so that processes start and load compiled code only once.
-    shared: AbstractContextManager[Executor | None] = (
-        nullcontext(executor) if executor is not None or count <= 1 else worker_pool(count)
+    pool_context: AbstractContextManager[Executor | None] = (
+        nullcontext(executor) if executor is not None or processes <= 1 else worker_pool(processes)
     )
-    with shared as pool:
-        how: dict[str, Any] = {
+    with pool_context as pool:
+        options: dict[str, Any] = {
             "resume": resume, "workers": 1, "executor": pool, "progress": progress,
         }  # fmt: skip
         dims = {"amplitude": "site"} if task.amplitudes else {}
-        states = sweep(task, points, dims=dims, out=out, **how)
+        states = sweep(task, points, dims=dims, out=out, **options)
         map_seconds = perf_counter() - begin
         boundary = None
         if refine > 0.0:
             bisection = Bisection(task.alone(), refine, predictor=task.average())
-            edge = None if out is None else boundary_path(out)
-            boundary = sweep(bisection, boundary_lines(states, tuple(axes)), out=edge, **how)
+            boundary_file = None if out is None else boundary_path(out)
+            boundary = sweep(
+                bisection, boundary_lines(states, tuple(axes)), out=boundary_file, **options
+            )
     return StateMap(
         task=task,
         axes=tuple(axes),

@@ -77,7 +77,7 @@ def _to_section(  # noqa: PLR0917  (one kind each)
     which the value at an end that is kept twice is halved; y has opposite signs at 0 and h.
     """
     last = state.size // 2 - 1
-    low, high, moved = 0.0, h, 0
+    low, high, replaced = 0.0, h, 0
     at_low = state[last]
     take_step(state, p, FREE, FREE, h, K, out)
     at_high = out[last]
@@ -89,12 +89,12 @@ def _to_section(  # noqa: PLR0917  (one kind each)
             return
         if (value < 0.0) == (at_low < 0.0):
             low, at_low = middle, value
-            at_high *= 0.5 if moved < 0 else 1.0
-            moved = -1
+            at_high *= 0.5 if replaced < 0 else 1.0
+            replaced = -1
         else:
             high, at_high = middle, value
-            at_low *= 0.5 if moved > 0 else 1.0
-            moved = 1
+            at_low *= 0.5 if replaced > 0 else 1.0
+            replaced = 1
 
 
 @inner(**UNCOUNTED)
@@ -141,12 +141,12 @@ def sites_above(state: FloatArray, level: float) -> int:
     0
     """
     sites = state.size // 2
-    least, most = (1.0 - _ROUNDING) * level * level, (1.0 + _ROUNDING) * level * level
+    lower, upper = (1.0 - _ROUNDING) * level * level, (1.0 + _ROUNDING) * level * level
     certain = possible = 0
     for n in range(sites):
         square = state[n] * state[n] + state[sites + n] * state[sites + n]
-        certain += square > most
-        possible += square >= least
+        certain += square > upper
+        possible += square >= lower
     if certain == possible:
         return certain
     above = 0

@@ -150,12 +150,12 @@ class StateTask:
         """Return state, reason, time, active and reached sites, steps, requested amplitudes."""
         chain, rules = self.at(point), rules_of(self.chain)
         options = {"displacement": self.displacement, "point": self.point}
-        until = {"end": self.end_time, "tolerance": self.local_error}
+        run_options = {"end": self.end_time, "tolerance": self.local_error}
         starts = [rules.start(chain, self.excited(), **options)]
         if self.perturbation:
             seed = rules.seed if self.seed is None else self.seed
             starts.append(rules.perturbed(starts[0], self.perturbation, seed))
-        found = [rules.find(chain, start, **until) for start in starts]
+        found = [rules.find(chain, start, **run_options) for start in starts]
         states = {each.state for each in found}
         reason = next((r.reason for r in found if r.reason is not Reason.DECIDED), Reason.DECIDED)
         if len(states) > 1:
@@ -185,11 +185,11 @@ def axes_of(chain: Chain) -> list[str]:
     >>> axes_of(VdpChain(a=4, b=0.5, c=0))
     ['a', 'b', 'c', 'eps', 'sites', 'eta']
     """
-    given = {each.name: each.type for each in fields(chain)}  # type: ignore[arg-type]
-    found = [name for name, kind in given.items() if kind in ("float", "int")]
+    types = {each.name: each.type for each in fields(chain)}  # type: ignore[arg-type]
+    found = [name for name, kind in types.items() if kind in ("float", "int")]
     if isinstance(chain, OwnChain):
         found += [*chain.names, "damping"]  # which may be a number
-    return [*found, "eta"] if {"a", "b"} <= given.keys() else found
+    return [*found, "eta"] if {"a", "b"} <= types.keys() else found
 
 
 def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:

@@ -173,7 +173,9 @@ def all_of(master: int) -> str:
     return b"".join(parts).decode()
 
 
-def test_a_terminal_shows_name_part_and_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_shows_name_part_and_steps_on_a_line_that_is_removed_at_the_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "100")
     master, slave = pty.openpty()
@@ -182,9 +184,12 @@ def test_a_terminal_shows_name_part_and_steps(monkeypatch: pytest.MonkeyPatch) -
             for key in ("fig9", "fig16", "fig17"):  # the third waits
                 shown.begin(key)
             shown.end("fig9", "reproduced [1 s]")
+        shown.report(0.5)  # the line is no longer there
         assert shown.finished == 1
-        seen = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", all_of(master))
+        written = all_of(master)
     os.close(master)
+    assert written.endswith("\x1b[1A\x1b[2K")  # one line up, which is erased
+    seen = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", written)
     assert "claims [of all]" in seen
     assert "fig9 and 1 more" in seen
     assert "33 %" in seen
@@ -209,13 +214,13 @@ def test_a_step_that_ends_is_numbered_with_the_seconds_since_the_first_began(
 
 
 def test_in_a_terminal_a_long_line_is_printed_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither broken nor coloured, so that it can be copied."""
+    """Neither broken nor coloured, so that it can be copied; beside JSON as well."""
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "40")
     said = "c_pin = 0.455301 " * 6 + "[/b] 'of' 1.5 s"
     master, slave = pty.openpty()
     with os.fdopen(slave, "w") as terminal:
-        with Progress("claims", steps=1, stream=terminal) as shown:
+        with Progress("claims", steps=1, quiet=True, stream=terminal) as shown:
             shown.end("fig9", said)
         seen = all_of(master)
     os.close(master)
@@ -267,11 +272,11 @@ def test_a_kernel_of_jupyter_is_known_by_its_shell(monkeypatch: pytest.MonkeyPat
 def test_a_live_line_names_a_step_that_has_not_ended() -> None:
     shown: list[str] = []
     done = Progress("sweep", steps=2, at_once=2)
-    done._task = 0  # type: ignore[assignment]
-    done._live = SimpleNamespace(  # type: ignore[assignment]
+    line = SimpleNamespace(
         update=lambda _, description="", **__: shown.append(description),
         console=SimpleNamespace(print=lambda *_, **__: None),
     )
+    done._live = line, 0  # type: ignore[assignment]
     done.begin("first")
     done.begin("second")
     done.end("first", "steady")

@@ -74,8 +74,7 @@ class Progress:
         if stream is not None and not hasattr(stream, "write"):
             need_instance("stream", stream, (io.TextIOBase,), "give sys.stderr, or leave it out")
         self._stream = stream or sys.stderr or io.StringIO()
-        self._live: Live | None = None
-        self._task: TaskID | None = None
+        self._live: tuple[Live, TaskID] | None = None
         self._logs = _is_of_system(self._stream)
         self._remaining = Remaining()
         self._begin = time.monotonic()
@@ -87,21 +86,22 @@ class Progress:
 
     def __enter__(self) -> Progress:
         if _in_notebook() or (not self._stream.closed and self._stream.isatty()):
-            self._live = _live_line(self._stream)
-            self._task = self._live.add_task(self._name, total=1.0, left="")
-            self._live.start()
+            line = _live_line(self._stream)
+            self._live = line, line.add_task(self._name, total=1.0, left="")
+            line.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         if self._live is not None:
-            self._live.stop()
+            self._live[0].stop()
             self._live = None
 
     def report(self, fraction: float) -> None:
         """Show the fraction done; may be called as often as is convenient."""
         self._remaining.add(fraction)
-        if self._live is not None and self._task is not None:
-            self._live.update(self._task, completed=fraction, left=self._left())
+        if self._live is not None:
+            line, task = self._live
+            line.update(task, completed=fraction, left=self._left())
         elif self._logs and time.monotonic() >= self._next_line:
             self._next_line = time.monotonic() + PERIOD
             self._print(f"{self._name}: {100.0 * fraction:.0f} %{self._left()}")
@@ -137,18 +137,20 @@ class Progress:
         return "" if left is None else f", about {left:.0f} s left"
 
     def _describe(self) -> None:
-        if self._live is None or self._task is None:
+        if self._live is None:
             return
         first = next(iter(self._running), self._name)
         others = min(len(self._running), self._at_once) - 1
         name = f"{first} and {others} more" if others > 0 else first
-        self._live.update(self._task, description=name, refresh=True)
+        line, task = self._live
+        line.update(task, description=name, refresh=True)
 
-    def _print(self, line: str) -> None:
+    def _print(self, said: str) -> None:
         if self._live is not None:
-            self._live.console.print(line, markup=False, highlight=False, soft_wrap=True)
+            line, _ = self._live
+            line.console.print(said, markup=False, highlight=False, soft_wrap=True)
         else:
-            print(line, file=self._stream, flush=True)
+            print(said, file=self._stream, flush=True)
 
 
 def of_part(progress: ProgressCallback | None, part: int, parts: int) -> ProgressCallback:

@@ -270,6 +270,22 @@ def test_an_error_of_one_equation_that_bends_another_is_in_the_error_of_both() -
     assert farthest <= solution_error(system, np.zeros(2), 0.0, off) <= 1.5 * farthest
 
 
+def test_the_curvature_in_an_error_is_that_along_the_largest_of_the_steps() -> None:
+    """F = (p + q, p - q)/2, p = x + Kx²/2, q = 10y: wrong by ±δ each, p ± 2δ and q = 0 at most.
+
+    Where instead q is wrong most, by 2δ, x is the exact one, and nothing bends.
+    """
+    bend, off = 1.0, 0.1875
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        p, q = u[0] + 0.5 * bend * u[0] ** 2, 10.0 * u[1]
+        slope = 0.5 * np.array([[1.0 + bend * u[0], 10.0], [1.0 + bend * u[0], -10.0]])
+        return 0.5 * np.array([p + q, p - q]), slope, np.zeros(2)
+
+    farthest = 0.5 / bend  # of x + Kx²/2 = -2δ = -3/8K
+    assert solution_error(system, np.zeros(2), 0.0, off) == pytest.approx(farthest, rel=1e-6)
+
+
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
 def test_the_correction_of_a_solution_is_how_far_it_still_is(tolerance: float) -> None:
     """Of two unknowns, one of which is known exactly."""

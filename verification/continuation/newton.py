@@ -166,9 +166,10 @@ def solution_error(
         return largest_step
     newton_step = inverse @ np.copysign(f_bound, inverse[int(step_bounds.argmax())])
     # Near the size of the error, since F'' may be much larger elsewhere.
-    increment = newton_step * (float(np.clip(10.0 * largest_step, *_INCREMENTS)) / largest_step)
+    size = float(np.clip(10.0 * largest_step, *_INCREMENTS))
+    increment = newton_step * (size / largest_step)
     second_derivative = inverse @ ((system(u + increment, p)[1] - jacobian) @ increment)
-    curvature = float(np.abs(second_derivative).max()) / float(np.abs(increment).max()) ** 2
+    curvature = float(np.abs(second_derivative).max()) / size**2
     twice_h = 2.0 * curvature * largest_step
     if twice_h <= 1.0:
         return 2.0 * largest_step / (1.0 + float(np.sqrt(1.0 - twice_h)))

@@ -291,7 +291,7 @@ def _columns_of_zarr(
             continue
         values = data[name].values
         if name in axes:
-            place = [-1 if other == name else 1 for other in axes]
+            place = [values.size if other == name else 1 for other in axes]
             values = np.broadcast_to(values.reshape(place), shape)
         values = values.reshape(count)
         found[name] = read_only(values.astype(str) if values.dtype.kind == "O" else values)

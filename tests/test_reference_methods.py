@@ -276,6 +276,28 @@ def test_a_site_that_is_pulled_past_the_belt_reverses_its_slip_as_in_the_other_m
     assert run.log[:, 0] == pytest.approx(other[:, 0], abs=1e-6)
 
 
+def test_a_site_that_its_neighbour_pulls_off_the_belt_slips_ahead_as_in_the_other_method() -> None:
+    """What holds it has then the other sign than at the release behind a rising y."""
+    chain = FrictionChain(c=0.3, sites=2)
+    start = np.array([[0.0, 0.0], [chain.cell.v_d, 20.0]])
+    run = run_events(chain, start, 1.0, times=np.array([1.0]), tolerance=1e-10)
+    found = simulate(chain, start, 1.0, logged_events=10)
+    assert run.log[0, 1:].tolist() == [1, ENDS]
+    assert run.velocity[0, 0] > chain.cell.v_d
+    assert run.log[:, 1:].tolist() == found.event_log[:, 1:].tolist()
+    assert run.log[:, 0] == pytest.approx(found.event_log[:, 0], abs=1e-6)
+
+
+def test_of_two_releases_within_a_step_the_earlier_one_is_first() -> None:
+    """On the belt y rises by v_d τ until the cell is released; without coupling each on its own."""
+    chain = FrictionChain(c=0.0, sites=2)
+    belt, times = chain.cell.v_d, np.array([0.03, 0.01])
+    start = np.array([chain.cell.release - belt * times, [belt, belt]])
+    run = run_events(chain, start, 0.05, tolerance=1e-10)
+    assert run.log[:, 1:].tolist() == [[2, ENDS], [1, ENDS]]
+    assert run.log[:, 0] == pytest.approx(np.sort(times), abs=1e-9)
+
+
 @pytest.mark.parametrize("slope", [1.0, 1e-6, -1e-6])
 def test_an_event_is_due_however_slowly_it_is_come_to(slope: float) -> None:
     """Made up: the velocity over the belt is zero to rounding, and was not a moment before."""

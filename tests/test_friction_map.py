@@ -110,6 +110,21 @@ def test_a_front_needs_all_sites_and_time_to_hold() -> None:
     assert HOLD * WINDOW <= found.time - last <= (HOLD + 1) * WINDOW
 
 
+def test_an_excited_site_of_a_friction_chain_starts_where_its_velocity_is_zero(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As at the largest and the smallest y of a cycle; the others are at rest, at y = μ(v_d)."""
+    monkeypatch.setattr("verification.runs.excite._turning_points", lambda _: (-0.5, 2.5))
+    chain = FrictionChain(c=0.02, sites=3)
+    rest = chain.cell.steady_sliding
+    for given, y in (
+        ({}, 2.5),
+        ({"point": StartPoint.MINIMUM}, -0.5),
+        ({"displacement": 1.5}, 1.5),
+    ):
+        assert excite(chain, [2], **given).tolist() == [[rest, y, rest], [0.0, 0.0, 0.0]]
+
+
 def test_a_map_is_of_the_point_of_the_cycle_that_is_named() -> None:
     start = rules_of(SHORT.chain).start
     for point in StartPoint:

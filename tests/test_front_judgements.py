@@ -937,8 +937,9 @@ def test_fronts_are_looked_for_down_to_a_velocity_of_one_thousandth(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Few steps suffice for a weak attraction."""
-    eta = 0.08
-    monkeypatch.setattr(wave, "_PERIODS", 2)
+    assert wave.SLOWEST == 1e-3
+    eta = 0.1
+    monkeypatch.setattr(wave, "_PERIODS", 1)
     fold = resting.static_fold(eta)
 
     def coupling(v: float) -> float:
@@ -1922,8 +1923,10 @@ def test_a_coarser_run_has_a_tolerance_as_many_times_larger_as_is_asked(
 
     monkeypatch.setattr(spreading, "spreads", spreads)
     search = spreading._Search(AVERAGED, Spreading(tolerance=tolerance), 1e-4, 0.1, 0.2)
-    assert search.spreads(0.1, longer=2.0, coarser=100.0)
-    assert made == [(pytest.approx(100.0 * tolerance), 2000.0)]
+    for factors in ({"longer": 2.0, "coarser": 100.0}, {"longer": 2.0}, {"coarser": 100.0}, {}):
+        assert search.spreads(0.1, **factors)
+    coarse = pytest.approx(100.0 * tolerance)
+    assert made == [(coarse, 2000.0), (tolerance, 2000.0), (coarse, 1000.0), (tolerance, 1000.0)]
 
 
 @pytest.mark.parametrize(("off", "extrapolated"), [(0.0, True), (0.09, False), (-0.09, False)])

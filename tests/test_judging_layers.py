@@ -207,8 +207,8 @@ def test_the_run_beside_a_front_has_a_hundred_times_its_tolerance(
 def test_of_a_chain_the_sites_that_the_tail_reaches_at_the_far_end_are_not_used() -> None:
     """The longest tail counts, up to a quarter of the chain, and no fewer than the last sites."""
     tail = Tail(0.1)
-    for ahead, reached, longest in (([0.2, 0.09], 3, 1), ([0.09] * 5, 3, 1), ([0.0, 0.2], 4, 2),
-                                    ([0.2], 6, 2)):  # fmt: skip
+    for ahead, reached, longest in (([0.1, 0.1], 3, 0), ([0.2, 0.09], 3, 1), ([0.09] * 5, 3, 1),
+                                    ([0.0, 0.2], 4, 2), ([0.2], 6, 2)):  # fmt: skip
         tail.note(np.array([1.0] * (reached + 1) + ahead), reached)
         assert tail.sites == longest
 
@@ -1027,9 +1027,9 @@ class _Motion:
 def test_what_stands_is_pinned_if_nothing_ahead_grows_and_nothing_behind_falls(
     change: list[float], status: FrontStatus
 ) -> None:
-    """From one stall time after the last arrival to two: site 0 is reached, site 1 is not."""
+    """From one stall time after the last arrival to two; of four sites the middle two change."""
     run: Any = _Motion()
-    run.arrivals = np.array([3.0, np.nan])
+    run.arrivals, run.amplitude = np.array([2.0, 3.0, np.nan, np.nan]), np.array([1, 1, 0.5, 0.5])
     stall = Stall(run, 10.0, 0.25)
     run.time = 3.0
     stall.note(4)
@@ -1037,7 +1037,7 @@ def test_what_stands_is_pinned_if_nothing_ahead_grows_and_nothing_behind_falls(
         run.time = time
         assert stall.status() is None
     assert stall.waited == 20.0
-    run.amplitude = run.amplitude + np.array(change)
+    run.amplitude = run.amplitude + np.array([0.0, *change, 0.0])
     run.time = 23.5
     assert stall.status() is status
 

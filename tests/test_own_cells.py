@@ -18,7 +18,7 @@ from scipy.special import ai_zeros
 
 from fronts.cli import main
 from tests.reference_runs import states_by_scipy
-from theory.cells.compiled_cell import compiled_cell
+from theory.cells.compiled_cell import CompiledCell, compiled_cell
 from theory.cells.oscillator import OscillatorCell, OscillatorCycle
 from theory.cells.polynomial import read_polynomial
 from theory.chains.oscillator import OscillatorChain
@@ -264,10 +264,11 @@ def test_motion_that_creeps_to_rest_or_overflows_does_not_turn(eps: float, start
     assert shooting._turn(cell, eps, start, limit, 1e-9) is None
 
 
-def test_motion_without_bound_has_no_top() -> None:
+@pytest.mark.parametrize("start", [1e-4, 1.0, 1e4])
+def test_motion_without_bound_has_no_top(start: float) -> None:
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
     limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
-    turn = shooting._turn(cell, -3.0, 1.0, limit, 1e-9)
+    turn = shooting._turn(cell, -3.0, start, limit, 1e-9)
     assert turn is not None
     assert turn.top == math.inf
 
@@ -581,16 +582,10 @@ def test_a_compiled_cell_has_its_cycle() -> None:
     assert states_by_scipy(rate, start, times)[-1] == pytest.approx(start, abs=1e-9)
 
 
-@numba.njit
-def sixth_power(y, v):  # type: ignore[no-untyped-def]
-    return v**6 - 1.0
-
-
 def test_the_error_of_a_multiplier_covers_the_differences_that_a_compiled_damping_needs() -> None:
     """Of a power as high as this they err by more than everything else; as text it has a slope."""
-    compiled, text = (
-        OscillatorChain(damping=h, stiffness="y", c=0.0).cell for h in (sixth_power, "v**6 - 1")
-    )
+    compiled = CompiledCell(stiffness=lambda y: y, damping=lambda _, v: v**6 - 1.0)
+    text = OscillatorCell(stiffness={1: 1.0}, damping={(0, 6): 1.0, (0, 0): -1.0})
     vars(compiled)["cycles"] = text.cycles  # the limits ε → 0, whose search takes the most time
     found, exact = (shooting.shot_cycles(cell, 0.5, 1e-12)[0] for cell in (compiled, text))
     off = abs(found.multiplier - exact.multiplier)

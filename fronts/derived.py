@@ -91,33 +91,46 @@ def _computed(
             if sites and "sites" not in fields:
                 fields["sites"] = located(sites)(nucleus["size"])
             along = _range_of(fields)
-            if along is not None:  # what follows a branch reads one chain; both ends are checked
-                values = values_of(fields[along])
-                ends = _along(bound, fields, along, [values[0], values[-1]])
-                found = None
-                if traced:
-                    found = located(traced)(ends, along, values, progress=progress, **arguments)
-                if found is None:
-                    from fronts.curves import curve
-
-                    between = _along(bound, fields, along, values[1:-1])
-                    found = curve(
-                        function,
-                        [ends[0], *between, ends[1]],
-                        along,
-                        values,
-                        arguments,
-                        workers=getattr(options, "curve.workers", 1),
-                        progress=progress,
-                    )
-                varied = _varied(bound, along)
-                own = _parameters_of(ends[0]).items()
-                shared = {name: value for name, value in own if name != varied}
-                ranged = {along: fields[along]}
-                return found, {"model": bound.model, **shared, **ranged, **parameters}
+            if along is not None:
+                workers = getattr(options, "curve.workers", 1)
+                how: dict[str, Any] = {"workers": workers, "progress": progress}
+                found, shared = _curve(bound, fields, along, traced=traced, given=arguments, **how)
+                return found, {"model": bound.model, **shared, **parameters}
             chain = new_chain(**fields)
     _check_picture(options, function)
     return function(chain, **arguments, **further), {**_parameters_of(chain), **parameters}
+
+
+def _curve(
+    bound: BoundCall,
+    fields: Mapping[str, Any],
+    along: str,
+    *,
+    traced: str,
+    given: dict[str, Any],
+    workers: int,
+    progress: Callable[[float], None],
+) -> tuple[Result, dict[str, Any]]:
+    """Return the results along a range of one field, and the parameters of the chains.
+
+    A branch, where the command can follow one, reads one chain, and both ends are checked first.
+    """
+    values = values_of(fields[along])
+    ends = _along(bound, fields, along, [values[0], values[-1]])
+    found: Result | None = None
+    if traced:
+        found = located(traced)(ends, along, values, progress=progress, **given)
+    if found is None:
+        from fronts.curves import curve
+
+        chains = [ends[0], *_along(bound, fields, along, values[1:-1]), ends[1]]
+        found = curve(
+            bound.function, chains, along, values, given, workers=workers, progress=progress
+        )
+    varied = _varied(bound, along)
+    own = _parameters_of(ends[0]).items()
+    shared = {name: value for name, value in own if name != varied}
+    return found, {**shared, along: fields[along]}
 
 
 def _check_picture(options: argparse.Namespace, function: Callable[..., Any]) -> None:

@@ -74,12 +74,12 @@ def _differs_from_zero(expression: sp.Expr) -> bool | None:
     """
     rng = random.Random(7)
     plain = expression.xreplace({
-        own: sp.Dummy(real=own.is_real)
-        for own in sorted(expression.atoms(sp.Derivative), key=sp.default_sort_key)
+        atom: sp.Dummy(real=atom.is_real)
+        for atom in sorted(expression.atoms(sp.Derivative), key=sp.default_sort_key)
     })  # fmt: skip
     plain = plain.xreplace({
-        own: sp.Dummy(real=own.is_real)
-        for own in sorted(plain.atoms(AppliedUndef), key=sp.default_sort_key)
+        atom: sp.Dummy(real=atom.is_real)
+        for atom in sorted(plain.atoms(AppliedUndef), key=sp.default_sort_key)
     })  # fmt: skip
     point = {}
     for symbol in sorted(plain.free_symbols, key=sp.default_sort_key):

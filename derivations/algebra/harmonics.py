@@ -143,29 +143,29 @@ class Harmonics:
     terms: Mapping[int, Coefficient]
 
     def __post_init__(self) -> None:
-        kept = {m: value for m, value in self.terms.items() if value}
-        object.__setattr__(self, "terms", kept)
+        nonzero = {m: value for m, value in self.terms.items() if value}
+        object.__setattr__(self, "terms", nonzero)
 
     def coefficient(self, harmonic: int) -> Coefficient:
         """Return the coefficient of ``e^{i harmonic T0}``."""
         return self.terms.get(harmonic, self.ring.ring.zero)
 
     def __add__(self, other: Harmonics) -> Harmonics:
-        out = dict(self.terms)
+        terms = dict(self.terms)
         for m, value in other.terms.items():
-            out[m] = out[m] + value if m in out else value
-        return Harmonics(self.ring, out)
+            terms[m] = terms[m] + value if m in terms else value
+        return Harmonics(self.ring, terms)
 
     def __sub__(self, other: Harmonics) -> Harmonics:
         return self + other.scaled(-1)
 
     def __mul__(self, other: Harmonics) -> Harmonics:
-        out: dict[int, Coefficient] = {}
+        terms: dict[int, Coefficient] = {}
         for m, left in self.terms.items():
             for n, right in other.terms.items():
                 product = left * right
-                out[m + n] = out[m + n] + product if m + n in out else product
-        return Harmonics(self.ring, out)
+                terms[m + n] = terms[m + n] + product if m + n in terms else product
+        return Harmonics(self.ring, terms)
 
     def __pow__(self, exponent: int) -> Harmonics:
         result = Harmonics(self.ring, {0: self.ring.ring.one})

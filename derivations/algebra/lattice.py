@@ -51,11 +51,11 @@ class CloseChain(Operation):
         return sp.Tuple(*(equation(self._at(whole, site)) for site in range(1, self.sites + 1)))
 
     def _at(self, whole: sp.Expr, site: int) -> sp.Expr:
-        def neighbour(place: sp.Expr, when: sp.Expr) -> sp.Expr:
-            neighbour = int(place.subs(self.index, site))
+        def neighbour(argument: sp.Expr, time: sp.Expr) -> sp.Expr:
+            neighbour = int(argument.subs(self.index, site))
             if self.ends is LatticeEnds.RING:
-                return self.field((neighbour - 1) % self.sites + 1, when)
-            return self.field(neighbour if 1 <= neighbour <= self.sites else site, when)
+                return self.field((neighbour - 1) % self.sites + 1, time)
+            return self.field(neighbour if 1 <= neighbour <= self.sites else site, time)
 
         return whole.replace(self.field, neighbour).doit()
 
@@ -157,10 +157,10 @@ class InsertPlaneWave(Operation):
         (source,) = sources
         whole = left_minus_right(source)
         site_field = next(iter(sorted(whole.atoms(AppliedUndef), key=str)))
-        site, time = (next(iter(site_field.args[place].free_symbols)) for place in (0, 1))
+        site, time = (next(iter(site_field.args[position].free_symbols)) for position in (0, 1))
 
-        def wave(place: sp.Expr, when: sp.Expr) -> sp.Expr:
-            return sp.exp(self.rate * when + sp.I * self.wavenumber * place)
+        def wave(position: sp.Expr, when: sp.Expr) -> sp.Expr:
+            return sp.exp(self.rate * when + sp.I * self.wavenumber * position)
 
         found = whole.replace(self.field, wave).doit() / wave(site, time)
         found = sp.powsimp(sp.expand(found), combine="exp")

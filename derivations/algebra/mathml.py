@@ -103,11 +103,11 @@ def _join_word(row: Element) -> None:
 
 def _mark_signs(row: Element) -> None:
     """Mark a minus as a sign if nothing precedes it from which it could be subtracted."""
-    before = ""
+    previous = ""
     for node in row:
-        if node.tag == "mo" and node.text == "−" and (before in _OPENS or not before):
+        if node.tag == "mo" and node.text == "−" and (previous in _OPENS or not previous):
             node.set("form", "prefix")
-        before = (node.text or "x") if node.tag == "mo" else "x"
+        previous = (node.text or "x") if node.tag == "mo" else "x"
 
 
 def _lower_primes(node: Element) -> None:

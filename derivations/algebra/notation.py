@@ -78,18 +78,18 @@ def displayed(expression: sp.Basic, script: Script) -> sp.Basic:
         sides = [displayed(side, script) for side in expression.args]
         return expression.func(*sides, evaluate=False)
     found: dict[sp.Basic, sp.Basic] = {}
-    for own in expression.atoms(sp.Derivative, AppliedUndef, sp.conjugate):
-        name = _name(own, script)
+    for atom in expression.atoms(sp.Derivative, AppliedUndef, sp.conjugate):
+        name = _name(atom, script)
         if name is not None:
-            found[own] = sp.Symbol(name)
+            found[atom] = sp.Symbol(name)
     for symbol in expression.atoms(sp.Symbol):
         accented = "\\" in symbol.name and script is Script.UNICODE
         if symbol.name in NAMES or accented or symbol.name.endswith(_LIMIT):
             found[symbol] = sp.Symbol(_base(symbol.name, script))
     if script is Script.UNICODE:
-        for own in expression.atoms(AppliedUndef) - found.keys():
-            if "\\" in own.func.__name__ or own.func.__name__ in NAMES:
-                found[own] = sp.Function(_base(own.func.__name__, script))(*own.args)
+        for atom in expression.atoms(AppliedUndef) - found.keys():
+            if "\\" in atom.func.__name__ or atom.func.__name__ in NAMES:
+                found[atom] = sp.Function(_base(atom.func.__name__, script))(*atom.args)
     shown = expression.xreplace(found)
     return shown if script is Script.LATEX else shown.replace(sp.besseli, _bessel)
 
@@ -98,9 +98,9 @@ def _bessel(order: sp.Expr, argument: sp.Expr) -> sp.Expr:
     return sp.Function(_base(f"I_{order}", Script.UNICODE))(argument)
 
 
-def _name(own: sp.Basic, script: Script) -> str | None:
-    if isinstance(own, sp.conjugate):
-        inner = own.args[0]
+def _name(atom: sp.Basic, script: Script) -> str | None:
+    if isinstance(atom, sp.conjugate):
+        inner = atom.args[0]
         if isinstance(inner, sp.Symbol):
             name = _base(inner.name, script)
         else:
@@ -109,11 +109,11 @@ def _name(own: sp.Basic, script: Script) -> str | None:
                 return None
             name = found
         return name + ("^{*}" if script is Script.LATEX else "*")
-    if isinstance(own, sp.Derivative):
-        return _derivative(own, script)
-    if not isinstance(own, AppliedUndef):
+    if isinstance(atom, sp.Derivative):
+        return _derivative(atom, script)
+    if not isinstance(atom, AppliedUndef):
         return None
-    return _function(own, script, "")
+    return _function(atom, script, "")
 
 
 def _base(name: str, script: Script) -> str:
@@ -135,32 +135,34 @@ def _base(name: str, script: Script) -> str:
     return str(sp.pretty(sp.Symbol(plain), use_unicode=True))
 
 
-def _function(own: AppliedUndef, script: Script, mark: str) -> str | None:
+def _function(field: AppliedUndef, script: Script, mark: str) -> str | None:
     """Return the name of a field at a site or of a function of slow times; None for others."""
-    base = _base(own.func.__name__, script)
+    base = _base(field.func.__name__, script)
     if mark:
         base = _marked(base, mark, script)
-    first = own.args[0]
+    first = field.args[0]
     if first.is_integer and not first.has(sp.Function):
-        place = str(sp.sstr(first)).replace(" ", "")
+        index = str(sp.sstr(first)).replace(" ", "")
         if script is Script.LATEX:
-            return f"{base}_{{{place}}}"
-        low = place.translate(_LOW)
-        return base + (low if set(place) <= set("0123456789+-nmjpkt") else f"[{place}]")
-    if all(argument.is_Symbol and argument.name in (*PRIMED, "that", "t") for argument in own.args):
+            return f"{base}_{{{index}}}"
+        low = index.translate(_LOW)
+        return base + (low if set(index) <= set("0123456789+-nmjpkt") else f"[{index}]")
+    if all(
+        argument.is_Symbol and argument.name in (*PRIMED, "that", "t") for argument in field.args
+    ):
         return base
     return None
 
 
-def _derivative(own: sp.Derivative, script: Script) -> str | None:
-    inner = own.expr
+def _derivative(derivative: sp.Derivative, script: Script) -> str | None:
+    inner = derivative.expr
     if not isinstance(inner, AppliedUndef):
         return None
-    counts = {variable: int(times) for variable, times in own.variable_count}
+    counts = {variable: int(times) for variable, times in derivative.variable_count}
     if set(map(str, counts)) == {"t"} and sum(counts.values()) <= 3:
         return _function(inner, script, "." * sum(counts.values()))
-    plain = _function(inner, script, "")
-    if plain is None:
+    name = _function(inner, script, "")
+    if name is None:
         return None
     names = [variable.name for variable in counts]
     if (
@@ -173,8 +175,8 @@ def _derivative(own: sp.Derivative, script: Script) -> str | None:
     times = [_base(variable.name, script) for variable, count in counts.items()
              for _ in range(count)]  # fmt: skip
     if script is Script.LATEX:
-        return f"{{{plain}}}_{{,{''.join(_spaced(q) for q in times)}}}"
-    return f"∂{{{','.join(times)}}}{plain}"
+        return f"{{{name}}}_{{,{''.join(_spaced(q) for q in times)}}}"
+    return f"∂{{{','.join(times)}}}{name}"
 
 
 def _spaced(name: str) -> str:

@@ -56,7 +56,7 @@ def said(value: Any) -> str:
     ('u and v', 'u = 0 and v → 2⋅v', 'u constant')
     """
     if isinstance(value, Mapping):
-        return listed([_pair(own, new) for own, new in value.items()])
+        return listed([_pair(old, new) for old, new in value.items()])
     if isinstance(value, tuple):
         return listed([said(each) for each in value])
     if isinstance(value, sp.FunctionClass):
@@ -64,16 +64,16 @@ def said(value: Any) -> str:
     return spoken(value) if isinstance(value, sp.Basic) else str(value)
 
 
-def _pair(own: Any, new: Any) -> str:
+def _pair(old: Any, new: Any) -> str:
     """Return an equation; with an arrow if the old is part of the new, with a word if constant."""
-    before, after = said(own), said(new)
+    before, after = said(old), said(new)
     if before == after:
         return f"{before} constant"
-    return f"{before} {'→' if _holds(new, own) else '='} {after}"
+    return f"{before} {'→' if _holds(new, old) else '='} {after}"
 
 
-def _holds(new: Any, own: Any) -> bool:
-    return isinstance(new, sp.Basic) and own in new.free_symbols
+def _holds(new: Any, old: Any) -> bool:
+    return isinstance(new, sp.Basic) and old in new.free_symbols
 
 
 def spoken(expression: sp.Basic) -> str:

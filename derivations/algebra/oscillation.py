@@ -52,16 +52,16 @@ def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
         slow, wave = term.as_independent(phase_factor, as_Add=False)
         number = 0 if wave == 1 else int(wave.as_base_exp()[1])
         found[number] = found.get(number, sp.S.Zero) + slow
-    originals = {dummy: own for own, dummy in frozen.items()}
+    originals = {dummy: atom for atom, dummy in frozen.items()}
     return {m: q.xreplace(originals) for m, q in found.items() if q != 0}
 
 
 def _frozen(expression: sp.Basic) -> dict[sp.Basic, sp.Dummy]:
     """Return a stand-in for each undefined function and derivative, longest first."""
     found: dict[sp.Basic, sp.Dummy] = {}
-    for own in [*expression.atoms(sp.Derivative), *expression.atoms(AppliedUndef)]:
-        real = own.expr.is_real if isinstance(own, sp.Derivative) else own.is_real
-        found[own] = sp.Dummy(str(own), real=True) if real else sp.Dummy(str(own))
+    for atom in [*expression.atoms(sp.Derivative), *expression.atoms(AppliedUndef)]:
+        real = atom.expr.is_real if isinstance(atom, sp.Derivative) else atom.is_real
+        found[atom] = sp.Dummy(str(atom), real=True) if real else sp.Dummy(str(atom))
     return found
 
 
@@ -80,7 +80,7 @@ def complex_parts(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     not_real = [q for q in plain.free_symbols if q.is_extended_real is not True]
     if not_real:
         raise OperationError(f"{', '.join(map(str, not_real))} may be complex")
-    originals = {dummy: own for own, dummy in frozen.items()}
+    originals = {dummy: atom for atom, dummy in frozen.items()}
     real, imaginary = (plain.coeff(sp.I, power).xreplace(originals) for power in (0, 1))
     return real, imaginary
 
@@ -260,7 +260,9 @@ class SquareAndAdd(Operation):
         left = sp.expand(sp.powsimp(product, combine="exp").replace(sp.exp, _euler))
         if left.has(self.angle):
             raise OperationError(f"{self.angle} does not drop out")
-        return equation(left, sum((sp.collect(rest, ()) ** 2 for rest in constants), sp.S.Zero))
+        return equation(
+            left, sum((sp.collect(constant, ()) ** 2 for constant in constants), sp.S.Zero)
+        )
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the angle."""
@@ -313,6 +315,6 @@ def argument(value: sp.Expr) -> sp.Expr:
     total: sp.Expr = sp.S.Zero
     for factor in sp.Mul.make_args(sp.powsimp(value, combine="exp")):
         total += sp.im(factor.exp) if isinstance(factor, sp.exp) else sp.arg(factor)
-    number, rest = total.as_independent(*total.free_symbols, as_Add=True)
+    number, symbolic = total.as_independent(*total.free_symbols, as_Add=True)
     principal = sp.Mod(number + sp.pi, 2 * sp.pi) - sp.pi  # in [-pi, pi)
-    return principal + rest
+    return principal + symbolic

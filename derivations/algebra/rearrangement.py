@@ -72,8 +72,8 @@ class Divide(Operation):
             terms = sp.Add.make_args(source.rhs)
             return equation(1, sum((term / source.lhs for term in terms), sp.S.Zero))
         parts = parts_of(source)
-        own = self.factor if isinstance(self.factor, tuple) else (self.factor,) * len(parts)
-        return system(tuple(map(self._divided, parts, own)))
+        factors = self.factor if isinstance(self.factor, tuple) else (self.factor,) * len(parts)
+        return system(tuple(map(self._divided, parts, factors)))
 
     @staticmethod
     def _divided(part: sp.Basic, factor: sp.Expr) -> sp.Basic:
@@ -120,16 +120,18 @@ class Isolate(Operation):
 
     def _isolated(self, part: sp.Basic, target: sp.Expr | None) -> sp.Basic:
         whole = sp.expand(left_minus_right(part))
-        rest, kept = whole.as_independent(*self.variables, as_Add=True)
+        constant_terms, variable_terms = whole.as_independent(*self.variables, as_Add=True)
         if target is None:
-            return equation(kept, -rest)
+            return equation(variable_terms, -constant_terms)
         stand_in = sp.Dummy()
-        factor = sp.expand(kept.xreplace({target: stand_in})).coeff(stand_in, 1)
+        factor = sp.expand(variable_terms.xreplace({target: stand_in})).coeff(stand_in, 1)
         if factor == 0:
             raise OperationError(f"there is no term with {target}")
-        others = sp.expand(kept - factor * target)
+        others = sp.expand(variable_terms - factor * target)
         common = sp.factor_terms(factor)
-        return equation(target + sp.factor_terms(others) / common, -sp.factor_terms(rest) / common)
+        return equation(
+            target + sp.factor_terms(others) / common, -sp.factor_terms(constant_terms) / common
+        )
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the variable and the targets."""
@@ -283,8 +285,12 @@ class TakeCoefficient(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the term."""
-        own = f"the coefficient of {spoken(self.term)} in {listed(labels)}"
-        return f"set {own} to zero" if self.name is None else f"call {own} {spoken(self.name)}"
+        coefficient = f"the coefficient of {spoken(self.term)} in {listed(labels)}"
+        return (
+            f"set {coefficient} to zero"
+            if self.name is None
+            else f"call {coefficient} {spoken(self.name)}"
+        )
 
 
 def with_cosines(expression: sp.Expr) -> sp.Expr:

@@ -93,9 +93,11 @@ def equation_expression(equation: sp.Basic) -> str:
 def _written(part: sp.Basic) -> str:
     names = {q.name for q in part.atoms(sp.Symbol)}
     names |= {q.func.__name__ for q in part.atoms(AppliedUndef)}
-    taken = any(hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names)
-    held = part.has(SumOver)
-    write = _bare if taken or held else sp.sstr
+    reserved = any(
+        hasattr(sp, name) or iskeyword(name) or not name.isidentifier() for name in names
+    )
+    has_sums = part.has(SumOver)
+    write = _bare if reserved or has_sums else sp.sstr
     if isinstance(part, sp.core.relational.Relational):
         sides = ", ".join(str(write(side)) for side in part.args)
         return f"{type(part).__name__}({sides}, evaluate=False)"

@@ -33,22 +33,22 @@ class SolveFor(Operation):
         source, *named = sources
         if isinstance(self.unknown, tuple):
             pairs = zip(self.unknown, parts_of(source), strict=True)
-            return sp.Tuple(*(SolveFor(own)(part) for own, part in pairs))
+            return sp.Tuple(*(SolveFor(unknown)(part) for unknown, part in pairs))
         stand_in = sp.Dummy(real=True) if self.unknown.is_real else sp.Dummy()
-        rest = left_minus_right(source).xreplace({self.unknown: stand_in})
-        if rest.has(sp.cos(stand_in)):
-            found = self._angles(rest, stand_in)
-        elif sp.diff(rest, stand_in).has(stand_in):
-            found = sp.solve(rest, stand_in)
+        difference = left_minus_right(source).xreplace({self.unknown: stand_in})
+        if difference.has(sp.cos(stand_in)):
+            found = self._angles(difference, stand_in)
+        elif sp.diff(difference, stand_in).has(stand_in):
+            found = sp.solve(difference, stand_in)
         else:
-            found = [-rest.subs(stand_in, 0) / self._factor(rest, stand_in, *named)]
+            found = [-difference.subs(stand_in, 0) / self._factor(difference, stand_in, *named)]
         if not found:
             raise OperationError(f"{source} has no solution for {self.unknown}")
         return system(tuple(equation(self.unknown, solution) for solution in found))
 
-    def _factor(self, rest: sp.Expr, stand_in: sp.Symbol, *named: sp.Basic) -> sp.Expr:
+    def _factor(self, difference: sp.Expr, stand_in: sp.Symbol, *named: sp.Basic) -> sp.Expr:
         """Return the factor of the unknown, or its name."""
-        slope = sp.diff(rest, stand_in)
+        slope = sp.diff(difference, stand_in)
         if sp.expand(slope) == 0:
             raise OperationError(f"the equation does not contain {self.unknown}")
         for name in named:
@@ -57,10 +57,10 @@ class SolveFor(Operation):
             return name.lhs
         return slope
 
-    def _angles(self, rest: sp.Expr, angle: sp.Symbol) -> list[sp.Expr]:
+    def _angles(self, difference: sp.Expr, angle: sp.Symbol) -> list[sp.Expr]:
         """Return ``±arccos(root)`` for each root, the negative sign first."""
         cosine = sp.Dummy("cosine")
-        whole = sp.expand(rest)
+        whole = sp.expand(difference)
         whole = whole.replace(lambda q: isinstance(q, sp.cos) and q.has(angle), sp.expand_trig)
         polynomial = sp.Poly(sp.expand(whole).xreplace({sp.cos(angle): cosine}), cosine)
         if polynomial.has(angle):
@@ -208,27 +208,27 @@ class PrescribeCoefficients(Operation):
         """Return one equation for each unknown."""
         (source,) = sources
         left = sp.expand(source.lhs)
-        rest = [sum((left.coeff(term) for term in terms), sp.S.Zero) - value
+        demands = [sum((left.coeff(term) for term in terms), sp.S.Zero) - value
                 for terms, value in self.demands]  # fmt: skip
         known: dict[sp.Basic, sp.Expr] = {}
         while len(known) < len(self.unknowns):
-            unknown, demand = self._of_one_unknown([each.subs(known) for each in rest])
+            unknown, demand = self._of_one_unknown([each.subs(known) for each in demands])
             # The sign of a positive unknown is used only if its square occurs.
             own = unknown if sp.diff(demand, unknown, 2) != 0 else sp.Dummy()
             roots = sp.solve(demand.xreplace({unknown: own}), own)
             if len(roots) != 1:
                 raise OperationError(f"{len(roots)} values of {unknown} satisfy one demand")
             known[unknown] = roots[0]
-        if any(sp.simplify(each.subs(known)) != 0 for each in rest):
+        if any(sp.simplify(each.subs(known)) != 0 for each in demands):
             raise OperationError("these coefficients contradict one another")
         return sp.Tuple(*(equation(own, sp.simplify(known[own])) for own in self.unknowns))
 
-    def _of_one_unknown(self, rest: list[sp.Expr]) -> tuple[sp.Symbol, sp.Expr]:
+    def _of_one_unknown(self, demands: list[sp.Expr]) -> tuple[sp.Symbol, sp.Expr]:
         """Return a demand that contains a single unknown, preceded by that unknown."""
-        for demand in rest:
-            left = [own for own in self.unknowns if demand.has(own)]
-            if len(left) == 1:
-                return left[0], demand
+        for demand in demands:
+            contained = [unknown for unknown in self.unknowns if demand.has(unknown)]
+            if len(contained) == 1:
+                return contained[0], demand
         raise OperationError("these coefficients do not determine the scales")
 
     def words(self, labels: Sequence[str]) -> str:

@@ -42,7 +42,7 @@ class Substitute(Operation):
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
         """Return the first source with everything inserted."""
-        rules = {own: sp.sympify(value) for own, value in self.values.items()}
+        rules = {old: sp.sympify(value) for old, value in self.values.items()}
         for rule in (part for source in sources[1:] for part in parts_of(source)):
             rules |= _step_rule(rule) if isinstance(rule, sp.Equivalent) else self._instances(rule)
         return on_sides(sources[0], lambda side: side.xreplace(rules).doit(integrals=False))
@@ -72,8 +72,8 @@ class Substitute(Operation):
             return ""
         places = [sp.sympify(place) for place in self.at]
         shown = listed([spoken(place) for place in places])
-        moved = any(place.has(self.index) for place in places)
-        return f" at the sites {shown}" if moved else f" at {spoken(self.index)} = {shown}"
+        relative = any(place.has(self.index) for place in places)
+        return f" at the sites {shown}" if relative else f" at {spoken(self.index)} = {shown}"
 
 
 def _step_rule(rule: sp.Equivalent) -> dict[sp.Basic, sp.Basic]:
@@ -121,7 +121,7 @@ class Eliminate(Operation):
         target, others = sources[0], Substitute(self.where)(sources[1])
         rules: dict[sp.Basic, sp.Basic] = {}
         for part in parts_of(others):
-            contained = [own for own in self.unknowns if part.rhs.has(own)]
+            contained = [unknown for unknown in self.unknowns if part.rhs.has(unknown)]
             solved = SolveFor(contained[0])(part) if contained else part
             if len(parts_of(solved)) != 1:
                 raise OperationError(f"{part} has several solutions for {contained[0]}")
@@ -256,24 +256,24 @@ class ChangeVariables(Operation):
         rules = {part.lhs: part.rhs for part in parts_of(scales)}
         new_time = rules.pop(self.scaled_time)
         (old_time,) = sp.solve(self.scaled_time - new_time, self.time)
-        fields = {own: new for own, new in rules.items() if isinstance(own, AppliedUndef)}
-        plain = {own: new for own, new in rules.items() if own not in fields}
+        fields = {old: new for old, new in rules.items() if isinstance(old, AppliedUndef)}
+        others = {old: new for old, new in rules.items() if old not in fields}
 
         def changed(side: sp.Expr) -> sp.Expr:
-            for own, new in fields.items():
-                side = side.replace(own.func, _scaled_field(own, new, self.scaled_time, new_time))
-            return side.doit().subs(self.time, old_time).doit().xreplace(plain)
+            for old, new in fields.items():
+                side = side.replace(old.func, _scaled_field(old, new, self.scaled_time, new_time))
+            return side.doit().subs(self.time, old_time).doit().xreplace(others)
 
         return on_sides(target, changed)
 
 
 def _scaled_field(
-    own: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, new_time: sp.Expr
+    old: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, new_time: sp.Expr
 ) -> Callable[..., sp.Expr]:
     """Return what replaces a field at any index and time."""
 
     def scaled(*arguments: sp.Expr) -> sp.Expr:
-        return new.subs(scaled_time, new_time).subs(dict(zip(own.args, arguments, strict=True)))
+        return new.subs(scaled_time, new_time).subs(dict(zip(old.args, arguments, strict=True)))
 
     return scaled
 
@@ -342,8 +342,8 @@ class EnterMovingFrame(Operation):
         (position,) = sp.solve(definition.lhs.args[0] - definition.rhs.args[0], self.site)
         field, profile = moving.lhs.func, moving.rhs.func
 
-        def insert(place: sp.Expr, *when: sp.Expr) -> sp.Expr:
-            return moving.rhs.subs(self.site, place) if when else field(place)  # a profile stays
+        def insert(site: sp.Expr, *time: sp.Expr) -> sp.Expr:
+            return moving.rhs.subs(self.site, site) if time else field(site)  # a profile stays
 
         def in_frame(side: sp.Expr) -> sp.Expr:
             found = side.replace(field, insert).doit().subs(self.site, position).doit()

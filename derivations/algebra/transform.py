@@ -157,8 +157,10 @@ class CloseContour(Operation):
         )  # fmt: skip
 
     def _sum(self, term: sp.Expr, roots: sp.Basic) -> sp.Expr:
-        factor, kept = sp.simplify(term).as_independent(self.wavenumber, self.slope, as_Add=False)
-        return factor * SumOver(kept, self.wavenumber, roots)
+        factor, summand = sp.simplify(term).as_independent(
+            self.wavenumber, self.slope, as_Add=False
+        )
+        return factor * SumOver(summand, self.wavenumber, roots)
 
     def _half_planes(self, sets: sp.Basic) -> tuple[sp.Basic, sp.Basic]:
         """Return the names of the sets of roots above and below the real axis."""

@@ -217,8 +217,8 @@ def evaluated(expression: sp.Basic, point: Point, lattice: Lattice, v: float) ->
 
 def _sum_over(node: sp.Basic, point: Point, lattice: Lattice, v: float) -> sp.Expr:
     term, _, which = node.args
-    rest = {q: sp.sympify(given) for q, given in point.items() if q not in (s.k, s.L_k)}
-    function = sp.lambdify((s.k, s.L_k), term.xreplace(rest), "numpy")
+    values = {q: sp.sympify(given) for q, given in point.items() if q not in (s.k, s.L_k)}
+    function = sp.lambdify((s.k, s.L_k), term.xreplace(values), "numpy")
     found = roots(lattice, v, upper=which == s.M_plus)
     terms = function(found, lattice.slope(found, v))
     # Partial sums between -edge and edge behave like S + p/edge + q/edge²: extrapolate twice.
@@ -239,9 +239,9 @@ def _extrapolated(sums: Sequence[complex], ends: Sequence[float]) -> complex:
 
 
 def _integral(node: Any, point: Point) -> sp.Expr:
-    (variable, low, high), rest = node.limits[0], dict(point)
-    rest.pop(variable, None)
-    integrand = node.function.xreplace({q: sp.sympify(given) for q, given in rest.items()})
+    (variable, low, high), values = node.limits[0], dict(point)
+    values.pop(variable, None)
+    integrand = node.function.xreplace({q: sp.sympify(given) for q, given in values.items()})
     function = sp.lambdify(variable, integrand, "numpy")
     if (low, high) == (0, sp.oo):
         return sp.sympify(_to_infinity(function))

@@ -135,9 +135,9 @@ def cells(model: ChainModel, max_imbalance: float = MAX_IMBALANCE) -> Iterator[S
     """
     rng = random.Random(11)
     for draw in range(2000):
-        spread = 1.0 + draw // 500
-        chain = _drawn(model, rng, spread)
-        imbalance = max_imbalance ** (min(spread, 3.0) / 3.0)
+        widening = 1.0 + draw // 500
+        chain = _drawn(model, rng, widening)
+        imbalance = max_imbalance ** (min(widening, 3.0) / 3.0)
         if not _may_have_two_cycles(chain) or not _is_balanced(chain, imbalance):
             continue
         cycles = chain.cycles()
@@ -145,12 +145,12 @@ def cells(model: ChainModel, max_imbalance: float = MAX_IMBALANCE) -> Iterator[S
             yield Sample(chain, *cycles)
 
 
-def _drawn(model: ChainModel, rng: random.Random, spread: float) -> ChainNumbers:
+def _drawn(model: ChainModel, rng: random.Random, widening: float) -> ChainNumbers:
     """Return a chain whose springs pull on long waves as strongly as its cell is damped.
 
     Much weaker springs pin most fronts; much stronger ones make them too wide to be resolved.
     """
-    values = {q: math.exp(spread * rng.uniform(-4.0, 1.4)) for q in model.parameters}
+    values = {q: math.exp(widening * rng.uniform(-4.0, 1.4)) for q in model.parameters}
     letters = model.coupling.free_symbols
     for q in model.parameters:
         if q in letters:

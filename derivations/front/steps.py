@@ -101,14 +101,16 @@ def derive(chain: ChainModel = PAPER) -> Derivation:
 
 def two_lines(chain: ChainModel) -> sp.Eq:
     """Return Eq. (44): two lines with the slope of (43) at rest, selected by the modulus."""
-    own = phi(n, t)
-    size, threshold = sp.Abs(own), sp.Abs(phi_us)
+    phi_n = phi(n, t)
+    modulus, threshold = sp.Abs(phi_n), sp.Abs(phi_us)
     branches = sp.Piecewise(
-        (own, sp.Lt(size, threshold)), (own - phi_s, sp.Gt(size, threshold)), evaluate=False
+        (phi_n, sp.Lt(modulus, threshold)),
+        (phi_n - phi_s, sp.Gt(modulus, threshold)),
+        evaluate=False,
     )
-    rest = chain.damping[0]
-    return equation(own.diff(t) - i * epsilon * chain.coupling / 2 * chain.springs(phi),
-                    -HALF * epsilon * rest * branches)
+    decay = chain.damping[0]
+    return equation(phi_n.diff(t) - i * epsilon * chain.coupling / 2 * chain.springs(phi),
+                    -HALF * epsilon * decay * branches)
 
 
 def travelling_wave(reach: int) -> sp.Tuple:
@@ -127,7 +129,7 @@ def _half_plane(side: type[sp.Rel]) -> sp.ConditionSet:
 
 def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
     """Derive (44) to (52)."""
-    own = phi(n, t)
+    phi_n = phi(n, t)
     draft.model("two lines", two_lines(chain),
                 "two lines of equal slope replace the nonlinear term, switched "
                 "where |φ_n| passes |φ_us|", check=checks.two_lines, number=44)
@@ -136,7 +138,7 @@ def _to_profile(draft: Draft, chain: ChainModel, checks: ProfileChecks) -> None:
     draft.ansatz("travelling wave", travelling_wave(chain.reach),
                  "a travelling wave with a phase that does not rotate", check=checks.moving,
                  number=46)
-    once = sp.Equivalent(sp.Gt(sp.Abs(own), sp.Abs(phi_us)), sp.Lt(zeta, 0), evaluate=False)
+    once = sp.Equivalent(sp.Gt(sp.Abs(phi_n), sp.Abs(phi_us)), sp.Lt(zeta, 0), evaluate=False)
     draft.ansatz("one passage", once, "each site passes the threshold once, at ζ = 0",
                  check=checks.admissible, number=47)
     draft.definition("slow velocity", equation(speed, epsilon * v), "the velocity a unit of εt",

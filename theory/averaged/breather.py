@@ -310,8 +310,8 @@ def closed_form_fold(
     )
     t = float(found.x)
     # SciPy stops at 1e-8 of t; one parabolic step makes the maximum accurate to rounding.
-    below, here, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
-    t -= 0.5e-4 * (above - below) / (above - 2.0 * here + below)
+    below, middle, above = (branch.coupling_at(t + side * 1e-4) for side in (-1.0, 0.0, 1.0))
+    t -= 0.5e-4 * (above - below) / (above - 2.0 * middle + below)
     c = branch.coupling_at(t)
     return ClosedFormFold(c=c, error=_NOISE * c, place=math.exp(t))
 

@@ -171,8 +171,8 @@ def _brackets(
             done_owner.append(owner[touches])
             done_cells.append(cells[:, touches])
         # The remaining cells are not short, and may have any number of solutions.
-        (rest,) = (~(short | np.where(sign_change, one_zero, monotone | no_zero))).nonzero()
-        owner, cells = owner.take(rest), cells.take(rest, axis=1)
+        (undecided,) = (~(short | np.where(sign_change, one_zero, monotone | no_zero))).nonzero()
+        owner, cells = owner.take(undecided), cells.take(undecided, axis=1)
         if owner.size:
             middle = np.empty((4, owner.size))
             middle[0] = 0.5 * (cells[0] + cells[4])
@@ -202,11 +202,11 @@ def _distinct(
     within_rounding = np.maximum(np.abs(cells[5, pairs]), np.abs(cells[1, pairs + 1])) <= 2.0 * e
     joined = np.zeros(owner.size - 1, dtype=bool)
     joined[pairs] = within_rounding & (np.abs(g) <= 2.0 * e)
-    kept: list[int] = []
+    selected: list[int] = []
     for run in np.split(np.arange(owner.size), np.flatnonzero(~joined) + 1):
         same_sign = (cells[1, run[0]] > 0) == (cells[5, run[-1]] > 0)
-        kept += [run[0], run[-1]] if same_sign and run.size > 1 else [run[run.size // 2]]
-    return owner[kept], cells[:, kept]
+        selected += [run[0], run[-1]] if same_sign and run.size > 1 else [run[run.size // 2]]
+    return owner[selected], cells[:, selected]
 
 
 def _polish(relation: _Relation, owner: IntArray, cells: FloatArray) -> Solutions:

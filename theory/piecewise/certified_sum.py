@@ -222,7 +222,7 @@ def _adaptive(flint: Any, v: Any, c: Any, tolerance: Any) -> BallSum:
 
 
 def needed_points(
-    v: float, c: float, tolerance: float, order: int = 0, least: float | None = None
+    v: float, c: float, tolerance: float, order: int = 0, smallest_c: float | None = None
 ) -> tuple[int, Strip]:
     """Return an even number of points for a truncation error near ``tolerance``, and the strip.
 
@@ -237,7 +237,7 @@ def needed_points(
         Required absolute error.
     order : int
         0 for Σ alone, 1 to include first derivatives, 2 to include ∂²Σ/∂v² too.
-    least : float, optional
+    smallest_c : float, optional
         The smallest coupling in question, by default c.
 
     Returns
@@ -245,7 +245,7 @@ def needed_points(
     points, strip : int, Strip
         Even number of points, and the strip on which the integrand is bounded.
     """
-    ratio = v / (c if least is None else least)
+    ratio = v / (c if smallest_c is None else smallest_c)
     digits = math.ceil(-2.0 * math.log10(tolerance))
     return _points_and_strip(_up(v, 8), _up(c, 8), 10.0 ** (-0.5 * digits), order, _up(ratio, 4))
 
@@ -303,9 +303,9 @@ def _bound_of_m(sigma: float, ratio: float) -> float:
     z, rate = k + 1j * _TAU * np.sin(k), 1.0 + 1j * _TAU * np.cos(k)
     stretch = _TAU * math.cosh(sigma)
     second = math.cosh(sigma + stretch) * ((1.0 + stretch) ** 2 + stretch)
-    least = (1j * np.cos(z)).real - np.abs((1j * np.sin(z) * rate).real) * half
-    least -= 0.5 * second * half**2 + ratio * (np.abs(z.imag) + stretch * half)
-    return max(1e-12 - float(least.min()), 0.25 * _TAU * ratio**2) * (1.0 + 1e-12)
+    lower_bounds = (1j * np.cos(z)).real - np.abs((1j * np.sin(z) * rate).real) * half
+    lower_bounds -= 0.5 * second * half**2 + ratio * (np.abs(z.imag) + stretch * half)
+    return max(1e-12 - float(lower_bounds.min()), 0.25 * _TAU * ratio**2) * (1.0 + 1e-12)
 
 
 def ball_sum(flint: Any, v: Any, c: Any, points: int, strip: Strip, *, order: int = 0) -> BallSum:

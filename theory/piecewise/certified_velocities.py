@@ -131,13 +131,15 @@ class Relation:
         value = total + self.shift
         return 2 * (value.real * by.real + value.imag * by.imag)
 
-    def slope_bounds(self, low: float, high: float, least: float = math.inf) -> tuple[Any, Any]:
+    def slope_bounds(
+        self, low: float, high: float, resolution: float = math.inf
+    ) -> tuple[Any, Any]:
         """Return enclosures of ∂h/∂v and |∂Σ/∂v| over all velocities from low to high.
 
-        The truncation error is a small fraction of 2r, or ``least`` where that is smaller.
+        The truncation error is a small fraction of 2r, or ``resolution`` where that is smaller.
         """
         cell = self.flint.arb(low).union(self.flint.arb(high))
-        tolerance = max(min(0.1 * self.tolerances[0], least), self.tolerances[-1])
+        tolerance = max(min(0.1 * self.tolerances[0], resolution), self.tolerances[-1])
         over_cell = self.sum(cell, tolerance, 1)
         return self.slope(over_cell.value, over_cell.by_v), abs(over_cell.by_v)
 

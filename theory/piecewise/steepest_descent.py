@@ -209,9 +209,9 @@ def _panels(v: float, c: float, g: float, points: int) -> tuple[FloatArray, Floa
     )
     nodes, weights = _gauss(points)
     half, middle = 0.5 * np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
-    kept = half > 0.0
-    x = middle[kept, None] + half[kept, None] * nodes
-    return x.ravel(), np.outer(half[kept], weights).ravel()
+    nonempty = half > 0.0
+    x = middle[nonempty, None] + half[nonempty, None] * nodes
+    return x.ravel(), np.outer(half[nonempty], weights).ravel()
 
 
 @lru_cache(maxsize=8)

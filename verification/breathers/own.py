@@ -168,11 +168,11 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
         y, v = columns[:count], columns[count:]
         pull = matrix @ (y + velocity_coupling * v) if velocity_coupling else matrix @ y
         by_y, by_v = slopes(y[:, 0], v[:, 0], p, n, count)
-        out = np.empty_like(columns)
-        out[:count] = v
+        derivative = np.empty_like(columns)
+        derivative[:count] = v
         gains[:, 0], gains[:, 1] = by_y, by_v  # each one number, or one for each site
-        out[count:] = gains[:, :1] * y + gains[:, 1:] * v - strength * pull
-        out[count:, -1] -= chain.eps * pull[:, 0]
+        derivative[count:] = gains[:, :1] * y + gains[:, 1:] * v - strength * pull
+        derivative[count:, -1] -= chain.eps * pull[:, 0]
         site = y[:, 0], v[:, 0]
         # Differences of velocities are needed only where velocities are coupled.
         springs = (
@@ -180,10 +180,10 @@ def _rate_of(chain: OscillatorChain) -> Callable[[FloatArray], FloatArray]:
         )
         if line:
             neighbours = 2.0 * site[0] - springs[0], 2.0 * site[1] - springs[1]
-            out[count:, 0] = cell(site, neighbours, (0.0, 0.0), p)[1]
+            derivative[count:, 0] = cell(site, neighbours, (0.0, 0.0), p)[1]
         else:
-            out[count:, 0] = cell(site, springs, p, n, count)[1]
-        return out
+            derivative[count:, 0] = cell(site, springs, p, n, count)[1]
+        return derivative
 
     return rate
 

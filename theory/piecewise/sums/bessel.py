@@ -118,21 +118,21 @@ def _later_sites(x: FloatArray, first: int) -> ComplexArray:
     x = np.maximum(x, 1e-20)
     top = float(x.max())
     last = math.ceil(max(first, top + 12.0 * (top + 1.0) ** (1 / 3) + 12.0)) + 20
-    above, here = np.zeros_like(x), np.full_like(x, 1e-280)
+    above, current = np.zeros_like(x), np.full_like(x, 1e-280)
     norm = np.zeros_like(x)
     total: ComplexArray = np.zeros(x.shape, dtype=complex)
     for m in range(last, -1, -1):
         if m >= first:
-            total = total + (-1j) ** (m % 4) * here
+            total = total + (-1j) ** (m % 4) * current
         if m % 2 == 0:
-            norm += here if m == 0 else 2.0 * here
+            norm += current if m == 0 else 2.0 * current
         if m:
-            above, here = here, (2.0 * m / x) * here - above
-            if m % 4 == 0 and np.max(np.abs(here)) > 1e100:
-                shrink = np.where(np.abs(here) > 1e100, 1e-120, 1.0)
-                above, here, norm, total = (
+            above, current = current, (2.0 * m / x) * current - above
+            if m % 4 == 0 and np.max(np.abs(current)) > 1e100:
+                shrink = np.where(np.abs(current) > 1e100, 1e-120, 1.0)
+                above, current, norm, total = (
                     above * shrink,
-                    here * shrink,
+                    current * shrink,
                     norm * shrink,
                     total * shrink,
                 )

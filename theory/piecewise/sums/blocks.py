@@ -267,8 +267,8 @@ def exponents_on_segments(
         unit = segment_unit(rho[i], step[i], side_of(table[1, i]))
         exponent = unit * complex(table[2, i], table[3, i])
         power[0, i], power[1, i] = exponent.real, exponent.imag
-        turned = 0.5 * unit * complex(table[4, i], table[5, i])
-        turn[0, i], turn[1, i] = turned.real, turned.imag
+        dz_dp = 0.5 * unit * complex(table[4, i], table[5, i])
+        turn[0, i], turn[1, i] = dz_dp.real, dz_dp.imag
 
 
 def exponents_on_axis(

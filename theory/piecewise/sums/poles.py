@@ -65,9 +65,9 @@ def pair_of_the_parabola(q: float, psi: float, rho: float) -> tuple[complex, com
     """
     w = 1.0 / rho
     square = w * w + 2.0 * w * (psi - 1j * q)
-    far = -w - square_root(square)
-    near = quotient(2j * w * (q + 1j * psi), far)
-    return twice_arcsine(near), twice_arcsine(far), modulus(square) < 0.2 * w * w
+    larger = -w - square_root(square)
+    smaller = quotient(2j * w * (q + 1j * psi), larger)
+    return twice_arcsine(smaller), twice_arcsine(larger), modulus(square) < 0.2 * w * w
 
 
 def twice_arcsine(p: complex) -> complex:
@@ -83,9 +83,9 @@ def two_roots_near(q: float, psi: float, rho: float) -> tuple[complex, complex]:
     linear wave), those of the second-order expansion about the point between them at which the
     slope vanishes.
     """
-    near, far, nearly_double = pair_of_the_parabola(q, psi, rho)
+    smaller, larger, nearly_double = pair_of_the_parabola(q, psi, rho)
     if not nearly_double:
-        return near, far
+        return smaller, larger
     k = -math.asin(1.0 / rho)
     value = q + 1j * (psi - rho * (1.0 - math.cos(k)) - k)
     separation = cmath.sqrt(-2j * value / (rho * math.cos(k)))

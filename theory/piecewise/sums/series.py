@@ -133,11 +133,11 @@ def _summed_labels(series: RootSeries, distance: float) -> tuple[int, int]:
         if abs(nu.imag) < distance:
             reach = math.sqrt(distance**2 - nu.imag**2)
             first, last = min(first, nu.real - reach), max(last, nu.real + reach)
-    most = MAX_ROOTS if mp.mp.dps <= DOUBLE + 15 else _MAX_PRECISE_ROOTS
-    if last - first > most:
+    largest = MAX_ROOTS if mp.mp.dps <= DOUBLE + 15 else _MAX_PRECISE_ROOTS
+    if last - first > largest:
         raise PrecisionError(
             f"the series at v = {mp.nstr(series.v, 6)}, c = {mp.nstr(series.c, 6)} needs "
-            f"{last - first:.3g} roots one by one, more than {most}; use the method integral."
+            f"{last - first:.3g} roots one by one, more than {largest}; use the method integral."
         )
     return math.floor(first), math.ceil(last)
 

@@ -163,7 +163,7 @@ class ChangeAmplitude(Operation):
         averaged, fundamental = sources
         index, time = _site_of(averaged)
         scaled = sp.expand(fundamental.rhs * 2 * sp.I)
-        # In a single expression, both share a ring; the shift is tagged with a high power.
+        # As one expression, both share a ring; a high power of the small parameter marks the shift.
         tagged = averaged.rhs + self.small**3 * scaled
         ring, parts = _from_fields(sp.expand(tagged), self.envelope, index, self.small, 4)
         _, first, second, leading, shift = parts

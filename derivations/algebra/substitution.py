@@ -270,7 +270,7 @@ class ChangeVariables(Operation):
 def _scaled_field(
     old: sp.Expr, new: sp.Expr, scaled_time: sp.Symbol, new_time: sp.Expr
 ) -> Callable[..., sp.Expr]:
-    """Return what replaces a field at any index and time."""
+    """Return the function that replaces a field at any index and time."""
 
     def scaled(*arguments: sp.Expr) -> sp.Expr:
         return new.subs(scaled_time, new_time).subs(dict(zip(old.args, arguments, strict=True)))

@@ -229,7 +229,7 @@ class SumOverPeriods(Operation):
     wavenumber: sp.Symbol
 
     def __call__(self, *sources: sp.Basic) -> sp.Basic:
-        """Return the same with an integral over one period."""
+        """Return the equation with an integral over one period."""
         (source,) = sources
         (line,) = source.rhs.atoms(sp.Integral)
         k = line.limits[0][0]

@@ -118,7 +118,7 @@ class FrontCellChecks(SampledChecks):
 
     @at_points("the linear response about rest", tolerance=1e-7)
     def upper_decay(self) -> Points:
-        """Compare with the same for a relative deviation."""
+        """Compare with the response about rest, for a relative deviation."""
         for sample, rng in self._cells():
             value = complex_number(rng)
             uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), value)

@@ -212,7 +212,7 @@ class LimitChecks(SampledChecks):
                                f"as strong: off by {errors[0]:.1e}, {errors[1]:.1e}")  # fmt: skip
 
     def strong_relation(self, candidate: sp.Basic) -> Evidence:
-        """Compare both parts."""
+        """Compare the modulus of the sum with the ratio, and the sum with its value."""
         relation, value_of = candidate.args
         first = self.named_relation(s.strong_sum)(relation)
         return self.strong_sum(value_of) if first.holds else first

@@ -83,7 +83,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("numerical derivatives of the frequency", tolerance=1e-6)
     def frequency_derivatives(self) -> Points:
-        """Compare with numerical derivatives of the square root of that."""
+        """Compare with numerical derivatives of the frequency."""
         for sample, q in zip(self.samples, (0.4, 1.7, 2.9), strict=True):
             omega_squared = self._omega_squared(sample.chain)
             rates = [
@@ -170,7 +170,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("a moving shape, differentiated numerically", tolerance=1e-7)
     def inner_named(self) -> Points:
-        """Compare with the same per unit of slow time."""
+        """Compare with a test shape and its derivatives, per unit of slow time."""
         for sample, point, numbers in self._frames():
             eps = sample.chain.eps
             yield (
@@ -240,7 +240,7 @@ class StrongChecks(SampledChecks):
 
     @at_points("the largest group velocity, by maximisation", tolerance=1e-6)
     def largest_group_velocity(self) -> Points:
-        """Compare with the same, including the third derivative."""
+        """Compare the group velocity and the third derivative with those found by maximisation."""
         for point, _, _ in self._speeds():
             yield point, [0, 0]
 

@@ -29,7 +29,8 @@ from derivations.symbols import c, n, t
 MAX_RATIO = 0.6
 """Largest ratio of the cycles; above it the cell relaxes too slowly for a direct run."""
 TINY = 1e-5
-"""Amplitude of a linear response over the inner cycle: nonlinear terms are 1e-10 of it."""
+"""Amplitude of a linear response divided by that of the inner cycle: nonlinear terms are then 1e-10
+of the linear ones."""
 MAX_IMBALANCE = 27.0
 """Largest ratio, in either direction, of the strength of the springs to the damping at rest."""
 CYCLE = 0.8 - 0.4j

@@ -389,32 +389,7 @@ def trace_kinetic_relation(
     etas = sorted(checked_eta(value) for value in set(eta_.tolist()))
     bistable = tuple(value for value in etas if value < ETA_END)
     ends = {value: _end_of_rest(value) for value in bistable}
-    ratio = {value: threshold_ratio(value) for value in bistable}
-    branches: list[list[KineticBranch]] = [[] for _ in c_]
-    terms = 0
-    blocks = [
-        (retreating, cases[begin : begin + _BLOCK])
-        for retreating in (True, False)
-        for cases in [np.flatnonzero(_can_move(eta_, retreating))]
-        for begin in range(0, cases.size, _BLOCK)
-    ]
-    for done, (retreating, cases) in enumerate(blocks):
-        if progress is not None:
-            progress(done / len(blocks))
-        r = np.array([ratio[value] for value in eta_[cases].tolist()])
-        found = all_velocities(c_[cases], 2.0 * r, retreating)
-        terms += found.evaluations
-        case_of_solution = cases[found.case]
-        solutions = _branches(
-            found,
-            c_[case_of_solution],
-            eta_[case_of_solution],
-            r[found.case],
-            retreating,
-            admissibility=admissibility,
-        )
-        for case, branch in zip(case_of_solution.tolist(), solutions, strict=True):
-            branches[case].append(branch)
+    branches, terms = _branches_of_cases(c_, eta_, admissibility, progress)
     if progress is not None:
         progress(1.0)
     seconds = (perf_counter() - start) / max(1, c_.size)
@@ -434,6 +409,39 @@ def trace_kinetic_relation(
             )
         )
     return answers
+
+
+def _branches_of_cases(
+    c: FloatArray,
+    eta: FloatArray,
+    admissibility: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[list[list[KineticBranch]], int]:
+    """Return the branches of every pair of c and η, and the number of values of Σ computed."""
+    branches: list[list[KineticBranch]] = [[] for _ in c]
+    terms = 0
+    blocks = [
+        (retreating, cases[begin : begin + _BLOCK])
+        for retreating in (True, False)
+        for cases in [np.flatnonzero(_can_move(eta, retreating))]
+        for begin in range(0, cases.size, _BLOCK)
+    ]
+    for done, (retreating, cases) in enumerate(blocks):
+        if progress is not None:
+            progress(done / len(blocks))
+        etas = eta[cases].tolist()
+        ratio = {value: threshold_ratio(value) for value in set(etas)}
+        r = np.array([ratio[value] for value in etas])
+        found = all_velocities(c[cases], 2.0 * r, retreating)
+        terms += found.evaluations
+        case_of_solution = cases[found.case]
+        solutions = _branches(
+            found, c[case_of_solution], eta[case_of_solution], r[found.case], retreating,
+            admissibility=admissibility,
+        )  # fmt: skip
+        for case, branch in zip(case_of_solution.tolist(), solutions, strict=True):
+            branches[case].append(branch)
+    return branches, terms
 
 
 def checked_coupling(c: float) -> float:

@@ -139,7 +139,7 @@ def _argument_change(v: float, c: float, start: complex, end: complex) -> float:
 
 
 def _distance_from_axes(k: ComplexArray, v: float, c: float) -> FloatArray:
-    """Return max(|Re L|, |Im L|) minus rounding, the distance of L from leaving a half-plane.
+    """Return max(|Re L|, |Im L|) minus rounding, within which distance L stays in a half-plane.
 
     The two parts are treated separately, since Re L can be accurate where v|k| or c dominates the
     rounding error of Im L; on the real axis Re L is exactly ½.

@@ -34,9 +34,9 @@ class FrontStability:
         Number of terms p_k of the symbol.
     stable : bool or None
         Whether every perturbation of the switching times decays; None where this was not decided,
-        because within the error of v a multiplier may lie on the unit circle or |φ| may pass the
-        threshold at no rate, the series is too long (v above a few tens), or its terms underflow
-        (v below 7e-4).
+        because within the error of v a multiplier may lie on the unit circle or the rate of |φ| at
+        the threshold may vanish, the series is too long (v above a few tens), or its terms
+        underflow (v below 7e-4).
     multiplier : float or None
         Largest modulus of a multiplier per site other than the trivial one; None where all are
         below ``floor``, or none could be determined.

@@ -127,7 +127,8 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
     height, height_away = (
         float(family.amplitudes(u, fold.parameter)[site]) for u in (fold.u, fold.u + fold.away)
     )
-    # Across the branch, amplitudes change no faster than the state, of which they have two parts.
+    # Transverse to the branch, an amplitude changes by at most twice the error of the state, since
+    # it depends on two of its components.
     return BranchFold(
         c=float(fold.parameter),
         eta=family.chain.eta,

@@ -4,7 +4,7 @@ How to write rules for another kind of chain
 --------------------------------------------
 1. Write a function like ``find_smooth_state``, in a module whose docstring states the rules. Define
    a state by what *lasts*: a chain is not filled because each site was reached once, and a chain
-   that looks quiet need not be at rest for ever.
+   that appears quiet need not remain at rest.
 2. ``fixed point`` must be certain: a norm or an energy that can only decrease from then on or,
    where none is known, a long decay. State which.
 3. Stop at half of the end time: a state found later would not be found, and the point would be

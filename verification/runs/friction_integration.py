@@ -108,7 +108,7 @@ class FrictionIntegration(Integration):
             self._close_window(_REST * tolerance)
 
     def _close_window(self, rest: float) -> None:
-        """Close the window around the moving sites; sites closer than ``rest`` to sliding rest."""
+        """Close the window around the moving sites; others are within ``rest`` of sliding."""
         cell, run = self.chain.cell, self._run
         y, velocity = self.state
         away = np.maximum(np.abs(y - cell.steady_sliding), np.abs(velocity))

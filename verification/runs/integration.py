@@ -39,7 +39,7 @@ class NotFiniteError(RunError):
 
 
 class StandstillError(RunError):
-    """Time does not advance, since no step is short enough, or advances by too short steps."""
+    """Time does not advance since no step is short enough, or its steps are too short."""
 
 
 class Integration(ABC):
@@ -80,12 +80,12 @@ class Integration(ABC):
         """
 
     def check_pace(self) -> None:  # noqa: B027  (most integrations are never that slow)
-        """Refuse a run to its end, and not to a condition, that would take minutes to hours.
+        """Refuse a run that would take minutes to hours, unless it ends when a condition is met.
 
         Raises
         ------
         RunError
-            If it would.
+            If it would take that long.
         """
 
     def finish(self) -> None:

@@ -47,9 +47,9 @@ MAX_NUMBERS = 10**8
 """Samples times sites that a run may store: a few gigabytes."""
 
 _COMPARED, _COMPARED_NUMBERS = 200, 10**5
-"""Times at which runs are compared at least, with those of the samples: at few samples, runs that
-have become independent may agree by chance. For long chains, with which that does not happen, at
-most so many times as have this number of states in all."""
+"""Smallest number of times, samples included, at which runs are compared: at fewer times, runs that
+have become independent may agree by chance. In long chains this does not happen, and the number of
+times multiplied by that of sites is limited to the second number."""
 
 
 @with_ranges(tolerance=TOLERANCES, latest=LATEST, samples=SAMPLES.low, default=DEFAULT_SAMPLES)

@@ -50,8 +50,8 @@ minutes on a few sites, three on a few dozen."""
 _PACE_STEPS = 100_000
 """Number of steps after which the pace of a run is measured."""
 _PACE_CHANGE, _PACE_GAIN = 0.2, 0.4
-"""Relative change of the state within which steps grow by at most the inverse of the second
-number: a damping rate like y⁴ falls by this factor."""
+"""A relative change of the state, and the factor to which a damping rate proportional to y⁴ falls
+over it, 0.8⁴ = 0.4: meanwhile steps grow at most by the inverse of this factor."""
 
 REVIEW = 6.5
 """Kernel time after which the step of an oscillation may grow: slightly more than a period."""

@@ -77,7 +77,7 @@ def _state_of_sources() -> str:
 
 @lru_cache(maxsize=1)
 def compiled_rules() -> CompiledRules:
-    """Return the compiled rules; they are kept where numba would, whatever else uses numba."""
+    """Return the compiled rules, cached in the folder that numba would choose by itself."""
     compile_uninterrupted()
     state = _state_of_sources()
     with kept_where_numba_would():

@@ -247,6 +247,27 @@ def test_a_folder_takes_the_place_of_one_that_is_not_empty(tmp_path: Path) -> No
     assert [each.name for each in target.iterdir()] == ["new"]
 
 
+def test_a_folder_takes_the_place_of_a_file(tmp_path: Path) -> None:
+    target = tmp_path / "table.zarr"
+    target.write_text("no store")
+
+    def write(part: Path) -> None:
+        part.unlink()
+        part.mkdir()
+        (part / "new").write_text("new")
+
+    write_by(target, write)
+    assert [each.name for each in tmp_path.iterdir()] == ["table.zarr"]
+    assert (target / "new").read_text() == "new"
+
+
+def test_a_fifo_is_refused_for_a_store_before_any_work(tmp_path: Path) -> None:
+    fifo = tmp_path / "table.ZARR"
+    os.mkfifo(fifo)
+    with pytest.raises(FileError, match=r"table\.ZARR is a FIFO, .* store: name another file"):
+        check_writable(fifo)
+
+
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EINVAL])
 def test_a_refusal_comes_from_another_process_as_it_was(number: int) -> None:
     error = FileError(Path("run.npz"), "is odd", "name another file", number)

@@ -299,6 +299,8 @@ def _target(path: Path) -> Path | None:
     if stat.S_ISREG(mode):
         return Path(os.path.realpath(path))
     if stat.S_ISFIFO(mode):
+        if path.suffix.lower() == ".zarr":
+            raise FileError(path, "is a FIFO, which cannot hold a zarr store", "name another file")
         return None
     if stat.S_ISDIR(mode):
         if (path / ZARR_MARK).is_file():
@@ -325,7 +327,8 @@ def _replacing(path: Path, target: Path) -> Iterator[Path]:
         yield part
         if part.is_file():
             part.chmod(mode)
-        if target.is_dir():  # a folder cannot replace one that is not empty
+        # a folder cannot replace a file, nor a file or a folder one that is not empty
+        if target.is_dir() or (part.is_dir() and target.exists()):
             target.rename(part.with_suffix(".old"))
         part.replace(target)
         _sync_folder(target.parent)

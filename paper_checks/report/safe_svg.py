@@ -92,15 +92,9 @@ def _with_namespaces(body: str) -> str:
     return f"{head}>{rest}"
 
 
-def _local(element: ET.Element) -> str:
-    """Return the name of an SVG element, or an empty text for one of another language."""
-    tag = element.tag
-    return tag.removeprefix(_SVG) if tag.startswith(_SVG) or "{" not in tag else ""
-
-
 def _written(element: ET.Element) -> Iterator[str]:
     """Write an element and its content, if the element is listed."""
-    name = _local(element)
+    name = element.tag.removeprefix(_SVG)  # of another language it begins with a bracket
     if name not in ELEMENTS:
         return
     text = element.text or ""

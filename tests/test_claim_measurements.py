@@ -26,6 +26,8 @@ from paper_checks.claims import (
     _friction,
     _fronts,
     _maps,
+    _orbits,
+    equations,
     fig02,
     fig03,
     fig04,
@@ -96,6 +98,7 @@ def test_maps_are_sampled_evenly_and_checked_at_their_own_points() -> None:
     assert min(fig05.VELOCITIES) < min(fig05.LASTING) < max(fig05.LASTING) < max(fig05.VELOCITIES)
     assert set(fig15.CHECKED) <= {(eta, c) for eta in fig15.ETAS for c in fig15.COUPLINGS}
     assert set(fig13.CHECKED) <= set(fig13.AVERAGED)
+    assert set(fig14.FULL) <= set(fig14.ETAS)
     assert set(text_nuclei.DRAWN) <= set(text_nuclei.COUPLINGS)
 
 
@@ -105,7 +108,8 @@ def test_nuclei_are_enumerated_size_by_size_and_a_family_has_even_ones_beyond() 
 
 
 def test_the_phases_are_followed_up_to_the_end_at_which_they_are_judged() -> None:
-    assert fig10.TIMES[-1] == fig10.END
+    assert (fig10.TIMES[0], fig10.TIMES[-1]) == (0.0, fig10.END)
+    assert np.diff(fig10.TIMES).max() <= 5.0
 
 
 def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:
@@ -250,6 +254,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
         f"--eta {grid(fig15.ETAS)} --c {grid(fig15.COUPLINGS)} ",
         f"counted at εt = {plain(fig15.SCIPY_END)} ", f"up to εt = {plain(fig15.WATCHED)}.",
         f"At η = {fig15.EMPTIED}, next", f"at most {percent(_maps.FEW)} of",
+        f"at most a {'tenth' if fig15.LARGEST_SHARE == 0.1 else fig15.LARGEST_SHARE} may",
     ),
     "fig15-alike": lambda: (
         f"counted at εt = {plain(fig15.SCIPY_END)} ",
@@ -294,6 +299,17 @@ def test_the_text_of_a_claim_gives_the_numbers_that_it_was_tried_and_judged_with
     head = [f"{name}: {line}" for name, line in words(module, key)]
     text = "\n".join([*head, template(module, key)])
     assert not [each for each in STATED[key]() if each not in text]
+
+
+def test_tolerances_that_no_text_gives_in_figures_are_not_wider_than_their_reasons() -> None:
+    assert fig04.INSENSITIVE <= 0.25 * fig04.PRINTED / 100.0  # a quarter of the fall at the edge
+    assert fig04.BEFORE_END <= 2
+    assert _orbits.SMALL <= 0.1  # "a tenth, for much smaller in every claim"
+    assert fig09.TOGETHER <= 0.01 * 0.2  # a hundredth of the axis of Fig. 9, c from 0 to 0.2
+    assert fig11.SOLVERS <= 1e-5  # ten times the effect of the ends
+    assert fig12.AGREE <= 1e-4 * 140.0  # of the time from site to site
+    assert max(fig03.AGREE, text_friction.APART) <= 1e-3  # of arrivals, as in Figs. 4 to 6
+    assert equations.ROUNDING <= 1e-10
 
 
 def test_the_text_names_the_coupling_at_which_the_exponent_is_taken() -> None:

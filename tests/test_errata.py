@@ -132,9 +132,28 @@ def test_of_a_changed_line_the_last_reading_that_holds_is_the_correction(
     assert "“other” fails" in erratum.proof
 
 
-def test_the_remark_on_the_derivative_stands_at_the_equation_that_prints_it() -> None:
-    about = {number for number, text in equations.STYLE.items() if "It is the derivative" in text}
-    assert about == {n for n in range(49, 55) if printed_module.printed(n).latex.startswith("L_")}
+REMARKED = {
+    "(fig02-stick)": "|F| <",
+    "its reference velocity": r"|\tilde{F}| <",
+    "The text before (7)": r"\mu_d=",
+    "sign of equality": r"&\dot{\Psi}_n -",
+    "for a ring": " = f(X) = ",
+    "The inequalities": r"\varphi_n < \varphi_{us}",
+    "argument of the step": r"\theta\left(",
+    "It is the derivative": "L_k(k) =",
+}
+"""Words of each remark, and what only the equation prints that it is about."""
+
+
+@pytest.mark.parametrize("words", REMARKED)
+def test_a_remark_stands_at_the_equation_that_prints_what_it_is_about(words: str) -> None:
+    about = {n for n in range(1, 55) if REMARKED[words] in printed_module.printed(n).latex}
+    assert len(about) == 1
+    assert {n for n, text in equations.STYLE.items() if words in text} == about
+
+
+def test_every_remark_is_about_one_of_these() -> None:
+    assert len(equations.STYLE) == len(REMARKED)
 
 
 def test_the_correction_of_33_turns_the_printed_bracket_into_a_square(

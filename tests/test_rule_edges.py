@@ -147,18 +147,18 @@ def _with(held: Any, index: int, x: Any) -> Any:
     return tuple(entries) if isinstance(held, tuple) else np.array(entries)
 
 
-def _nodes(rule: Callable[..., Any]) -> Iterator[ast.AST]:
+def rule_nodes(rule: Callable[..., Any]) -> Iterator[ast.AST]:
     """Yield the nodes of a rule and of the functions of its module to which it hands evidence."""
     for node in ast.walk(ast.parse(textwrap.dedent(inspect.getsource(rule)))):
         yield node
         if isinstance(node, ast.Call) and list(map(ast.unparse, node.args)) == ["e"]:
-            yield from _nodes(getattr(sys.modules[rule.__module__], _called(node)))
+            yield from rule_nodes(getattr(sys.modules[rule.__module__], _called(node)))
 
 
 def edges() -> Iterator[Edge]:
     """Yield the comparisons whose left side is made of one piece of evidence, a number."""
     for case in CASES:
-        for node in _nodes(case[0]):
+        for node in rule_nodes(case[0]):
             if not (isinstance(node, ast.Compare) and len(node.ops) == 1):
                 continue
             edge = Edge(case=case, test=node)

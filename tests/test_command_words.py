@@ -495,6 +495,7 @@ class _Value(Result):
     error: float
     known: bool = True
     why: str | None = None
+    lifetime: float = math.inf
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -520,7 +521,10 @@ class _Several(Result):
 def test_an_error_that_is_not_known_is_said_wherever_its_number_stands(
     error: float, of_a_value: str, of_none: str, beside: str
 ) -> None:
-    """In a result within another one, in a table by name or in order, by itself, and in a list."""
+    """In a result within another one, in a table by name or in order, by itself, and in a list.
+
+    What is infinite and no error is left out.
+    """
     value, none = _Value(v=0.5, error=error), _Value(v=None, error=error)
     several = _Several(one=value, ways={"a": value, "b": none}, rows=(value, none), growth=0.5,
                        growth_error=error, listed=(0.5, None), listed_error=(error, math.nan),

@@ -29,6 +29,7 @@ from fronts.catalogue import COMMANDS
 from fronts.cli import main, whole_parser
 from fronts.signatures import described, documented
 from fronts.wording import in_words
+from theory.piecewise.profile import front_profile
 from theory.result import Result
 
 HEAVY = ("numpy", "scipy", "sympy", "matplotlib", "mpmath", "numba", "pandas", "xarray")
@@ -640,6 +641,19 @@ def test_bad_input_in_python_is_a_parameter_error():
         assert str(refused.value).count("\n") == 0
     with pytest.raises(fr.RunError, match="no travelling front"):
         fr.front_profile(0.2, 0.03125)
+
+
+@pytest.mark.parametrize(("c", "eta", "sign"), [(0.5, 0.03125, 1.0), (2.0, 0.11, -1.0)])
+def test_a_profile_is_that_of_its_velocity_with_the_error_and_the_points_of_its_integral(
+    c: float, eta: float, sign: float
+) -> None:
+    """A retreating front is 1 - φ(-ζ) of the advancing one."""
+    found = fr.front_profile(c, eta, low=-2.0, high=3.0, points=6)
+    integral = front_profile(sign * found.zeta, abs(found.v), c)
+    expected = integral.phi if sign > 0.0 else 1.0 - integral.phi
+    assert math.copysign(1.0, found.v) == sign
+    assert np.array_equal(found.phi, expected)
+    assert (found.error, found.points) == (integral.error, integral.points)
 
 
 def test_verdicts_cells_and_the_robustness_table_are_results() -> None:

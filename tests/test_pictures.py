@@ -50,10 +50,23 @@ class _Found(Result):
     stable: bool | None
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Centred(Result):
+    centre: float
+    stable: bool | None
+
+
 def _branch(along: str, stable: list[bool | None], **ends: Any) -> FollowedBranch:
     values = np.linspace(0.6, 0.2, len(stable))
     points = tuple(_Found(v=2.0 * x, stable=y) for x, y in zip(values, stable, strict=True))
     return FollowedBranch(along=along, values=values, points=points, seconds=0.0, **ends)
+
+
+def test_a_branch_of_breathers_is_drawn_by_the_amplitude_at_the_centre() -> None:
+    points = tuple(_Centred(centre=3.0 * c, stable=True) for c in (0.1, 0.2))
+    axes = draw(FollowedBranch(along="c", values=np.array([0.1, 0.2]), points=points, seconds=0.0))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("coupling c", "amplitude at the centre")
+    assert list(axes.lines[0].get_ydata()) == pytest.approx([0.3, 0.6])
 
 
 def _segments(axes: Any, style: str) -> list[tuple[float, float]]:
@@ -339,6 +352,7 @@ def test_an_ensemble_is_drawn_about_its_mean(last: float) -> None:
     low, high = band.get_extents().transformed(axes.transData.inverted()).intervaly
     assert (low, high) == pytest.approx((centre - half, centre + half))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("seed of the disorder", "front velocity v")
+    assert np.isnan(last) or all(tick == round(tick) for tick in axes.get_xticks())
 
 
 def _run(amplitude: np.ndarray, **chain: Any) -> Any:

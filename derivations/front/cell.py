@@ -1,4 +1,4 @@
-"""The cell of the averaged chain: its two cycles, and what the model (44) keeps of it."""
+"""The cell of the averaged chain: its two cycles, and what the model (44) retains of it."""
 
 from __future__ import annotations
 

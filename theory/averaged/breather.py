@@ -349,8 +349,8 @@ def _neighbour(chain: VanDerPolChain, fold: ClosedFormFold) -> tuple[float, floa
     t = t_fold
     if branch.coupling_at(t_fold) > c:
         t = brentq(lambda x: branch.coupling_at(x) - c, low, t_fold, xtol=1e-15, rtol=4.0 * EPS)
-    # The true t lies in an interval over which c - c(t) surely changes sign or, near the fold, at
-    # both ends of which c(t) is surely below c.
+    # The true t lies in an interval over which c - c(t) changes sign beyond its rounding error or,
+    # near the fold, at both ends of which c(t) is below c by more than this error.
     half_width = 4.0 * EPS * max(1.0, abs(t))
     rounding = _NOISE * c
     for _ in range(60):

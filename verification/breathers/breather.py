@@ -320,10 +320,10 @@ def _compared(found: Breather, chain: VanDerPolChain) -> Breather:
     except (ParameterError, NotConvergedError) as refusal:
         return replace(unknown, error_unknown=str(refusal))
     if exact.frequency is None or exact.error is None or exact.frequency_error is None:
-        what = (
+        missing = (
             "(8) has no such orbit" if isinstance(chain, VdpChain) else "(43) has no such breather"
         )
-        why = f"{what} at this coupling"
+        why = f"{missing} at this coupling"
         return replace(unknown, error_unknown=why)
     assert found.frequency is not None  # since the breather exists
     assert found.error is not None

@@ -83,7 +83,7 @@ class BreatherFamily(ABC):
     ) -> BranchPoint:
         """Return a solution at small c towards ``c_end``, at ``lowest`` if possible.
 
-        If this takes a run of the chain, ``report`` is called with each part of it that is over.
+        If this takes a run of the chain, ``report`` is called as each part of it is completed.
 
         Raises
         ------

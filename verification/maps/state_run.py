@@ -199,7 +199,7 @@ def named_state(  # noqa: PLR0917  (as a Condition)
     room: FloatArray,
     memory: FloatArray,
 ) -> int:
-    """Return the index in `_STATES`; ``memory`` is laid out in ``_LEVEL`` and what follows."""
+    """Return the index in `_STATES`; ``_LEVEL`` to ``_SITES`` are indices into ``memory``."""
     sites = after.size // 2
     oscillates = memory[_OSCILLATES] > 0.0
     rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0

@@ -27,7 +27,7 @@ from theory.piecewise.sums import arithmetic, axis, blocks, corrected_axis, pole
 _MODULES = (arithmetic, axis, poles, segments, corrected_axis, blocks)
 """The modules whose functions are compiled; a name has the same meaning in all of them."""
 _OF_RULES = re.compile(r"_[0-9a-f]{12}-")
-"""Part of the name of a file with compiled rules: the state of their sources, and what follows."""
+"""The digest of the sources, as it occurs in the name of a file with compiled rules."""
 _WITHOUT_BRANCHES = {
     "quotient": "quotient_without_branches",
     "modulus": "modulus_without_branches",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import pickle
 from functools import cache
 from typing import Any
 
@@ -463,3 +464,15 @@ def test_the_error_of_the_closed_form_is_in_units_of_y(monkeypatch: pytest.Monke
     assert second.amplitudes == pytest.approx(first.amplitudes / 4.0, rel=1e-9)
     assert first.error / second.error == pytest.approx(4.0, rel=0.5)  # both are of rounding
     assert 1e-16 < first.error / first.amplitudes.max() < 1e-12
+
+
+def test_the_stability_of_a_breather_can_be_copied_and_compared() -> None:
+    stability = breather(AveragedChain(a=A, b=B, c=0.1, sites=5)).stability
+    assert stability is not None
+    again = pickle.loads(pickle.dumps(stability))
+    assert again == stability
+    assert hash(again) == hash(stability)
+    changed = stability.values.copy()
+    changed[-1] += 1.0
+    assert dataclasses.replace(stability, values=changed) != stability
+    assert "<10 complex>" in repr(stability)

@@ -15,13 +15,14 @@ import numpy as np
 from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.averaged.envelope import envelope_jacobian
 from theory.chains.vdp import VanDerPolChain
+from theory.result import Result
 
 MARGINAL = 1e-9
 """Growth rates below this count as zero: round-off in an eigenvalue that is exactly zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class BreatherStability:
+class BreatherStability(Result):
     """Stability of a breather against small perturbations.
 
     Attributes

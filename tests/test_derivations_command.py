@@ -258,6 +258,15 @@ def test_a_file_that_cannot_be_written_is_refused_before_anything_is_derived(
         assert "does not exist" in err
 
 
+@pytest.mark.parametrize("ending", ["svg", "PNG", "pdf", "zarr", "gif", "mp4"])
+def test_text_is_not_written_under_the_name_of_a_picture(capsys, tmp_path, ending):
+    target = tmp_path / f"jacobian.{ending}"
+    code, _, err = run(capsys, "linearisation", "--out", str(target))
+    assert code == 2
+    assert f"--out {target} would contain text: name a file ending in .txt" in err
+    assert not target.exists()
+
+
 def test_the_graph_is_an_svg(capsys, tmp_path):
     target = tmp_path / "equations.svg"
     code, _, _ = run(capsys, "--graph", "--out", str(target))

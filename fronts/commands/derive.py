@@ -38,6 +38,9 @@ EXAMPLE = """examples:
 TABLES = (".csv", ".npz")
 """Endings of files with rows (steps, equations or derivations); other files contain the text."""
 
+NOT_TEXT = (".zarr", ".png", ".pdf", ".gif", ".mp4")
+"""Endings of files that contain neither text nor rows."""
+
 
 def derive(  # noqa: PLR0913  (options of a command, by name)
     name: str | None = None,
@@ -105,6 +108,12 @@ def derive(  # noqa: PLR0913  (options of a command, by name)
         )
     if out is not None:
         check_writable(out)
+        ending = out.suffix.lower()
+        if ending in NOT_TEXT or (ending == ".svg" and not graph):
+            raise UsageError(
+                f"--out {out} would contain text: name a file ending in .txt, .tex, .csv, .npz or "
+                ".json, or one ending in .svg with --graph."
+            )
     if graph:
         answer = _graph(name, order, equation)
     elif name is None and equation is None:

@@ -677,6 +677,28 @@ def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
     assert asked == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 2.0, 2.0]  # each is begun at the solution
 
 
+def test_where_interpolation_fails_a_value_is_approached_in_steps() -> None:
+    """The node beyond leads to u < 0, where nothing is solved; from the one before, u stays near.
+
+    Newton's method is allowed starts within a factor of two of the solution, so that it takes
+    several steps to go from 1 to 1/64.
+    """
+    point = BranchPoint(np.array([1.0]), 1.0, np.ones(2), 0.0, 0.0, 1, 1.0)
+    beyond = replace(point, u=np.array([-3.0]), parameter=0.0)
+    branch = ContinuationBranch((point, beyond), (), ())
+
+    def narrow(u: Any, c: float) -> tuple[Any, Any, Any]:
+        if not 0.45 * c < u[0] < 2.2 * c or c < 0.01:
+            raise NotConvergedError("too far")
+        return u - c, np.eye(1), np.array([-1.0])
+
+    ((found, passed),) = solutions_at(narrow, branch, [1.0 / 64.0])
+    assert (found.u.tolist(), found.parameter, passed) == ([1.0 / 64.0], 1.0 / 64.0, 0)
+    with pytest.raises(NotConvergedError, match=r"from c = 0\.01\S* to 0\.005: take") as refusal:
+        list(solutions_at(narrow, branch, [0.005]))
+    assert refusal.value.at == 0.005
+
+
 @pytest.mark.parametrize("after", [False, True])
 def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
     """u² = c at a fold at 0: three quarters of the way to it in c are half of it in u."""

@@ -557,6 +557,33 @@ def test_a_breather_is_followed_through_its_fold() -> None:
     assert sheets[1].outward[0] > fold.height > sheets[2].outward[0]
 
 
+@pytest.mark.parametrize("coupling", [1e-3, 2e-4])
+def test_a_breather_is_followed_back_to_small_couplings(coupling: float) -> None:
+    """On a ring of four the other sheet ends, as c → 0, with the site opposite on its inner cycle.
+
+    There the equations determine the phases to the order of c² only, and the last step of the
+    branch passes c = 0, so that solutions between its ends are not found at the first attempt.
+    """
+    a, eta = 2.5, 0.095
+    b = eta * a * a
+    chain = fr.AveragedChain(a=a, b=b, c=0, sites=4, ends="periodic")
+    first, other = fr.follow_breather(chain, [coupling]).points
+    for point in (first, other):
+        phi = point.waves
+        pull = 2.0 * phi - np.roll(phi, 1) - np.roll(phi, -1)
+        square = np.abs(phi) ** 2
+        rate = 0.5j * coupling * pull - 0.5 * phi * (1.0 - a * square / 4 + b * square**2 / 8)
+        omega = (point.frequency - 1.0) / chain.eps
+        assert np.abs(rate - 1j * omega * phi).max() < 1e-10
+    inner, outer = (
+        math.sqrt((1.0 + sign * math.sqrt(1.0 - 8.0 * eta)) / (a * eta)) for sign in (-1, 1)
+    )
+    # Neighbours at rest have amplitudes of about c times those of the cycles.
+    beside = 4.0 * coupling * outer
+    for point, opposite in ((first, 0.0), (other, inner)):
+        assert np.abs(np.sort(point.amplitudes) - np.sort([0, 0, opposite, outer])).max() < beside
+
+
 def test_the_orbit_beyond_the_fold_is_near_that_of_the_averaged_chain() -> None:
     chain = fr.VdpChain(a=2.5, b=0.5, c=0, sites=9)
     branch = fr.follow_breather(chain, [0.18])

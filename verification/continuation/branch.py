@@ -34,6 +34,8 @@ _MAX_CROSSING = 200
 """Largest number of steps of that search; bisection alone takes about 40."""
 _FRACTIONS = 0.5, 0.75, 0.9
 """Fractions of the step to a fold at which an earlier fold is looked for."""
+_MAX_STEPS = 60
+"""Largest number of steps tried on the way to a value between two nodes."""
 _SMALLEST_FLOAT = 5e-324
 """Its negative replaces an exact zero of a monitored value, at which the search would stop with a
 point on one side only."""
@@ -277,7 +279,7 @@ def solutions_at(
     Raises
     ------
     NotConvergedError
-        If Newton's method fails from the interpolated start.
+        If Newton's method fails both from the interpolated start and in steps.
     """
     nodes: list[tuple[FloatArray, float, Fold | None]] = [
         (point.u, point.parameter, None) for point in branch.points
@@ -301,12 +303,42 @@ def solutions_at(
                 fraction = 1.0 - math.sqrt(1.0 - fraction)
             elif from_fold is not None:
                 fraction = math.sqrt(fraction)
-            found = solve_at(system, u + fraction * (u_next - u), value)
+            try:
+                found = solve_at(system, u + fraction * (u_next - u), value)
+            except NotConvergedError:
+                found = _in_steps(system, u, p, value)
             for adjacent, side in ((from_fold, 1.0), (to_fold, -1.0)):
                 if adjacent is not None:
                     found = _on_side(system, found, adjacent, side)
             yield found, passed
         passed += to_fold is not None
+
+
+def _in_steps(system: System, u: FloatArray, p: float, value: float) -> BranchPoint:
+    """Return the solution at a value, approached in steps from a solution u at p.
+
+    The node beyond it is no guide where the branch bends, as where a last step passes c = 0.
+
+    Raises
+    ------
+    NotConvergedError
+        If the steps become too many.
+    """
+    to = value
+    for _ in range(_MAX_STEPS):
+        try:
+            found = solve_at(system, u, to)
+        except NotConvergedError:
+            to = 0.5 * (p + to)
+            continue
+        if to == value:
+            return found
+        u, p, to = found.u, to, value
+    raise NotConvergedError(
+        f"the branch could not be followed from c = {p:.6g} to {value:.6g}: take couplings farther "
+        "from there.",
+        value,
+    )
 
 
 def _on_side(system: System, found: BranchPoint, fold: Fold, side: float) -> BranchPoint:

@@ -398,6 +398,30 @@ def test_the_papers_point_has_one_admissible_front() -> None:
     assert answer.terms > 0
 
 
+@pytest.mark.parametrize(("eta", "end", "shift"), [(0.05, "c_pin", 0), (0.11, "c_retreat", 2)])
+def test_a_front_too_slow_to_be_searched_for_is_not_denied(
+    eta: float, end: str, shift: int
+) -> None:
+    """By mpmath |Σ + shift| is on different sides of 2r at v = 0 and at v = 0.018."""
+    closed = getattr(kinetic_relation(0.5, eta), end)
+    answer = kinetic_relation(closed * (1.0 + 1e-13), eta)
+    assert not answer.branches
+    assert f"above {end} = " in answer.reason
+    assert "slower than |v| = 0.018" in answer.reason
+    with mp.workdps(30):
+        c, v = mp.mpf(answer.c), mp.mpf("0.018")
+        root = mp.sqrt(1 - 8 * mp.mpf(eta))
+        twice_r = 2 * mp.sqrt((1 - root) / (1 + root))
+        total, points = -1, 400
+        for j in range(points):  # the trapezoidal rule, with half a step between points and k = 0
+            k = (j + mp.mpf("0.5")) * mp.pi / points
+            A = mp.mpf("0.5") - 1j * c * (1 - mp.cos(k))
+            total += mp.sinh(A / v) / (mp.cosh(A / v) - mp.cos(k)) / (2 * A) / points
+        at_rest = -1 + 1 / mp.sqrt(1 - 4j * c)
+        gaps = [abs(each + shift) - twice_r for each in (at_rest, total)]
+    assert gaps[0] * gaps[1] < 0
+
+
 def test_each_kind_of_motion_has_its_reason_and_nearest_threshold() -> None:
     retreat = retreat_coupling(0.11)
     cases = [

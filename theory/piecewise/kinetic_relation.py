@@ -170,6 +170,8 @@ class KineticRelation(Result):
             return self._reason_of_retreat(moving)
         if self.c > self.c_pin and moving:
             return f"c is above c_pin = {self.c_pin:.6g}."
+        if self.c > self.c_pin and not self.branches:
+            return self._reason_beside("c_pin", self.c_pin)
         if self.c > self.c_pin:
             return (
                 f"c is above c_pin = {self.c_pin:.6g}, where no static front exists, but no "
@@ -192,6 +194,8 @@ class KineticRelation(Result):
             return "the front is pinned: at eta = 2/25 static fronts always exist."
         if self.c > end and moving:
             return f"the excited state retreats (v < 0): c is above c_retreat = {end:.6g}."
+        if self.c > end and not self.branches:
+            return self._reason_beside("c_retreat", end)
         if self.c > end:
             return (
                 f"c is above c_retreat = {end:.6g}, where no static front exists, but no "
@@ -205,6 +209,17 @@ class KineticRelation(Result):
         return (
             "the front is pinned: for eta > 2/25 no front advances, and it retreats only above "
             f"c_retreat = {end:.6g}."
+        )
+
+    def _reason_beside(self, name: str, end: float) -> str:
+        """Return the reason just above the end of fronts at rest, where (54) has a solution.
+
+        Between v = 0 and large v, |Σ| or |2 + Σ| passes 2r. If no solution was found, it lies below
+        v = 0.018, where none is searched for (``theory.piecewise.first_points``).
+        """
+        return (
+            f"c is above {name} = {end:.6g}, but so close to it that the front is slower than "
+            "|v| = 0.018, where solutions are not searched for: take a larger c."
         )
 
     @property

@@ -17,7 +17,7 @@ import sympy as sp
 from derivations.algebra.doubles import in_doubles
 from derivations.algebra.evidence import fast_average
 from derivations.chain import ChainModel
-from derivations.symbols import epsilon
+from derivations.symbols import c, epsilon
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,14 @@ class ChainNumbers:
             return 1.0
         (low, first), (high, last) = terms[0], terms[-1]
         return float(10.0 ** round(math.log10(first / last) / (high - low)))
+
+    @property
+    def strength(self) -> float:
+        """The power of ten nearest to the largest term of h, g/y and springs at this amplitude."""
+        sizes = [abs(size) * self.unit**power for power, size in enumerate(self.damping)]
+        sizes += [abs(size) * self.unit ** (at - 1) for at, size in enumerate(self.stiffness)]
+        sizes += map(abs, self.springs)
+        return float(10.0 ** round(math.log10(max(sizes))))
 
     def force(self, y: Any, rate: Any) -> Any:
         """``y' h(y) + g(y)`` by Horner's rule."""
@@ -151,7 +159,19 @@ def numbers_of(model: ChainModel, values: Mapping[sp.Symbol, Any], eps: Any) -> 
 def drawn(model: ChainModel, rng: random.Random) -> ChainNumbers:
     """Return the chain with random numbers for its symbols.
 
-    They lie between 0.2 and 1.5, so that no power of an amplitude of order one dominates.
+    They lie between 0.2 and 1.5, so that no power of an amplitude of order one dominates. The
+    coupling is drawn in units of the forces of the cell, and eps in units of their inverse.
     """
-    values = {symbol: rng.uniform(0.2, 1.5) for symbol in model.parameters}
-    return numbers_of(model, values, rng.uniform(0.1, 0.5))
+    values = drawn_values(model, rng, 0.2, 1.5)
+    strength = numbers_of(model, values, 1.0).strength
+    return numbers_of(model, values, rng.uniform(0.1, 0.5) / strength)
+
+
+def drawn_values(
+    model: ChainModel, rng: random.Random, low: float, high: float
+) -> dict[sp.Symbol, float]:
+    """Return random numbers for the symbols of a chain, c in units of the forces of the cell."""
+    values = {symbol: rng.uniform(low, high) for symbol in model.parameters}
+    if model.is_scaled_by_c:
+        values[c] *= numbers_of(model.cell(), values, 1.0).strength
+    return values

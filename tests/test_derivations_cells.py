@@ -42,6 +42,56 @@ def test_a_wrong_coefficient_is_found_whatever_the_size_of_the_cycles(decades):
         assert not step.verify(sp.Eq(left, right + term / 1000)).holds
 
 
+def scaled(decades, faster=0):
+    """Return damping and stiffness with cycles 10^decades and forces 10^faster times as large."""
+    damping = {0: 1, 2: -4, 4: 0.5}
+    terms = (f"{q * 10.0 ** (faster - k * decades)!r}*y**{k}" for k, q in damping.items())
+    return " + ".join(terms), f"{0.3 * 10.0 ** (faster - 2 * decades)!r}*y**3"
+
+
+@pytest.mark.parametrize(("decades", "faster"), [(-8, 0), (-8, 6), (7, -6)])
+def test_the_second_order_of_a_cell_holds_whatever_the_size_of_its_cycles_and_forces(
+    decades, faster
+):
+    derivation = derive(derive_envelope(*scaled(decades, faster)).model, 2)
+    assert len(derivation.verify()) == 28  # twelve to the front, sixteen to second order
+
+
+def wrong(equality):
+    """Return the equation with one of its terms at a time in error by a thousandth."""
+    left, right = equality.args
+    for term in sp.Add.make_args(sp.expand(left - right)):
+        yield sp.Eq(left + term / 1000, right, evaluate=False)
+
+
+@pytest.mark.parametrize(("decades", "faster"), [(-6, 0), (0, -6), (6, 3)])
+def test_a_wrong_coefficient_of_second_order_is_found_whatever_its_scales(decades, faster):
+    derivation = derive(derive_envelope(*scaled(decades, faster)).model, 2)
+    names = ("modulation by multiple scales, cell", "fundamental of the average, chain")
+    for step in map(derivation.named, names):
+        assert step.verify().holds
+        for equality in wrong(step.result):
+            assert not step.verify(equality).holds
+
+
+@pytest.mark.parametrize("faster", [-6, 6])
+def test_a_wrong_coefficient_is_found_whatever_the_size_of_the_forces(faster):
+    """With eps and the springs of order one, the forces of the cell would not be seen."""
+    derivation = derive(derive_envelope(*scaled(0, faster)).model)
+    step, rates = (derivation.named(q) for q in ("averaged cell in its chain", "growth rates"))
+    for equality in wrong(step.result):
+        assert not step.verify(equality).holds
+    inner, outer = rates.result
+    for equality in wrong(outer):
+        assert not rates.verify(sp.Tuple(inner, equality)).holds
+
+
+def test_the_second_order_is_checked_on_a_cycle_of_any_size():
+    """Of 6 here, in the unit of the coefficients 10^0."""
+    step = derive(derive_envelope("y**2 - 9").model, 2).named("frequency of its cycles")
+    assert step.verify().holds
+
+
 def test_the_title_shows_the_damping():
     assert derive(derive_envelope("2 - 3*y**2 + 5*y**4").model).title.endswith(
         "5*y**4 - 3*y**2 + 2"

@@ -71,8 +71,19 @@ def residual(part: sp.Basic, point: Point, digits: int = _DOUBLE) -> tuple[Any, 
     return sum(terms), float(sum(abs(term) for term in terms))
 
 
-def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point) -> Any:
+def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point, unit: float = 1.0) -> Any:
     """Return the value that an equation gives to a symbol in which it is affine.
+
+    Parameters
+    ----------
+    candidate : Basic
+        The equation.
+    symbol : Basic
+        The symbol.
+    point : mapping
+        Values of everything else.
+    unit : float
+        The order of magnitude of the value: the equation is evaluated at 0, 1 and 2 of these units.
 
     Raises
     ------
@@ -84,11 +95,11 @@ def solved_for(candidate: sp.Basic, symbol: sp.Basic, point: Point) -> Any:
     left, right = candidate.args
     zero, one, two = (
         value(left, {**point, symbol: given}) - value(right, {**point, symbol: given})
-        for given in (0.0, 1.0, 2.0)
+        for given in (0.0, unit, 2 * unit)
     )
     if one == zero or abs(two - 2 * one + zero) > 1e-9 * (abs(one) + abs(zero)):
         raise ValueError(f"it does not determine {symbol}")
-    return -zero / (one - zero)
+    return -zero / (one - zero) * unit
 
 
 def equals(

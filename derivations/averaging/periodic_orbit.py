@@ -70,7 +70,7 @@ def orbit(start: Any, frequency: float, p: ChainNumbers) -> tuple[Any, float]:
         y, w = y + change[:size].reshape(y.shape), w + change[size]
         if close:  # one more step has squared the error, so that only rounding is left
             return y, float(w)
-        close = bool(np.abs(change).max() < 1e-8 * np.abs(y).max())
+        close = bool(np.abs(change[:size]).max() < 1e-8 * np.abs(y).max())
     raise ArithmeticError("Newton's method did not converge to a periodic orbit")
 
 

@@ -1,4 +1,8 @@
-"""Checks of the second order: residuals projected by sampling, and exact orbits."""
+"""Checks of the second order: residuals projected by sampling, and exact orbits.
+
+Amplitudes are drawn and compared in units of the order of those of the cycles, and eps is chosen in
+units of the inverse of the forces at these amplitudes.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,7 @@ from derivations.algebra.steps import Evidence
 from derivations.averaging import symbols as own
 from derivations.averaging.periodic_orbit import harmonic, orbit
 from derivations.chain import ChainModel
-from derivations.chain_numbers import ChainNumbers, drawn, numbers_of
+from derivations.chain_numbers import ChainNumbers, drawn, drawn_values, numbers_of
 from derivations.multiple_scales.two_times_checks import TwoTimesChecks
 from derivations.symbols import n, omega, t
 
@@ -26,14 +30,12 @@ _SAMPLES = 128
 _T = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
 _STEPS = (1e-2, 1e-3)
 _SMALLEST = 1e-13
-"""Smallest error of which a slope is computed; the errors of orbits are limited by rounding."""
+"""Smallest relative error of which a slope is computed; those of orbits are limited by rounding."""
 _ROUNDING = 1e-15
-"""Largest residual of rates of order eps that counts as rounding."""
+"""Largest residual of rates of order eps that counts as rounding, in units of the amplitude."""
 _ALONG = "the residual of the equation of motion at e^{it} along the predicted flow"
-_PLAIN = 0.02
-"""Value of eps used; larger where damping and stiffness are weak."""
-_WEAK = 0.2
-"""Largest eps * max|h| on a cycle, which is the effective small parameter."""
+_WEAK = 0.05
+"""Largest force on a cycle, over its amplitude, times eps: the effective small parameter."""
 
 
 class SecondOrderChecks:
@@ -48,15 +50,20 @@ class SecondOrderChecks:
     def __init__(self, model: ChainModel) -> None:
         self.model = model
         rng: random.Random = random.Random(4)
-        self._values = {symbol: rng.uniform(0.4, 1.2) for symbol in model.parameters}
-        far = 2 * model.reach
-        self._sites = {at: complex(rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6))
+        self._values = drawn_values(model, rng, 0.4, 1.2)
+        far, p = 2 * model.reach, self._numbers(1.0)
+        self._unit, self._weak = p.unit, 1 / p.strength
+        self._sites = {at: self._unit * complex(rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6))
                        for at in range(-far, far + 1)}  # fmt: skip
         self.motion = TwoTimesChecks(model).chain
 
     @property
     def _is_linear(self) -> bool:
         return max(self.model.damping) == 0 and max(self.model.stiffness, default=0) <= 1
+
+    @property
+    def _steps(self) -> list[float]:
+        return [e * self._weak for e in _STEPS]
 
     def _numbers(self, e: float) -> ChainNumbers:
         return numbers_of(self.model, self._values, e)
@@ -74,11 +81,11 @@ class SecondOrderChecks:
 
     def _predicted(self, candidate: sp.Basic, unknown: sp.Basic, names: Any, e: float) -> complex:
         point = {**self._numbers(e).values, **names}
-        return complex(solved_for(candidate, unknown, point))
+        return complex(solved_for(candidate, unknown, point, self._unit))
 
     def _residual(self, rate: complex, values: dict[int, complex], e: float) -> float:
         """Return the residual of (8) at e^{it} for a given dA/dt, with y1 by Fourier transform."""
-        p, h, reach = self._numbers(e), 1e-5, self.model.reach
+        p, h, reach = self._numbers(e), 1e-5 * self._weak, self.model.reach
         # A'' to order eps^2 is the derivative of the first-order flow along itself.
         flow = {at: self._first(values, at, p) for at in range(-reach, reach + 1)}
 
@@ -98,7 +105,7 @@ class SecondOrderChecks:
         """Project the equation of motion on e^{it} along the predicted flow."""
         names, unknown = self._names(own.amplitude, self._sites), own.amplitude(n, t).diff(t)
         errors = [self._residual(self._predicted(candidate, unknown, names, e), self._sites, e)
-                  for e in _STEPS]  # fmt: skip
+                  for e in self._steps]  # fmt: skip
         return _slope(errors, 3, _ALONG)
 
     def quarter_turn(self, candidate: sp.Basic) -> Evidence:
@@ -109,7 +116,7 @@ class SecondOrderChecks:
         # The fields are inserted first; the remaining n and t occur in phases.
         names |= {n: 0, t: 0}
         errors = []
-        for e in _STEPS:
+        for e in self._steps:
             rate = self._predicted(candidate, own.rho(n, t).diff(t), names, e)
             spin = 1j * e * sum(self._numbers(e).springs)
             errors.append(self._residual(-0.5j * (rate + spin * sizes[0]), values, e))
@@ -134,12 +141,13 @@ class SecondOrderChecks:
         """Compare with the mean of the right-hand side at phi plus its oscillating part."""
         reach, errors = self.model.reach, []
         names, unknown = self._names(own.phi, self._sites), own.phi(n, t).diff(t)
-        for e in _STEPS:
+        for e in self._steps:
             p = self._numbers(e)
             full = {at: self._sites[at] + e * self._oscillating(at, p)
                     for at in range(-reach, reach + 1)}  # fmt: skip
             exact = e * np.mean(self._right_side(full, p))
-            errors.append(float(abs(exact - self._predicted(candidate, unknown, names, e))))
+            missed = exact - self._predicted(candidate, unknown, names, e)
+            errors.append(float(abs(missed)) / self._unit)
         what = "the part of the predicted flow that remains after averaging by sampling"
         if self._is_linear:  # this order is then exact
             return Evidence(max(errors) < _ROUNDING, f"{what}: {max(errors):.1e}, rounding")
@@ -148,11 +156,11 @@ class SecondOrderChecks:
     def fundamental(self, candidate: sp.Basic) -> Evidence:
         """Compare with the Fourier coefficient of y, the imaginary part of phi e^{it}."""
         worst, names = 0.0, self._names(own.phi, self._sites)
-        for e in (0.1, 0.4):
+        for e in (0.1 * self._weak, 0.4 * self._weak):
             phi = self._sites[0] + e * self._oscillating(0, self._numbers(e))
             exact = _coefficient((phi * np.exp(1j * _T)).imag)
             found = self._predicted(candidate, own.fundamental, names, e)
-            worst = max(worst, abs(found - exact))
+            worst = max(worst, abs(found - exact) / self._unit)
         return Evidence(worst < 1e-12, f"Fourier coefficient of y: off by at most {worst:.1e}")
 
     @equals("a rotation by a quarter turn per site")
@@ -169,7 +177,8 @@ class SecondOrderChecks:
     @equals("the damping of the cell, averaged by sampling")
     def cycles(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw a cell at any amplitude; its energy loss is zero on a cycle."""
-        p, size = drawn(self.model, rng), rng.uniform(0.3, 1.5)
+        p = drawn(self.model, rng)
+        size = p.unit * rng.uniform(0.3, 1.5)
         loss = -2 * p.cell_rate(size).real / p.eps
         return {**p.values, own.square: size**2}, [loss]
 
@@ -216,7 +225,7 @@ class SecondOrderChecks:
         def error(judged: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
             found = abs(complex(harmonic(y, 1)))
             left, right = (value(side, {**point, own.size: found}) for side in judged.args)
-            return float(abs(left - right))
+            return float(abs(left - right)) / found
 
         return self._against_orbits(error, candidate, 2,
                                     "error of the fundamental of the true cycle")  # fmt: skip
@@ -228,7 +237,7 @@ class SecondOrderChecks:
 
 
 def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any]) -> float:
-    """Return the largest error of the overtones, with time from an arbitrary origin.
+    """Return the largest relative error of the overtones, with time from an arbitrary origin.
 
     If time starts at a zero of y, A is imaginary and y1 is symmetric under time reversal.
     """
@@ -236,15 +245,16 @@ def _harmonics_error(candidate: sp.Basic, y: Any, _: float, point: dict[Any, Any
     times = 2 * np.pi * np.arange(len(y)) / len(y)
     rest = y - 2 * (first * np.exp(1j * times)).real
     origin = times[11]
-    amplitude = -0.5j * math.sqrt(point[own.square]) * np.exp(1j * origin)
+    size = math.sqrt(point[own.square])
+    amplitude = -0.5j * size * np.exp(1j * origin)
     numbers = {**point, own.amplitude(n, t): amplitude}
     eps = next(given for symbol, given in point.items() if symbol.name == "epsilon")
     worst = 0.0
     for place in (7, 31, 58):
         here = {**numbers, own.turn: np.exp(1j * (times[place] - origin))}
-        found = solved_for(candidate, own.y_next, here)
+        found = solved_for(candidate, own.y_next, here, size)
         worst = max(worst, abs(rest[place] - eps * found))
-    return float(worst)
+    return float(worst) / size
 
 
 def _coefficient(samples: Any) -> complex:
@@ -276,11 +286,11 @@ Values = tuple[tuple[sp.Symbol, float], ...]
 def _cycles(model: ChainModel) -> tuple[tuple[Values, float], ...]:
     """Return two choices of parameters at which a cell has cycles, with the squares of these.
 
-    The cycles are of moderate size, with rates of attraction or repulsion that are not small.
+    The rates of attraction or repulsion of the cycles are not small.
     """
     rng: random.Random = random.Random(3)
     found: list[tuple[Values, float]] = []
-    for _ in range(2000):
+    for _ in range(2000 if model.parameters else 1):
         values = tuple((symbol, math.exp(rng.uniform(-3, 1.5))) for symbol in model.parameters)
         p = numbers_of(model, dict(values), 1.0)
         found += [(values, size**2) for size in p.cycles() if _is_isolated(size, p)]
@@ -290,16 +300,18 @@ def _cycles(model: ChainModel) -> tuple[tuple[Values, float], ...]:
 
 
 def _is_isolated(size: float, p: ChainNumbers) -> bool:
-    exponent = size * slope_of(lambda q: p.cell_rate(q).real, size)
-    return 0.3 < size < 4.5 and abs(exponent) > 0.1
+    exponent = size * slope_of(lambda q: p.cell_rate(q).real, size, 1e-3 * size)
+    return bool(abs(exponent) > 0.1 * _strongest(size, p))
+
+
+def _strongest(size: float, p: ChainNumbers) -> float:
+    """Return the largest force per eps on a cycle of this size, over the size."""
+    return float(np.abs(p.force(np.linspace(0, size, 40), size)).max()) / size
 
 
 def _small(model: ChainModel, values: Values, square: float) -> tuple[float, float]:
     """Return two values of eps, both weak for a cycle of this size."""
-    p = numbers_of(model, dict(values), 1.0)
-    y = np.linspace(0, math.sqrt(square), 40)
-    strongest = max(float(np.abs(p.force(y, 1.0)).max()), 1e-3)
-    large = min(_PLAIN / min(strongest, 1.0), _WEAK / strongest)
+    large = _WEAK / _strongest(math.sqrt(square), numbers_of(model, dict(values), 1.0))
     return large, large / 2
 
 

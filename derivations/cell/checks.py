@@ -139,7 +139,7 @@ class CellChecks:
                              for d in (step, -step)]  # fmt: skip
                     exact = (sides[0] - sides[1]) / (2 * step)
                     found = solved_for(part, sp.Symbol(f"lambda_{place}"), p.values).real
-                    worst = max(worst, abs(found - exact) / (1 + abs(exact)))
+                    worst = max(worst, abs(found - exact) / (p.strength + abs(exact)))
             return Evidence(worst < 1e-5, f"the slope of the sampled rate: off by {worst:.1e}")
 
         return check
@@ -166,8 +166,9 @@ class CellChecks:
                 inner, outer = p.cycles()
                 values, rest, spring = dict(p.values), p.damping[0], p.springs[0]
                 if self.model.is_scaled_by_c:  # otherwise c/h(0) may be of any size
-                    values[c] *= rest
-                    spring *= rest
+                    stronger = 0.7 * rest / abs(spring)
+                    values[c] *= stronger
+                    spring *= stronger
                 # The roots are those of the scaled problem; the term contains the scaled slope.
                 lattice = Lattice(0.5, (spring / rest,))
                 found = evaluated(left, {v_front: 0.6 * rest, **values}, lattice, 0.6)

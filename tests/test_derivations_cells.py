@@ -5,7 +5,9 @@ import math
 import pytest
 import sympy as sp
 
+from derivations import catalogue
 from derivations.cell.envelope import derive_envelope
+from derivations.cell.polynomial_input import chain_of
 from derivations.cell.steps import derive
 
 CELLS = {
@@ -84,6 +86,29 @@ def test_a_wrong_coefficient_is_found_whatever_the_size_of_the_forces(faster):
     inner, outer = rates.result
     for equality in wrong(outer):
         assert not rates.verify(sp.Tuple(inner, equality)).holds
+
+
+@pytest.mark.parametrize("name", ["multiple-scales", "averaging", "linearisation"])
+def test_every_step_of_a_chain_holds_where_its_cycles_are_small(name):
+    catalogue.load(name, 1, chain_of(*scaled(-6), None, None, {})).verify()
+
+
+@pytest.mark.parametrize(
+    ("name", "step"),
+    [
+        ("multiple-scales", "chain"),
+        ("averaging", "averaged centre"),
+        ("piecewise-front", "amplitude of the cell"),
+    ],
+)
+@pytest.mark.parametrize("decades", [-6, 6])
+def test_a_wrong_coefficient_of_a_chain_is_found_whatever_the_size_of_the_cycles(
+    name, step, decades
+):
+    judged = catalogue.load(name, 1, chain_of(*scaled(decades), None, None, {})).named(step)
+    assert judged.verify().holds
+    for equality in wrong(judged.result):
+        assert not judged.verify(equality).holds
 
 
 def test_the_second_order_is_checked_on_a_cycle_of_any_size():

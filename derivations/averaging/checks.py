@@ -67,8 +67,9 @@ class AveragingChecks:
         self.model = model
         self.sites = tuple(range(-model.reach, model.reach + 1))
 
-    def _field(self, rng: random.Random) -> dict[int, complex]:
-        return {at: complex(rng.uniform(-1.2, 1.2), rng.uniform(-1.2, 1.2)) for at in self.sites}
+    def _field(self, rng: random.Random, unit: float = 1.0) -> dict[int, complex]:
+        return {at: unit * complex(rng.uniform(-1.2, 1.2), rng.uniform(-1.2, 1.2))
+                for at in self.sites}  # fmt: skip
 
     # From (8) to the average.
 
@@ -84,8 +85,9 @@ class AveragingChecks:
     @equals("Eq. (8) at coupled sites")
     def complex_chain(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw Ψ at all coupled sites, and its rate."""
-        p, field, w = drawn(self.model, rng), self._field(rng), rng.uniform(0.8, 1.3)
-        rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        p = drawn(self.model, rng)
+        field, w = self._field(rng, p.unit), rng.uniform(0.8, 1.3)
+        rate = p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, omega: w, psi(n, t).diff(t): rate}
         point |= {psi(n + at, t): value for at, value in field.items()}
         return point, [wave_residual(field, rate, p, w)]
@@ -100,8 +102,9 @@ class AveragingChecks:
     def _frozen(
         self, rng: random.Random
     ) -> tuple[dict[Any, Any], dict[int, complex], complex, ChainNumbers]:
-        p, field = drawn(self.model, rng), self._field(rng)
-        rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        p = drawn(self.model, rng)
+        field = self._field(rng, p.unit)
+        rate = p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, phi(n, t).diff(t): rate}
         point |= {phi(n + at, t): value for at, value in field.items()}
         return point, field, rate, p
@@ -135,6 +138,11 @@ class AveragingChecks:
         return ({k_1: growth, k_2: turn, alpha_0: rng.uniform(0.8, 2), n: place},
                 cmath.exp(complex(growth, turn)), place)  # fmt: skip
 
+    def _wave_of_chain(self, rng: random.Random) -> tuple[dict[Any, Any], ChainNumbers]:
+        """Draw a wave, then a chain in whose unit its amplitude is measured."""
+        (wave, _, _), p = self._wave_numbers(rng), drawn(self.model, rng)
+        return {**wave, alpha_0: p.unit * wave[alpha_0]}, p
+
     @equals("one complex factor a site")
     def wave(self, rng: random.Random) -> Point:
         """Multiply by the same complex number from site to site."""
@@ -153,8 +161,8 @@ class AveragingChecks:
     @equals(_DIRECT)
     def balance(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw a decaying wave, at one site."""
-        wave, _, _ = self._wave_numbers(rng)
-        p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+        wave, p = self._wave_of_chain(rng)
+        w = rng.uniform(0.8, 1.3)
         return {**p.values, **wave, omega: w}, [self._wave_average(wave, p, w)]
 
     @equals(_DIRECT, parts=2)
@@ -168,8 +176,8 @@ class AveragingChecks:
         return self._parts(rng, displacement=True)
 
     def _parts(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
-        wave, _, _ = self._wave_numbers(rng)
-        p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+        wave, p = self._wave_of_chain(rng)
+        w = rng.uniform(0.8, 1.3)
         found = self._wave_average(wave, p, w, scale=w if displacement else 1.0)
         return {**p.values, **wave, omega: w}, [found.real, found.imag]
 
@@ -187,7 +195,8 @@ class AveragingChecks:
     @equals("the cell alone, averaged")
     def frequency(self, rng: random.Random) -> Point:
         """Draw a cell with its neighbours at rest."""
-        p, size = drawn(self.model, rng), rng.uniform(0.5, 2)
+        p = drawn(self.model, rng)
+        size = p.unit * rng.uniform(0.5, 2)
         w = 1 + p.eps * self._detuning(size, p)
         return {**p.values, alpha_0: size, R: size / 2, omega: w, omega_1: (w - 1) / p.eps}
 
@@ -200,8 +209,8 @@ class AveragingChecks:
     @equals(_DIRECT, parts=2)
     def isolated(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Divide the parts of the mean by the factors of sin k₂ and cos k₂."""
-        wave, _, _ = self._wave_numbers(rng)
-        p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
+        wave, p = self._wave_of_chain(rng)
+        w = rng.uniform(0.8, 1.3)
         found = self._wave_average(wave, p, w)
         of_sine, of_cosine = self._factors(wave, p, w)
         return {**p.values, **wave, omega: w}, [found.real / of_sine, found.imag / of_cosine]
@@ -217,8 +226,7 @@ class AveragingChecks:
         return self._phases(rng, displacement=True)
 
     def _phases(self, rng: random.Random, displacement: bool) -> tuple[Point, list[complex]]:
-        wave, _, _ = self._wave_numbers(rng)
-        p = drawn(self.model, rng)
+        wave, p = self._wave_of_chain(rng)
         w = 1 + p.eps * self._detuning(wave[alpha_0], p)
         found = self._wave_average(wave, p, w, scale=w if displacement else 1.0)
         of_sine, of_cosine = self._factors(wave, p, w)
@@ -227,8 +235,7 @@ class AveragingChecks:
     def _limit_numbers(
         self, rng: random.Random
     ) -> tuple[dict[Any, Any], dict[Any, Any], ChainNumbers]:
-        wave, _, _ = self._wave_numbers(rng)
-        p = drawn(self.model, rng)
+        wave, p = self._wave_of_chain(rng)
         return {**p.values, **wave}, wave, p
 
     def _in_limit(self, wave: dict[Any, Any], p: ChainNumbers) -> tuple[float, float]:
@@ -334,7 +341,7 @@ class AveragingChecks:
 
         def draw(rng: random.Random) -> Point:
             p, w = drawn(self.model, rng), rng.uniform(0.8, 1.3)
-            sizes = [0.3 + 0.5 * at + rng.uniform(0, 0.2) for at in range(count)]
+            sizes = [p.unit**2 * (0.3 + 0.5 * at + rng.uniform(0, 0.2)) for at in range(count)]
             table = [-p.cell_rate(math.sqrt(size), w).real for size in sizes]
             for width in range(1, count):
                 table = [(table[at + 1] - table[at]) / (sizes[at + width] - sizes[at])
@@ -344,7 +351,8 @@ class AveragingChecks:
 
         what = f"the averaged damping at {count} amplitudes, sampled"
         # Odd powers have no average, and then the difference of the sampled values is rounding.
-        return equals(what, tolerance=1e-8, floor=1e-3)(draw)
+        unit = drawn(self.model, random.Random(0)).unit
+        return equals(what, tolerance=1e-8, floor=1e-3 * unit ** (2 - 2 * count))(draw)
 
     # Phase steps of -π/2.
 
@@ -367,8 +375,9 @@ class AveragingChecks:
     @equals(_DIRECT)
     def quarter_turn(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw amplitudes with phase steps of -π/2, away from site 0."""
-        p, sizes = drawn(self.model, rng), self._field(rng)
-        moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        p = drawn(self.model, rng)
+        sizes = self._field(rng, p.unit)
+        moving = p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, r(n, t).diff(t): moving, n: 2, t: rng.uniform(0, 3)}
         names = {r(n + at, t): value for at, value in sizes.items()}
         return {**names, **point}, [moving - self._quarter_turns(sizes, p, False)]
@@ -376,9 +385,10 @@ class AveragingChecks:
     @equals(_DIRECT)
     def quarter_turn_centre(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw the same about site 0, from which phases decrease on both sides."""
-        p, sizes = drawn(self.model, rng), self._field(rng)
+        p = drawn(self.model, rng)
+        sizes = self._field(rng, p.unit)
         sizes |= {-at: sizes[at] for at in range(1, p.reach + 1)}
-        moving = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        moving = p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point = {**p.values, r(0, t).diff(t): moving, t: rng.uniform(0, 3)}
         point |= {r(at, t): sizes[at] for at in range(p.reach + 1)}
         return point, [moving - self._quarter_turns(sizes, p, True)]
@@ -402,6 +412,7 @@ class AveragingChecks:
     def tail(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Average at an amplitude so small that only the linear terms matter."""
         wave, step, _ = self._wave_numbers(rng)
-        p, small = drawn(self.model, rng), 1e-5
+        p = drawn(self.model, rng)
+        small = 1e-5 * p.unit
         sizes = {at: complex(small * abs(step) ** at) for at in self.sites}
         return {**p.values, **wave}, [-self._quarter_turns(sizes, p, False) / sizes[0]]

@@ -29,7 +29,8 @@ class FrontCellChecks(SampledChecks):
     def averaged_cell(self) -> Points:
         """Sample the cell without springs."""
         for sample, rng in self._cells():
-            phi_n, rate = complex_number(rng, 2.0), complex_number(rng)
+            unit = sample.chain.unit
+            phi_n, rate = complex_number(rng, 2.0 * unit), complex_number(rng, unit)
             uniform = dict.fromkeys(range(-self.model.reach, self.model.reach + 1), phi_n)
             expected = sample.chain.averaged_rate(uniform)
             yield as_point(sample.chain, {0: phi_n}, rate), [rate - expected]
@@ -40,11 +41,13 @@ class FrontCellChecks(SampledChecks):
         for phi_n in (0.7 - 0.4j, -1.1 + 0.2j):
             yield {_PHI_N: phi_n, s.radius: abs(phi_n), s.phase: cmath.phase(phi_n)}, [0]
 
-    @at_points("Eq. (8) averaged by sampling", floor=0.1)
+    @at_points("Eq. (8) averaged by sampling")
     def cell_parts(self) -> Points:
         """Compare with the rate of a real amplitude: real and imaginary part."""
         for sample, rng in self._cells():
-            amplitude, rate, phase_rate = (rng.uniform(0.3, 2) for _ in range(3))
+            unit = sample.chain.unit
+            amplitude, rate = unit * rng.uniform(0.3, 2), unit * rng.uniform(0.3, 2)
+            phase_rate = rng.uniform(0.3, 2)
             expected = sample.chain.cell_rate(amplitude) * amplitude
             point = {s.radius: amplitude, s.radius.diff(t): rate, s.phase.diff(t): phase_rate,
                      **sample.chain.values}  # fmt: skip
@@ -54,7 +57,7 @@ class FrontCellChecks(SampledChecks):
     def amplitude_rate(self) -> Points:
         """Compare after solving for the rate of the amplitude."""
         for sample, rng in self._cells():
-            amplitude = rng.uniform(0.3, 2)
+            amplitude = sample.chain.unit * rng.uniform(0.3, 2)
             yield {s.radius: amplitude, s.radius.diff(t): sample.rate(amplitude),
                    **sample.chain.values}, [0]  # fmt: skip
 
@@ -62,7 +65,7 @@ class FrontCellChecks(SampledChecks):
     def phase_rate(self) -> Points:
         """Compare after solving for the rate of the phase."""
         for sample, rng in self._cells():
-            amplitude = rng.uniform(0.3, 2)
+            amplitude = sample.chain.unit * rng.uniform(0.3, 2)
             detuning = sample.chain.cell_rate(amplitude).imag
             yield {s.radius: amplitude, s.phase.diff(t): detuning, **sample.chain.values}, [0]
 

@@ -77,7 +77,8 @@ def _sample(model: ChainModel, sites: int) -> tuple[ChainNumbers, Any, Any]:
     chain = drawn(model, rng)
     # Not near zero, where a wrong power of a displacement would be hard to detect.
     x, change = (
-        np.array([rng.choice((-1, 1)) * rng.uniform(0.6, 1.4) for _ in range(2 * sites)])
+        chain.unit
+        * np.array([rng.choice((-1, 1)) * rng.uniform(0.6, 1.4) for _ in range(2 * sites)])
         for _ in range(2)
     )
     return chain, x, change
@@ -97,7 +98,7 @@ def closed(model: ChainModel, ends: LatticeEnds) -> Check:
                       own.diff(t, 2): second[site - 1]}  # fmt: skip
         exact = second[:sites] - _forces(chain, ends, x)
         worst = max(
-            abs(value(part.lhs, point) - value(part.rhs, point) - expected)
+            abs(value(part.lhs, point) - value(part.rhs, point) - expected) / chain.unit
             for part, expected in zip(parts, exact, strict=True)
         )
         return Evidence(worst < 1e-12, f"forces on each of {sites} sites: off by {worst:.1e}")
@@ -113,7 +114,8 @@ def field(model: ChainModel, ends: LatticeEnds) -> Check:
         chain, x, _ = _sample(model, vector.shape[0] // 2)
         if name != s.X_rate or vector.shape[1] != 1:
             return Evidence(False, f"it gives {name} of shape {vector.shape}")
-        return _entries(vector, _rates(chain, ends, x)[:, None], _point(chain, x), ends)
+        rates = _rates(chain, ends, x)[:, None] / chain.unit
+        return _entries(vector / chain.unit, rates, _point(chain, x), ends)
 
     return check
 
@@ -142,7 +144,7 @@ def _entries(matrix: Any, exact: Any, point: Point, ends: LatticeEnds) -> Eviden
 
 def _jacobian(chain: ChainNumbers, ends: LatticeEnds, x: Any) -> Any:
     """Return the complex-step derivative of the rates, exact to rounding."""
-    step = 1e-30
+    step = 1e-30 * chain.unit
     columns = [_rates(chain, ends, x + 1j * step * row).imag / step for row in np.eye(len(x))]
     return np.array(columns).T
 
@@ -158,7 +160,7 @@ def linear(model: ChainModel, ends: LatticeEnds) -> Check:
         found = np.array([value(row, _point(chain, x, change)).real for row in vector])
         step = 1e-30
         exact = _rates(chain, ends, x + 1j * step * change).imag / step
-        worst = float((np.abs(found - exact) / (1 + np.abs(exact))).max())
+        worst = float((np.abs(found - exact) / (chain.unit + np.abs(exact))).max())
         return Evidence(
             worst < 1e-11, f"complex-step derivative along the perturbation: off by {worst:.1e}"
         )

@@ -13,9 +13,10 @@ from derivations.algebra.evidence import Point
 from derivations.symbols import alpha_0, k_1, k_2, t_hat, tau
 
 
-def wave_numbers(rng: random.Random) -> dict[sp.Symbol, float]:
-    """Draw an amplitude, a decay rate and a phase step."""
-    return {k_1: rng.uniform(-2, -0.3), k_2: rng.uniform(-2, 2), alpha_0: rng.uniform(0.5, 2)}
+def wave_numbers(rng: random.Random, unit: float = 1.0) -> dict[sp.Symbol, float]:
+    """Draw an amplitude in a given unit, a decay rate and a phase step."""
+    return {k_1: rng.uniform(-2, -0.3), k_2: rng.uniform(-2, 2),
+            alpha_0: unit * rng.uniform(0.5, 2)}  # fmt: skip
 
 
 def first_motion(p: Any, q: Any) -> Any:

@@ -58,23 +58,25 @@ class ResonanceChecks:
     def _drawn_amplitude(
         self, rng: random.Random
     ) -> tuple[dict[Any, Any], ChainNumbers, dict[sp.Symbol, float]]:
-        p, wave = drawn(self.model, rng), wave_numbers(rng)
+        p = drawn(self.model, rng)
+        wave = wave_numbers(rng, p.unit)
         size, angle, w1 = (rng.uniform(0.4, 1.3) for _ in range(3))
-        return {**p.values, **wave, R: size, theta: angle, omega_1: w1}, p, wave
+        point = {R: p.unit * size, theta: angle, omega_1: p.strength * w1}
+        return {**p.values, **wave, **point}, p, wave
 
     @equals(_DIRECT)
     def secular(self, rng: random.Random) -> tuple[Point, list[complex]]:
         """Draw a complex amplitude and its rate."""
         point, p, wave = self._drawn_amplitude(rng)
         size = point[R] * cmath.exp(1j * point[theta])
-        rate = complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
+        rate = p.strength * p.unit * complex(rng.uniform(-1, 1), rng.uniform(-1, 1))
         point |= {own.A.diff(tau): rate, own.A: size}
         return point, [self._resonance(p, size, rate, point[omega_1], wave)]
 
     def _turned(self, rng: random.Random, steady: bool) -> tuple[dict[Any, Any], complex]:
         point, p, wave = self._drawn_amplitude(rng)
         turn = cmath.exp(1j * point[theta])
-        grow, spin = rng.uniform(0.4, 1), rng.uniform(0.4, 1)
+        grow, spin = (p.strength * unit * rng.uniform(0.4, 1) for unit in (p.unit, 1.0))
         rate = 0 if steady else (grow + 1j * point[R] * spin) * turn
         found = self._resonance(p, point[R] * turn, rate, point[omega_1], wave)
         point |= {own.R_slow.diff(tau): grow, own.theta_slow.diff(tau): spin,
@@ -114,8 +116,8 @@ class ResonanceChecks:
         cell = self._resonance(p, size, 0, point[omega_1], alone) / size
         both = self._resonance(p, size, 0, point[omega_1], wave) / size
         still = self._resonance(p, size, 0, 0.0, alone) / size
-        moved = self._resonance(p, size, 0, 1.0, alone) / size
-        free = still.real / (still.real - moved.real)
+        moved = self._resonance(p, size, 0, p.strength, alone) / size
+        free = p.strength * still.real / (still.real - moved.real)
         point[delta] = point[omega_1] - free
         return point, cell, both - cell, free
 

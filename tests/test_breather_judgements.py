@@ -684,15 +684,19 @@ def test_split_by_reflection_or_not_the_same_exponents_are_found(nucleus: Nucleu
 def test_what_grows_by_more_than_rounding_is_unstable(
     part: float, stable: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of exponents 1e-9 a unit of slow time, of multipliers 1e-8: there it is divided by ε."""
+    """Of exponents 1e-9 a unit of slow time, of multipliers 1e-8: there it is divided by ε.
+
+    That is so where nothing is known of their errors; rounding of these matrices is far smaller.
+    """
     chain = AVERAGED.replace(sites=2)
     matrix = np.diag([0.0, part * 1e-9, -0.5, -0.4])
     monkeypatch.setattr(exponents_of, "rotating_jacobian", lambda *_: matrix)
     found = exponents(np.ones(2, complex), 0.1, chain)
-    assert found.stable is stable
     assert 0.0 < found.error < 1e-14
     growing = np.diag([1.0, math.exp(0.01 * 6.0 * part * 1e-8), 0.5, 0.4])
-    assert floquet.floquet_multipliers(growing, 6.0, 0.01, parity=0).stable is stable
+    for each in (found, floquet.floquet_multipliers(growing, 6.0, 0.01, parity=0)):
+        assert replace(each, growth_error=math.inf).stable is stable
+        assert each.stable is (part < 0.0)
 
 
 @pytest.mark.parametrize(
@@ -704,6 +708,8 @@ def test_what_grows_by_more_than_rounding_is_unstable(
         (0.9e-6, 1e-6, None),
         (2e-6, 1e-6, False),
         (-1e-12, 1e-11, True),  # both count as zero
+        (0.9e-11, 1e-11, True),
+        (1.1e-11, 1e-11, False),  # small, but not zero
         (0.5, math.inf, False),  # nothing is known of the error
     ],
 )
@@ -712,6 +718,20 @@ def test_stability_is_not_decided_where_the_growth_may_be_of_either_sign(
 ) -> None:
     found = exponents(np.ones(2, complex), 0.1, AVERAGED.replace(sites=2))
     assert replace(found, growth=growth, growth_error=error).stable is stable
+
+
+@pytest.mark.parametrize("coupling", [1e-5, 3e-5])
+def test_a_breather_that_loses_its_phases_slowly_is_not_called_stable(coupling: float) -> None:
+    """Between two sites with one between them phases are coupled to the order of c², and repel."""
+    chain = AveragedChain(a=2.5, b=0.5, c=coupling, sites=7)
+    found = solve_envelope_breather(chain, Nucleus(3, "++"))
+    assert found.growth_error is not None
+    assert found.growth is not None
+    assert found.growth_error < found.growth < 1e-9
+    assert found.stable is False
+    quicker = solve_envelope_breather(chain.replace(c=1e-3), Nucleus(3, "++"))
+    assert quicker.growth == pytest.approx(found.growth * (1e-3 / coupling) ** 2, rel=0.5)
+    assert quicker.stable is False
 
 
 def test_beside_its_fold_the_stability_of_a_breather_is_not_decided() -> None:

@@ -41,7 +41,8 @@ class BreatherStability(Result):
         Largest growth, without the trivial mode, among modes of the breather's own parity under
         reflection and of the opposite parity; None if the breather is not mirror-symmetric.
     marginal : float
-        Growth rate up to which a mode counts as not growing: round-off of an exact zero.
+        Growth rate up to which a mode counts as not growing, round-off of an exact zero, unless its
+        error is smaller.
     error : float
         Bound on the distances of all computed values from the exact ones, paired suitably; infinite
         if it was not computed.
@@ -66,7 +67,7 @@ class BreatherStability(Result):
         """Whether no perturbation grows; None if the known error of the growth rate spans zero."""
         if self.marginal < self.growth_error < math.inf and abs(self.growth) <= self.growth_error:
             return None
-        return self.growth <= self.marginal
+        return self.growth <= min(self.marginal, self.growth_error)
 
 
 def rotating_jacobian(phi: ComplexArray, omega: float, chain: VanDerPolChain) -> FloatArray:

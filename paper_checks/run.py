@@ -135,10 +135,11 @@ def _computed(
 def _stored(store: Store | None, entry: Entry, packages: Sequence[str]) -> Judgement | None:
     """Judge a claim by its evidence in the store; None if there is none that can be used."""
     key = entry.claim.key
-    if store is None or key not in store.results:
+    held = None if store is None else store.results.get(key)
+    if held is None:
         return None
     try:
-        return judged_by(entry.claim, packages=packages, **store.results[key])
+        return judged_by(entry.claim, packages=packages, **held)
     except (KeyError, TypeError, ValueError, AttributeError, ImportError):
         logger.info("the stored evidence of %s is damaged and is computed again", key)
         return None

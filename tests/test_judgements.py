@@ -28,6 +28,7 @@ from paper_checks.outcome import (
 )
 from paper_checks.plain_evidence import evidence_from, plain_evidence
 from paper_checks.ruling import Verdict, fails, holds, partly
+from paper_checks.run import run
 from tests.independence import solvers
 
 FINDING = Finding(
@@ -285,6 +286,23 @@ def test_evidence_of_an_earlier_run_is_judged_by_the_rule_of_this_one() -> None:
 @dataclass(frozen=True)
 class Other:
     verdict: Verdict
+
+
+def test_a_store_is_given_what_was_judged_and_holds_nothing_of_a_claim_that_failed(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def broken() -> None:
+        raise ArithmeticError("no root")
+
+    entries = [Entry("m", made_up()), Entry("m", made_up("broken", evidence=broken))]
+    held: dict[str, Any] = {}
+    store: Any = SimpleNamespace(results=held, add=held.__setitem__)
+    with caplog.at_level("INFO", logger="paper_checks.run"):
+        for stored in (False, True):  # at first there is nothing, and nothing damaged
+            first, second = run(entries, store=store, packages=(__name__.partition(".")[0],))
+            assert (first.judgement.stored, second.judgement.stored) == (stored, False)
+            assert list(held) == ["k"]
+    assert not caplog.records
 
 
 def test_evidence_that_is_forged_or_is_none_is_refused() -> None:

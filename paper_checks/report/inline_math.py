@@ -18,7 +18,7 @@ GREEK = (
     "tau", "varphi", "phi", "Psi", "psi", "omega", "Omega", "infty",
 )  # fmt: skip
 
-_NAMES = "|".join(sorted({*GREEK, "eps"}, key=len, reverse=True))
+_NAMES = "|".join((*GREEK, "eps"))
 _GROUP = r"\{(?:[^{}]|\{[^{}]*\})*\}"
 _BELOW = rf"_(?:{_GROUP}|[A-Za-z]+|\d+)"
 _ABOVE = rf"\^(?:{_GROUP}|\([^()]*\)|[-−]?\d+(?:\.\d+)?|[A-Za-z*])"

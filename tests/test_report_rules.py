@@ -338,6 +338,7 @@ def test_a_stored_finding_as_text_says_whether_its_code_has_changed(stale: bool)
     text = report_as_text(report_of(JudgedClaim(Entry("fig16", claim("a")), judged)), 100)
     assert "  Stored: found then in 1.0 s, with numpy 2.0" in text
     assert ("code that it depends on has changed" in " ".join(text.split())) is stale
+    assert ("\nStale stored findings: a; 'fronts check KEY --full' computes them." in text) is stale
 
 
 def test_of_many_claims_a_headline_is_the_finding_s_own_or_its_verdict() -> None:
@@ -370,7 +371,8 @@ def test_a_default_that_is_nowhere_the_fastest_is_said_to_be_so(tmp_path: Path) 
         return empty | known
 
     rivals = [{"by": "quad", "error": 1e-3, "factor": 2.5}, {"by": "quad", "error": 1e-4,
-              "factor": 4.0}, {"by": "quad", "error": 1e-5, "factor": None}]  # fmt: skip
+              "factor": 4.0}, {"by": "quad", "error": 1e-5, "factor": None},
+              {"by": "sinc", "error": 1e-3, "factor": 3.0}]  # fmt: skip
     choices = [
         choice("2026-01-02", beaten=rivals, reasons={"quad": "it is new", "sinc": "no"}),
         choice("2026-01-01", fastest=[1e-3, 1e-4], others={"newton": "one root"}),
@@ -382,7 +384,8 @@ def test_a_default_that_is_nowhere_the_fastest_is_said_to_be_so(tmp_path: Path) 
     assert first["Fastest at errors"] == second[faster] == "nowhere"
     assert second["Fastest at errors"] == "10⁻³ to 10⁻⁴"
     assert first[faster] == (
-        "10⁻³ to 10⁻⁵: quad, 2.5 to 4 times, and the default does not get so far"
+        "10⁻³ to 10⁻⁵: quad, 2.5 to 4 times, and the default does not get so far; "
+        "10⁻³: sinc, 3 times"
     )
     assert first["Reason for the default"] == "quad: it is new; sinc: no"
     assert second["Reason for the default"] == "-"

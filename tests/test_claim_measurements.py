@@ -20,8 +20,10 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 from scipy.integrate import RK45, solve_ivp
+from scipy.linalg import expm
 
 from paper_checks.claims import (
+    _breathers,
     _closed_form,
     _friction,
     _fronts,
@@ -53,11 +55,14 @@ from paper_checks.claims import (
 from paper_checks.claims._friction import SITES
 from paper_checks.discover import find_entries
 from paper_checks.prose import template, words
+from theory.averaged.breather import Reading
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import eta_from_damping
+from theory.chains.vdp import VdpChain
 from verification.breathers.outcome import Evolution, NucleusOutcome
 from verification.execution.table import Table
 from verification.runs.excite import excite
+from verification.runs.simulate import simulate
 
 Patch = pytest.MonkeyPatch
 Held = TypeVar("Held")
@@ -83,8 +88,8 @@ def table(**columns: Any) -> Table:
      fig08.COUPLINGS, fig09.ALONG, fig09.EXACT, fig10.TIMES, fig11.ODD, fig11.RANGE, fig11.FAMILY,
      fig11.MIRRORED_AT, fig12.TIMES, fig13.AVERAGED, fig13.FULL, fig13.CHECKED, fig13.LAW_ETAS,
      fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS, fig15.EMPTIED_AT,
-     fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION, text_nuclei.COUPLINGS,
-     text_nuclei.DRAWN],
+     fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION, *text_friction.PATTERNS,
+     text_nuclei.COUPLINGS, text_nuclei.DRAWN, text_nuclei.SEEDS],
 )  # fmt: skip
 def test_what_a_curve_is_sampled_at_increases(sampled: Any) -> None:
     assert all(low < high for low, high in pairwise(sampled))
@@ -110,6 +115,10 @@ def test_nuclei_are_enumerated_size_by_size_and_a_family_has_even_ones_beyond() 
 def test_the_phases_are_followed_up_to_the_end_at_which_they_are_judged() -> None:
     assert (fig10.TIMES[0], fig10.TIMES[-1]) == (0.0, fig10.END)
     assert np.diff(fig10.TIMES).max() <= 5.0
+
+
+def test_the_chain_of_figs_7_to_9_has_a_site_in_the_middle() -> None:
+    assert _orbits.SITES == 2 * _orbits.CENTRE + 1
 
 
 def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:
@@ -154,7 +163,10 @@ def grid(across: Sequence[float]) -> str:
 
 
 STATED: dict[str, Callable[[], Sequence[str]]] = {
-    "fig02-states": lambda: (f"{plain(fig02.AGREE)} in period and stick time",),
+    "fig02-states": lambda: (
+        f"{plain(fig02.AGREE)} in period and stick time", f"At v_d = {fig02.V_D} the",
+        f"--v-d {fig02.V_D}\n",
+    ),
     "fig02-regions": lambda: (f"each of {2 * len(fig02.VELOCITIES)} runs",),
     "fig03-breather": lambda: (
         f"at τ = {listed(fig03.TIMES_A)} differ", f"tolerance: {percent(fig03.LINE)} of the axis",
@@ -243,7 +255,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     ),
     "fig13-similar": lambda: (
         f"tolerance: {plain(fig13.LAW)} between law and run", f"velocities to {plain(fig13.LAW)};",
-        f"at c = {fig13.BELT_COUPLING}, divided",
+        f"at c = {fig13.BELT_COUPLING}, divided", f"--c {plain(fig13.ONE)} ",
     ),
     "fig14-collapse": lambda: (
         f"for a = {listed(fig14.SHARES, ' and ')} agree", f"tolerance: {plain(fig14.AGREE)},",
@@ -271,7 +283,9 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     ),
     "fig17-implicit": lambda: (f"tolerance: {plain(fig17.AGREE)} in v̂",),
     "fig17-condition": lambda: (f"tolerance: {plain(fig17.AGREE)} in v̂",),
-    "fig18-alike": lambda: (f"grows from {fig18.ETAS[0]} to {fig18.ETAS[-1]} v̂",),
+    "fig18-alike": lambda: (
+        f"grows from {fig18.ETAS[0]} to {fig18.ETAS[-1]} v̂", f"printed: at c = {fig18.C}\n",
+    ),
     "fig18-any": lambda: (f"tolerance: {plain(fig18.AGREE)} in v̂",),
     "text-patterns": lambda: (
         f"--c {text_friction.WEAK} --excite {listed(text_friction.PATTERNS[3]).replace(' ', '')} ",
@@ -412,7 +426,8 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
     later = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.25, 0, 0], [7.0, 0, 1]])
 
     def run(release: float = 0.0) -> Any:
-        def made(_: Any, __: Any, end: float, *, times: Any = None, **___: Any) -> Any:
+        def made(_: Any, start: Any, end: float, *, times: Any = None, **__: Any) -> Any:
+            assert np.array_equal(start, [[2.0], [0.0]])
             assert end == 40.0 or end == times[-1]
             at = np.arange(0.0, 8.0) if times is None else np.asarray(times)
             sticks = ((at >= 1) & (at <= 3)) | (at >= 5)
@@ -428,7 +443,7 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
         return made
 
     monkeypatch.setattr(fig02, "_orbits", lambda: SimpleNamespace(cell=cell))
-    monkeypatch.setattr(fig02, "_scipy", lambda _, y, end: run()(None, y, end))
+    monkeypatch.setattr(fig02, "_scipy", lambda _, y, end: run()(None, [[y], [0.0]], end))
     for first, second in ((off, 0.0), (0.0, off)):
         monkeypatch.setattr("verification.references.friction_events.run_events", run(first))
         monkeypatch.setattr("verification.runs.simulate.simulate", run(second))
@@ -519,6 +534,7 @@ def test_a_start_that_stuck_once_and_then_slides_slides(monkeypatch: Patch) -> N
     assert found.stick_at_end == pytest.approx(1.8, rel=1e-5)
     assert found.stick_at_end < 1.8
     assert all(low < high for low, high in pairwise(drawn))
+    assert drawn[0] < found.hopf < found.end < drawn[-1]  # all three regions are drawn
     assert (found.hopf, found.error) == (FrictionCell(v_d=fig02.V_D).hopf_velocity, 1e-9)
 
 
@@ -549,6 +565,28 @@ def test_the_unstable_cycle_repels_if_runs_from_both_sides_leave_it(monkeypatch:
         starts: list[float] = []
         assert fig02.subcritical().repels == repels
         assert len(starts) == 2  # at the largest of three distances
+
+
+def test_the_unstable_cycle_is_held_against_its_expansion_beside_the_hopf_velocity(
+    monkeypatch: Patch,
+) -> None:
+    """At 0.01, 0.001 and 0.0001 above it, as the text says."""
+    mu_st, mu_d, v0, xi = 1.0, 0.5, 0.5, 0.05  # (7)
+    hopf = v0 * math.log((mu_st - mu_d) / (2.0 * xi * v0))
+    distances = []
+
+    def cycle(cell: FrictionCell) -> Any:
+        distances.append(cell.v_d - hopf)
+        delta = 2.0 * xi * (1.0 - math.exp(-distances[-1] / v0))
+        third = 2.0 * xi * math.exp(-distances[-1] / v0) / v0**2
+        amplitude = math.sqrt(8.0 * delta / third)
+        return SimpleNamespace(amplitude=len(distances) * amplitude, max=EDGE)
+
+    monkeypatch.setattr("verification.cells.friction.unstable_cycle", cycle)
+    run = SimpleNamespace(y=np.ones((4001, 1)))
+    monkeypatch.setattr(fig02, "_scipy", lambda *_, **__: run)
+    assert fig02.subcritical().ratios == pytest.approx((1.0, 2.0, 3.0))
+    assert distances == pytest.approx([1e-2, 1e-3, 1e-4])
 
 
 def test_the_gaps_of_the_friction_law_are_of_its_slope_and_the_largest_of_its_values(
@@ -604,6 +642,7 @@ def test_falls_are_from_the_smallest_nucleus() -> None:
     other = replace(found, bulk=(0.04, 0.02, 0.03, 0.025))
     assert (other.bulk_fall, other.bulk_rest) == pytest.approx((0.5, 1.0 / 3.0))
     assert found.apart == pytest.approx(0.005)
+    assert replace(found, bulk_of_two=0.015).apart == pytest.approx(0.005)
 
 
 def threshold_of(size: int, place: str, ends: str = "free", **_: Any) -> float:
@@ -614,7 +653,8 @@ def threshold_of(size: int, place: str, ends: str = "free", **_: Any) -> float:
 def test_thresholds_are_checked_beside_that_of_one_site_and_of_three(monkeypatch: Patch) -> None:
     checked = []
 
-    def disagreement(chain: Any, excited: tuple[int, ...], _: float) -> float:
+    def disagreement(chain: Any, excited: tuple[int, ...], end: float) -> float:
+        assert (chain.sites, end) == (5, 400.0)  # as the text says
         checked.append((excited, chain.c / threshold_of(len(excited), "edge")))
         return 1e-6 * len(checked)
 
@@ -1064,6 +1104,30 @@ def test_a_display_that_fails_at_one_of_its_random_values_fails(
 # ------------------------------------------------------------------- breathers and their thresholds
 
 
+def test_a_run_by_scipy_is_right_to_far_less_than_that_to_which_an_orbit_must_close() -> None:
+    """That is 1e-8; the other run is by another method and to a tighter tolerance."""
+    chain = VdpChain(a=_breathers.A, b=_breathers.B, c=0.1, eps=_breathers.EPS, sites=3)
+    start = np.array([[0.3, 1.4, -0.7], [1.2, -0.9, 2.0]])
+    other = simulate(chain, start, 6.25, samples=2, tolerance=1e-13)
+    end = _breathers.flow(start.ravel(), 0.1, 6.25)
+    assert np.abs(end - [*other.y[-1], *other.velocity[-1]]).max() < 1e-9
+
+
+def test_differences_of_the_flow_at_rest_are_those_of_the_linear_chain() -> None:
+    sites, c, time = 3, 0.1, 6.25
+    stretch = np.diff(np.eye(sites), axis=0)
+    eye, eps = np.eye(sites), _breathers.EPS
+    springs = eye + eps * c * stretch.T @ stretch
+    exact = expm(time * np.block([[0.0 * eye, eye], [-springs, -eps * eye]]))
+    found = _breathers.monodromy_by_differences(np.zeros(2 * sites), c, time)
+    assert found == pytest.approx(exact, abs=1e-5)
+
+
+AVERAGED_CYCLE = math.sqrt(
+    _breathers.A / _breathers.B * (1.0 + math.sqrt(1.0 - 8.0 * _breathers.B / _breathers.A**2))
+)
+
+
 def test_the_breather_of_a_run_is_its_first_harmonic_and_its_error_that_of_the_orbit(
     monkeypatch: Patch,
 ) -> None:
@@ -1082,6 +1146,7 @@ def test_the_breather_of_a_run_is_its_first_harmonic_and_its_error_that_of_the_o
             # From one site, on the cycle of the averaged cell, until all else has decayed.
             assert np.flatnonzero(state).tolist() == [fig07.SITES + fig07.CENTRE]
             assert state.shape == (2 * fig07.SITES,)
+            assert state.max() == pytest.approx(AVERAGED_CYCLE)
             assert duration * fig07.EPS > 30.0
         assert c == fig07.C
         clock[0] += duration
@@ -1130,8 +1195,6 @@ def test_phase_steps_are_followed_along_the_run_and_shapes_are_those_without_noi
         assert rows.shape == (fig10.TIMES.size, size - 1)
         assert off.max() < (1e-4 if noise else 1e-12)
         assert bool(off.max() > 1e-9) is bool(noise)
-    from theory.chains.vdp import VdpChain
-
     for size, shape in found.shapes.items():
         preparation = NucleusPreparation(size)
         chain = preparation.chain(VdpChain(a=fig10.A, b=fig10.B, c=fig10.C, eps=fig10.EPS), fig10.C)
@@ -1153,12 +1216,16 @@ def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> N
     monkeypatch.setattr(fig08, "flow", flow)
     none = SimpleNamespace(status=SimpleNamespace(value="none"))
     monkeypatch.setattr("theory.averaged.breather.solve_breather", lambda *_: none)
-    monkeypatch.setattr(fig08, "closed_form", lambda reading, c: np.stack([5.25 + c, 6 + c], 1))
+    monkeypatch.setattr(
+        fig08, "closed_form",
+        lambda reading, c: np.stack([5.25 + c, 6 + c * (1 + (reading is Reading.TAIL))], 1),
+    )  # fmt: skip
     assert fig08.amplitudes().closing == pytest.approx(0.5)
     slack.reverse()
     found = fig08.amplitudes()
     assert found.closing == pytest.approx(0.5)
     assert found.off == pytest.approx((0.25, 0.0))
+    assert found.off_tail == pytest.approx(max(fig08.COUPLINGS))
     assert found.error == max(fig08.COUPLINGS)
     assert found.centre_has_none
 
@@ -1169,7 +1236,7 @@ def test_both_assumptions_are_measured_on_orbits_and_in_the_averaged_chain(
 ) -> None:
     def orbit(c: float, eps: float) -> Any:
         waves = np.full(2 * fig08.CENTRE + 1, 2.0 + 0j)
-        waves[fig08.CENTRE + 1] = 0.5 * np.exp(1j * (side * eps - 0.5 * np.pi))
+        waves[fig08.CENTRE + 1] = 50.0 * eps * np.exp(1j * (side * eps - 0.5 * np.pi))
         period = 2.0 * np.pi / (1.0 + eps * (c - 3.0 * side * eps**2))
         return SimpleNamespace(waves=waves, amplitudes=np.abs(waves), period=period)
 
@@ -1184,6 +1251,9 @@ def test_both_assumptions_are_measured_on_orbits_and_in_the_averaged_chain(
     assert found.turns == pytest.approx(side * eps)
     assert (found.averaged, found.ratio) == pytest.approx((0.25, 0.25))
     assert found.orders == pytest.approx((2.0, 1.0))
+    # At ε = 0.01, where δ = -3e-4 at c = 0.1.
+    assert (found.share, found.needed) == pytest.approx((3e-3, 12e-3))
+    assert (found.neglected, found.turn) == pytest.approx((144e-6, 0.01 * side))
     last = replace(found, detuning=(1.0, 1.0, -0.5, 0.125), turns=(1.0, 1.0, 0.25, -0.125))
     assert last.orders == pytest.approx((2.0, 1.0))  # of sizes
 
@@ -1531,7 +1601,7 @@ def test_of_the_velocities_by_scipy_the_one_farthest_from_its_run_counts(
     assert len(fig13.CHECKED) == 3
 
     def front(chain: Any, **_: Any) -> Any:
-        return SimpleNamespace(chain=chain, v=chain.c, error=1e-3, status="steady")
+        return SimpleNamespace(chain=chain, v=2.0 * chain.c, error=1e-3, status="steady")
 
     monkeypatch.setattr("verification.fronts.measure.measure_front", front)
     monkeypatch.setattr("theory.averaged.front.strong_coupling_front",
@@ -1541,7 +1611,7 @@ def test_of_the_velocities_by_scipy_the_one_farthest_from_its_run_counts(
 
         def by_scipy(a: float, b: float, c: float, off: dict[float, float] = off) -> float:
             assert (a, b) == (fig13.A, fig13.B)
-            return c / off[c]
+            return 2.0 * c / off[c]
 
         monkeypatch.setattr("verification.references.passages.quarter_turn_velocity", by_scipy)
         assert fig13.scaling.__wrapped__().gap == pytest.approx(0.5)
@@ -1677,6 +1747,13 @@ MET = table(
     c=[0.3, 0.1, 0.2, 0.4, 0.1, 0.2, 0.3, 0.4], v_d=[1.0] * 4 + [2.0] * 4,
     label=["front", "breather", "breather", "front", "breather", "undecided", "breather", "rest"],
 )  # fmt: skip
+
+
+def test_the_undecided_points_of_a_map_are_counted() -> None:
+    met = _maps.LabelledMap(states=MET, boundary=MET)
+    assert met.undecided == 1
+    decided = table(label=["front", "breather"], c=[0.3, 0.1])
+    assert replace(met, states=decided).undecided == 0
 
 
 def test_a_sequence_has_each_state_once_with_growing_coupling() -> None:

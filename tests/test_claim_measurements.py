@@ -183,6 +183,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     ),
     "fig04-bulk": lambda: (
         f"--accuracy {plain(fig04.ACCURACY)}", f"for sizes {listed(fig04.SIZES)}\n",
+        f"N_dof = {SITES}\n",
     ),
     "fig04-divides": lambda: (
         f"error: {plain(fig04.ACCURACY)} in c", f"--final-time {plain(fig04.LONG)}",
@@ -203,6 +204,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
         f"{fig06.FAST_SITES} sites are used from c = {fig06.LINEAR_FROM} on",
         f"--c {fig06.COUPLINGS[-1]} --n {fig06.FAST_SITES};",
         f"--c {plain(fig06.LARGE[-1])} --n {fig06.LARGE_SITES}\n",
+        f"printed: at N_dof = {SITES}, N_size = 1, v_d = {_friction.V_D}\n",
     ),
     "fig06-threshold": lambda: (f"at c = {', '.join(map(str, fig06.BELOW))} no other site",),
     "fig06-rapid": lambda: (
@@ -222,6 +224,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     ),
     "fig08-assumptions": lambda: (f"at c = {fig08.C}, ε =", f"--c {fig08.C} "),
     "fig08-neglected": lambda: (f"--c {fig08.C} ",),
+    "fig09-multipliers": lambda: (f"printed: {fig09.PRINTED}\n",),
     "fig10-in-phase": lambda: (
         f"{fig10.IN_PHASE} π for \"in phase\", {fig10.STEADY} π for \"steady\"",
         f"Nuclei of {listed(fig10.SIZES, ' and ')} sites",
@@ -229,7 +232,9 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
         f"a perturbation of {plain(fig10.NOISE)} the", f"by εt = {plain(fig10.END)};",
         f"--c {fig10.C} ",
     ),
-    "fig11-values": lambda: (f"within a factor of {fig11.SAME_RATE}",),
+    "fig11-values": lambda: (
+        f"within a factor of {fig11.SAME_RATE}", f"printed: {', '.join(fig11.PRINTED.values())}\n",
+    ),
     "fig11-converged": lambda: (
         f"tolerance: {plain(fig11.CONVERGED)},", f"over sizes {listed(fig11.ODD[2:])}\n",
     ),
@@ -245,6 +250,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     "fig12-steady": lambda: (
         f"the first {fig12.COMPARED} arrivals", f"{plain(fig12.STEADY)} between",
         f"{percent(fig12.DELAY)} in the delay", f"the last of {fig12.SITES} sites",
+        f"c = {fig12.C}, ε = {fig12.EPS}; t = {', '.join(f'{t:.0f}' for t in fig12.TIMES)}\n",
     ),
     "fig13-scaling": lambda: (
         f"for c = {listed(fig13.CHECKED, ' and ')}\n",
@@ -300,6 +306,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
     ),
     "text-spring": lambda: (f"tolerance: {plain(text_friction.EXACT)}, rounding",),
     "text-ends": lambda: (f"tolerance: {plain(text_friction.EXACT)}, rounding",),
+    "text-topology": lambda: tuple(f"a = {a:g}" for a, _ in text_vdp.SETS),
     "text-to-larger": lambda: (
         f"--n {text_nuclei.CHAIN_SITES} ", f"With noise of {text_nuclei.NOISE} ",
     ),

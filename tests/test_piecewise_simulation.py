@@ -592,8 +592,9 @@ def test_a_start_without_both_equilibria_is_refused():
         simulate_front(0.5, 0.03125, broken)
     with pytest.raises(ParameterError):
         simulate_front(0.5, 0.03125, "sideways")
-    with pytest.raises(ParameterError, match="16 sites"):
-        simulate_front(0.5, 0.03125, step_state(16))
+    with pytest.raises(ParameterError, match="31 sites"):
+        simulate_front(0.5, 0.03125, step_state(31))
+    assert simulate_front(0.5, 0.03125, step_state(32)).steady
     for end, off in ((0, 1.5e-3), (-1, 1.5e-3j)):
         shifted = step_state(64)
         shifted.phi[end] += off

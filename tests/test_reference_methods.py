@@ -823,6 +823,15 @@ def test_the_threshold_ratio_gives_eta_back_to_all_its_digits(eta: float) -> Non
 # ----------------------------------------------------------------- breathers in extended precision
 
 
+@pytest.mark.parametrize("start", [1.0, 3.0, -1.0, -3.0])
+def test_a_root_is_approached_from_either_side(start: float) -> None:
+    """√2 and -√2 to the last digit of extended precision, by steps of either sign."""
+    root, _ = precise_breather._newton(lambda x: x * x - 2, extrapolation.extended([start]))
+    true = np.copysign(np.sqrt(np.longdouble(2)), root[0])
+    assert abs(root[0] - true) <= 2 * np.finfo(np.longdouble).eps
+    assert root[0] * start > 0
+
+
 def test_a_state_is_fixed_in_phase_at_its_largest_site_whatever_its_phase_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -318,6 +318,8 @@ def test_a_fold_of_the_averaged_chain_is_as_far_off_as_it_is() -> None:
         # by roundings of u to either side: u where values stand alone, √u where two meet
         (np.diag([1.0, 0.5, -0.2, 0.1]), 1e-8),
         (np.diag([1.0, 1.0, 0.5, 0.1]) + np.diag([1.0, 0.0, 0.0], 1), 1e-4),
+        # and by more to one side, where two values 1 ± √u meet, than to the other: 1 ± √(2u)
+        (np.diag([1.0 + 1e-4, 1.0 - 1e-4, 0.5, 0.1]) + np.diag([1.0, 0.0, 0.0], 1), 1e-4),
     ],
 )
 def test_multipliers_are_as_uncertain_as_their_matrix_makes_them(

@@ -226,9 +226,10 @@ class Breather(Result):
         """Largest rotation of each wave that its error allows, in radians."""
         size = np.abs(self.waves)
         error = np.broadcast_to(0.0 if self.wave_error is None else self.wave_error, size.shape)
-        ratio = np.divide(error, size, out=np.ones_like(size), where=size > error)
-        rotation = np.where(size > error, np.arcsin(ratio), np.pi)
-        return np.minimum(rotation + 4.0 * EPS, np.pi)
+        limited = size > error
+        rotation = np.full_like(size, np.pi)
+        rotation[limited] = np.arcsin(error[limited] / size[limited]) + 4.0 * EPS
+        return rotation
 
     @property
     def phase_step(self) -> float | None:

@@ -22,6 +22,7 @@ from benchmarks.steppers.fixed import fixed_steps
 from fronts.cli import main
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
+from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VanDerPolChain, VdpChain
 from theory.parameters import ParameterError
@@ -864,6 +865,39 @@ def test_eta_is_b_over_the_square_of_a_whichever_is_held(held: str) -> None:
     chain = task.at({"eta": 0.04, "c": 0.2})
     assert chain.b / chain.a**2 == pytest.approx(0.04, rel=1e-14)
     assert (chain.c, getattr(chain, held)) == (0.2, getattr(task.chain, held))
+
+
+@pytest.mark.parametrize("sites", [5, 9])
+def test_a_nucleus_is_in_the_middle_of_the_chain_at_each_point_of_a_map(sites: int) -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.05, sites=16)
+    row = StateTask(chain=chain, nucleus=Nucleus(1), amplitudes=True)(Point(sites=sites))
+    assert row["label"] == "breather"
+    assert np.argmax(row["amplitude"]) == sites // 2
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "match"),
+    [
+        ("sites", [9, 5], "7"),
+        ("sites", [9, 1001], "number of sites n = 1001 .* from 2 to 1000"),
+        ("eps", [0.01, 1e-5], "small parameter eps = 1e-05 .* averaged chain"),
+    ],
+)
+def test_what_no_run_at_a_point_would_accept_is_refused_before_any_run(
+    name: str, values: list[float], match: str
+) -> None:
+    task = StateTask(chain=VdpChain(a=4, b=0.5, c=0.1, sites=16), nucleus=Nucleus(7))
+    with pytest.raises(ParameterError, match=match):
+        state_points(task, {name: values})
+
+
+def test_no_boundary_is_sought_between_whole_numbers() -> None:
+    # three excited sites fill a chain of three, and are a breather of a longer one
+    task = StateTask(chain=AveragedChain(a=4, b=0.5, c=0.05, sites=8), nucleus=Nucleus(3))
+    found = state_map(task, workers=1, refine=0.5, sites=[3, 8], c=[0.05, 0.6])
+    assert found.states["label"].tolist() == ["front", "front", "breather", "front"]
+    assert found.boundary is not None
+    assert found.boundary["along"].tolist() == ["c"]
 
 
 def test_a_chain_that_was_filled_once_and_keeps_half_its_sites_is_a_breather() -> None:

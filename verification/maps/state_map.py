@@ -28,7 +28,7 @@ from verification.execution.sweep import sweep
 from verification.execution.table import ARRAY_FORMATS, Table
 from verification.maps.boundary import TOLERANCES, Bisection, boundary_lines
 from verification.maps.state import State
-from verification.maps.task import HELD, StateTask, state_points
+from verification.maps.task import HELD, StateTask, state_points, whole_axes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -190,8 +190,8 @@ def state_map(
 ) -> StateMap:
     """Determine the state of a chain at every point of a grid (Figs. 5, 15).
 
-    Where the state changes between neighbouring points, the boundary is bisected. All parameters
-    are dimensionless.
+    Where the state changes between neighbouring points, the boundary is bisected, except along
+    parameters that are whole numbers. All parameters are dimensionless.
 
     Parameters
     ----------
@@ -266,9 +266,10 @@ def state_map(
         if refine > 0.0:
             bisection = Bisection(task.alone(), refine, predictor=task.average())
             boundary_file = None if out is None else boundary_path(out)
-            boundary = sweep(
-                bisection, boundary_lines(states, tuple(axes)), out=boundary_file, **options
-            )
+            whole = whole_axes(task.chain)
+            lines = boundary_lines(states, tuple(axes))
+            between = [line for line in lines if line["along"] not in whole]
+            boundary = sweep(bisection, between, out=boundary_file, **options)
     return StateMap(
         task=task,
         axes=tuple(axes),

@@ -99,7 +99,7 @@ class StateTask:
             random_seed(self.seed)
         if self.displacement is not None:
             within("displacement", self.displacement, 0.0, 100.0)
-        self.excited()
+        self.excited(self.chain)
 
     @property
     def end_time(self) -> float:
@@ -111,9 +111,9 @@ class StateTask:
         """Local error of the runs, as given or from the rules."""
         return rules_of(self.chain).tolerance if self.tolerance is None else self.tolerance
 
-    def excited(self) -> tuple[int, ...] | None:
-        """Return the excited sites, counted from 1; None for those of the rules."""
-        sites: int = self.chain.sites  # type: ignore[attr-defined]
+    def excited(self, chain: Chain) -> tuple[int, ...] | None:
+        """Return the excited sites of a chain, counted from 1; None for those of the rules."""
+        sites: int = chain.sites  # type: ignore[attr-defined]
         return None if self.nucleus is None else self.nucleus.excited(sites)
 
     def alone(self) -> StateTask:
@@ -151,7 +151,7 @@ class StateTask:
         chain, rules = self.at(point), rules_of(self.chain)
         options = {"displacement": self.displacement, "point": self.point}
         run_options = {"end": self.end_time, "tolerance": self.local_error}
-        starts = [rules.start(chain, self.excited(), **options)]
+        starts = [rules.start(chain, self.excited(chain), **options)]
         if self.perturbation:
             seed = rules.seed if self.seed is None else self.seed
             starts.append(rules.perturbed(starts[0], self.perturbation, seed))
@@ -185,11 +185,25 @@ def axes_of(chain: Chain) -> list[str]:
     >>> axes_of(VdpChain(a=4, b=0.5, c=0))
     ['a', 'b', 'c', 'eps', 'sites', 'eta']
     """
-    types = {each.name: each.type for each in fields(chain)}  # type: ignore[arg-type]
-    found = [name for name, kind in types.items() if kind in ("float", "int")]
+    found = _fields_of(chain, "float", "int")
     if isinstance(chain, OwnChain):
-        found += [*chain.names, "damping"]  # which may be a number
-    return [*found, "eta"] if {"a", "b"} <= types.keys() else found
+        return [*found, *chain.names, "damping"]  # which may be a number
+    return [*found, "eta"] if {"a", "b"} <= {*found} else found
+
+
+def whole_axes(chain: Chain) -> list[str]:
+    """Return the parameters of a chain that are whole numbers, between which there is no point.
+
+    Examples
+    --------
+    >>> whole_axes(VdpChain(a=4, b=0.5, c=0))
+    ['sites']
+    """
+    return _fields_of(chain, "int")
+
+
+def _fields_of(chain: Chain, *kinds: str) -> list[str]:
+    return [each.name for each in fields(chain) if each.type in kinds]  # type: ignore[arg-type]
 
 
 def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
@@ -212,6 +226,9 @@ def state_points(task: StateTask, axes: Mapping[str, Sequence[float]]) -> Grid:
         if not each:
             raise ParameterError(name, "[]", "one number or more", "give at least one")
     points = Grid(values)
+    rules = rules_of(task.chain)
     for point in points:
-        task.at(point)
+        chain = task.at(point)
+        rules.check(chain)
+        task.excited(chain)
     return points

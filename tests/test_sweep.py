@@ -366,6 +366,16 @@ def test_the_points_of_axes_are_those_asked_for_one_by_one() -> None:
     assert digest_of_points(Grid({"c": []})) == digest_of_points([])
 
 
+def test_an_axis_with_a_value_that_is_no_number_makes_no_grid() -> None:
+    table = sweep(_double, {"x": [math.nan, 1.0], "y": [1, 2]}, workers=1)
+    assert table.axes == ()
+    assert dict(table.to_xarray().sizes) == {"row": 4}
+
+
+def _double(point: Point) -> dict[str, float]:
+    return {"double": 2.0 * point.number("y")}
+
+
 def test_a_point_by_itself_is_one_row_and_no_grid() -> None:
     axes = {"x": [2.0], "word": ["a"]}
     (point,) = Grid(axes)

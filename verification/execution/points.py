@@ -103,8 +103,12 @@ class Grid(Sequence[Point]):
 
     @property
     def distinct_axes(self) -> tuple[str, ...]:
-        """Names of the axes; empty if a value occurs twice on one of them."""
-        distinct = all(len(set(values)) == len(values) for values in self.axes.values())
+        """Names of the axes; empty if a value occurs twice on one of them, or is nan."""
+        distinct = all(
+            len(set(values)) == len(values)
+            and not any(isinstance(value, float) and math.isnan(value) for value in values)
+            for values in self.axes.values()
+        )
         return tuple(self.axes) if distinct else ()
 
     def columns(self) -> dict[str, Array]:

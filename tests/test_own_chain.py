@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy import sparse
+from scipy.integrate import solve_ivp
 from scipy.io import mmwrite
 from scipy.spatial.distance import cdist
 
@@ -19,6 +20,7 @@ from tests.reference_runs import overdamped_rate, states_by_scipy
 from theory.arrays import FloatArray
 from theory.cells.oscillator import OscillatorCell
 from theory.cells.polynomial import read_polynomial
+from theory.chains.chain import SmoothChain
 from theory.chains.coupling import network_of
 from theory.chains.ends import Ends
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
@@ -455,3 +457,59 @@ def test_no_digit_of_a_uniform_spread_is_lost() -> None:
         damping="k*y**2 - 1", c=0.1, values={"k": 1.0}, disorder={"k": f"uniform:{spread!r}"}
     )
     assert chain.disorder["k"] == f"uniform:{spread!r}"
+
+
+@pytest.mark.parametrize("eta", [0.004, 0.0236, 0.12])
+def test_the_relaxation_time_of_the_paper_is_two_in_slow_time_in_every_form(eta: float) -> None:
+    """φ' = -φ/2 at rest; deviations from the unstable cycle grow at most at the rate 1."""
+    built_in = VdpChain(a=1.0, b=eta, c=0.6, eps=0.02)
+    text = OscillatorChain(
+        damping="1 - y**2 + b*y**4", values={"b": eta}, c=0.6, eps=0.02, sites=40
+    )
+    linked = text.replace(coupling="next-nearest:1,0.2", drive="0.1,2@3")
+    for chain in (built_in, built_in.averaged(), text, text.averaged(), linked):
+        assert chain.relaxation_time == pytest.approx(100.0, rel=1e-6)
+    for chain in (text, linked):
+        assert SmoothChain.relaxation_time.__get__(chain) == pytest.approx(100.0, rel=1e-6)
+
+
+def test_without_linear_damping_it_is_the_time_near_the_unstable_cycle_that_counts() -> None:
+    """H = s/4 - s²/8 + 5bs³/64, A' = -(A/2)H(A²): deviations from H = 0 grow at the rate -sH'."""
+    b = 0.0233
+    chain = OscillatorChain(damping="y**2 - y**4 + b*y**6", values={"b": b}, c=1.0)
+    s = min(np.roots([5.0 * b / 64.0, -1.0 / 8.0, 1.0 / 4.0]).real)
+    growth = -s * (1.0 / 4.0 - s / 4.0 + 15.0 * b * s**2 / 64.0)
+    assert chain.relaxation_time == pytest.approx(2.0 / growth / chain.eps, rel=1e-4)
+    assert SmoothChain.relaxation_time.__get__(chain) == math.inf
+    self_excited = OscillatorChain(damping="y**2 - 1", c=1.0)
+    assert self_excited.relaxation_time == math.inf
+
+
+def test_the_time_near_the_unstable_cycle_is_that_of_a_run_of_an_anharmonic_cell() -> None:
+    """Maxima of y by scipy, from above and from below the cycle; to first order in ε."""
+    eps, cell = 1e-4, {"damping": "y**2 - y**4 + 0.1*y**6", "stiffness": "y + 2*y**3"}
+    chain = OscillatorChain(**cell, c=1.0, eps=eps)
+
+    def rate(_: float, x: Any) -> list[float]:
+        y, v = x
+        return [v, -y - 2.0 * y**3 - eps * v * (y**2 - y**4 + 0.1 * y**6)]
+
+    def turns(_: float, x: Any) -> float:
+        return float(x[1])
+
+    turns.direction = -1.0  # type: ignore[attr-defined]
+    ends = []
+    for side in (0.98, 1.02):
+        start = [side * chain.unstable_amplitude, 0.0]
+        options: dict[str, Any] = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
+        run = solve_ivp(rate, (0.0, 400.0), start, events=turns, **options)
+        ends.append((run.t_events[0][-1], run.y_events[0][-1][0]))
+    apart = (ends[1][1] - ends[0][1]) / (0.04 * chain.unstable_amplitude)
+    growth = math.log(apart) / ends[0][0]
+    assert chain.relaxation_time == pytest.approx(2.0 / growth, rel=0.02)
+
+
+def test_a_chain_without_inertia_needs_no_relaxation_time() -> None:
+    chain = OscillatorChain(damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=1.0)
+    assert chain.relaxation_time == 0.0
+    assert SmoothChain.relaxation_time.__get__(chain) == 0.0

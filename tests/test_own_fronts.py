@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
+from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from derivations.cell.envelope import derive_envelope
@@ -22,9 +23,11 @@ from theory.chains.vdp import VdpChain
 from theory.parameters import ParameterError, RunError
 from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
+from verification.fronts.wave import front_wave
 from verification.maps.state_map import state_map
 from verification.maps.task import StateTask
 from verification.references.equations import pull_matrix
+from verification.references.passages import passage_velocity
 from verification.runs.ensemble import ensemble
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
@@ -178,6 +181,65 @@ def test_a_planar_front_on_a_square_lattice_is_that_of_the_chain() -> None:
     chain = measure_front(nagumo(c=1.0))
     lattice = measure_front(nagumo(c=1.0, coupling="square", sites=(80, 3)))
     assert abs(lattice.v - chain.v) <= lattice.error + chain.error < 2e-3
+
+
+def of_the_paper(eta: float, **options: Any) -> Any:
+    """Return (43) as text, with a = 1 and b = η."""
+    cell = {"damping": "1 - y**2 + b*y**4", "values": {"b": eta}}
+    return OscillatorChain(**cell, **options).averaged()
+
+
+@pytest.mark.parametrize(
+    ("eta", "c", "status"),
+    [(0.0236, 110.6, FrontStatus.STEADY), (0.013, 654.0, FrontStatus.UNSTEADY)],
+)
+def test_the_error_of_a_front_of_a_text_bounds_what_is_left_of_its_start(
+    eta: float, c: float, status: FrontStatus
+) -> None:
+    """After its start it is slower than the wave; the error with 64 sites was a ninth of it."""
+    front = measure_front(of_the_paper(eta, c=c))
+    assert abs(front.v - front_wave(c, eta).v) <= front.error
+    assert front.status is status
+
+
+def test_a_front_into_a_cell_without_linear_damping_is_steady_once_its_start_is_forgotten() -> None:
+    """Against the chain of quarter turns by scipy, whose own drift is the difference of two parts.
+
+    With 64 sites the stated error was twenty times too small.
+    """
+    b, c, sites = 0.0233, 448.0, 600
+    chain = OscillatorChain(damping="y**2 - y**4 + b*y**6", values={"b": b}, c=c).averaged()
+    on_cycle, level = chain.stable_amplitude, chain.unstable_amplitude
+
+    def rate(_: float, r: Any) -> Any:
+        left, right = np.r_[on_cycle, r[:-1]], np.r_[r[1:], 0.0]
+        damping = r**2 * (1.0 / 4.0 - r**2 / 8.0 + 5.0 * b * r**4 / 64.0)
+        return 0.5 * c * (left - right) - 0.5 * damping * r
+
+    start = np.where(np.arange(sites) < 24, on_cycle, 0.0)
+    options: dict[str, Any] = {"method": "DOP853", "rtol": 1e-8, "atol": 1e-8}
+    run = solve_ivp(rate, (0.0, 1.25), start, dense_output=True, **options)
+    earlier, v = (passage_velocity(run, range(n, n + 140), level) for n in (280, 420))
+    front = measure_front(chain)
+    assert front.status is FrontStatus.UNSTEADY
+    assert abs(front.v - v) <= front.error + abs(v - earlier)
+    assert abs(v - earlier) < 1e-3 * v
+    front = measure_front(chain, max_sites=2100)
+    assert front.status is FrontStatus.STEADY
+    assert abs(front.v - v) <= front.error + abs(v - earlier)
+
+
+def test_a_front_on_a_lattice_is_not_steady_as_long_as_it_is_at_the_minimum_of_its_velocity() -> (
+    None
+):
+    """There the stated error was fifteen times too small."""
+    eta, c = 0.0141138, 94.359
+    short, long = (
+        measure_front(of_the_paper(eta, c=c, coupling="square", sites=(rows, 3)))
+        for rows in (67, 220)
+    )
+    assert (short.status, long.status) == (FrontStatus.UNSTEADY, FrontStatus.STEADY)
+    assert abs(long.v - front_wave(c, eta).v) <= long.error
 
 
 def test_the_front_on_a_lattice_depends_on_the_direction_most_near_pinning() -> None:

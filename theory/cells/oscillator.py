@@ -35,6 +35,8 @@ _SIN, _COS = np.sin(0.5 * math.pi * _NODES), np.cos(0.5 * math.pi * _NODES)
 _HALF_TURN = 0.5 * math.pi * _WEIGHTS
 _SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600
 """Range of amplitudes in which Δ, if it is not a polynomial, is evaluated, and number of values."""
+_APART = 1e-3
+"""Part of the amplitude of a cycle by which those beside it differ, to find how they leave it."""
 _ZERO = 1e-12
 _CLOSE = 4.0 * EPS
 """Smallest relative tolerance that scipy accepts."""
@@ -185,6 +187,28 @@ class Oscillator(ABC):
         y, v, dy = self._turn(amplitude)
         both = self.damping_at(y, v) + self.damping_at(y, -v)
         return float(np.sum(dy * both * v)) / amplitude**2
+
+    @cached_property
+    def relaxation_time(self) -> float:
+        """Time εt in which motion at rest or near the unstable cycle forgets its start, if damped.
+
+        It is that in which small motion at rest decays by a factor e or, if shorter, as where small
+        motion is hardly damped, twice that in which a deviation from the innermost unstable cycle
+        grows by this factor. Both are to first order in ε.
+        """
+        rest = np.zeros(1)
+        fastest = 0.5 * float(self.damping_at(rest, rest)[0])
+        unstable = [each.amplitude for each in self.cycles if not each.stable]
+        if unstable:
+            low, high = ((1.0 + side * _APART) * unstable[0] for side in (-1.0, 1.0))
+            lost = self._power(low) - self._power(high)
+            growth = lost / float(self.potential(high) - self.potential(low))
+            fastest = max(fastest, 0.5 * growth)
+        return 1.0 / fastest if fastest > 0.0 else math.inf
+
+    def _power(self, amplitude: float) -> float:
+        """Return Δ over the period, the energy lost per unit of εt."""
+        return self.loss(amplitude) * amplitude**2 / self.period(amplitude)
 
     def period(self, amplitude: float) -> float:
         """Return the period of the motion of this amplitude at ε = 0."""

@@ -7,6 +7,7 @@ motion. It does not integrate, measure or print; the functions that do so accept
 from __future__ import annotations
 
 import dataclasses
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from enum import StrEnum
@@ -30,6 +31,8 @@ EPS_RANGE = Range(1e-9, 10.0)
 """Range of the small parameter ε of smooth chains."""
 
 COUPLING_RANGE = Range(0.0, 1e6)
+_STEP = 1e-4
+"""Part of the threshold amplitude by which a site at rest is displaced to find how it returns."""
 SMALLEST_C = 1e-100
 """Smallest coupling of breathers and thresholds; c² must not be too small for double precision."""
 
@@ -226,8 +229,7 @@ class SmoothChain(Chain):
     4. If the time of the kernel is not t, override :attr:`kernel_rate`; if a site oscillates with a
        period of about 2π in that time, set :attr:`oscillates`.
     5. If waves travel behind a front, define :attr:`trailing_wave_velocity`; if the phases of
-       successive excited sites differ by a fixed step, set :attr:`front_phase_step`. If fronts are
-       so fast that they pass many sites within the :attr:`relaxation_time`, define it.
+       successive excited sites differ by a fixed step, set :attr:`front_phase_step`.
     6. If sites are coupled to sites other than their two neighbours, return the weights from
        :attr:`network`. The kernel then takes (site, pull, p, n, N), where ``pull`` is the pair of
        Σ_j W_nj (y_n - y_j), including walls, and the same sum for w; ``p`` is the whole array of
@@ -325,8 +327,27 @@ class SmoothChain(Chain):
 
     @property
     def relaxation_time(self) -> float:
-        """Time t in which small motion of a site at rest decays by a factor e; 0 if not known."""
-        return 0.0
+        """Time t in which small motion of a site at rest decays by a factor e.
+
+        It is 0 if sites do not oscillate: without waves that run ahead of it, a front approaches
+        its velocity from one side.
+        """
+        if not (self.oscillates or self.trailing_wave_velocity):
+            return 0.0
+        kernel, p, step = self.kernel(), self.kernel_parameters(), _STEP * self.unstable_amplitude
+
+        def rate(y: float, w: float) -> tuple[float, float]:
+            """Return the derivatives of a site with which all others move, so that none pulls."""
+            site = (y, w)
+            if self.network is None:
+                return kernel(site, site, site, p)
+            return kernel(site, (0.0, 0.0), p, 0, self.sites)
+
+        # The area of a cloud of states shrinks at the rate -div, the amplitude at half of it.
+        along = rate(step, 0.0)[0] - rate(-step, 0.0)[0]
+        across = rate(0.0, step)[1] - rate(0.0, -step)[1]
+        decay = -0.25 * self.kernel_rate * (along + across) / step
+        return 1.0 / decay if decay > 0.0 else math.inf
 
     def excited_state(self, displacement: float, quarter_turns: int = 0) -> Site:
         """Return (y, w) of a site at a given distance from rest and with a given phase.

@@ -278,6 +278,14 @@ class OwnChain(SmoothChain):
         return self.eps * self.c / self.cell.frequency * fastest
 
     @property
+    def relaxation_time(self) -> float:
+        """Time t in which motion at rest or near the unstable cycle is forgotten; 0 if overdamped.
+
+        See `Oscillator.relaxation_time`.
+        """
+        return 0.0 if self.overdamped else self.cell.relaxation_time / self.eps
+
+    @property
     def _has_waves(self) -> bool:
         """Whether undamped phase waves travel behind a front."""
         return not self.overdamped and not self.velocity_coupling

@@ -144,11 +144,6 @@ class VanDerPolChain(SmoothChain):
         """εc, the velocity of the fastest phase wave behind a front."""
         return self.eps * self.c
 
-    @property
-    def relaxation_time(self) -> float:
-        """2/ε, since φ' = -φ/2 at rest in slow time."""
-        return 2.0 / self.eps
-
     def averaged(self) -> AveragedChain:
         """Return the averaged chain (43) of the same parameters."""
         return AveragedChain(

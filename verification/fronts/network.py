@@ -4,7 +4,8 @@ A lattice or network cannot be lengthened. The sites nearest to its centre are e
 continues until every site has been reached or none has been for a long time, and v is fitted to the
 arrival times in the outer half of the distances, with an error by the same rule as in a chain
 (``arrival_fit``). A front from a centre is slower the more it is curved, and its error includes the
-difference from a straight one. On a lattice, distances are measured in the plane and v along rays.
+difference from a straight one. As on a chain, no front is steady that has not travelled for the
+relaxation time of the chain. On a lattice, distances are measured in the plane and v along rays.
 The shape of an expanding front is governed by its slowest directions (Wulff's construction), so
 that along a ray it is at most as fast as a planar front. On any other network the distance is the
 number of links.
@@ -388,7 +389,9 @@ def spreading_front(chain: OwnChain, request: Request) -> Front:
     error: float | None = None
     if found.stopped is None:
         v, error = velocity_of(found, chain)
-        status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
+        relaxed = np.nanmax(found.spread.arrivals) >= chain.relaxation_time
+        steady = relaxed and error < accuracy * v
+        status = FrontStatus.STEADY if steady else FrontStatus.UNSTEADY
         if math.isinf(v):
             v = error = None
     else:

@@ -16,9 +16,11 @@ phase; these numbers are doubled until v hardly changes, and the chain until it 
 one of nearly the same v. Arrivals close to the far end, within the length of the tail ahead of the
 front, are not used for v.
 
-Where coupling is strong, a front passes many sites before a site at rest would return there. The
-velocity after the start then falls to a minimum and rises slowly to its limit; the chain is made so
-long that the front travels on it for at least the relaxation time of the rest state.
+Where coupling is strong, a front passes many sites before a site at rest would return there. If
+waves run ahead of it, the velocity after the start falls to a minimum and rises slowly to its
+limit; the chain is made so long that the front travels on it for at least the relaxation time
+(``SmoothChain.relaxation_time``). Where small motion is hardly damped, that of motion near the
+unstable cycle counts. Without inertia no waves run ahead, and the velocity has no minimum.
 """
 
 from __future__ import annotations

@@ -526,9 +526,25 @@ def test_a_front_of_quarter_turns_is_timed_until_it_has_run_through(c: float, et
 
 
 def test_a_front_of_quarter_turns_at_strong_coupling_obeys_the_law() -> None:
-    """v = c + κ (c/6)^{1/3}, to the next order; here the whole run is shorter than a unit of T."""
+    """v = c + κ (c/6)^{1/3}, to the next order."""
     law = 100.0 + strong_coupling_front(0.03125).kappa * (100.0 / 6.0) ** (1.0 / 3.0)
-    assert passages.quarter_turn_velocity(1.0, 0.03125, 100.0) == pytest.approx(law, rel=5e-3)
+    assert passages.quarter_turn_velocity(1.0, 0.03125, 100.0, 850) == pytest.approx(law, rel=5e-3)
+
+
+def test_a_front_of_quarter_turns_is_refused_until_its_start_is_forgotten() -> None:
+    """It takes 1.5, and then 2.4, to the first site timed; less than a thousandth is then left."""
+    with pytest.raises(ArithmeticError, match="has not settled on 126 sites"):
+        passages.quarter_turn_velocity(1.0, 0.05, 20.0, 126)
+    found = passages.quarter_turn_velocity(1.0, 0.05, 20.0, 200)
+    assert found == pytest.approx(front_wave(20.0, 0.05).v, rel=1e-3)
+
+
+def test_sites_that_return_to_rest_beside_the_free_end_do_not_stop_a_front_of_quarter_turns() -> (
+    None
+):
+    """The last of them is below the unstable cycle again, and stays there."""
+    found = passages.quarter_turn_velocity(1.0, 0.08, 20.0, 168)
+    assert found == pytest.approx(front_wave(20.0, 0.08).v, rel=1e-3)
 
 
 @pytest.mark.parametrize("eta", [0.01, 0.03125])

@@ -182,7 +182,7 @@ def test_kappa_is_the_limit_of_the_chain(eta: float) -> None:
     kappa = strong_coupling_front(eta).kappa
     values = []
     for c in (1.0, 8.0):
-        v = quarter_turn_velocity(1.0, eta, c, 80)
+        v = quarter_turn_velocity(1.0, eta, c, 100)
         values.append((v - c) / math.cbrt(c / 6.0))
     extrapolated = values[1] + (values[1] - values[0]) / (4.0 - 1.0)
     assert abs(values[1] - kappa) < abs(values[0] - kappa)

@@ -125,12 +125,13 @@ def test_an_excited_site_of_a_friction_chain_starts_where_its_velocity_is_zero(
         assert excite(chain, [2], **given).tolist() == [[rest, y, rest], [0.0, 0.0, 0.0]]
 
 
-def test_a_map_is_of_the_point_of_the_cycle_that_is_named() -> None:
+def test_a_map_is_of_the_sites_and_the_point_of_the_cycle_that_are_named() -> None:
     start = rules_of(SHORT.chain).start
     for point in StartPoint:
         expected = excite(SHORT.chain, [4], point=point)
         assert np.array_equal(start(SHORT.chain, None, point=point), expected)
     assert np.array_equal(start(SHORT.chain, None), excite(SHORT.chain, [4]))
+    assert np.array_equal(start(SHORT.chain, (2, 5)), excite(SHORT.chain, [2, 5]))
 
 
 def test_a_label_found_in_the_second_half_does_not_count() -> None:

@@ -31,6 +31,7 @@ from verification.references.network import oscillator_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus
+from verification.steppers import kernel
 
 PAPER = "1 - a*y**2 + b*y**4"
 VALUES = {"a": 4.0, "b": 0.5}
@@ -266,6 +267,38 @@ def test_the_error_of_a_run_bounds_its_distance_from_scipy(name: str) -> None:
     exact = states_by_scipy(rate, flat, run.times)
     ours = run.states.reshape(4, -1) if chain.oscillates else run.y
     assert 1e-12 < np.abs(ours - exact).max() <= run.error < 1e-4
+
+
+@pytest.mark.parametrize("on_velocities", [0, 1])
+@pytest.mark.parametrize(("begin", "end"), [(0, 5), (1, 4), (0, 3), (2, 5)])
+def test_the_slope_of_a_network_is_the_kernel_at_every_site(
+    begin: int, end: int, on_velocities: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of those from begin to end; the others are at rest."""
+
+    def packed(numbers: Any) -> FloatArray:
+        return np.append(numbers, [0] * (len(numbers) % 2)).astype(np.uint32).view(float)
+
+    def of_site(site: Any, pull: Any, p: Any, n: int, sites: int) -> Any:
+        return site[1] + pull[0] + n, pull[1] - p[0] * site[0] + sites
+
+    monkeypatch.setattr(kernel, "inner", lambda **_: lambda function: function)
+    rng = np.random.default_rng(8)
+    matrix = rng.normal(size=(5, 5)) * (1.0 - np.eye(5)) * (rng.random((5, 5)) < 0.7)
+    total, (rows, others) = rng.normal(size=5), np.nonzero(matrix)
+    p = np.concatenate([
+        [0.5, 0.0, 0.0, rows.size, 0.0], rng.normal(size=5), total, matrix[rows, others],
+        packed(np.searchsorted(rows, np.arange(6))), packed(others),
+    ])  # fmt: skip
+    layout = (5, 1, on_velocities)  # scalars, numbers of each site, whether velocities are coupled
+    slope: Any = kernel.network_slope.__wrapped__(of_site, "", *layout)
+    y, w = np.zeros((2, 5))
+    y[begin:end], w[begin:end] = rng.normal(size=(2, end - begin))
+    found = np.empty(2 * (end - begin))
+    slope.py_func(np.append(y[begin:end], w[begin:end]), p, begin, 5, found)
+    pull_y, pull_w = total * y - matrix @ y, on_velocities * (total * w - matrix @ w)
+    expected = np.array([w + pull_y + np.arange(5), pull_w - 0.5 * y + 5.0])
+    assert found == pytest.approx(expected[:, begin:end].ravel(), abs=1e-12)
 
 
 def test_the_active_window_of_a_lattice_changes_nothing() -> None:

@@ -817,6 +817,41 @@ def test_a_cell_that_does_not_come_to_rest_from_every_y_is_not_said_to() -> None
         cell(OscillatorChain(damping="1 + v", c=0.0, eps=0.01))
 
 
+@pytest.mark.parametrize("size", [1e-8, 1e6])
+def test_such_a_cell_is_refused_whatever_its_amplitudes(size: float) -> None:
+    with pytest.raises(ParameterError, match=r"begins at y = 5.*e[-+]07 grows"):
+        cell(OscillatorChain(damping=f"1 + {1 / size!r}*v", c=0.0, eps=0.01))
+
+
+@pytest.mark.parametrize("size", [1e-8, 1e-3, 1e6])
+@pytest.mark.parametrize("square", [0.0, 0.4])
+def test_the_cycles_of_a_cell_are_as_large_as_the_unit_of_y_makes_them(
+    size: float, square: float
+) -> None:
+    """In the equation of y/size all coefficients are of order one."""
+
+    def found(unit: float) -> tuple[OscillatorCycle, ...]:
+        stiffness = {1: 1.0, 2: square / unit, 3: 0.3 / unit**2}
+        damping = {(0, 0): 1.0, (2, 0): -4.0 / unit**2, (4, 0): 0.5 / unit**4}
+        return OscillatorCell(stiffness=stiffness, damping=damping).cycles
+
+    expected = found(1.0)
+    assert [each.stable for each in expected] == [False, True]
+    for one, other in zip(found(size), expected, strict=True):
+        assert one.stable is other.stable
+        assert one[:3] == pytest.approx((size * other[0], size * other[1], other[2]), rel=1e-12)
+
+
+def test_cycles_of_very_different_amplitudes_are_both_found() -> None:
+    """At this stiffness the averaged equation (43), 1 - as/4 + bs²/8 = 0, is exact to rounding."""
+    damping = {(0, 0): 1.0, (2, 0): -1e8, (4, 0): 1.0}
+    given = OscillatorCell(stiffness={1: 1.0, 3: 1e-30}, damping=damping)
+    squares = np.roots([1.0 / 8.0, -1e8 / 4.0, 1.0])[::-1]
+    # The larger root leaves 1e-16 of its square for the smaller one.
+    expected = [1e-4 * 2.0, np.sqrt(squares[1])]
+    assert [each.amplitude for each in given.cycles] == pytest.approx(expected, rel=1e-7)
+
+
 def test_turns_are_tried_where_the_damping_has_both_signs_and_is_not_strong(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

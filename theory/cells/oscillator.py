@@ -20,7 +20,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,10 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
 _SIN, _COS = np.sin(0.5 * math.pi * _NODES), np.cos(0.5 * math.pi * _NODES)
 _HALF_TURN = 0.5 * math.pi * _WEIGHTS
 _SMALL, _LARGE, _TRIED = 1e-3, 1e3, 600
-"""Range of amplitudes in which Δ, if it is not a polynomial, is evaluated, and number of values."""
+"""Range of amplitudes, in units of `Oscillator.sizes`, in which Δ, if it is not a polynomial, is
+evaluated, and number of values; as many more in proportion if the two sizes differ."""
+_WIDEST = 10
+"""Largest power of ten of a size: far beyond it, high powers of y overflow."""
 _APART = 1e-3
 """Part of the amplitude of a cycle by which those beside it differ, to find how they leave it."""
 _ZERO = 1e-12
@@ -92,9 +95,14 @@ class Oscillator(ABC):
         """
 
     @property
+    def sizes(self) -> tuple[float, float]:
+        """Order of magnitude of the smallest and the largest amplitudes of interest."""
+        return 1.0, 1.0
+
+    @property
     def largest(self) -> float:
         """Largest amplitude at which cycles are searched for."""
-        return _LARGE
+        return _LARGE * self.sizes[1]
 
     @cached_property
     def cycles(self) -> tuple[OscillatorCycle, ...]:
@@ -105,7 +113,8 @@ class Oscillator(ABC):
             )
         return tuple(
             self._cycle(
-                float(brentq(self.loss, low, high, xtol=1e-14, rtol=1e-14)), self.loss(high) > 0.0
+                float(brentq(self.loss, low, high, xtol=1e-14 * low, rtol=1e-14)),
+                self.loss(high) > 0.0,
             )
             for low, high in self._brackets()
         )
@@ -115,7 +124,9 @@ class Oscillator(ABC):
 
         A pair of cycles between two neighbouring amplitudes is found by the extremum of Δ there.
         """
-        parts = self._between_barriers(np.geomspace(_SMALL, self.largest, _TRIED))
+        low, high = self.sizes
+        count = round(_TRIED * (1.0 + math.log10(high / low) / math.log10(_LARGE / _SMALL)))
+        parts = self._between_barriers(np.geomspace(_SMALL * low, self.largest, count))
         return [each for part in parts for each in self._brackets_among(part)]
 
     def _between_barriers(self, tried: FloatArray) -> list[FloatArray]:
@@ -233,7 +244,8 @@ class Oscillator(ABC):
             low = min(-amplitude, 1.5 * high)
             while float(self.potential(low)) < energy:
                 low *= 1.5
-        return float(brentq(lambda y: float(self.potential(y)) - energy, low, high, xtol=1e-15))
+        tolerance = 1e-15 * self.sizes[0]
+        return float(brentq(lambda y: float(self.potential(y)) - energy, low, high, xtol=tolerance))
 
     @cached_property
     def _barriers(self) -> list[tuple[float, float]]:
@@ -312,6 +324,27 @@ class OscillatorCell(Oscillator):
         return math.sqrt(self.stiffness[1])
 
     @cached_property
+    def sizes(self) -> tuple[float, float]:
+        """Powers of ten nearest to the smallest and the largest amplitude at which terms are equal.
+
+        Terms of g are compared with one another, and terms of h at ẏ = ωy.
+        """
+        terms: list[dict[int, float]] = [{}, {}]
+        for power, value in self.stiffness.items():
+            terms[0][power] = abs(value)
+        for (i, j), value in self.damping.items():
+            if value != 0.0:
+                terms[1][i + j] = max(terms[1].get(i + j, 0.0), abs(value) * self.frequency**j)
+        equal = [
+            math.log10(one[low] / one[high]) / (high - low)
+            for one in terms
+            for low, high in combinations(sorted(one), 2)
+        ]
+        low, high = min(equal, default=0.0), max(equal, default=0.0)
+        low, high = np.clip((low, high), -_WIDEST, _WIDEST).tolist()
+        return 10.0 ** round(low), 10.0 ** round(high)
+
+    @cached_property
     def mean_damping(self) -> FloatArray:
         """Coefficients of H by ascending powers of s = A²; A' = -(εA/2)H(A²) where g = ω²y."""
         found = np.zeros(1 + max((i + j for i, j in self.damping), default=0) // 2)
@@ -379,7 +412,7 @@ class OscillatorCell(Oscillator):
         if self.harmonic:
             top = np.flatnonzero(np.abs(self.mean_damping) > 0.0)
             return float(self.mean_damping[top[-1]]) if top.size else 0.0
-        found = self.loss(10.0 * _LARGE)
+        found = self.loss(10.0 * self.largest)
         return 0.0 if abs(found) < _ZERO else found
 
 

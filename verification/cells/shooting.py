@@ -40,7 +40,8 @@ and where steps become too small because motion becomes infinite in a finite tim
 _UNBOUNDED = 1e4
 """Size of y, relative to that at the beginning, above which motion is taken to be unbounded."""
 _TRIED = np.geomspace(1e-4, 1e4, 200)
-"""Amplitudes at which turns are compared with the cycles found; their ratio is 1.1."""
+"""Amplitudes at which turns are compared with the cycles found, in units of `Oscillator.sizes`;
+their ratio is 1.1."""
 _TRIED_TOLERANCE, _GROWTH = 1e-8, 1e-5
 """Tolerance of these turns, and relative growth below which their direction is not decided."""
 _MODERATE = 10.0
@@ -103,7 +104,7 @@ def check_turns(cell: Oscillator, eps: float, cycles: tuple[CellCycle, ...], res
     """
     if cell.rest_states():
         return
-    for y in _TRIED.tolist():
+    for y in np.union1d(*(_TRIED * size for size in cell.sizes)).tolist():
         limit = OscillatorCycle(y, cell.velocity(y), cell.period(y), stable=True)
         strength, both_signs = _strength(cell, eps, limit)
         if not (both_signs and strength <= _MODERATE):

@@ -58,6 +58,27 @@ def test_the_breather_of_the_paper_as_text_is_that_of_the_built_in_chain(nucleus
     assert ours.stable is theirs.stable
 
 
+@pytest.mark.parametrize("size", [1e-8, 1e6])
+def test_a_breather_and_its_errors_are_as_large_as_the_unit_of_y_makes_them(size: float) -> None:
+    """In the equation of y/size all coefficients are of order one."""
+
+    def found(unit: float) -> Breather:
+        values = {"a": 2.5 / unit**2, "b": 0.5 / unit**4}
+        chain = OscillatorChain(
+            damping="1 - a*y**2 + b*y**4", values=values, c=0.1, eps=0.1, sites=3
+        )
+        return breather(chain, nucleus=Nucleus(1))
+
+    one, other = found(1.0), found(size)
+    assert one.error is not None
+    assert other.error is not None
+    assert one.frequency is not None
+    apart = np.abs(other.amplitudes / size - one.amplitudes).max()
+    assert apart <= one.error + other.error / size < 1e-10
+    assert other.frequency == pytest.approx(one.frequency, abs=1e-11)
+    assert other.growth == pytest.approx(one.growth, abs=1e-8)
+
+
 def test_the_cycle_of_van_der_pol_has_the_published_period_and_amplitude() -> None:
     """ε = 1, far from averaging: two cells in step, whose coupling does nothing.
 

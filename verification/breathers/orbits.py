@@ -171,7 +171,7 @@ class Orbits(BreatherFamily):
     def amplitudes(self, u: FloatArray, c: float) -> FloatArray:
         """Return the largest displacement of every site over a period."""
         fine = self.flow(c, u[:-1], float(u[-1]), max(SAMPLES, 2 * self.count))
-        return largest_displacements(fine.samples)
+        return self.unit * largest_displacements(fine.samples)
 
     def measured(self, point: BranchPoint, started: float, fold: Fold | None = None) -> Breather:
         """Return an orbit as a breather, with its error from a computation with twice the steps."""
@@ -197,24 +197,24 @@ class Orbits(BreatherFamily):
         rounding = EPS * math.sqrt(2 * count) * float(np.abs(state).max())
         error = solution_error(self.system(2), point.u, c, rounding, c_bound) + point.correction
         frequency = 2.0 * math.pi / period
-        waves = first_harmonics(fine.samples)
+        waves = self.unit * first_harmonics(fine.samples)
         centre = self.nucleus.outward(self.chain.sites)
         return Breather(
             chain=self.chain.replace(c=c),
             nucleus=self.nucleus,
             method=self.method,
             status=BreatherStatus.EXISTS,
-            amplitudes=largest_displacements(fine.samples),
+            amplitudes=self.unit * largest_displacements(fine.samples),
             waves=waves,
             frequency=frequency,
             growth_error=stability.growth_error if stability.growth_error < math.inf else None,
-            error=error,
+            error=self.unit * error,
             frequency_error=frequency * error / period,
-            wave_error=wave_error_of(error * max(1.0, 1.0 / frequency), waves, centre),
-            residual=float(np.abs(coarse.state - state).max()),
+            wave_error=wave_error_of(self.unit * error * max(1.0, 1.0 / frequency), waves, centre),
+            residual=self.unit * float(np.abs(coarse.state - state).max()),
             fold=None if fold is None else fold.parameter,
             fold_error=fold_error,
-            unknowns=point.u,
+            unknowns=np.append(self.unit * state, period),
             stability=stability,
             seconds=time.perf_counter() - started,
         )

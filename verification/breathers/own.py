@@ -59,13 +59,22 @@ class OwnOrbits(Orbits):
         h = chain.cell.damping_at(y, v)
         return math.ceil(STEPS * (1.0 + chain.eps * float(np.max(np.abs(h)))))
 
+    @property
+    def unit(self) -> float:
+        """The power of ten below the stable amplitude: unknowns are then of order one."""
+        return float(10.0 ** math.floor(math.log10(self.chain.stable_amplitude)))
+
     def flow(self, c: float, start: FloatArray, duration: float, steps: int) -> Flow:
-        """Return the motion with its variations, by DOP853."""
-        return integrate_with_tangents(self.chain.replace(c=c), start, duration, steps)
+        """Return the motion with its variations, by DOP853, in units of the amplitude."""
+        chain, unit = self.chain.replace(c=c), self.unit
+        found = integrate_with_tangents(chain, unit * start, duration, steps)
+        state, by_c, samples = (each / unit for each in (found.state, found.by_c, found.samples))
+        return replace(found, state=state, by_c=by_c, samples=samples)
 
     def rate(self, c: float, state: FloatArray) -> FloatArray:
-        """Return the right-hand side of the chain as a first-order system."""
-        return _rate_of(self.chain.replace(c=c))(state[:, None].repeat(2, axis=1))[:, 0]
+        """Return the right-hand side of the chain as a first-order system, in these units."""
+        columns = self.unit * state[:, None].repeat(2, axis=1)
+        return _rate_of(self.chain.replace(c=c))(columns)[:, 0] / self.unit
 
     def start(
         self, c_end: float, lowest: float = math.inf, report: ReportCallback = silent
@@ -75,7 +84,7 @@ class OwnOrbits(Orbits):
         for c in STARTS:
             with suppress(NotConvergedError, ParameterError):
                 chain_at_c = self.chain.replace(c=c)
-                return solve_at(system, _settled_start(chain_at_c, self.nucleus, report), c)
+                return solve_at(system, self._settled(chain_at_c, report), c)
         raise ParameterError(
             "pattern",
             repr(self.nucleus.pattern),
@@ -91,7 +100,11 @@ class OwnOrbits(Orbits):
         ParameterError
             If the nucleus does not stay localised.
         """
-        return solve_at(self.system(), _settled_start(self.chain, self.nucleus), self.chain.c)
+        return solve_at(self.system(), self._settled(self.chain), self.chain.c)
+
+    def _settled(self, chain: OscillatorChain, report: ReportCallback = silent) -> FloatArray:
+        start = _settled_start(chain, self.nucleus, report)
+        return np.append(start[:-1] / self.unit, start[-1])
 
     def solve(self) -> Breather:
         """Solve for the breather, under the name of the pattern on which the nucleus settles."""

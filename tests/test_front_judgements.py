@@ -589,11 +589,16 @@ def test_a_front_on_a_lattice_is_steady_if_its_velocity_is_known_as_well_as_is_a
     lattice = OscillatorChain(
         damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(12, 12)
     )
-    for part, status in ((0.99, FrontStatus.STEADY), (1.01, FrontStatus.UNSTEADY)):
+    time = lattice.relaxation_time
+    assert time == pytest.approx(200.0)
+    for part, last, status in (
+        (0.99, time, FrontStatus.STEADY), (1.01, time, FrontStatus.UNSTEADY),
+        (0.99, 0.999 * time, FrontStatus.UNSTEADY),
+    ):  # fmt: skip
         error = part * limit * v
         spread = network.Spread(
             angles=np.zeros(1), velocities=np.full(1, v), errors=np.full(1, error),
-            distances=np.zeros(144), arrivals=np.arange(144.0),
+            distances=np.zeros(144), arrivals=np.append(np.linspace(0.0, last, 143), np.nan),
         )  # fmt: skip
         run = network.SpreadRun(stopped=None, spread=spread, steps=3)
         monkeypatch.setattr(network, "planar", lambda *_, run=run, **__: run)

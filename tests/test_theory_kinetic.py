@@ -387,6 +387,23 @@ def test_where_the_fold_is_within_the_error_the_derivatives_have_no_bound_and_sa
     assert seen > 0
 
 
+def test_just_above_c_retreat_the_sign_of_the_derivative_may_be_unknown_and_its_error_says_so() -> (
+    None
+):
+    """A front that retreats does so the faster the stronger the coupling: ∂v/∂c < 0."""
+    eta = 0.085
+    end = kinetic_relation(1.0, eta).c_retreat
+    errors = []
+    for answer in trace_kinetic_relation(
+        end * (1.0 + np.geomspace(1e-11, 1e-10, 24)), eta, admissibility=False
+    ):
+        for branch in answer.branches:
+            assert branch.by_c - branch.by_c_error < 0.0
+            errors.append(branch.by_c_error)
+    assert math.inf in errors
+    assert min(errors) < math.inf
+
+
 def test_the_papers_point_has_one_admissible_front() -> None:
     answer = kinetic_relation(0.5, ETA)
     (branch,) = answer.branches

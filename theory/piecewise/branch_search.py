@@ -45,7 +45,7 @@ class Solutions:
         ∂|Σ + shift|/∂c.
     error_along_coupling, error_along_target : ndarray of float, shape (n,)
         Bounds on the errors of ∂v/∂c = -by_coupling/slope and ∂v/∂target = 1/slope; infinite where
-        the slope may vanish within the error of v, as near a fold.
+        the slope may vanish within the error of v, as near a fold, or where v tends to zero.
     evaluations : int
         Number of values of Σ computed, over all cases.
     """

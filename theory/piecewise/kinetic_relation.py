@@ -56,9 +56,10 @@ class KineticBranch(Result):
         ∂v/∂c and ∂v/∂η along the branch, dimensionless; infinite at a fold.
     by_c_error, by_eta_error : float
         Their errors, which grow like that of v towards a fold; infinite (null in JSON) where the
-        fold is nearer than the error of v. They are estimates rather than proven bounds: within the
-        error interval of v, the derivatives of |Σ| are assumed to lie between those at its middle
-        and its ends.
+        slope of |Σ| may vanish within the error of v, so that not even their signs are known: where
+        a fold is nearer than this error, and where v tends to zero, as just above c_retreat. They
+        are estimates rather than proven bounds: within the error interval of v, the derivatives of
+        |Σ| are assumed to lie between those at its middle and its ends.
     admissible : bool or None
         Whether (47) holds for every ζ; None if it was not decided.
     fails_at : float or None

@@ -37,6 +37,8 @@ from verification.steppers.friction_series import (
 from verification.steppers.stop_code import StopCode
 
 _REST = 0.01
+_LONGEST_FRAME = 1e6
+"""Time after which a run without an end is left."""
 _PIECE = 200_000
 """Largest number of sites times steps spent in one call of compiled code: a fraction of a
 second."""
@@ -264,7 +266,9 @@ class FrictionIntegration(Integration):
 
     def advance(self, budget: int) -> None:
         """Step until ``end``, or until a ``budget`` of sites times steps is spent."""
-        self.advance_to(self.end, max_steps=1 + budget // self.chain.sites)
+        # A frame of a chain that is exactly at rest is as long as it may be, but never infinite.
+        stop = self.end if math.isfinite(self.end) else self.time + _LONGEST_FRAME
+        self.advance_to(stop, max_steps=1 + budget // self.chain.sites)
 
     def advance_to(self, stop: float, *, max_steps: int = 2**62) -> None:
         """Step until ``stop``, or until ``max_steps`` frames have been taken.

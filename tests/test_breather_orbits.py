@@ -628,3 +628,22 @@ def test_variations_along_a_sinusoid_are_those_of_42_as_printed_or_corrected(
         cell, np.full(2, size), np.zeros(2), omega, misprinted=misprinted, steps=200
     )
     assert np.abs(found.monodromy - np.kron(true.reshape(2, 2), np.eye(2))).max() < 1e-8
+
+
+@pytest.mark.parametrize(("c", "eps"), [(0.005, 7.3e-4), (0.005, 5e-4), (0.012, 7.3e-4)])
+def test_the_error_of_growth_covers_the_error_of_the_orbit(c: float, eps: float) -> None:
+    """At small ε an orbit is determined by the rounding of a period divided by ε.
+
+    Its multipliers change as it does, much more than by their own rounding.
+    """
+    chain = VdpChain(a=1.0, b=0.1249, c=c, eps=eps, sites=5)
+    found = solve_orbit(chain, Nucleus(1))
+    assert found.error is not None
+    assert found.growth_error is not None
+    assert found.growth is not None
+    moved = np.random.default_rng(1).choice([-1.0, 1.0], size=found.state.size)
+    flow = integrate_variations(chain, found.state + found.error * moved, found.period, 100)
+    multipliers = np.linalg.eigvals(flow.monodromy)
+    nontrivial = np.delete(multipliers, np.abs(multipliers - 1.0).argmin())
+    growth = math.log(np.abs(nontrivial).max()) / (chain.eps * found.period)
+    assert abs(growth - found.growth) <= found.growth_error < 1e-6

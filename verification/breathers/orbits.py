@@ -41,6 +41,8 @@ STARTS = (0.05, 0.1, 0.15)
 """Couplings at which a branch of orbits may start from the averaged breather, in the order in which
 they are tried: at small c, terms of order ε outweigh those that fix the phases inside a nucleus."""
 FIRST_STEPS = StepControl(length=0.3)
+_INCREMENT = 1e-6
+"""Relative distance from an orbit at which the change of its monodromy matrix is measured."""
 STIFFEST = 10.0
 """Largest ε max|damping| over the cycle for which orbits are sought."""
 
@@ -179,23 +181,18 @@ class Orbits(BreatherFamily):
         state, period = point.u[:-1], float(point.u[-1])
         coarse = self.flow(c, state, period, count)
         fine = self.flow(c, state, period, max(SAMPLES, 2 * count))
-        value, jacobian, _ = self.system(2)(point.u, c)
-        step = np.linalg.solve(jacobian, value)
-        corrected = self.flow(c, state - step[:-1], period - float(step[-1]), count)
-        # Error of the matrix: its change when the step is halved, and that due to the orbit's
-        # error.
-        changes = [np.abs(each.monodromy - coarse.monodromy).max() for each in (fine, corrected)]
+        fold_error, c_bound = self.near_fold(c, fold)
+        # Rounding errors of the steps add up at random; the residual may be small by chance.
+        rounding = EPS * math.sqrt(2 * count) * float(np.abs(state).max())
+        error = solution_error(self.system(2), point.u, c, rounding, c_bound) + point.correction
+        of_step = float(np.abs(fine.monodromy - coarse.monodromy).max())
         stability = floquet_multipliers(
             fine.monodromy,
             period,
             self.chain.eps,
             parity=self._parity(state) if self.symmetric_chain else 0,
-            error=float(sum(changes)),
+            error=of_step + self._monodromy_error(point, error, coarse.monodromy),
         )
-        fold_error, c_bound = self.near_fold(c, fold)
-        # Rounding errors of the steps add up at random; the residual may be small by chance.
-        rounding = EPS * math.sqrt(2 * count) * float(np.abs(state).max())
-        error = solution_error(self.system(2), point.u, c, rounding, c_bound) + point.correction
         frequency = 2.0 * math.pi / period
         waves = self.unit * first_harmonics(fine.samples)
         centre = self.nucleus.outward(self.chain.sites)
@@ -218,6 +215,24 @@ class Orbits(BreatherFamily):
             stability=stability,
             seconds=time.perf_counter() - started,
         )
+
+    def _monodromy_error(self, point: BranchPoint, error: float, matrix: FloatArray) -> float:
+        """Return the changes of the monodromy matrix with the errors of an orbit.
+
+        They are that of the next Newton step at half the integration step, and that of the whole
+        error, rounding included, in the direction in which the orbit is determined worst.
+        """
+        u, c = point.u, point.parameter
+        value, jacobian, _ = self.system(2)(u, c)
+        direction = np.linalg.svd(jacobian)[2][-1]
+        direction /= float(np.abs(direction).max())
+        size = np.append(np.full(u.size - 1, np.abs(u[:-1]).max()), u[-1])
+        distance = _INCREMENT * float((size / np.maximum(np.abs(direction), 1e-300)).min())
+        changes = []
+        for other in (u - np.linalg.solve(jacobian, value), u + distance * direction):
+            flow = self.flow(c, other[:-1], float(other[-1]), self.count)
+            changes.append(float(np.abs(flow.monodromy - matrix).max()))
+        return changes[0] + changes[1] * error / distance
 
     def finer(self) -> Orbits:
         """Return the same orbits with twice the integration steps."""

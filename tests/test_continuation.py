@@ -130,16 +130,20 @@ def test_a_step_along_a_branch_ends_on_the_plane_across_its_tangent() -> None:
         assert branches._length_to(start, end.u, end.parameter) == pytest.approx(length, rel=1e-11)
 
 
+@pytest.mark.parametrize("length", [-0.5, 0.5])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
-def test_the_correction_of_a_step_is_how_far_its_end_still_is(tolerance: float) -> None:
+def test_the_correction_of_a_step_is_how_far_its_end_still_is(
+    tolerance: float, side: float, length: float
+) -> None:
     """On a circle beside a coordinate that c alone decides, so that one has nothing to move."""
 
     def system(u: Any, c: float) -> tuple[Any, Any, Any]:
         value = np.array([u[0] ** 2 + (c - 1.0) ** 2 - 0.49, 1e-3 * (u[1] - 2.0)])
         return value, np.diag([2.0 * u[0], 1e-3]), np.array([2.0 * (c - 1.0), 0.0])
 
-    start = solve_at(system, np.array([0.5, 2.0]), 1.4)
-    exact, rough = (step_along(system, start, 0.5, each) for each in (1e-14, tolerance))
+    start = solve_at(system, np.array([side * 0.5, 2.0]), 1.4)
+    exact, rough = (step_along(system, start, length, each) for each in (1e-14, tolerance))
     apart = max(
         np.abs(rough.u - exact.u).max(), PARAMETER_WEIGHT * abs(rough.parameter - exact.parameter)
     )
@@ -400,19 +404,20 @@ def test_a_fold_that_is_not_found_on_a_step_is_looked_for_on_its_half(
     assert tried[1] < tried[0]
 
 
-def test_of_two_folds_within_one_step_the_first_is_found() -> None:
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+def test_of_two_folds_within_one_step_the_first_is_found(sense: float) -> None:
     """A branch that turns at u = 0.4, back at 0.5 and again at 0.6."""
 
     def course(u: Any, c: float) -> tuple[Any, Any, Any]:
         s = u[0] - 0.5
         return (
-            np.array([s * (s**2 - 0.02) * s / 4.0 + c]),
+            np.array([s * (s**2 - 0.02) * s / 4.0 + sense * c]),
             np.array([[s**3 - 0.01 * s]]),
-            np.ones(1),
+            np.array([sense]),
         )
 
-    start = solve_at(course, np.array([0.3]), -0.0002)
-    branch = trace(course, start, 1.0, None, StepControl(length=0.6))
+    start = solve_at(course, np.array([0.3]), -0.0002 * sense)
+    branch = trace(course, start, sense, None, StepControl(length=0.6))
     assert branch.fold.u[0] == pytest.approx(0.4, abs=1e-3)
     found = branches._earlier_turn(course, branch.points[0], 0.25, StepControl())
     assert found is not None
@@ -451,6 +456,19 @@ def test_what_displaces_a_fold_is_in_the_errors_of_its_parameter_and_of_its_solu
         (displaced.transverse_error, exact.transverse_error),
     ):
         assert error - without == pytest.approx(0.125, rel=1e-8)  # beside errors below 1e-9
+
+
+def test_errors_of_an_equation_shift_a_fold_and_move_its_solution_across_the_branch() -> None:
+    """F = (x² - c + z, z), wrong by up to (δ₁, δ₂): c = 0 becomes ±δ₁ ± δ₂, and z = ±δ₂."""
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([u[0] ** 2 - c + u[1], u[1]])
+        return value, np.array([[2.0 * u[0], 1.0], [0.0, 1.0]]), np.array([-1.0, 0.0])
+
+    fold = fold_of(0.0, 0.0, np.zeros(2), tangent=np.array([1.0, 0.0]))
+    for errors in ([3e-6, 1e-6], [1e-6, 3e-6]):
+        shift = branches.fold_shift(system, fold, np.array(errors))
+        assert shift == pytest.approx((sum(errors), errors[1]), rel=1e-12)
 
 
 def test_continuation_finds_the_fold_of_a_circle() -> None:
@@ -493,9 +511,11 @@ def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
 def test_on_both_sides_of_a_fold_a_solution_is_found_with_how_often_it_has_turned() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     branch = trace(circle, start, 5.0, None, StepControl(folds=1))
-    found = list(solutions_at(circle, branch, [1.0, 1.2, 1.5]))
+    last = branch.points[branch.fold.place - 1].parameter
+    beside = [1.0, 1.2, 1.5, 0.5 * (last + branch.fold.parameter)]  # the last within its step
+    found = list(solutions_at(circle, branch, beside))
     assert [(point.parameter, turned) for point, turned in found] == [
-        (1.0, 0), (1.2, 0), (1.5, 0), (1.5, 1), (1.2, 1), (1.0, 1),
+        *((c, 0) for c in beside), *((c, 1) for c in reversed(beside)),
     ]  # fmt: skip
     for point, turned in found:
         assert point.u[0] == pytest.approx(

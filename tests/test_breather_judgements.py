@@ -193,7 +193,12 @@ def test_where_the_chain_itself_has_no_breather_the_error_of_another_is_unknown(
 def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Twice that step; its multipliers by what either twice the steps or that step change of it."""
+    """Twice that step; its multipliers by what either twice the steps or that step change of it.
+
+    They also err by what the whole error changes along the worst determined direction, which here
+    is the velocity of the last site; it is measured at a millionth of the largest entry.
+    """
+    slope = np.diag([2.0, 2.0, 2.0, 2.0, 2.0, 1.0, 2.0])
     state, period = np.array([0.1, 2.0, 0.1, 0.3, 0.5, 0.3]), 6.0
     step = np.array([0.0, 1e-4, 0.0, 0.0, 0.0, -3e-4, 2e-4])
     flows: list[tuple[float, list[float], float, int]] = []
@@ -207,13 +212,15 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
                 matrix[0, 1] = -1e-3
             elif duration != period:
                 matrix[2, 1] = 2e-3
+            elif start[-1] != state[-1]:
+                matrix[3, 1] = 4e-6
             end = start - (1e-5 if steps == 30 else 0.0)
             samples = np.sin(2.0 * math.pi * np.arange(64) / 64)[:, None] * np.ones(3)
             return Flow(end, matrix, np.zeros(6), samples, steps)
 
         def system(self, refinement: int = 1, centre: int | None = None) -> Any:
             assert refinement == 2
-            return lambda u, c: (2.0 * step, 2.0 * np.eye(7), np.zeros(7))
+            return lambda u, c: (slope @ step, slope, np.zeros(7))
 
         def _parity(self, state: Any) -> int:
             parities.append(state.tolist())
@@ -235,14 +242,18 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
         (0.2, state.tolist(), period, 30),
         (0.2, state.tolist(), period, 64),
         (0.2, nearer, pytest.approx(period - 2e-4), 30),
+        (0.2, pytest.approx(flows[3][1]), period, 30),
     ]
+    beside = np.abs(np.array(flows.pop(3)[1]) - state)
+    assert beside == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.0, 2e-6], rel=1e-6)
     assert found.error == pytest.approx(2.0 * 3e-4 + 5e-5)
     assert found.frequency == pytest.approx(2.0 * math.pi / period)
     assert found.frequency_error == pytest.approx(2.0 * math.pi / period**2 * 6.5e-4)
     assert found.residual == pytest.approx(1e-5)
     assert found.chain.c == 0.2
     assert asked[0][:2] == (period, CHAIN.eps)
-    assert asked[0][2]["error"] == pytest.approx(1e-3 + 2e-3)
+    share = found.error / 2e-6
+    assert asked[0][2]["error"] == pytest.approx(1e-3 + 2e-3 + share * 4e-6, rel=1e-6)
     family.stability(point.u, 0.2)
     assert flows[3:] == [(0.2, state.tolist(), period, 30)]
     assert asked[1][:2] == (period, CHAIN.eps)
@@ -259,7 +270,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     assert (folded.fold, folded.fold_error) == (0.3, pytest.approx(4e-7))
     flows.clear()
     Made(family.chain, family.nucleus, 45).measured(point, 0.0)
-    assert [steps for _, _, _, steps in flows] == [45, 90, 45]
+    assert [steps for _, _, _, steps in flows] == [45, 90, 45, 45]
 
 
 def _solved_up_to(eps: float, monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:

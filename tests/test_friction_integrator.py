@@ -17,6 +17,8 @@ from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError
 from verification.cells.friction import cycle_end_velocity, stick_slip_cycle
+from verification.fronts.measure import measure_front
+from verification.fronts.status import FrontStatus
 from verification.references.friction_events import _Law, run_events
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
@@ -31,6 +33,7 @@ from verification.steppers.friction_series import (
     friction_outer,
     new_room,
 )
+from verification.steppers.stop_code import StopCode
 
 CELL = FrictionCell()
 SEED = 20261121
@@ -561,6 +564,26 @@ def test_excited_sites_start_where_the_cycle_turns(v_d: float) -> None:
         assert excite(FrictionChain.of(cell, c=0.0, sites=1), [1], point=point)[0, 0] == (
             pytest.approx(y, abs=1e-11)
         )
+
+
+def test_a_front_whose_start_is_at_rest_has_collapsed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The only cycle of this cell is too small for the start to differ from steady sliding."""
+    chain = FrictionChain(
+        c=1e-5, v_d=2.0, mu_st=0.4, mu_d=0.2, xi=1.5, law="stribeck", v_s=0.05, sites=61
+    )
+    start = excite(chain, [1])
+    assert start == pytest.approx(np.tile([[0.2], [0.0]], 61), abs=1e-15)
+    asked: list[float] = []
+
+    def noted(run: Any, stop: float, steps: int) -> int:
+        asked.append(stop)
+        return StopCode.REACHED
+
+    with monkeypatch.context() as patched:
+        patched.setattr(friction, "advance", noted)
+        FrictionIntegration(chain, start, tolerance=1e-8).advance(1000)
+    assert np.isfinite(asked).all()  # otherwise the compiled code below would not return
+    assert measure_front(chain).status is FrontStatus.COLLAPSED
 
 
 def test_a_budget_of_one_step_is_taken() -> None:

@@ -316,6 +316,10 @@ WITHOUT_ITS_OWN_ERROR = {
         "amplitudes": "error", "residual": MEASURE, "drift": MEASURE, "trivial": MEASURE,
         "time": CLOCK, "waves": "wave_error",
     },
+    "BreatherStability": {
+        "values": "error", "trivial": MEASURE, "leader": "error", "frequency": "growth_error",
+        "marginal": MEASURE,
+    },
     "Bifurcation": {
         "v_d": GIVEN, "stick_time": "stable_error", "cycle_end_velocity": "cycle_end_error",
     },

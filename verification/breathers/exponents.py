@@ -39,7 +39,8 @@ class BreatherStability(Result):
         The absolute value of the imaginary part of that rate.
     symmetric, antisymmetric : float or None
         Largest growth, without the trivial mode, among modes of the breather's own parity under
-        reflection and of the opposite parity; None if the breather is not mirror-symmetric.
+        reflection and of the opposite parity; None if the breather is not mirror-symmetric. Of the
+        second no error is known.
     marginal : float
         Growth rate up to which a mode counts as not growing, round-off of an exact zero, unless its
         error is smaller.

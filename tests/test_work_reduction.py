@@ -7,6 +7,7 @@ parameters, and keeps the bound itself from being made so wide that it would hol
 from __future__ import annotations
 
 import ast
+import dataclasses
 import json
 import math
 import os
@@ -207,10 +208,15 @@ def test_a_violation_that_may_be_passed_over_is_within_its_bound(
     def shape(_: object, m: Any, __: int) -> Any:
         return [np.where(m < 0, math.sqrt(r * r - 5e-12), 0.0)[:, None]]
 
+    make = sums.ProfileGrid.make
     monkeypatch.setattr(sums, "_shape", shape)
+    monkeypatch.setattr(
+        sums.ProfileGrid, "make", lambda *given: dataclasses.replace(make(*given), error=0.25)
+    )
     found = sums.few_values_of_the_shape(0.5, 0.03125)
     assert found.changed == pytest.approx(5e-12, rel=1e-4)
     assert found.holds
+    assert found.bound == pytest.approx(0.25, rel=1e-9)  # the error of the values themselves
 
 
 def test_a_search_that_loses_a_velocity_exceeds_every_bound(
@@ -531,6 +537,25 @@ def test_so_many_roots_are_summed_one_by_one_as_leave_out_less_than_is_asked(
     assert left[0] < 10.0**-digits < left[1]
 
 
+def test_roots_summed_one_by_one_err_by_what_their_places_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A term is 1/(k (v + c sin k)); two are halved. The error of the other sum is added."""
+    v, c, radius = 0.3, 0.5, 1e-6
+    k = np.array([-6.0 + 2.0j, 3.0j, 6.0 + 2.0j])
+    roots = SimpleNamespace(k=k, radius=radius)
+    monkeypatch.setattr(sums, "labelled_roots", lambda *_: roots)
+    few = SimpleNamespace(value=0j, error=0.25, terms=1)
+    monkeypatch.setattr(sums, "sum_by_roots", lambda *_: few)
+    monkeypatch.setattr(sums, "tail_sum", lambda *_: (mp.mpc(0), mp.mpf(0)))
+    stated = sums.few_roots(v, c, 0).bound - few.error
+    turns = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 40))[:, None]
+    moved = k + radius * turns
+    terms = np.array([0.5, 1.0, 0.5]) / (moved * (v + c * np.sin(moved)))
+    off = float(np.abs(terms - terms.mean(axis=0)).max(axis=0).sum())
+    assert off <= stated < 1.5 * off
+
+
 def test_crossings_are_as_far_apart_as_the_two_that_are_farthest() -> None:
     rows = np.array([[1.0, 3, 1, 0.0], [2.0, 4, 1, 0.0], [3.0, 5, -1, 0.0]])
     for place, off in ((0, 0.25), (1, -0.5), (2, 0.125)):
@@ -590,7 +615,7 @@ def test_orbits_are_as_far_apart_as_their_periods_or_the_site_that_differs_most(
     assert found.bound == pytest.approx(3e-3)
 
 
-@pytest.mark.parametrize("left", [1e-3, -1e-3])
+@pytest.mark.parametrize("left", [1e-3, -1e-3, 0.0])
 def test_a_balance_errs_by_what_is_left_of_it_of_either_sign(
     left: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -605,7 +630,8 @@ def test_a_balance_errs_by_what_is_left_of_it_of_either_sign(
     orbit: Any = SimpleNamespace(period=6.3)
     period, error = orbits._balanced(chain, odd, harmonics, orbit)
     assert period == pytest.approx(6.3 / 1.01)
-    assert error == pytest.approx(1e-3 * period, rel=1e-9)
+    rounding = 8.0 * np.finfo(float).eps
+    assert error == pytest.approx((abs(left) + rounding) * period, rel=1e-9, abs=0.0)
 
 
 def test_a_site_that_crosses_back_at_once_does_so_by_both_methods() -> None:

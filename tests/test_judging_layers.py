@@ -38,7 +38,7 @@ from theory.cells.oscillator import OscillatorCell
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
-from theory.chains.vdp import AveragedChain, VdpChain
+from theory.chains.vdp import AveragedChain, VdpChain, vdp_acceleration
 from theory.parameters import ParameterError, RunError, positive
 from theory.piecewise.kinetic_relation import kinetic_relation
 from verification.breathers import breather as breathers
@@ -63,6 +63,8 @@ from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Tail, cycle_period
 from verification.fronts.watch import follow as followed
 from verification.maps import friction_rules, smooth_rules, state_run
+from verification.maps import task as map_task
+from verification.maps.boundary import _bracketed
 from verification.maps.state import Reason, State
 from verification.piecewise import verdict as front_verdict
 from verification.quantities import fronts as fronts_of
@@ -83,7 +85,7 @@ from verification.runs import checkpoint
 from verification.runs.comparison import difference
 from verification.runs.excite import StartPoint, excite
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import friction, friction_series
+from verification.steppers import amplitudes, friction, friction_series, kernel
 from verification.steppers import smooth as smooth_steps
 from verification.thresholds import escape
 from verification.thresholds import spreading as thresholds
@@ -415,6 +417,53 @@ def test_a_window_differs_from_the_one_before_by_the_larger_change_of_either_end
         assert smooth_rules._change(before, after) == smooth_rules._change(after, before) == change
 
 
+@pytest.mark.parametrize("start", [None, -5.0, 0.0, 0.3, 1.0, 5.0])
+def test_a_boundary_is_sought_within_its_line_from_wherever_it_is_predicted(
+    start: float | None,
+) -> None:
+    asked: list[float] = []
+
+    def is_low(x: float) -> bool:
+        asked.append(x)
+        return x < 0.3
+
+    low, high = _bracketed(is_low, (0.0, 1.0), 1e-3, start)
+    assert low < 0.3 <= high
+    assert high - low <= 1e-3 * (1.0 + 1e-8)
+    assert all(0.0 < x < 1.0 for x in asked)
+    assert len(asked) == len(set(asked))
+
+
+@pytest.mark.parametrize(("over", "runs"), [(1e-10, 1), (1e-7, 2)])
+def test_a_bracket_is_as_narrow_as_asked_to_within_rounding(over: float, runs: int) -> None:
+    """A half that is wider than the width by more than that is halved once more."""
+    asked: list[float] = []
+    _bracketed(lambda x: bool(asked.append(x)), (0.0, 1.0), 0.5 / (1.0 + over), None)
+    assert len(asked) == runs
+
+
+def test_the_noise_of_a_map_and_its_excited_sites_are_those_that_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = FrictionChain(c=0.05, sites=7)
+    rest = friction_rules.start(chain, (1,), 0.5)[0, 1]
+    for sites, places in ((None, [3]), ((2,), [1]), ((1, 7), [0, 6])):
+        start = friction_rules.start(chain, sites, 0.5)
+        assert np.flatnonzero(start[0] != rest).tolist() == places
+    seeds: list[int] = []
+
+    def perturbed(_: object, __: float, seed: int) -> None:
+        seeds.append(seed)
+        raise KeyboardInterrupt
+
+    rules = replace(map_task.rules_of(chain), perturbed=perturbed)
+    monkeypatch.setattr(map_task, "rules_of", lambda _: rules)
+    for seed in (None, 11):
+        with pytest.raises(KeyboardInterrupt):
+            map_task.StateTask(chain=chain, displacement=0.5, seed=seed)({"c": 0.05})  # type: ignore[arg-type]
+    assert seeds == [rules.seed, 11]
+
+
 UNSTABLE = AveragedChain(a=4, b=0.5, c=0.1, sites=4)
 
 
@@ -585,6 +634,39 @@ def _memory(*sites: tuple[float, float]) -> np.ndarray:
     memory[state_run._ABOVE] = sum(high > 1.0 for _, high in sites)
     memory[state_run._SITES :] = np.array(sites).T.ravel()
     return memory
+
+
+def test_compiled_code_finds_the_time_and_the_forces_among_its_parameters() -> None:
+    """The time, and frequency, phase and cosine of each force."""
+    chain = OscillatorChain(
+        damping="1", values={}, c=0.1, eps=0.1, sites=4, drive="0.2,1.5@1;0.3,2.5@2"
+    )
+    place, p = smooth_steps.clock_place(chain), chain.kernel_parameters()
+    assert list(p[place : place + 7 : 3]) == [0.0, *(force.frequency for force in chain.forces)]
+
+
+def test_a_wave_beyond_the_left_end_is_as_many_quarter_turns_ahead_as_fronts_lag(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(kernel, "compiled_slope", lambda *given: given[-1])
+    for step in range(-3, 4):
+        chain: Any = SimpleNamespace(
+            kernel=lambda: vdp_acceleration, network=None, kernel_layout=(3,), front_phase_step=step
+        )
+        assert 1j ** kernel.slope_of(chain) == pytest.approx(1j**-step)
+        assert 0 <= kernel.slope_of(chain) < 4
+
+
+def test_disturbances_that_share_a_row_are_those_that_have_one_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rho = np.linspace(1.0, 0.0, 80)
+    chain = amplitudes.Amplitudes(0.5, 0.03125, True)
+    few = amplitudes.with_disturbances(rho, chain, 2.0, 20)[2]
+    monkeypatch.setattr(amplitudes, "_reach", lambda _: 80)
+    each = amplitudes.with_disturbances(rho, chain, 2.0, 20)[2]
+    assert np.abs(few - each).max() < 1e-18
+    assert np.count_nonzero(few) < 0.6 * few.size
 
 
 def test_a_window_is_settled_if_all_its_sites_are() -> None:

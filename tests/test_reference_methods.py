@@ -318,7 +318,7 @@ def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
     cell = FrictionCell(v_d=1.0, mu_st=1.0, xi=0.25)
     chain = FrictionChain.of(cell, c=0.0, sites=1)
     for end in (1e-4, 1.0):  # of one step, and of several
-        with pytest.raises(NoReferenceError, match="starts on an event"):
+        with pytest.raises(NoReferenceError, match="site 1 starts on an event"):
             run_events(chain, np.array([[0.5], [1.0]]), end, tolerance=1e-13)  # y + 2ξv_d is μ_st
 
 
@@ -945,6 +945,16 @@ def test_a_rate_that_is_asked_too_slowly_is_no_reference(monkeypatch: pytest.Mon
     monkeypatch.setattr(pace, "MAX_SECONDS", -1.0)
     with pytest.raises(pace.TooSlowError):
         pace.paced(lambda t, y: -y, 1.0)(0.5, 2.0)
+
+
+def test_the_pace_of_a_run_is_that_of_the_part_it_has_covered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    covered: list[float] = []
+    monkeypatch.setattr(pace, "Pace", lambda: SimpleNamespace(check=covered.append))
+    for end in (4.0, -4.0):
+        pace.paced(lambda t, y: -y, end)(0.25 * end, 2.0)
+    assert covered == [0.25, 0.25]
 
 
 def test_a_step_that_overflows_or_has_no_known_error_is_a_tenth_next_time() -> None:

@@ -8,18 +8,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from verification.quantities import runs
+from verification.quantities import (
+    friction,
+    fronts,
+    kinetic_relation,
+    own_chains,
+    registry,
+    roots,
+    runs,
+    states,
+)
 from verification.quantities.chains import vdp_chain
 from verification.quantities.friction import _root_energy
 from verification.quantities.judging import PointOutcome, compared
 from verification.quantities.quantity import StatedValue
 from verification.quantities.registry import computation_named
 from verification.quantities.states import _label_holds
+from verification.references.pace import NoReferenceError
+from verification.references.piecewise import sum_by_quadrature, threshold_ratio
 from verification.runs.excite import as_psi, excite
 
 RUN = {"a": 4.0, "eta": 0.03, "c": 0.6, "eps": 0.1, "sites": 4, "displacement": 2.0,
@@ -125,3 +137,147 @@ def test_of_three_labels_one_holds(eta: float, c: float, label: str) -> None:
 def test_the_energy_of_a_chain_is_that_of_places_velocities_and_springs() -> None:
     y, velocity = np.array([1.0, 2.0]), np.array([3.0, 4.0])
     assert _root_energy(2.0, y, velocity) == pytest.approx(np.sqrt(1 + 4 + 9 + 16 + 2.0))
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_a_front_is_timed_at_its_amplitude_over_slow_times(
+    full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A front of (8) of velocity 0.3 passes a site in 3.3/ε; one that rests, none in the end."""
+    at, scale, seen = {"c": 0.6, "eta": 0.03125, "eps": 0.1}, 0.1 if full else 1.0, {}
+    progress: list[float] = []
+
+    def arrivals(_: object, start: Any, **given: Any) -> Any:
+        seen.update(given, start=start)
+        given["each_step"](0.5 * given["end"], np.full(4, np.nan))
+        return seen["arrivals"] / scale
+
+    monkeypatch.setattr(fronts, "arrivals_by_scipy", arrivals)
+    monkeypatch.setattr(fronts, "Pace", lambda: SimpleNamespace(check=progress.append))
+    seen["arrivals"] = np.arange(80.0) / 0.3
+    check = fronts._by_scipy(at, StatedValue(value=0.3, error=0.0), full)
+    assert check.distance < 1e-12
+    # 5e3 units of the run's own time are 5e3 ε of slow time, in which it passes 0.3 sites each.
+    sites = 24 + (150 if full else 352) + 8
+    assert seen["end"] == pytest.approx(1.5 * sites / 0.3 / scale)
+    assert seen["watched"] == slice(24, sites - 8)
+    assert progress == [pytest.approx(0.75)]
+    chain = vdp_chain({"a": 4.0, "sites": 2, **at})
+    assert seen["level"] == chain.unstable_amplitude
+    amplitude = seen["amplitude"](seen["start"])
+    assert amplitude == pytest.approx([chain.stable_amplitude] * 24 + [0.0] * (sites - 24))
+    seen["arrivals"] = np.array([1.0, 2.0, 59.0, 61.0, np.nan])
+    check = fronts._by_scipy(at, StatedValue(value=0.0, error=0.0), full)
+    assert seen["end"] == pytest.approx(120.0 / scale)
+    assert check.distance == pytest.approx(1.0 / 60.0)
+
+
+def test_the_kinetic_relation_of_a_front_that_retreats_has_a_shift_of_two() -> None:
+    v, at = 0.4, {"c": 2.0, "eta": 0.11}
+    plain, _ = sum_by_quadrature(v, at["c"], 1e-8, 1000)
+    for shift in (0, 2):
+        found, _ = kinetic_relation._defect(v, at, shift)
+        true = abs(plain + shift) - 2.0 * float(threshold_ratio(at["eta"]))
+        assert float(found) == pytest.approx(true, abs=1e-7)
+
+
+@pytest.mark.parametrize("above", [1.0 - 1e-7, 1.0, 1.0 + 1e-7])
+def test_below_the_fold_no_velocity_near_its_own_is_above_the_target(
+    above: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def excess(v: float, at: Mapping[str, float], _: int) -> float:
+        return 1.0 if at["c"] > 1.0 or v == 0.3 * above * reached else -1.0
+
+    monkeypatch.setattr(kinetic_relation, "_excess", excess)
+    for reached in (0.0, 1.0):
+        check = kinetic_relation._check_height(1.0, 0.3, 0.05, 1e-9, 0.0)
+        assert (check.distance == 0.0) is (reached == 0.0)
+
+
+@pytest.mark.parametrize(("missed", "held"), [(1e-16, True), (1e-13, False)])
+def test_a_branch_without_a_change_of_sign_is_a_fold_touched_to_within_rounding(
+    missed: float, held: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kinetic_relation, "_excess", lambda *_: missed)
+    monkeypatch.setattr(kinetic_relation, "_changes_of_sign", lambda _: 1)
+    relation = SimpleNamespace(branches=[SimpleNamespace(v=0.3, error=3e-7)])
+    stated = StatedValue(value=np.array([0.3]), error=1e-6, extra=relation)
+    check = kinetic_relation._check_velocities({"c": 0.5, "eta": 0.03}, stated)
+    assert (check.distance == 0.0) is held
+
+
+def test_roots_are_counted_of_the_relation_with_the_same_parameters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+
+    def count(*given: Any) -> int:
+        asked.append(given)
+        return 5
+
+    monkeypatch.setattr(roots, "count_in_strips", count)
+    for side in (1.0, 2.0):
+        at = {"v": 0.3, "c": 0.5, "label": 10.0, "side": side}
+        stated = roots._roots(at)
+        assert np.all(stated.value.imag > 0.0) == (side < 2.0)
+        assert np.all(stated.value.real > 0.0) == (side < 2.0)
+        assert roots._check_roots(at, stated).distance == 0.0
+        assert (*asked[-1][:2], asked[-1][3]) == (0.3, 0.5, side < 2.0)
+
+
+def test_a_breather_may_pulse_by_a_twentieth_of_the_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    at = {"a": 0.04, "eta": 0.05, "c": 0.1, "eps": 1e-6}
+    level = vdp_chain({"sites": 16, **at}).unstable_amplitude
+    assert level > 5.0  # so that it differs from its inverse
+    stated = StatedValue(value=1.0, error=0.0, note="breather", extra=(20.0, np.zeros(16)))
+    for share, held in ((0.04, True), (0.06, False)):
+        y = np.zeros((16, 200))
+        y[-1] = level * (1.5 + share * np.linspace(0.0, 1.0, 200))
+        run = SimpleNamespace(success=True, y=y)
+        monkeypatch.setattr(states, "solve_ivp", lambda *_, run=run, **__: run)
+        assert (_label_holds(at, stated, full=False).distance == 0.0) is held
+
+
+def test_a_run_or_a_cycle_states_its_own_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    at = {"k": 0.0, "far": 0.1, "d": 0.0, "spread": 0.0, "c": 0.6, "eps": 0.1, "sites": 5.0,
+          "displacement": 2.0, "tolerance": 1e-9}  # fmt: skip
+    run = SimpleNamespace(states=np.zeros((2, 2, 5)), error=0.25)
+    monkeypatch.setattr(own_chains, "simulate", lambda *_, **__: run)
+    assert own_chains.own_run(at).error == 0.25
+    cycle = SimpleNamespace(period=10.0, stick_time=4.0, error=0.25)
+    monkeypatch.setattr(friction, "stick_slip_cycle", lambda _: cycle)
+    cell = {"v_d": 0.5, "mu_st": 0.6, "v0": 0.3, "xi": 0.05}
+    stated = friction.stable_cycle(cell)
+    assert (stated.value.tolist(), stated.error) == ([10.0, 4.0], 0.25)
+    # Two releases of the cell are a period apart: a run of two periods has both.
+    ends: list[float] = []
+
+    def events(_: object, __: object, end: float, ___: object) -> Any:
+        ends.append(end)
+        return SimpleNamespace(last_cycle=(10.0, 4.5))
+
+    monkeypatch.setattr(friction, "_events", events)
+    assert friction.cycle_by_scipy(cell, stated).distance == 0.5
+    assert min(ends) > 20.0
+
+
+def test_a_chain_on_which_no_force_acts_stays_at_rest() -> None:
+    at = {"k": 0.0, "far": 0.1, "d": 0.0, "spread": 0.0, "c": 0.6, "eps": 0.1, "sites": 5.0}
+    assert not own_chains.rate_of(at)(0.0, np.zeros(10)).any()
+    driven = own_chains.rate_of({**at, "force": 0.5})(0.0, np.zeros(10))
+    assert np.flatnonzero(driven).tolist() == [6]  # the velocity of the second site
+
+
+def test_a_run_too_stiff_for_scipy_is_refused() -> None:
+    at = {**RUN, "a": 100.0, "displacement": 1e3, "eps": 1.0}
+    psi = as_psi(excite(vdp_chain(at), [1], 1e3))
+    stated = StatedValue(value=psi, error=0.0, extra=psi)
+    with pytest.raises(NoReferenceError, match="too stiff"):
+        runs._full_precisely(at, stated)
+
+
+def test_two_computations_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    again = registry.all_computations()[:1]
+    monkeypatch.setattr(registry, "computations_of_chains", lambda: again)
+    with pytest.raises(ValueError, match=again[0].name):
+        registry.all_computations()

@@ -13,7 +13,7 @@ import pytest
 import scipy.linalg
 
 from tests.folds import fold_of
-from theory.averaged.breather import BreatherStatus, Reading
+from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -133,6 +133,27 @@ def test_where_the_cycles_nearly_meet_a_branch_of_two_sites_begins_below_its_fol
 def test_finer_orbits_have_twice_the_steps() -> None:
     assert Orbits(CHAIN, Nucleus(1), 30).finer().count == 60
     assert Orbits(CHAIN, Nucleus(1)).finer().count == 2 * Orbits(CHAIN, Nucleus(1)).count
+
+
+@pytest.mark.parametrize(
+    ("c", "nearest"),
+    [(0.2, None), (0.8, 0.7), (0.95, 1.0), (1.05, 1.0), (1.6, 1.3), (1.8, None)],
+)
+def test_a_breather_is_beside_the_nearest_fold_whose_error_reaches_it(
+    c: float, nearest: float | None
+) -> None:
+    errors = {0.7: 0.4, 1.0: 0.1, 1.3: 0.4}
+    folds = [(fold_of(each, 0.0, np.zeros(1)), error) for each, error in errors.items()]
+    for given in (folds, folds[::-1]):
+        found = follow._fold_at(given, c)
+        assert (found and found.parameter) == nearest
+
+
+def test_beyond_the_fold_of_the_closed_form_there_is_its_fold_with_its_error() -> None:
+    found = breathers.breather(replace(CHAIN, c=0.3), method="closed-form")
+    fold = closed_form_fold(replace(CHAIN, c=0.3))
+    assert (found.status, found.fold) == (BreatherStatus.NONE, fold.c)
+    assert found.fold_error == fold.error > 0.0
 
 
 def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
@@ -483,6 +504,16 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     monkeypatch.setattr(envelope, "fold_shift", lambda *given: seen_by_fold.append(given[2]))
     family.step_error(fold)
     assert rounding[0].tolist() == seen_by_fold[0].tolist()
+
+
+@pytest.mark.parametrize("error", [1e-6, 1e-3])
+def test_growth_rates_err_by_what_they_change_with_the_largest_site(error: float) -> None:
+    chain = AveragedChain(a=2.5, b=0.5, c=0.0, sites=3)
+    phi = np.array([1e-6, chain.stable_amplitude, 1e-6], dtype=complex)
+    moved = phi + error * np.array([0.0, 1.0, 0.0])
+    found, other = exponents(phi, 0.0, chain, error=error), exponents(moved, 0.0, chain)
+    apart = np.abs(np.sort(found.values.real) - np.sort(other.values.real)).max()
+    assert 0.1 * found.error < apart <= found.error
 
 
 @pytest.mark.parametrize("size", [1.0, 1e3])

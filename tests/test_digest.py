@@ -430,6 +430,7 @@ def test_an_object_that_can_be_called_is_told_from_another_by_its_attributes():
          ("k=1", "k=2")),
         ("from functools import lru_cache\n@lru_cache\ndef k(c): return 1", "k(c)",
          ("turn 1", "turn 2")),
+        ("class K:\n def __call__(self, c): return 1\nk = K()", "k(c)", ("turn 1", "turn 2")),
         ("k = {'a', 'b'}", "[c in {'a', 'b'} for c in k]", ("= {'a'", "= {'c'")),
         ("import math as k", "k.sqrt(c)", ("math", "cmath")),
         ("import math, cmath\nk = [math]", "k[0].sqrt(c)", ("[math", "[cmath")),

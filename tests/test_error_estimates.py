@@ -380,6 +380,13 @@ def test_mean_and_spread_over_seeds_hold_at_any_scale(power: int) -> None:
         assert getattr(found, name) == math.ldexp(getattr(ours, name), power) > 0.0
 
 
+def test_the_spread_over_seeds_is_that_of_the_largest_values_of_either_sign() -> None:
+    large = math.ldexp(1.0, 600)
+    for values in ([large, 1.0], [-large, -1.0]):
+        found = _ensemble(np.array(values), np.zeros(2))
+        assert found.spread == pytest.approx(large / math.sqrt(2.0), rel=1e-14)
+
+
 @pytest.mark.parametrize("count", [3, 7, 1000])
 def test_the_error_of_a_mean_of_equal_values_covers_its_rounding(count: int) -> None:
     found = _ensemble(np.full(count, 0.1), np.zeros(count))

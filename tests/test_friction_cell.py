@@ -871,6 +871,43 @@ def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
     assert friction_cycles.largest_after_release(sliding, 1e-8) <= 0.0
 
 
+@pytest.mark.parametrize(("beyond", "known"), [(1.0, True), (3.0, False)])
+def test_a_multiplier_that_differs_to_both_sides_is_unknown_as_is_its_error(
+    beyond: float, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Turns of a made-up cell: a distance d from sliding becomes d + sd(d - ½), s = 1 below ½."""
+    cell = FrictionCell()
+    centre = cell.steady_sliding
+
+    def following(_: object, y: float, end: int, __: float) -> tuple[float, float, float]:
+        d = y - centre
+        after = d + (beyond if d > 0.5 else 1.0) * d * (d - 0.5)
+        return 6.0, centre + (after if end == phases.HIGHEST else -d), 0.125
+
+    monkeypatch.setattr(friction_cycles, "largest_after_release", lambda *_: 1.0)
+    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: (3.0, centre + 1.0, 0.0))
+    monkeypatch.setattr(friction_cycles, "_slip_from", following)
+    found = unstable_once(cell, 1e-12)
+    assert found is not None
+    assert found.max == pytest.approx(centre + 0.5)
+    if known:
+        assert found.multiplier == pytest.approx(1.5)
+    assert (found.multiplier is not None, found.multiplier_error is not None) == (known, known)
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+def test_slip_that_is_followed_no_longer_has_settled_where_little_of_its_way_is_left(
+    share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of its way from release to steady sliding, which is shorter than either force."""
+    cell = FrictionCell(xi=0.25, viscous=0.125, v0=0.5, v_d=0.01)
+    left = share * friction_cycles._SETTLED * (cell.release - cell.steady_sliding)
+    abandoned = (phases.ABANDONED, cell.steady_sliding + left, -0.125)
+    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: abandoned)
+    with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="so weak"):
+        assert friction_cycles.largest_after_release(cell, 1e-8) == -cell.v_d
+
+
 def test_slip_that_is_followed_no_longer_is_refused_with_its_damping(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1284,6 +1284,7 @@ def test_a_planar_front_is_timed_from_the_row_beyond_the_excited_ones(
         assert error == pytest.approx(np.maximum(straight[2], v))
     slower = np.stack([2.0 * times, times, times, times, times, times, 2.0 * times], axis=1)
     slower[:, [1, 5]] *= 3.0  # of seven columns the third to the fifth are the middle
+    slower[:, 2:5] *= [1.5, 0.0, 1.5]
     odd = OscillatorChain(
         damping="1 - 4*y**2 + 0.5*y**4", c=0.1, coupling="square", sites=(rows, 7)
     )

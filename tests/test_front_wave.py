@@ -222,7 +222,7 @@ def test_stability_is_read_off_the_multipliers(
     continuous = np.abs(front.multipliers) <= front.continuum
     assert np.isinf(front.multipliers_error).tolist() == continuous.tolist()
     assert (front.multipliers_error[~continuous] < 1e-13).all()  # both windows have the same
-    assert front.phase_multiplier_error < 1e-13
+    assert 1e-14 < front.phase_multiplier_error < 1e-13  # some roundings
 
 
 @pytest.mark.parametrize(

@@ -1552,6 +1552,20 @@ def test_a_front_that_waves_overtake_is_no_surer_than_with_twice_as_many_sites_b
     assert slower.error == pytest.approx(abs(0.25 - (other or 0.0)), rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("v", "before", "alike", "error"),
+    [(0.5, 0.50004, True, 1e-4), (0.5, 0.6, False, 0.1), (0.5, 0.4, False, 0.1),
+     (0.5, None, False, 0.5)],
+)  # fmt: skip
+def test_a_front_is_compared_with_one_before_it_that_is_faster_or_slower(
+    v: float, before: float | None, alike: bool, error: float
+) -> None:
+    wave: Any = SimpleNamespace(compared=True, accuracy=1e-3)
+    found = smooth._alike(_settled(v, 1e-4, FrontStatus.STEADY), before, wave)
+    assert found[0] is alike
+    assert found[1].error == pytest.approx(error, rel=1e-9)
+
+
 def _request(boundary: LeftBoundary = LeftBoundary.FREE) -> Any:
     return measure.Request(
         accuracy=None, tolerance=1e-8, excited=None, max_sites=None, stall_time=None,

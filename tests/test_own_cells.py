@@ -241,6 +241,30 @@ def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
         shooting.shot_cycles(cell, eps, 1e-9)
 
 
+@pytest.mark.parametrize("rests", [True, False])
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_a_turn_that_does_not_fit_the_cycles_found_is_refused(
+    factor: float, rests: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a cycle motion decays if rest is stable, and grows if it is not."""
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -1.0, (2, 0): 1.0})
+    monkeypatch.setattr(shooting, "_turn", lambda _, __, y, *___: SimpleNamespace(top=factor * y))
+    fits = rests is (factor < 1.0)
+    word = "decays" if factor < 1.0 else "grows"
+    with nullcontext() if fits else pytest.raises(ParameterError, match=word):
+        shooting.check_turns(cell, 0.1, (), rests)
+
+
+def test_a_coarser_turn_takes_larger_differences_as_it_takes_longer_steps() -> None:
+    shifts: list[float] = []
+    cell: Any = SimpleNamespace(force=lambda _, __, ___, shift: shifts.append(shift) or (0.0, 0.0))
+    limit: Any = SimpleNamespace(amplitude=1.0, velocity=1.0, period=6.0, stable=True)
+    for tolerance in (1e-12, 1e-4):
+        shooting._solver(cell, 0.1, limit, tolerance, 1.0).f(0.0, np.zeros(3))
+    assert shifts[1] / shifts[0] == pytest.approx(longest_step(1e-4) / longest_step(1e-12))
+    assert shifts[1] > 5.0 * shifts[0]
+
+
 @pytest.mark.parametrize("stable", [True, False])
 def test_a_turn_of_a_linear_cell_is_the_one_in_closed_form(stable: bool) -> None:
     """ÿ + εẏ + y = 0, forwards or backwards in time: y decays or grows by half of the exponent."""

@@ -18,7 +18,7 @@ from fronts.cli import main
 from theory.parameters import ParameterError
 from verification.fronts.status import FrontStatus
 from verification.piecewise import chain as piecewise_chain
-from verification.piecewise import simulation, verdict
+from verification.piecewise import crossing, simulation, verdict
 from verification.piecewise import window as piecewise_window
 from verification.piecewise.chain import PiecewiseMotion, Switching
 from verification.piecewise.crossing import FirstZero, first_zero
@@ -373,6 +373,18 @@ def test_a_zero_scales_with_its_polynomial(scale, stretch):
 
 def test_a_zero_at_the_end_of_the_interval_belongs_to_it():
     assert first_zero([1.0, -1.0], 1.0).at == 1.0
+
+
+@pytest.mark.parametrize("p", [[2.0, -3.0, 1.0], [2.0, -2.5, 0.5], [1.0, -1.0001, 0.0001]])
+def test_a_zero_beyond_the_end_of_the_interval_is_none(p):
+    """Of (1 - x)(1 - x/b), b > 1, however near to the end."""
+    for end in np.nextafter(1.0, 0.0), 1.0 - 1e-15, 1.0 - 1e-12, 0.5:
+        assert first_zero(p, end).at is None or first_zero(p, end).at <= end
+
+
+def test_a_search_that_is_given_up_has_come_to_one_touch_more(monkeypatch):
+    monkeypatch.setattr(crossing, "_MAX_STEPS", 1)
+    assert first_zero([0.0, 0.0, 1.0], 1.0).grazes == 2
 
 
 def test_a_polynomial_below_zero_from_the_start_is_there_at_once():

@@ -97,6 +97,13 @@ def test_two_quantities_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch)
         all_quantities.__wrapped__()
 
 
+def test_two_computations_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = all_computations()[0]
+    monkeypatch.setattr(registry, "computations_of_chains", lambda: (first,))
+    with pytest.raises(ValueError, match=f"computations.*{first.name}"):
+        all_computations()
+
+
 def test_a_problem_is_what_it_is_called() -> None:
     """Fronts by the kinetic relation, breathers by the closed form."""
     named = {problem.name: problem for problem in PROBLEMS["relation"]}

@@ -114,6 +114,18 @@ def test_in_a_pipe_there_are_the_same_lines_and_beside_json_none_for_each_step(
     assert len(found) == (3 if quiet else 4)
 
 
+@pytest.mark.parametrize("steps", [1, 2, 4])
+def test_of_equal_steps_each_is_its_part_of_the_whole(
+    steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts: list[float] = []
+    monkeypatch.setattr(Progress, "report", lambda _, part: parts.append(part))
+    with Progress("claims", steps=steps, stream=io.StringIO(), quiet=True) as shown:
+        for _ in range(steps):
+            shown.end("fig9", "reproduced")
+    assert parts[:steps] == [(k + 1) / steps for k in range(steps)]
+
+
 def test_steps_that_print_no_line_of_their_own_count_in_that_of_a_minute(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -941,6 +941,27 @@ def test_after_each_step_of_a_reference_the_arrivals_so_far_are_shown() -> None:
     assert seen[-1][1].tolist() == found.tolist()
 
 
+def test_the_pace_of_a_run_is_asked_for_at_the_part_of_it_that_is_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[float] = []
+    monkeypatch.setattr(pace.Pace, "check", lambda _, part: asked.append(part))
+    rate = pace.paced(lambda t, y: -y, 4.0)
+    assert [rate(t, 2.0) for t in (0.0, 1.0, 4.0)] == [-2.0, -2.0, -2.0]
+    assert asked == [0.0, 0.25, 1.0]
+
+
+def test_a_site_passes_a_level_when_it_first_exceeds_it() -> None:
+    """Of sin(t - n) the level ½ is passed at n + π/6, and again after each turn."""
+    t = np.linspace(0.0, 14.0, 281)
+    run = SimpleNamespace(t=t, y=_waves(t), sol=_waves)
+    assert passages.passage_velocity(run, range(3), 0.5) == pytest.approx(1.0, rel=1e-9)
+
+
+def _waves(t: Any) -> Any:
+    return np.sin(np.maximum(np.subtract.outer(t, np.arange(3.0)).T, 0.0))
+
+
 def test_a_rate_that_is_asked_too_slowly_is_no_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pace, "MAX_SECONDS", -1.0)
     with pytest.raises(pace.TooSlowError):

@@ -175,6 +175,26 @@ def test_where_both_cycles_meet_the_sum_touches_the_threshold_and_there_is_no_fr
     assert relation._check_velocities(at, stated).distance == 0.0
 
 
+@pytest.mark.parametrize("full", [True, False])
+def test_a_front_at_rest_is_off_by_the_sites_that_scipy_reaches_in_the_second_half(
+    full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Amplitudes are those of oscillations, or of (43): at the start, of the sites excited."""
+    seen: list[np.ndarray] = []
+
+    def arrivals(_: object, start: Any, *, amplitude: Any, end: float, **__: object) -> np.ndarray:
+        seen.append(amplitude(start))
+        return end * np.array([0.1, 0.2, 0.6, 0.9, 0.3, np.nan])
+
+    monkeypatch.setattr(fronts, "arrivals_by_scipy", arrivals)
+    at = {"a": 4.0, "eta": 0.03125, "c": 0.1}
+    check = fronts._by_scipy(at, StatedValue(value=0.0, error=0.0), full)
+    assert check.distance == pytest.approx(2 / fronts._STALL_TIME)
+    cycle = VdpChain(a=4.0, b=0.5, c=0.1).stable_amplitude
+    excited = np.arange(seen[0].size) < fronts._FILLED
+    assert seen[0] == pytest.approx(np.where(excited, cycle, 0.0), abs=1e-12)
+
+
 def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -277,6 +297,7 @@ def test_folds_are_stated_with_their_errors_and_none_where_there_is_none(
         ((-3e-16, -1e-16), 1e-6, 0.0),
         ((1e-16, 3e-16), 4e-10, 4e-10 + 1e-16 / (2e-16 / 8e-10)),  # too sure for a fold
         ((1e-9, 3e-9), 1e-6, 1e-6 + 1e-9 / (2e-9 / 2e-6)),  # off by the line through both ends
+        ((1e-14, 3e-14), 1e-6, 1e-6 + 1e-14 / (2e-14 / 2e-6)),
         ((-3e-9, -1e-9), 1e-6, 1e-6 + 1e-9 / (2e-9 / 2e-6)),
     ],
 )

@@ -255,3 +255,17 @@ def test_where_no_file_can_be_made_a_store_says_why() -> None:
     with pytest.raises(FileError) as refusal:
         Store(Path("/proc/out.part"), IDENTITY, resume=True)
     assert refusal.value.errno == errno.ENOENT
+
+
+@pytest.mark.parametrize(
+    ("words", "number"),
+    [("database or disk is full", errno.ENOSPC), ("disk I/O error", errno.EIO),
+     ("attempt to write a readonly database", errno.EIO)],
+)  # fmt: skip
+def test_a_full_disk_is_told_from_other_errors_of_writing(
+    words: str, number: int, path: Path
+) -> None:
+    with Store(path, IDENTITY, resume=True) as store:
+        told = store._sentence(sqlite3.OperationalError(words))
+    assert isinstance(told, FileError)
+    assert told.errno == number

@@ -54,6 +54,13 @@ def test_a_run_that_rounding_decides_says_until_when_it_is_resolved() -> None:
     assert short.resolved_until == run.resolved_until
 
 
+@pytest.mark.parametrize(("steps", "mean"), [(0, 0.0), (1, 7.0), (2, 3.5)])
+def test_the_mean_number_of_active_sites_is_over_the_steps(steps: int, mean: float) -> None:
+    run: Any = SimpleNamespace(steps=steps, counts={"site_steps": 7 if steps else 0})
+    active: Any = Trajectory.mean_active
+    assert active.fget(run) == mean
+
+
 @pytest.mark.parametrize(("apart", "resolved"), [(0.3, True), (0.4, False), (2.0, False)])
 def test_a_run_that_is_not_resolved_may_be_on_the_other_side(apart: float, resolved: bool) -> None:
     """Two motions on one cycle, as far apart as chance has it: the true one may be opposite."""

@@ -433,3 +433,30 @@ def test_whatever_decides_a_run_is_held_against_a_checkpoint() -> None:
     ]  # fmt: skip
     found = [SmoothIntegration(chain, start, [0.0, 1.0], **each).metadata for each in options]
     assert all(a != b for n, a in enumerate(found) for b in found[:n])
+
+
+def test_a_run_goes_on_to_its_end_after_its_last_sample() -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=5)
+    run = SmoothIntegration(chain, excite(chain, [1]), [1.0], end=20.0)
+    while not run.finished:
+        run.advance(50)
+    assert run.time == 20.0
+
+
+def test_left_of_a_run_with_a_wave_there_is_one_a_quarter_turn_ahead() -> None:
+    chain = VdpChain(a=4.0, b=0.5, c=1.0, eps=0.3, sites=5)
+    start = excite(chain, [1, 2], quarter_turns=[0, -1])
+    for wave in (True, False):
+        run = simulate(
+            chain, start, 6.0, samples=2, estimate_error=False, tolerance=1e-10,
+            left_boundary_wave=wave,
+        )  # fmt: skip
+        ends = [
+            solve_ivp(
+                full_rate(chain, each), (0.0, 6.0), start.ravel(), "DOP853", rtol=1e-11, atol=1e-12
+            ).y[:, -1]
+            for each in (wave, not wave)
+        ]
+        apart = [np.abs(run.states[-1].ravel() - each).max() for each in ends]
+        assert apart[0] < 1e-7
+        assert apart[1] > 1e-2

@@ -616,7 +616,7 @@ def test_orbits_are_as_far_apart_as_their_periods_or_the_site_that_differs_most(
 
 
 @pytest.mark.parametrize("left", [1e-3, -1e-3, 0.0])
-def test_a_balance_errs_by_what_is_left_of_it_of_either_sign(
+def test_a_balance_errs_by_what_is_left_of_it_of_either_sign_and_by_rounding(
     left: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=0.05, sites=3)

@@ -506,6 +506,19 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     assert rounding[0].tolist() == seen_by_fold[0].tolist()
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_frequency_of_a_growing_mode_is_positive_whichever_of_its_pair_leads(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: Any = SimpleNamespace(
+        values=np.zeros(0), trivial=0.0, leader=0.1 + side * 0.3j, symmetric=None,
+        antisymmetric=None, error=0.0,
+    )  # fmt: skip
+    monkeypatch.setattr(exponents_of, "modes_of", lambda *_, **__: made)
+    found = exponents(np.ones(AVERAGED.sites, dtype=complex), 0.0, AVERAGED)
+    assert (found.growth, found.frequency) == (0.1, 0.3)
+
+
 @pytest.mark.parametrize("error", [1e-6, 1e-3])
 def test_growth_rates_err_by_what_they_change_with_the_largest_site(error: float) -> None:
     chain = AveragedChain(a=2.5, b=0.5, c=0.0, sites=3)

@@ -871,6 +871,12 @@ def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
     assert friction_cycles.largest_after_release(sliding, 1e-8) <= 0.0
 
 
+def test_without_damping_and_weakening_no_cycle_is_unstable() -> None:
+    """Slip under constant friction then is a circle at any amplitude."""
+    for v_d in (0.01, 1.0):
+        assert unstable_once(FrictionCell(law="coulomb", xi=0.0, v_d=v_d), 1e-12) is None
+
+
 @pytest.mark.parametrize(("beyond", "known"), [(1.0, True), (3.0, False)])
 def test_a_multiplier_that_differs_to_both_sides_is_unknown_as_is_its_error(
     beyond: float, known: bool, monkeypatch: pytest.MonkeyPatch

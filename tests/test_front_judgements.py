@@ -1074,8 +1074,13 @@ def test_the_fold_errs_by_what_a_longer_window_changes_and_by_its_own_error(
 
     monkeypatch.setattr(resting, "_fold", fold)
     monkeypatch.setattr(resting, "_beside", lambda *_: (0.5, 4.0))
+    monkeypatch.setattr(resting, "_condition", lambda *_: 1e6)
     found = resting.static_fold.__wrapped__(0.05)
     assert found.c == 0.1
+    # Beside the fold both windows agree, and what is left is rounding.
+    rounding = 16e6 * np.finfo(float).eps
+    assert found.square_root_error == pytest.approx(0.5 * rounding, rel=1e-12)
+    assert found.slope_error == pytest.approx(4.0 * rounding, rel=1e-12)
     assert 3e-9 + 5e-9 <= found.error <= 2.0 * (3e-9 + 5e-9)
 
 

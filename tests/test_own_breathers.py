@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from types import SimpleNamespace
 from typing import Any
 
 import numba
@@ -228,6 +230,22 @@ def test_the_steps_of_an_orbit_are_counted_from_the_damping_along_it() -> None:
     y = np.linspace(0.0, chain.stable_amplitude, 1000)
     stiffness = 0.1 * np.abs(1.0 - 2.5 * y**2 + 0.5 * y**4).max()
     assert OwnOrbits(chain, Nucleus(1)).count / 64 == pytest.approx(1.0 + stiffness, rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.3, 2.0, 4.0, 6.0])
+def test_all_phases_of_an_orbit_are_looked_at_for_its_strongest_damping(angle: float) -> None:
+    """Which is at one place of a circle of radius 2."""
+    place = 2.0 * math.sin(angle), 2.0 * math.cos(angle)
+
+    def damping(y: Any, v: Any) -> Any:
+        return 10.0 * np.exp(-10.0 * ((y - place[0]) ** 2 + (v - place[1]) ** 2))
+
+    cycle = SimpleNamespace(amplitude=2.0, velocity=2.0)
+    cell = SimpleNamespace(cycles=[cycle], damping_at=damping)
+    chain = SimpleNamespace(cell=cell, stable_amplitude=2.0, eps=0.5)
+    count: Any = OwnOrbits.count
+    found = count.fget(SimpleNamespace(steps=None, chain=chain))
+    assert found / 64 == pytest.approx(1.0 + 0.5 * 10.0, rel=0.01)
 
 
 def test_the_state_of_an_orbit_moves_as_its_chain_does() -> None:

@@ -255,6 +255,14 @@ def test_a_turn_that_does_not_fit_the_cycles_found_is_refused(
         shooting.check_turns(cell, 0.1, (), rests)
 
 
+def test_motion_that_turns_back_only_once_makes_no_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    swings = iter([shooting._Swing(-1.0, 3.0, 0.0), None])
+    monkeypatch.setattr(shooting, "_swing", lambda *_: next(swings))
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, stable=True)
+    assert shooting._turn(cell, 0.1, 1.0, limit, 1e-9) is None
+
+
 def test_a_coarser_turn_takes_larger_differences_as_it_takes_longer_steps() -> None:
     shifts: list[float] = []
     cell: Any = SimpleNamespace(force=lambda _, __, ___, shift: shifts.append(shift) or (0.0, 0.0))
@@ -280,7 +288,7 @@ def test_a_turn_of_a_linear_cell_is_the_one_in_closed_form(stable: bool) -> None
     assert got == pytest.approx(expected, rel=1e-11)  # some ten steps at 1e-12
 
 
-@pytest.mark.parametrize(("eps", "start"), [(3.0, 1.0), (0.1, 1e300)])
+@pytest.mark.parametrize(("eps", "start"), [(3.0, 1.0), (3.0, -1.0), (0.1, 1e300)])
 def test_motion_that_creeps_to_rest_or_overflows_does_not_turn(eps: float, start: float) -> None:
     """At ε > 2 rest is a node; at 1e300 the damping is infinite."""
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0, (2, 0): 1e-300})

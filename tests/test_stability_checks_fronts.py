@@ -195,6 +195,50 @@ def test_a_front_at_rest_is_off_by_the_sites_that_scipy_reaches_in_the_second_ha
     assert seen[0] == pytest.approx(np.where(excited, cycle, 0.0), abs=1e-12)
 
 
+def test_roots_are_counted_at_their_velocity_and_coupling(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[float, float, bool]] = []
+
+    def counted(v: float, c: float, labels: np.ndarray, upper: bool) -> int:
+        asked.append((v, c, upper))
+        return labels.size
+
+    monkeypatch.setattr(roots, "count_in_strips", counted)
+    for side in (1.0, 3.0):
+        at = {"v": 0.3, "c": 0.5, "label": 3.0, "side": side}
+        assert roots._check_roots(at, roots._roots(at)).distance == 0.0
+    assert asked == [(0.3, 0.5, True), (0.3, 0.5, False)]
+
+
+@pytest.mark.parametrize(("place", "held"), [(0.5, False), (0.6, True)])
+def test_the_height_of_a_maximum_is_checked_at_its_velocity(
+    place: float, held: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It exceeds 2r on one side of the fold only; elsewhere it is not asked for."""
+    monkeypatch.setattr(
+        relation, "_excess", lambda v, at, _: 1.0 if at["c"] > 0.5 or v == place else -1.0
+    )
+    check = relation._check_height(0.5, 0.5, 0.03, 1e-9, 0.0)
+    assert check.distance == (0.0 if held else math.inf)
+
+
+@pytest.mark.parametrize(("ripple", "held"), [(0.04, True), (0.06, False)])
+def test_a_breather_holds_whose_amplitude_changes_by_less_than_a_twentieth_of_the_level(
+    ripple: float, held: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    at = {"a": 100.0, "eta": 0.05, "c": 0.01, "eps": 1e-6, "displacement": 1.0}
+    level = VdpChain(a=100.0, b=500.0, c=0.01).unstable_amplitude
+
+    def run(*_: object, t_eval: np.ndarray, **__: object) -> SimpleNamespace:
+        y = np.zeros((states._SITES, t_eval.size), dtype=complex)
+        y[-1] = level * (2.0 + ripple * np.linspace(0.0, 1.0, t_eval.size))
+        return SimpleNamespace(success=True, y=y)
+
+    monkeypatch.setattr(states, "solve_ivp", run)
+    extra = (100.0, np.zeros(states._SITES, dtype=complex))
+    stated = StatedValue(value=1.0, error=0.0, note="breather", extra=extra)
+    assert states._label_holds(at, stated, full=False).distance == (0.0 if held else math.inf)
+
+
 def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -979,6 +979,19 @@ def _square(point: Point) -> float:
     return point.number("x") ** 2
 
 
+@pytest.mark.parametrize("stored", [True, False])
+def test_a_request_to_end_is_an_interrupt_only_where_something_is_to_be_stored(
+    stored: bool, tmp_path: Path
+) -> None:
+    usual = signal.getsignal(signal.SIGTERM)
+
+    def as_usual(_: Point) -> float:
+        return float(signal.getsignal(signal.SIGTERM) == usual)
+
+    out = tmp_path / "out.csv" if stored else None
+    assert sweep(as_usual, {"x": [1.0]}, workers=1, out=out)["value"].tolist() == [not stored]
+
+
 @pytest.mark.parametrize("line", ["", "fronts sweep"])
 @pytest.mark.parametrize("given", ["", "mine"])
 def test_a_record_without_a_command_names_the_call(given: str, line: str) -> None:

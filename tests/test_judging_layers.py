@@ -637,12 +637,13 @@ def _memory(*sites: tuple[float, float]) -> np.ndarray:
 
 
 def test_compiled_code_finds_the_time_and_the_forces_among_its_parameters() -> None:
-    """The time, and frequency, phase and cosine of each force."""
+    """The time; then frequency, phase and cosine of each force."""
     chain = OscillatorChain(
-        damping="1", values={}, c=0.1, eps=0.1, sites=4, drive="0.2,1.5@1;0.3,2.5@2"
+        damping="1", values={}, c=0.1, eps=0.1, sites=4, drive=("0.2,1.5@1", "0.3,2.5@2")
     )
     place, p = smooth_steps.clock_place(chain), chain.kernel_parameters()
-    assert list(p[place : place + 7 : 3]) == [0.0, *(force.frequency for force in chain.forces)]
+    assert p[place] == 0.0
+    assert list(p[place + 1 : place + 7 : 3]) == [1.5, 2.5]
 
 
 def test_a_wave_beyond_the_left_end_is_as_many_quarter_turns_ahead_as_fronts_lag(
@@ -661,7 +662,7 @@ def test_disturbances_that_share_a_row_are_those_that_have_one_each(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     rho = np.linspace(1.0, 0.0, 80)
-    chain = amplitudes.Amplitudes(0.5, 0.03125, True)
+    chain = amplitudes.Amplitudes(0.5, 0.03125, 4.0)
     few = amplitudes.with_disturbances(rho, chain, 2.0, 20)[2]
     monkeypatch.setattr(amplitudes, "_reach", lambda _: 80)
     each = amplitudes.with_disturbances(rho, chain, 2.0, 20)[2]

@@ -17,6 +17,7 @@ from tests.folds import fold_of
 from theory.averaged.breather import BreatherStatus
 from theory.averaged.envelope import envelope_rate
 from theory.chains.ends import Ends
+from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place, outward_pattern
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
@@ -26,8 +27,10 @@ from verification.breathers.orbits import solve_orbit
 from verification.breathers.run import run_breather
 from verification.continuation.branch import Crossing, FoldShift
 from verification.runs.envelope_run import run_envelope
+from verification.runs.excite import StartPoint
 from verification.thresholds import continuation
 from verification.thresholds import spreading as spreading_of
+from verification.thresholds import threshold as thresholds
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
 from verification.thresholds.preparation import NucleusPreparation, hold, phase_steps
@@ -69,6 +72,16 @@ def test_a_run_of_the_envelope_at_small_eta_is_that_of_scipy() -> None:
         lambda _, x: envelope_rate(x, chain), (0, 3), phi, "DOP853", rtol=1e-11, atol=1e-12
     ).y[:, -1]
     assert np.abs(run_envelope(chain, phi, 3.0).phi - exact).max() < 1e-4 * np.abs(exact).max()
+
+
+def test_a_run_of_the_envelope_where_cells_come_to_rest_is_that_of_scipy() -> None:
+    """At η above 1/8 there is no cycle, and no rate at which one attracts."""
+    chain = AveragedChain(a=1.0, b=0.3, c=0.1, sites=3)
+    phi = np.array([1.0, 0.5j, -0.2])
+    exact = solve_ivp(
+        lambda _, x: envelope_rate(x, chain), (0, 3), phi, "DOP853", rtol=1e-11, atol=1e-12
+    ).y[:, -1]
+    assert np.abs(run_envelope(chain, phi, 3.0).phi - exact).max() < 1e-9
 
 
 def test_a_breather_by_runs_of_the_envelope_at_small_eta_is_that_of_the_equation() -> None:
@@ -496,6 +509,7 @@ def test_a_loss_of_stability_within_the_error_of_the_steps_is_the_fold(before: f
     never = replace(crossing, from_start=True)
     assert continuation._before(family, fold, never) is never
     assert continuation._before(family, None, crossing) is crossing
+    assert continuation._before(family, fold, None) is None
 
 
 def test_progress_begins_at_nothing_and_never_reaches_the_end_before_it() -> None:
@@ -521,3 +535,20 @@ def test_the_error_of_a_fold_contains_those_of_the_steps_and_of_the_sites_left_o
     assert found.error == pytest.approx(1e-3 + 2.0 * apart, rel=1e-6)
     assert found.stable_to == found.c_crit
     assert found.stable_to_error == pytest.approx(1e-3 + 4.0 * apart, rel=1e-6)
+
+
+def test_the_error_of_a_threshold_of_stability_is_that_of_the_coupling_it_names(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found: Any = SimpleNamespace(stable_to=0.25, stable_to_error=1e-3, lost_by=Mechanism.FOLD)
+    monkeypatch.setattr(thresholds, "replace", lambda _, **changed: SimpleNamespace(**changed))
+    stated = thresholds._of_stability(found)
+    assert (stated.c_crit, stated.error, stated.mechanism) == (0.25, 1e-3, Mechanism.FOLD)
+
+
+def test_a_point_of_a_cycle_is_no_start_with_a_displacement_or_of_a_chain_without_a_belt() -> None:
+    friction, full = FrictionChain(c=0.0), VdpChain(a=4, b=0.5, c=0)
+    assert thresholds._start_point(friction, StartPoint.MAXIMUM, None) is StartPoint.MAXIMUM
+    for chain, displacement in ((friction, 0.5), (full, None), (full, 0.5)):
+        with pytest.raises(ParameterError, match="absent with a displacement"):
+            thresholds._start_point(chain, StartPoint.MAXIMUM, displacement)

@@ -293,7 +293,12 @@ def test_code_of_no_module_counts_by_itself(monkeypatch):
 
     texts = [
         f"{head} return {value}"
-        for head in ("def x():", "def x():\n def y():", "class x:\n def f(self):")
+        for head in (
+            "def x():",
+            "def x():\n def y():",
+            "class x:\n def __call__(self):",
+            "class x:\n def f(self):",
+        )
         for value in ("1", "2", "a", "b", "lambda: 1", "lambda: 2")
     ]
     found = [code_of(typed(text)) for text in texts]

@@ -248,11 +248,13 @@ def test_rest_is_proven_beyond_what_is_left_and_rounding(remainder: float) -> No
 def test_what_drifts_is_after_one_unit_of_time_what_it_was_and_its_rate(
     name: str, rate: float
 ) -> None:
-    chain = VdpChain(a=4.0, b=0.5, c=0.1, eps=0.01, sites=3)
-    run = SmoothIntegration(chain, np.zeros((2, 3)), [0.0, 1.0], drift={name: rate})
-    later = chain.replace(**{name: getattr(chain, name) + rate}).kernel_parameters()
-    drifted = np.array(chain.kernel_parameters()) + run._task.drift * run._rate
-    assert drifted == pytest.approx(np.array(later), rel=1e-13)
+    """In slow time, in which the averaged chain is run, the rate is larger by 1/ε."""
+    full = VdpChain(a=4.0, b=0.5, c=0.1, eps=0.01, sites=3)
+    for chain, units in ((full, 1.0), (full.averaged(), 0.01)):
+        run = SmoothIntegration(chain, np.zeros((2, 3)), [0.0, 1.0], drift={name: rate})
+        later = chain.replace(**{name: getattr(chain, name) + rate}).kernel_parameters()
+        drifted = np.array(chain.kernel_parameters()) + run._task.drift * units
+        assert drifted == pytest.approx(np.array(later), rel=1e-13)
 
 
 @pytest.mark.parametrize("c", [0.1, 10.0])
@@ -369,6 +371,13 @@ def test_the_error_of_a_mean_over_seeds_covers_it_in_95_of_100_cases(count: int)
     found = [_ensemble(values, np.zeros(count)) for values in drawn]
     covered = sum(abs(each.mean) <= (each.mean_error or 0.0) for each in found) / len(found)
     assert covered == pytest.approx(0.95, abs=4.0 * math.sqrt(0.95 * 0.05 / len(found)))
+
+
+def test_mean_and_spread_over_seeds_hold_where_the_largest_value_is_negative() -> None:
+    """Of -2^601 and a far smaller one half is the mean, and the spread by the root of two more."""
+    found = _ensemble(np.array([-(2.0**601), 2.0**-600]), np.zeros(2))
+    assert found.mean == -(2.0**600)
+    assert found.spread == pytest.approx(2.0**600 * math.sqrt(2.0), rel=1e-15)
 
 
 @pytest.mark.parametrize("power", [-1000, -600, 0, 600, 1000])

@@ -500,6 +500,30 @@ def test_slip_shrinks_inside_of_the_unstable_cycle_and_grows_outside_beyond_roun
     assert inside < 0.0 < outside
 
 
+def test_a_maximum_beyond_the_unstable_cycle_is_followed_by_a_larger_one_before_slip_ends() -> None:
+    """Slip from there does not reach the belt, and its next maximum is found by scipy."""
+    cycle = unstable_once(CELL, 1e-12)
+    assert cycle is not None
+    for off in (-0.3, -0.01, 0.01, 0.1):
+        y = cycle.max + off
+        times = np.linspace(1.0, 7.0, 600)
+        assert slip(CELL, y)(times)[1].max() < CELL.v_d
+        assert friction_cycles._grows(CELL, y, 1e-12) is (off > 0.0) is (peak(CELL, y)[1] > y)
+
+
+def test_the_error_of_a_multiplier_covers_the_rounding_of_its_differences() -> None:
+    """That of the larger turning point, divided by a step of 1e-5 of its distance from sliding.
+
+    With μ_st and μ_d all of the motion is displaced, here so that the other turning point is zero.
+    """
+    low = unstable_once(CELL, 1e-12).min
+    moved = replace(CELL, mu_st=CELL.mu_st - low, mu_d=CELL.mu_d - low)
+    cycle = unstable_once(moved, 1e-12)
+    assert abs(cycle.min) < 1e-12
+    step = 1e-5 * (cycle.max - moved.steady_sliding)
+    assert cycle.multiplier_error > np.finfo(float).eps * cycle.max / step
+
+
 def test_the_error_of_a_multiplier_is_the_same_of_a_cell_of_another_size() -> None:
     """With μ_st, μ_d, v₀ and v_d all displacements are multiplied, by a power of two exactly.
 
@@ -839,6 +863,57 @@ def test_the_error_of_an_end_of_cycles_is_known_if_they_have_ended_three_errors_
     monkeypatch.setattr(friction, "largest_after_release", lambda at, _: slip - at.v_d)
     found = friction.cycle_limits(FrictionCell(), 1e-12, None)
     assert found.error == pytest.approx(gap if known else math.inf)
+
+
+def test_a_multiplier_that_differences_do_not_resolve_has_no_error() -> None:
+    """Where friction falls steeply, slip that nearly touches has different slopes on both sides."""
+    cycle = unstable_once(FrictionCell(v0=0.01, v_d=0.65912), 1e-12)
+    assert (cycle.multiplier, cycle.multiplier_error) == (None, None)
+
+
+@pytest.mark.parametrize("steepness", [0.1, 10.0])
+def test_round_off_moves_the_end_of_cycles_by_as_much_as_the_slope_of_slip_lets_it(
+    steepness: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of made-up slip that falls short of v_d from the end on: where it falls slowly, by more."""
+    end = 2.0
+    monkeypatch.setattr(friction, "largest_after_release", lambda at, _: steepness * (end - at.v_d))
+    rounding = friction_cycles.ROUND_OFF * (end + abs(replace(CELL, v_d=end).release))
+    found = friction._rounding_of_end(CELL, end, 1e-12)
+    assert found == pytest.approx(rounding / min(1.0, steepness), rel=1e-9)
+
+
+def test_cycles_of_strong_damping_are_found_although_they_end_at_the_slowest_belts() -> None:
+    """Coulomb: slip from release, a damped oscillation in closed form, just comes back to v_d."""
+    given = FrictionCell(law="coulomb", xi=0.95)
+    first, end = friction.cycle_velocities(given, 1e-12)
+    assert first == 0.0
+    assert 0.0 < end < 1e-4
+    omega = math.sqrt(1.0 - given.xi**2)
+
+    def excess(v_d: float) -> float:
+        at = replace(given, v_d=v_d)
+        u = at.release - at.steady_sliding
+
+        # ü + 2ξu̇ + u = 0 from (u, v_d): its velocity at the turning point of ẏ after the minimum.
+        def motion(t: float) -> tuple[float, float]:
+            other = (v_d + given.xi * u) / omega
+            fall = math.exp(-given.xi * t)
+            cos, sin = math.cos(omega * t), math.sin(omega * t)
+            place = fall * (u * cos + other * sin)
+            rate = fall * (v_d * cos - (u + given.xi * v_d) / omega * sin)
+            return place, rate
+
+        def force(t: float) -> float:
+            place, rate = motion(t)
+            return -2.0 * given.xi * rate - place
+
+        begin = math.pi / (2.0 * omega)
+        times = np.linspace(begin, 3.0 * begin + 1.0, 400)
+        at_turn = max(motion(float(t))[1] for t in times)
+        return at_turn - v_d
+
+    assert excess(0.99 * end) > 0.0 > excess(1.01 * end)
 
 
 def test_limits_far_from_those_at_another_tolerance_are_searched_for_everywhere() -> None:

@@ -26,6 +26,7 @@ from verification.fronts.result import Front
 from verification.fronts.status import FrontStatus
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
+from verification.thresholds import spreading
 from verification.thresholds.spreading import (
     Definition,
     Spreading,
@@ -415,3 +416,37 @@ def test_the_start_point_of_a_front_may_be_a_word(monkeypatch: pytest.MonkeyPatc
             measure.measure_front(FrictionChain(c=0.02), point=point)
     assert asked == [StartPoint.MINIMUM, StartPoint.MINIMUM, 2.0]
     assert asked[0] is StartPoint.MINIMUM
+
+
+def test_a_search_runs_for_the_time_and_with_the_tolerance_that_it_is_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = []
+    monkeypatch.setattr(
+        spreading, "spreads",
+        lambda chain, how, time, _: bool(asked.append((chain.c, time, how.tolerance))),
+    )  # fmt: skip
+    how = Spreading(final_time=300.0, tolerance=1e-7)
+    search = spreading._Search(FrictionChain(c=0.0), how, 1e-4, 0.1, 0.5)
+    search.spreads(0.2)
+    search.spreads(0.3, longer=2.0)
+    search.spreads(0.4, coarser=100.0)
+    assert asked == [(0.2, 300.0, 1e-7), (0.3, 600.0, 1e-7), (0.4, 300.0, 100.0 * 1e-7)]
+
+
+@pytest.mark.parametrize(("widths", "told"), [(1.2, False), (3.0, True)])
+def test_couplings_without_a_sharp_threshold_are_told_where_they_are_two_brackets_wide(
+    widths: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    accuracy, c = 1e-3, 0.2
+    below = c - widths * accuracy
+    searching = spreading._Search
+    monkeypatch.setattr(searching, "bracket", lambda _: (c - 0.5 * accuracy, c + 0.5 * accuracy))
+    monkeypatch.setattr(searching, "effect_of_tolerance", lambda *_: 0.0)
+    monkeypatch.setattr(searching, "spreads", lambda *_, **__: False)
+    monkeypatch.setattr(searching, "exceptions", lambda *_: ([below], []))
+    found = spreading.spreading_threshold(
+        FrictionChain(c=0.0), Spreading(), lowest=0.1, accuracy=accuracy, tests=1
+    )
+    assert found.monotone is False
+    assert found.fuzzy == (pytest.approx((below, c)) if told else None)

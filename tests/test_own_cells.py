@@ -296,6 +296,63 @@ def test_motion_that_creeps_to_rest_or_overflows_does_not_turn(eps: float, start
     assert shooting._turn(cell, eps, start, limit, 1e-9) is None
 
 
+def test_motion_that_creeps_to_rest_after_it_has_turned_back_once_does_not_turn_twice() -> None:
+    """ÿ + 3(1 - y)ẏ + y = 0: rest is a node, to which motion from y > 1 comes from beyond."""
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 3.0, (1, 0): -3.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    down = shooting._swing(cell, 1.0, 2.0, limit, 1e-9)
+    assert down is not None
+    assert -math.inf < down.y < 0.0
+    assert shooting._turn(cell, 1.0, 2.0, limit, 1e-9) is None
+
+
+def test_motion_that_is_infinite_after_a_finite_time_has_no_top() -> None:
+    """ÿ + ẏ² + y = 0: u = ẏ² obeys du/dy + 2u = -2y, and does not return to zero from y > 1/2.
+
+    Then ẏ becomes infinite as the inverse of the time that is left, and y as its logarithm.
+    """
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 1): 1.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    turn = shooting._turn(cell, 1.0, 0.6, limit, 1e-9)
+    assert turn is not None
+    assert turn.top == math.inf
+    returning = shooting._swing(cell, 1.0, 0.4, limit, 1e-9)
+    assert returning is not None
+    y = returning.y  # where u = ½ - y - (½ - 0.4) exp(2(0.4 - y)) is zero again
+    assert 0.5 - y - 0.1 * math.exp(2.0 * (0.4 - y)) == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_coarser_search_takes_larger_differences_by_the_eighth_root_of_the_tolerance() -> None:
+    steps: list[float] = []
+    cell: Any = SimpleNamespace(force=lambda y, v, eps, step: (steps.append(step), (y, 0.0))[1])
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    for tolerance in (1e-12, 1e-4):
+        run = shooting._solver(cell, 0.1, limit, tolerance, 1.0)
+        run.set_initial_value([1.0, 0.0, 0.0]).integrate(1.0)
+    assert max(steps) == pytest.approx(10.0 * min(steps))
+    assert steps[0] == min(steps) < max(steps) == steps[-1]
+
+
+def test_a_relaxation_oscillation_is_as_accurate_where_it_is_small() -> None:
+    """Its steps are limited by their errors, which are relative to its size."""
+    found = []
+    for size in (1.0, 1e-6):
+        cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -1.0, (2, 0): size**-2})
+        (cycle,) = shooting.shot_cycles(cell, 10.0, 1e-9)
+        found.append((cycle.max / size, cycle.period))
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+
+
+def test_the_error_of_a_cycle_is_no_less_than_the_rounding_of_its_period(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    turn = shooting._Turn(top=1.0, bottom=-1.0, period=1e3, exponent=-1.0, slope=0.5)
+    monkeypatch.setattr(shooting, "_closed_turn", lambda *_: (turn, 0.0))
+    limit = OscillatorCycle(1.0, 1.0, 1e3, True)
+    found = shooting._cycle(SimpleNamespace(cycles=[limit]), 0.1, 0, 1e-9)  # type: ignore[arg-type]
+    assert np.finfo(float).eps * 1e3 < found.error < 1e-8
+
+
 @pytest.mark.parametrize("start", [1e-4, 1.0, 1e4])
 def test_motion_without_bound_has_no_top(start: float) -> None:
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
@@ -911,6 +968,22 @@ def test_turns_are_tried_where_the_damping_has_both_signs_and_is_not_strong(
     for y, limit in tried:
         assert limit.amplitude == y
         assert (limit.velocity, limit.period) == pytest.approx((2.0 * y, np.pi))
+
+
+@pytest.mark.parametrize("rests", [False, True])
+def test_a_turn_that_decays_where_no_cycle_lets_it_is_refused_as_one_that_grows_is(
+    rests: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without cycles every turn decays if rest is stable, and grows if it is not."""
+    given = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -0.5, (2, 0): 0.5})
+    for part in (0.9, 1.1):
+        monkeypatch.setattr(
+            shooting, "_turn", lambda _, __, y, *___, part=part: SimpleNamespace(top=part * y)
+        )
+        wrong = (part > 1.0) == rests
+        said = f"y = .* {'grows' if part > 1.0 else 'decays'}"
+        with pytest.raises(ParameterError, match=said) if wrong else nullcontext():
+            shooting.check_turns(given, 1.0, (), rests)
 
 
 @pytest.mark.parametrize("stiffness", [{1: 1.0}, {1: 1.0, 3: 1.0}, {1: 1.0, 3: 100.0}])

@@ -375,16 +375,29 @@ def test_a_zero_at_the_end_of_the_interval_belongs_to_it():
     assert first_zero([1.0, -1.0], 1.0).at == 1.0
 
 
-@pytest.mark.parametrize("p", [[2.0, -3.0, 1.0], [2.0, -2.5, 0.5], [1.0, -1.0001, 0.0001]])
-def test_a_zero_beyond_the_end_of_the_interval_is_none(p):
-    """Of (1 - x)(1 - x/b), b > 1, however near to the end."""
-    for end in np.nextafter(1.0, 0.0), 1.0 - 1e-15, 1.0 - 1e-12, 0.5:
-        assert first_zero(p, end).at is None or first_zero(p, end).at <= end
+def test_a_zero_beyond_the_end_of_the_interval_by_some_roundings_is_none():
+    """That of (z - x)(w - x), z > 1: near it the polynomial is below round-off before the end."""
+    for parts in range(1, 8):
+        for other in np.linspace(1.1, 4.0, 50).tolist():
+            z = 1.0 + parts * 2.0**-52
+            at = first_zero([z * other, -(z + other), 1.0], 1.0).at
+            assert at is None or at <= 1.0
 
 
-def test_a_search_that_is_given_up_has_come_to_one_touch_more(monkeypatch):
-    monkeypatch.setattr(crossing, "_MAX_STEPS", 1)
-    assert first_zero([0.0, 0.0, 1.0], 1.0).grazes == 2
+def test_a_search_that_is_given_up_counts_every_touch(monkeypatch):
+    """Of (x - 1/2)^2 (3/4 - x): past 1/2 it touches again as long as steps are left."""
+    monkeypatch.setattr(crossing, "_MAX_STEPS", 100)
+    found = first_zero([0.1875, -1.0, 1.75, -1.0], 1.0)
+    assert found.at == pytest.approx(0.5, abs=1e-3)
+    assert found.grazes > 2
+
+
+def test_a_start_of_ones_own_has_32_sites_or_more():
+    for sites in (32, 33):
+        given = piecewise_window.step_state(sites)
+        assert simulation._start_state(0.5, 0.4, given, None) is given
+    with pytest.raises(ParameterError, match="31 sites"):
+        simulation._start_state(0.5, 0.4, piecewise_window.step_state(31), None)
 
 
 def test_a_polynomial_below_zero_from_the_start_is_there_at_once():

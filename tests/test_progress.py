@@ -140,6 +140,14 @@ def test_steps_that_print_no_line_of_their_own_count_in_that_of_a_minute(
     assert [line.partition(",")[0] for line in lines] == ["claims: 50 %", "claims: 75 %"]
 
 
+def test_the_only_step_is_all_that_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[float] = []
+    shown = Progress("claims", steps=1, stream=io.StringIO(), quiet=True)
+    monkeypatch.setattr(shown, "report", told.append)
+    shown.end("fig9", "reproduced")
+    assert told == [1.0]
+
+
 def test_a_line_is_written_at_once_to_whatever_can_be_written_to() -> None:
     """Else the line of a step would be seen only when the buffer of a log is full."""
     for wrapper in (io.TextIOWrapper, codecs.getwriter("utf-8")):  # the second is no TextIOBase

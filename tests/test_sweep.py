@@ -319,6 +319,25 @@ def test_an_array_by_the_name_of_a_coordinate_is_refused() -> None:
         sweep(lambda p: {"x": np.ones(2)}, {"x": [1.0]}, workers=1)
 
 
+def test_a_result_that_differs_from_its_coordinate_by_a_rounding_is_refused() -> None:
+    """As a number of the same kind 2^53 + 1 would be 2^53."""
+    with pytest.raises(ParameterError, match="the coordinate of the same name"):
+        sweeping._Found(points=[{"x": 2**53 + 1}], out=None, names={}).put(0, {"x": float(2**53)})
+
+
+def test_a_sweep_without_a_file_leaves_it_to_others_what_ends_the_process() -> None:
+    """With one, a signal to end is an interrupt, at which what has been found is kept."""
+    given = signal.getsignal(signal.SIGTERM)
+    seen: list[Any] = []
+
+    def asked(_: Point) -> float:
+        seen.append(signal.getsignal(signal.SIGTERM))
+        return 1.0
+
+    sweep(asked, {"x": [1.0]}, workers=1)
+    assert seen == [given]
+
+
 def test_a_chunk_of_an_array_is_as_large_as_it_may_be() -> None:
     most = tables.CHUNK_BYTES // 8
     for shape in ((10**8,), (10**8, 1), (1, 10**8)):

@@ -460,3 +460,10 @@ def test_left_of_a_run_with_a_wave_there_is_one_a_quarter_turn_ahead() -> None:
         apart = [np.abs(run.states[-1].ravel() - each).max() for each in ends]
         assert apart[0] < 1e-7
         assert apart[1] > 1e-2
+
+
+def test_a_network_has_no_end_from_which_sites_are_left_behind() -> None:
+    chain = OscillatorChain(damping="1", c=0.2, sites=9, coupling="chain:1,0,0.2")
+    for option in ({"trailing_sites": 3}, {"left_boundary_wave": True}):
+        with pytest.raises(ParameterError, match="left boundary = a wave"):
+            SmoothIntegration(chain, np.zeros((2, 9)), [0.0, 1.0], **option)

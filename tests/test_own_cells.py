@@ -931,11 +931,21 @@ def test_the_cycles_of_a_cell_are_as_large_as_the_unit_of_y_makes_them(
         assert one[:3] == pytest.approx((size * other[0], size * other[1], other[2]), rel=1e-12)
 
 
-def test_odd_powers_of_the_velocity_do_not_decide_on_cycles_by_their_rounding() -> None:
-    """At large amplitudes y³ẏ³ is by far the largest term, but no energy is lost by it."""
-    stiffness = {1: 2.0, 2: 1e-3, 3: 2e-3}
-    even = {(0, 0): -1.0, (2, 0): 1.0, (0, 2): 1.5}
-    with_odd = OscillatorCell(stiffness=stiffness, damping=even | {(3, 3): 0.1, (1, 1): 0.3})
+@pytest.mark.parametrize(
+    ("stiffness", "odd"),
+    [
+        ({1: 1.0, 3: 0.3}, {(4, 3): 1.0}),
+        ({1: 1.0, 2: 0.1, 3: 3.0}, {(4, 3): -1.0}),
+        ({1: 2.0, 2: 1e-3, 3: 2e-3}, {(3, 3): 0.1, (1, 1): 0.3}),
+        ({1: 1.0, 3: 0.1}, {(3, 4): -1.0}),
+    ],
+)
+def test_terms_by_which_no_energy_is_lost_do_not_decide_on_cycles_by_their_rounding(
+    stiffness: dict[int, float], odd: dict[tuple[int, int], float]
+) -> None:
+    """Odd powers of ẏ and, in a symmetric potential, of y; at large amplitudes they are largest."""
+    even = {(0, 0): 1.0, (2, 0): -1.0, (4, 0): 0.5}
+    with_odd = OscillatorCell(stiffness=stiffness, damping=even | odd)
     assert with_odd.cycles == OscillatorCell(stiffness=stiffness, damping=even).cycles
 
 

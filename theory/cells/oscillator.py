@@ -405,13 +405,24 @@ class OscillatorCell(Oscillator):
         return sum(terms, np.zeros_like(y))
 
     def _damping_both_ways(self, y: FloatArray, v: FloatArray) -> FloatArray:
-        """Return h(y, v) + h(y, -v), without the odd powers of v, whose rounding may be larger."""
-        terms = (2.0 * value * y**i * v**j for (i, j), value in self.damping.items() if j % 2 == 0)
+        """Return h(y, v) + h(y, -v) without terms that lose no energy, whose rounding is larger.
+
+        These are odd powers of v and, in a symmetric potential, odd powers of y.
+        """
+        terms = (
+            2.0 * value * y**i * v**j
+            for (i, j), value in self.damping.items()
+            if j % 2 == 0 and (i % 2 == 0 or not self._symmetric)
+        )
         return sum(terms, np.zeros_like(y))
+
+    @property
+    def _symmetric(self) -> bool:
+        return all(power % 2 for power in self.stiffness)
 
     def _other_end(self, amplitude: float, energy: float) -> float:
         """Return the negative y at which the motion turns."""
-        if all(power % 2 for power in self.stiffness):
+        if self._symmetric:
             return -amplitude
         return super()._other_end(amplitude, energy)
 

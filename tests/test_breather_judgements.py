@@ -165,6 +165,8 @@ def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
     assert found.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0 / 6.0], rel=1e-12)
     each = replace(found, wave_error=np.array([0.5, 7.0, 1.0]))
     assert each.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0], rel=1e-12)
+    whole = replace(found, nucleus=Nucleus(3))  # beyond which there is no site
+    assert whole.phase_step is whole.phase_step_error is None
     still = replace(found, waves=np.array([0.0, 2.0, 1.0]), wave_error=0.0)
     assert still.phases_error == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
 

@@ -946,6 +946,19 @@ def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
     assert friction_cycles.largest_after_release(sliding, 1e-8) <= 0.0
 
 
+@pytest.mark.parametrize("follows", [0.5, 2.0])
+def test_slip_that_does_not_reach_the_belt_is_followed_from_where_it_is_fastest(
+    follows: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def phase(_: object, y: float, w: float, released: bool, end: int, **__: object) -> Any:
+        assert (y, w, released, end) == (0.25, -0.125, False, phases.HIGHEST)
+        return 3.0, follows, 0.0
+
+    monkeypatch.setattr(friction_cycles, "_slip_from", lambda *_: (2.0, 0.25, -0.125))
+    monkeypatch.setattr(friction_cycles, "_phase", phase)
+    assert friction_cycles._grows(FrictionCell(), 1.0, 1e-12) is (follows > 1.0)
+
+
 def test_without_damping_and_weakening_no_cycle_is_unstable() -> None:
     """Slip under constant friction then is a circle at any amplitude."""
     for v_d in (0.01, 1.0):

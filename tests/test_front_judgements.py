@@ -33,6 +33,7 @@ from verification.fronts import (
     measure,
     network,
     preparation,
+    request,
     resting,
     smooth,
     switchings,
@@ -1052,6 +1053,14 @@ def test_the_error_of_the_square_root_law_bounds_it(eta: float) -> None:
     assert abs(c - fold.c) <= fold.error + 1e-15
     assert abs(square_root - fold.square_root) <= fold.square_root_error < 1e-7
     assert abs(slope - fold.slope) <= fold.slope_error < 1e-5
+
+
+def test_a_stall_time_is_positive_and_has_a_default() -> None:
+    option = request.stall_time(60.0)
+    assert [option.number(given) for given in (None, 1e-6, 5.0)] == [60.0, 1e-6, 5.0]
+    for given in (0.0, 9e-7, 2.0 * request.LATEST):
+        with pytest.raises(ParameterError, match="stall time"):
+            option.number(given)
 
 
 @pytest.mark.parametrize("shorter", [0.1 - 3e-9, 0.1 + 3e-9])

@@ -111,6 +111,16 @@ def test_the_complex_chain_carries_the_front_and_its_disturbances_one_site_furth
             assert np.abs(column - matrix[:, site]).max() < 10.0 * push  # of second order
 
 
+@pytest.mark.parametrize("phases", [False, True])
+def test_disturbances_of_a_chain_at_rest_reach_equally_far_to_both_sides(phases: bool) -> None:
+    """As far as (ct/2)^d/d! exceeds 1e-19; the coupling has opposite signs on both sides."""
+    found = with_disturbances(np.zeros(60), Amplitudes(0.5, ETA, 1.0), 0.5, 20, phases)[2]
+    for d in range(12):
+        left, right = (abs(found[30 + side * d, 30]) for side in (-1, 1))
+        assert left == pytest.approx(right, rel=1e-9, abs=1e-19)
+        assert left > 1e-2 * 0.125**d / math.factorial(d)
+
+
 @pytest.mark.parametrize(
     ("c", "eta"),
     [(0.3, ETA), (2.0, 0.06), (0.25, 0.08), (0.1, 0.002), (30.0, 0.01), (7.65, 0.0945)],

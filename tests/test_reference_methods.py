@@ -691,6 +691,9 @@ def test_a_breather_is_followed_to_the_coupling_that_is_asked_for(short: int) ->
         u = np.concatenate([found.phi.real, found.phi.imag, [found.omega]])
         assert np.abs(phase_locked.residual(u, c, A, B)).max() < 1e-10
         assert found.c == c
+    near = phase_locked.follow_to(found, c + 0.001, A, B)  # nearer than the longest step
+    u = np.concatenate([near.phi.real, near.phi.imag, [near.omega]])
+    assert np.abs(phase_locked.residual(u, near.c, A, B)).max() < 1e-10
     outward = phase_locked.outward_breather(5, 0.05, A, B)
     assert np.abs(phase_locked.residual(outward, 0.05, A, B)).max() < 1e-10
     phi = outward[: 5 + 2 * short] + 1j * outward[5 + 2 * short : -1]

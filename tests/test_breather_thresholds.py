@@ -29,7 +29,6 @@ from verification.continuation.branch import Crossing, FoldShift
 from verification.runs.envelope_run import run_envelope
 from verification.runs.excite import StartPoint
 from verification.thresholds import continuation
-from verification.thresholds import spreading as spreading_of
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
@@ -453,26 +452,6 @@ def test_without_a_fold_the_fold_is_named_and_not_the_pattern() -> None:
     chain = VdpChain(a=1, b=1e-4, c=0, eps=1e-4, sites=3)
     with pytest.raises(ParameterError, match="fold of the breather = absent up to c = 2"):
         breather_threshold(chain, Nucleus(1), ThresholdMethod.ORBIT)
-
-
-@pytest.mark.parametrize(("given", "tolerance", "final"), [
-    ({}, 1e-8, 400.0), ({"longer": 2.0}, 1e-8, 800.0), ({"coarser": 10.0}, 1e-7, 400.0),
-])  # fmt: skip
-def test_a_search_asks_for_runs_as_long_and_as_accurate_as_it_is_told(
-    given: dict[str, float], tolerance: float, final: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[tuple[float, ...]] = []
-
-    def noted(chain: Any, spreading: Spreading, final_time: float, _: object) -> bool:
-        asked.append((chain.c, spreading.tolerance, final_time))
-        return True
-
-    monkeypatch.setattr(spreading_of, "spreads", noted)
-    chain = AveragedChain(a=2.5, b=0.5, c=0.1)
-    spreading = Spreading(tolerance=1e-8, final_time=400.0)
-    search = spreading_of._Search(chain, spreading, accuracy=1e-4, lowest=1e-3, highest=1.0)
-    assert search.spreads(0.02, **given)
-    assert asked == [(0.02, pytest.approx(tolerance), final)]
 
 
 def test_at_small_eta_breathers_outlive_the_fold_of_the_average_as_runs_do() -> None:

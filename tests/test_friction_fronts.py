@@ -432,6 +432,8 @@ def test_a_search_runs_for_the_time_and_with_the_tolerance_that_it_is_given(
     search.spreads(0.3, longer=2.0)
     search.spreads(0.4, coarser=100.0)
     assert asked == [(0.2, 300.0, 1e-7), (0.3, 600.0, 1e-7), (0.4, 300.0, 100.0 * 1e-7)]
+    monkeypatch.setattr(spreading, "spreads", lambda *_: True)
+    assert search.spreads(0.4)
 
 
 @pytest.mark.parametrize(("widths", "told"), [(1.2, False), (3.0, True)])

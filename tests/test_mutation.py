@@ -9,6 +9,8 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import by_statement, mutants_of
 from benchmarks.mutation.outcome import (
+    EXPLAINED,
     KILLED,
     SURVIVED,
     UNREACHED,
@@ -195,6 +198,16 @@ def test_every_explanation_is_about_a_change_that_can_be_made() -> None:
         names = [mutant.name for mutant in mutants_of(module, of_functions(source, wanted))]
         for form in of_it:
             assert any(matches(form, name) for name in names), form
+
+
+def test_no_change_is_explained_twice() -> None:
+    entries = [
+        entry
+        for path in EXPLAINED.glob("*.toml")
+        for entry in tomllib.loads(path.read_text(encoding="utf-8"))["explained"]
+    ]
+    forms = Counter(form for entry in entries for form in entry["changes"])
+    assert [form for form, times in forms.items() if times > 1] == []
 
 
 def test_an_explanation_that_is_not_needed_is_named() -> None:

@@ -952,6 +952,8 @@ def test_the_pace_of_a_run_is_asked_for_at_the_part_of_it_that_is_done(
     rate = pace.paced(lambda t, y: -y, 4.0)
     assert [rate(t, 2.0) for t in (0.0, 1.0, 4.0)] == [-2.0, -2.0, -2.0]
     assert asked == [0.0, 0.25, 1.0]
+    pace.paced(lambda t, y: -y, -4.0)(-1.0, 2.0)  # backwards
+    assert asked[3:] == [0.25]
 
 
 def test_a_site_passes_a_level_when_it_first_exceeds_it() -> None:
@@ -969,16 +971,6 @@ def test_a_rate_that_is_asked_too_slowly_is_no_reference(monkeypatch: pytest.Mon
     monkeypatch.setattr(pace, "MAX_SECONDS", -1.0)
     with pytest.raises(pace.TooSlowError):
         pace.paced(lambda t, y: -y, 1.0)(0.5, 2.0)
-
-
-def test_the_pace_of_a_run_is_that_of_the_part_it_has_covered(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    covered: list[float] = []
-    monkeypatch.setattr(pace, "Pace", lambda: SimpleNamespace(check=covered.append))
-    for end in (4.0, -4.0):
-        pace.paced(lambda t, y: -y, end)(0.25 * end, 2.0)
-    assert covered == [0.25, 0.25]
 
 
 def test_a_step_that_overflows_or_has_no_known_error_is_a_tenth_next_time() -> None:

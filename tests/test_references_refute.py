@@ -19,7 +19,6 @@ from verification.quantities import (
     fronts,
     kinetic_relation,
     own_chains,
-    registry,
     roots,
     runs,
     states,
@@ -216,11 +215,11 @@ def test_roots_are_counted_of_the_relation_with_the_same_parameters(
         return 5
 
     monkeypatch.setattr(roots, "count_in_strips", count)
-    for side in (1.0, 2.0):
-        at = {"v": 0.3, "c": 0.5, "label": 10.0, "side": side}
+    for side, label in ((1.0, 3.0), (1.0, 10.0), (2.0, 10.0), (3.0, 3.0)):  # odd: labels above 0
+        at = {"v": 0.3, "c": 0.5, "label": label, "side": side}
         stated = roots._roots(at)
         assert np.all(stated.value.imag > 0.0) == (side < 2.0)
-        assert np.all(stated.value.real > 0.0) == (side < 2.0)
+        assert np.all(stated.value.real > 0.0) == (side % 2.0 == 1.0)
         assert roots._check_roots(at, stated).distance == 0.0
         assert (*asked[-1][:2], asked[-1][3]) == (0.3, 0.5, side < 2.0)
 
@@ -263,9 +262,10 @@ def test_a_run_or_a_cycle_states_its_own_error(monkeypatch: pytest.MonkeyPatch) 
 
 def test_a_chain_on_which_no_force_acts_stays_at_rest() -> None:
     at = {"k": 0.0, "far": 0.1, "d": 0.0, "spread": 0.0, "c": 0.6, "eps": 0.1, "sites": 5.0}
-    assert not own_chains.rate_of(at)(0.0, np.zeros(10)).any()
-    driven = own_chains.rate_of({**at, "force": 0.5})(0.0, np.zeros(10))
-    assert np.flatnonzero(driven).tolist() == [6]  # the velocity of the second site
+    for kind in (float, np.longdouble):
+        assert not own_chains.rate_of(at)(0.0, np.zeros(10, dtype=kind)).any()
+        driven = own_chains.rate_of({**at, "force": 0.5})(0.0, np.zeros(10, dtype=kind))
+        assert np.flatnonzero(driven).tolist() == [6]  # the velocity of the second site
 
 
 def test_a_run_too_stiff_for_scipy_is_refused() -> None:
@@ -274,10 +274,3 @@ def test_a_run_too_stiff_for_scipy_is_refused() -> None:
     stated = StatedValue(value=psi, error=0.0, extra=psi)
     with pytest.raises(NoReferenceError, match="too stiff"):
         runs._full_precisely(at, stated)
-
-
-def test_two_computations_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    again = registry.all_computations()[:1]
-    monkeypatch.setattr(registry, "computations_of_chains", lambda: again)
-    with pytest.raises(ValueError, match=again[0].name):
-        registry.all_computations()

@@ -489,12 +489,6 @@ def test_springs_do_not_act_on_equal_places_in_extended_precision_either() -> No
     assert np.abs(strong - weak).max() < 1e-12
 
 
-def test_a_chain_at_rest_that_is_not_driven_remains_at_rest() -> None:
-    at = {name: value for name, value in OWN.items() if name != "force"}
-    assert not own_chains.rate_of(at)(0.0, np.zeros(12, dtype=np.longdouble)).any()
-    assert own_chains.rate_of(at | {"force": 0.5})(0.0, np.zeros(12, dtype=np.longdouble)).any()
-
-
 def test_of_a_lattice_each_place_is_pulled_by_its_four_neighbours() -> None:
     """Of three rows and four columns, written place by place; ends are free."""
     at = OWN | {"k": 0.0, "far": 0.0, "d": 0.0, "spread": 0.0, "force": 0.0, "sites": 12.0}

@@ -195,20 +195,6 @@ def test_a_front_at_rest_is_off_by_the_sites_that_scipy_reaches_in_the_second_ha
     assert seen[0] == pytest.approx(np.where(excited, cycle, 0.0), abs=1e-12)
 
 
-def test_roots_are_counted_at_their_velocity_and_coupling(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[float, float, bool]] = []
-
-    def counted(v: float, c: float, labels: np.ndarray, upper: bool) -> int:
-        asked.append((v, c, upper))
-        return labels.size
-
-    monkeypatch.setattr(roots, "count_in_strips", counted)
-    for side in (1.0, 3.0):
-        at = {"v": 0.3, "c": 0.5, "label": 3.0, "side": side}
-        assert roots._check_roots(at, roots._roots(at)).distance == 0.0
-    assert asked == [(0.3, 0.5, True), (0.3, 0.5, False)]
-
-
 @pytest.mark.parametrize(("place", "held"), [(0.5, False), (0.6, True)])
 def test_the_height_of_a_maximum_is_checked_at_its_velocity(
     place: float, held: bool, monkeypatch: pytest.MonkeyPatch

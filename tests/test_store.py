@@ -250,22 +250,6 @@ def test_a_store_that_can_be_neither_read_nor_begun_anew_does_not_keep_the_lock(
     assert refusal.value.errno == errno.EIO
 
 
-@pytest.mark.parametrize(
-    ("said", "number"),
-    [
-        ("database or disk is full", errno.ENOSPC),
-        ("attempt to write a readonly database", errno.EIO),
-    ],
-)
-def test_a_result_that_cannot_be_stored_tells_a_full_disk_from_other_reasons(
-    said: str, number: int, path: Path
-) -> None:
-    with Store(path, IDENTITY, resume=True) as store:
-        refusal = store._sentence(sqlite3.OperationalError(said))
-    assert isinstance(refusal, FileError)
-    assert refusal.errno == number
-
-
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no file system without new files")
 def test_where_no_file_can_be_made_a_store_says_why() -> None:
     with pytest.raises(FileError) as refusal:

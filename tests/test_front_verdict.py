@@ -16,7 +16,12 @@ from verification.piecewise.chain import PiecewiseMotion, Rest, Switching
 from verification.piecewise.run import FrontRun
 from verification.piecewise.simulation import simulate_front
 from verification.piecewise.verdict import BLOCK, History
-from verification.piecewise.window import ChainState, travelling_state
+from verification.piecewise.window import (
+    ChainState,
+    switching_amplitude,
+    travelling_state,
+    window_length,
+)
 
 GROUP = 5
 FLOOR = 1e-6
@@ -339,6 +344,15 @@ def test_a_front_is_as_broad_as_the_sites_from_the_first_off_to_the_last_on() ->
     history = History(PiecewiseMotion(0.5, 0.4, ChainState(state.phi, 0, on)), 0.5)
     history._keep_wide()
     assert history.zone == 33 - 25 + 1
+
+
+def test_the_window_of_a_front_is_lengthened_to_what_its_velocity_asks_for() -> None:
+    """A wave at the threshold that it fits: 48 sites are too few for it, not for three periods."""
+    threshold = switching_amplitude(0.5, 0.3)
+    history = History(PiecewiseMotion(0.5, threshold, travelling_state(0.5, 0.3, 48)), 0.5)
+    assert history.extend(3) is None
+    assert history._mean_velocity() == pytest.approx(0.3, rel=1e-9)
+    assert history.chain.sites >= window_length(0.5, 0.3, 1e-14 * threshold) > 48
 
 
 def test_of_sites_that_cross_within_one_interval_the_first_is_switched() -> None:

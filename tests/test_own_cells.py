@@ -255,6 +255,16 @@ def test_a_turn_that_does_not_fit_the_cycles_found_is_refused(
         shooting.check_turns(cell, 0.1, (), rests)
 
 
+def test_the_error_of_a_cycle_on_which_all_tolerances_agree_is_rounding_of_its_period(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    period = 1e6
+    turn = SimpleNamespace(top=1.0, bottom=-1.0, period=period, exponent=-0.1)
+    monkeypatch.setattr(shooting, "_closed_turn", lambda *_: (turn, 0.0))
+    cell: Any = SimpleNamespace(cycles=(OscillatorCycle(1.0, 1.0, period, stable=True),))
+    assert shooting._cycle(cell, 0.1, 0, 1e-9).error >= np.finfo(float).eps * period
+
+
 def test_motion_that_turns_back_only_once_makes_no_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     swings = iter([shooting._Swing(-1.0, 3.0, 0.0), None])
     monkeypatch.setattr(shooting, "_swing", lambda *_: next(swings))

@@ -28,7 +28,7 @@ from verification.breathers.run import run_breather
 from verification.continuation.branch import Crossing, FoldShift
 from verification.runs.envelope_run import run_envelope
 from verification.runs.excite import StartPoint
-from verification.thresholds import continuation
+from verification.thresholds import continuation, escape
 from verification.thresholds import threshold as thresholds
 from verification.thresholds.continuation import breather_threshold
 from verification.thresholds.escape import escape_range, escape_threshold
@@ -531,3 +531,23 @@ def test_a_point_of_a_cycle_is_no_start_with_a_displacement_or_of_a_chain_withou
     for chain, displacement in ((friction, 0.5), (full, None), (full, 0.5)):
         with pytest.raises(ParameterError, match="absent with a displacement"):
             thresholds._start_point(chain, StartPoint.MAXIMUM, displacement)
+
+
+def test_runs_that_show_whether_a_nucleus_escapes_later_take_twice_the_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Below 0.2, in distances that are doubled from the tolerance to a hundredth of it."""
+    given: Any = None
+    runs = escape._EscapeRuns(given, given, 100.0)
+    monkeypatch.setattr(runs, "range", lambda: (0.2, 0.2 + 1e-4), raising=False)
+    asked: list[tuple[float, float]] = []
+
+    def hold_for(_: object, __: object, c: float, duration: float) -> Any:
+        asked.append((0.2 - c, duration))
+        return SimpleNamespace(escaped=False)
+
+    monkeypatch.setattr(escape, "hold", hold_for)
+    assert runs.end_by_longer_runs(1e-4) == pytest.approx(0.2 - 1e-4)
+    assert [duration for _, duration in asked] == [200.0] * len(asked)
+    expected = [1e-4 * 2.0**n for n in range(5)]
+    assert [distance for distance, _ in asked] == pytest.approx(expected)

@@ -231,6 +231,18 @@ class Slotted:
         return cls(1.0)
 
 
+@dataclass(frozen=True)
+class Fieldless:
+    def value(self):
+        return 1.0
+
+
+def test_an_object_without_fields_is_told_from_its_class():
+    name = f"{__name__}.Fieldless"
+    assert parameters_of(Fieldless()) == {"is": name}
+    assert parameters_of(Fieldless) == name
+
+
 class Plain:
     def __init__(self, k):
         self.k = k

@@ -452,3 +452,13 @@ def test_couplings_without_a_sharp_threshold_are_told_where_they_are_two_bracket
     )
     assert found.monotone is False
     assert found.fuzzy == (pytest.approx((below, c)) if told else None)
+
+
+@pytest.mark.parametrize("displacement", [None, 0.5])
+def test_excited_sites_start_at_rest_beside_sites_that_slide_steadily(
+    displacement: float | None,
+) -> None:
+    """A turning point of the cycle has no velocity."""
+    start = excite(FrictionChain(c=0.0, sites=3), [2], displacement)
+    assert start[1].tolist() == [0.0, 0.0, 0.0]
+    assert start[0, 1] == 0.5 or (displacement is None and start[0, 1] > start[0, 0])

@@ -290,6 +290,13 @@ def test_a_finished_sweep_is_not_computed_again_unless_its_file_was_changed(
     assert _rows(out) == whole
 
 
+def test_a_finished_sweep_is_computed_again_if_it_is_not_resumed(tmp_path: Path) -> None:
+    out, log = tmp_path / "out.csv", tmp_path / "log"
+    for times in (1, 2):
+        sweep(Slow(str(log)), POINTS[:2], out=out, workers=1)
+        assert len(_computed(log)) == 2 * times
+
+
 def test_the_record_names_function_parameters_code_and_versions(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     log = str(tmp_path / "log")

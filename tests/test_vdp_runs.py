@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -467,3 +468,16 @@ def test_a_network_has_no_end_from_which_sites_are_left_behind() -> None:
     for option in ({"trailing_sites": 3}, {"left_boundary_wave": True}):
         with pytest.raises(ParameterError, match="left boundary = a wave"):
             SmoothIntegration(chain, np.zeros((2, 9)), [0.0, 1.0], **option)
+
+
+@pytest.mark.parametrize("steps", [0, 1, 4])
+def test_the_mean_number_of_sites_stepped_is_that_of_all_steps(steps: int) -> None:
+    run: Any = SimpleNamespace(steps=steps, counts={"site_steps": 7 * steps})
+    assert Trajectory.mean_active.fget(run) == (7.0 if steps else 0.0)  # type: ignore[attr-defined]
+
+
+def test_a_run_without_a_checkpoint_tells_its_progress() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
+    told: list[float] = []
+    simulate(chain, excite(chain, [2]), 1.0, samples=2, progress=told.append)
+    assert told[-1] == 1.0

@@ -114,13 +114,15 @@ def test_a_far_start_is_stiff() -> None:
     ("text", "status"),
     [
         ("`fronts front averaged --eta # --c #` says `collapsed`", "collapsed"),
-        ("come: `fronts front averaged --eta # --c #` ends `unsteady`", "unsteady"),
+        ("unknown: `fronts front averaged --eta # --c #` ends `unsteady`", "unsteady"),
     ],
 )
 def test_fronts_of_the_averaged_chain_end_as_said(text: str, status: str) -> None:
     eta, c = said(text)
     chain = AveragedChain(a=0.5 / np.sqrt(0.5 * eta), b=0.5, c=c)
-    assert measure_front(chain).status.value == status
+    front = measure_front(chain)
+    assert front.status.value == status
+    assert front.error == (math.inf if front.v else None)
 
 
 def test_one_front_creeps_with_a_free_end_and_runs_with_a_wave_behind_it() -> None:

@@ -66,7 +66,8 @@ class Spread(Result):
     velocities, errors : ndarray, shape (K,)
         Velocity in each direction, in neighbour distances (or links) per ``time_unit``, and its
         uncertainty; nan where too few sites were reached, infinite where the farther ones were not
-        reached later.
+        reached later. Uncertainties are infinite, too, if the last site was reached before the
+        relaxation time of the chain.
     distances : ndarray, shape (N,)
         Distance of every site from the centre, to rounding.
     arrivals : ndarray, shape (N,)
@@ -181,7 +182,8 @@ def _measured(
     """Run until all sites at a finite distance are reached, and fit velocities to the arrivals.
 
     Their error includes the difference from a second run at a coarser tolerance, and is at least
-    the velocity itself if the motion stopped in that run only.
+    the velocity itself if the motion stopped in that run only. It is infinite if the last site was
+    reached before the relaxation time of the chain.
     """
     within_reach = np.isfinite(distances)
     run = SmoothIntegration(chain, start, [_NEVER], tolerance=tolerance)
@@ -194,6 +196,8 @@ def _measured(
         coarser = fit(other.arrivals)[1] if arrived else [None] * v.size
         pairs = zip(v, error, coarser, strict=True)
         error = np.array([error_beside(*each, tolerance) for each in pairs])
+        if np.nanmax(run.arrivals) < chain.relaxation_time:
+            error.fill(math.inf)
         steps += other.counts["steps"]
     found = Spread(
         angles=angles,
@@ -389,9 +393,7 @@ def spreading_front(chain: OwnChain, request: Request) -> Front:
     error: float | None = None
     if found.stopped is None:
         v, error = velocity_of(found, chain)
-        relaxed = np.nanmax(found.spread.arrivals) >= chain.relaxation_time
-        steady = relaxed and error < accuracy * v
-        status = FrontStatus.STEADY if steady else FrontStatus.UNSTEADY
+        status = FrontStatus.STEADY if error < accuracy * v else FrontStatus.UNSTEADY
         if math.isinf(v):
             v = error = None
     else:

@@ -63,7 +63,8 @@ class Settled:
         What became of the front.
     v, error : float or None
         Velocity and its uncertainty: 0 and the smallest velocity that would have been noticed for a
-        pinned front, None if there is no front, or all sites were reached at once.
+        pinned front, None if there is no front, or all sites were reached at once. The uncertainty
+        is infinite if the front has not travelled for the relaxation time.
     arrivals : ndarray, shape (m,)
         Arrival times of the last trial, without the sites that were not reached.
     sites : int
@@ -127,8 +128,7 @@ class FrontPreparation:
     relaxation_time : float
         Time (in t) within which a front is not steady. Before disturbances ahead of it have
         decayed, its velocity can pass through a minimum, where no fit of arrivals shows that it
-        will change. Where the longest chain is passed in less than this time, the error of v is
-        also at least its difference from v on a chain of half the length.
+        will change.
     """
 
     sized: Callable[[int], Chain]
@@ -168,13 +168,14 @@ class FrontPreparation:
             error = max(error_beside(v, error, other, self.tolerance), behind * v)
             if self.disordered:
                 error = max(error, error_by_disorder(arrivals))
-            relaxed = sites >= self.relaxation_time * v
-            if (self.compared or not relaxed) and math.isfinite(v):
+            if sites < self.relaxation_time * v:
+                error = math.inf
+            if self.compared and math.isfinite(v):
                 error, before = max(error, abs(v - before)), v
             long, longest = self.long_enough(sites, v), 2 * sites > self.max_sites
             if longest and not long and self.other_velocity is not None:
                 error = max(error, abs(v - self.other_velocity))
-            if relaxed and error < self.accuracy * v and (long or longest):
+            if error < self.accuracy * v and (long or longest):
                 return Settled(FrontStatus.STEADY, v, error, arrivals, sites, counts)
             if longest and math.isinf(v):
                 return Settled(FrontStatus.UNSTEADY, None, None, arrivals, sites, counts)

@@ -35,6 +35,8 @@ class Front(Result):
         unknown.
     error : float or None
         Uncertainty of v; for a pinned front, the smallest velocity that would have been noticed.
+        Infinite if it is not known, since the front of a smooth chain has not travelled for the
+        relaxation time of that chain.
     excited : int or None
         Number of sites excited at the start.
     left_boundary : LeftBoundary or None

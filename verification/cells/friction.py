@@ -333,7 +333,7 @@ def _with_error(
     if fine.multiplier is not None and multiplier_error is not None:
         other = coarse.multiplier
         multiplier_error += math.inf if other is None else abs(fine.multiplier - other)
-    reach = max(abs(fine.max), abs(fine.min))
+    reach = max(fine.max, abs(fine.min))
     # Stick carries the cell by the belt, so an error in position means one in time, larger by
     # 1/v_d.
     size = max(fine.period, reach, reach / cell.v_d if fine.stick_time else 0.0)

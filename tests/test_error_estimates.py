@@ -102,7 +102,7 @@ def partial_averaging_error(
 
 @pytest.mark.parametrize("period", [7.0, 700.0])
 def test_a_cycle_is_no_better_than_rounding_of_its_period(period: float) -> None:
-    one = CellCycle(max=2.0, min=-2.0, period=period, slip_time=period, error=0.0)
+    one = CellCycle(max=2.0, min=-2.0, period=period, slip_time=period, speed=2.0, error=0.0)
     found = _with_error(FrictionCell(), one, one)
     assert found.error == ROUND_OFF * period
     other = _with_error(FrictionCell(), one, replace(one, period=period + 0.5))

@@ -325,9 +325,7 @@ def _with_error(
     if coarse is None:
         unknown = None if fine.multiplier is None else math.inf
         return replace(fine, error=math.inf, multiplier_error=unknown)
-    names = ["max", "min", "period", "stick_time", "slip_time"]
-    if fine.speed is not None and coarse.speed is not None:
-        names.append("speed")
+    names = ("max", "min", "period", "stick_time", "slip_time", "speed")
     gaps = [abs(getattr(fine, name) - getattr(coarse, name)) for name in names]
     multiplier_error = fine.multiplier_error
     if fine.multiplier is not None and multiplier_error is not None:

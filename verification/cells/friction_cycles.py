@@ -123,9 +123,7 @@ def cycle_turning_points(cell: FrictionCell, tolerance: float = TOLERANCE) -> tu
 
 def _local(cell: FrictionCell, tolerance: float) -> float:
     """Return the allowed local error: small cycles scale with v_d, large ones with v_d and μ_st."""
-    return max(
-        _FINEST, tolerance * (min(1.0, cell.v_d) if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st))
-    )
+    return max(_FINEST, tolerance * (cell.v_d if cell.v_d < 1.0 else max(cell.v_d, cell.mu_st)))
 
 
 def largest_after_release(cell: FrictionCell, tolerance: float) -> float:

@@ -261,7 +261,7 @@ def _limits_beside(
     """Return the limits of v_d, searched for closely beside those at another tolerance."""
     excess, found = _excess(cell, tolerance, progress), []
     for limit in limits if 0.0 < limits[1] < math.inf else ():
-        if limit in (0.0, cell.unstable_sliding.low):  # not the result of a search
+        if limit == cell.unstable_sliding.low:  # not found by a search
             found.append(limit)
             continue
         for distance in _DISTANCES:

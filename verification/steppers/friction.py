@@ -226,7 +226,7 @@ def advance(run: Run, stop: float, max_steps: int) -> int:
     """
     arrival = run.site[ARRIVAL, 1:-1]
     arrival[(run.mode[MODE, 1:-1] == 0) & np.isnan(arrival)] = run.numbers[CLOCK]
-    run.series[Y, 0], run.series[W, 0] = run.site[Y], run.site[W]
+    run.series[Y, 0] = run.site[Y]
     # An integer argument would make numba compile everything once more, which takes four seconds.
     return int(_advance(run, float(stop), max_steps))
 

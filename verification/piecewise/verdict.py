@@ -179,13 +179,12 @@ class History:
             repeat = _repeat(periods)
             if repeat is not None:  # a mean over whole repetition periods is sharp
                 last = periods[-(BLOCK * 6 // repeat) * repeat :]
-        distance = max(chain.sites - self.zone, 1)
         if rest is None and len(last) > 0:
             v = direction * len(last) / float(last.sum())
             spread = float(np.ptp(last) / last.mean())
             counts = self._counts[direction]
             events_per_site = (counts[-1] - counts[-1 - len(last)]) / len(last)
-        truncation = truncation_bound(self.coupling, v or 0.0, distance)
+        truncation = truncation_bound(self.coupling, v or 0.0, chain.sites - self.zone)
         if rest is None and v is not None:
             if status is FrontStatus.UNSTEADY:
                 sharp = abs(v) * 1e-9

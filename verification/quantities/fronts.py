@@ -129,14 +129,14 @@ def _by_differences(at: Mapping[str, float], stated: StatedValue) -> ReferenceCh
     if stated.value is None:
         raise NoReferenceError(stated.note)
     ahead = 24.0 * max(1.0, math.cbrt(at["c"]))
-    coarse, apart = np.longdouble(np.nan), math.inf
+    coarse = np.longdouble(np.inf)
     for rung, points in enumerate(_LADDER):
         far = math.ceil(ahead * (1.0 + 0.5 * rung))
         try:
             fine = front_velocity(at["c"], at["eta"], points, behind=20 + 10 * rung, ahead=far)
         except (ArithmeticError, ValueError):
             raise NoReferenceError("no wave was found by differences") from None
-        apart = abs(float(fine - coarse)) if rung else math.inf
+        apart = abs(float(fine - coarse))
         coarse = fine
         if apart <= MAX_UNCERTAINTY * stated.error:
             break

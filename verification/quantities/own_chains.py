@@ -66,8 +66,7 @@ def rate_of(at: Mapping[str, float]) -> Rate:
     for n in range(sites - 2 if rows == 1 else 0):
         pair = np.ix_([n, n + 2], [n, n + 2])
         matrix[pair] += at["far"] * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    if rows > 1:
-        matrix = sparse.kronsum(matrix, pull_matrix(rows), format="csr")
+    matrix = sparse.kronsum(matrix, pull_matrix(rows), format="csr")
 
     def force(y: FloatArray) -> FloatArray:
         return y + k * y**3

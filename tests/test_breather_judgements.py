@@ -128,6 +128,49 @@ def test_where_the_cycles_nearly_meet_a_branch_of_two_sites_begins_below_its_fol
     fold = RotatingWaves(chain, Nucleus(2, "+")).branch(monitored=False).fold
     assert fold is not None
     assert envelope.start_of(chain, Nucleus(2, "+")) < fold.parameter < gap
+    # That of a single site, from which its branch begins at a quarter, is far above.
+    single = RotatingWaves(chain, Nucleus(1)).branch(monitored=False).fold
+    assert single is not None
+    begin = envelope.start_of(chain, Nucleus(1), largest=1.0)
+    assert begin == pytest.approx(0.25 * single.parameter, rel=0.1)
+
+
+@pytest.mark.parametrize("eta", [0.12, 0.02, 1e-3, 1e-4, 1e-6])
+def test_rates_are_of_order_one_in_their_unit(eta: float) -> None:
+    """The cycle attracts at about 1/2η; where that is moderate rates are left as they are."""
+    unit = RotatingWaves(AveragedChain(a=1.0, b=eta, c=0.0), Nucleus(1)).rate_unit
+    assert 4.0 < 0.5 / eta / unit < 101.0
+    assert math.log2(unit) % 4.0 == 0.0  # a power of 16
+    assert (unit == 1.0) is (eta > 0.005)
+
+
+@pytest.mark.parametrize(("c", "bound"), [(0.28, 0.0), (0.295, 0.01), (0.305, 0.01), (0.32, 0.0)])
+def test_a_coupling_within_the_error_of_a_fold_is_as_uncertain_as_the_fold(
+    c: float, bound: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RotatingWaves, "step_error", lambda *_: FoldShift(0.0, 0.0))
+    fold = fold_of(0.3, 0.01, np.zeros(1))
+    assert RotatingWaves(AVERAGED, Nucleus(1)).near_fold(c, fold) == (0.01, bound)
+
+
+def test_the_chain_of_a_comparison_has_as_much_rest_beside_a_nucleus_of_any_size(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """But is no longer than the chain itself."""
+    lengths: list[int] = []
+
+    def noted(chain: Any, _: Nucleus) -> Any:
+        lengths.append(chain.sites)
+        raise NotConvergedError("none")
+
+    monkeypatch.setattr(breathers, "own_family", noted)
+    for size in (1, 9, 25):
+        own = _breather(BreatherMethod.ENVELOPE, nucleus=Nucleus(size))
+        breathers._compared(own, CHAIN.replace(sites=101))
+        breathers._compared(own, CHAIN.replace(sites=size + 2))
+    long, short = lengths[::2], lengths[1::2]
+    assert long == [size + breathers.REST for size in (1, 9, 25)]
+    assert short == [3, 11, 27]
 
 
 def test_finer_orbits_have_twice_the_steps() -> None:
@@ -163,6 +206,8 @@ def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
         chain=replace(CHAIN, sites=3),
     )  # fmt: skip
     assert found.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0 / 6.0], rel=1e-12)
+    turns = math.asin(0.5 / 2.0) + math.asin(0.5)  # of the centre, and of the site beyond
+    assert found.phase_step_error == pytest.approx(turns, rel=1e-12)
     each = replace(found, wave_error=np.array([0.5, 7.0, 1.0]))
     assert each.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0], rel=1e-12)
     whole = replace(found, nucleus=Nucleus(3))  # beyond which there is no site
@@ -292,8 +337,15 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     folded = family.measured(point, 0.0, fold_of(0.3, 1e-7, point.u))
     assert (folded.fold, folded.fold_error) == (0.3, pytest.approx(4e-7))
     flows.clear()
-    Made(family.chain, family.nucleus, 45).measured(point, 0.0)
+    many = Made(family.chain, family.nucleus, 45)
+    many.measured(point, 0.0)
     assert [steps for _, _, _, steps in flows] == [45, 90, 45, 45]
+    many.amplitudes(point.u, 0.2)
+    assert flows[4:] == [(0.2, state.tolist(), period, 90)]
+    # Of a slow orbit waves err by the velocity over the frequency, of others by the displacement.
+    assert found.wave_error == 4.0 * found.error
+    slow = family.measured(replace(point, u=np.append(state, 4.0 * math.pi)), 0.0)
+    assert slow.wave_error == pytest.approx(2.0 * 4.0 * slow.error)
 
 
 def _solved_up_to(eps: float, monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
@@ -366,6 +418,29 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
         assert max(apart) <= found.stability.error + 1e-9
 
 
+@pytest.mark.parametrize(
+    "worst", [[0.5, -1.0, 0.25], [1.0, -0.5, 0.25], [-0.25, -0.5, 1.0], [1.0, 1.0, 1.0]]
+)
+def test_multipliers_err_by_what_the_error_of_an_orbit_along_its_worst_direction_changes(
+    worst: list[float],
+) -> None:
+    """As its largest part is off by the error; the matrix changes by twice a part of the state."""
+    direction, error = np.append(worst, 0.0), 1e-4
+    slope = np.eye(4) - 0.9 * np.outer(direction, direction) / (direction @ direction)
+
+    class Made(Orbits):
+        def flow(self, c: float, start: Any, duration: float, steps: int) -> Flow:
+            return Flow(start, np.diag(2.0 * start), np.zeros(3), np.zeros((1, 1)), steps)
+
+        def system(self, refinement: int = 1, centre: int | None = None) -> Any:
+            return lambda u, c: (np.zeros(4), slope, np.zeros(4))
+
+    state = np.array([0.3, -2.0, 0.5])
+    point = BranchPoint(np.append(state, 6.0), 0.2, np.zeros(5), 0.0, 0.0, 1, 1.0)
+    found = Made(CHAIN, Nucleus(1), 30)._monodromy_error(point, error, np.diag(2.0 * state))
+    assert found == pytest.approx(2.0 * error, rel=1e-6)
+
+
 def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
     """F changes by δ ∂F/∂c where all its parts say that the coupling is off by δ."""
     by_c, off = np.array([0.5, -2.0, 1.0]), -1e-5
@@ -401,11 +476,13 @@ def test_a_multiplier_has_its_rate_and_its_frequency_in_slow_time() -> None:
     assert growing.growth == pytest.approx(-sigma)
 
 
+@pytest.mark.parametrize("b", [0.5, 0.0016])
 @pytest.mark.parametrize("nucleus", [Nucleus(1), Nucleus(2, "x"), Nucleus(1, place=Place.EDGE)])
 def test_the_derivatives_of_the_rotating_wave_are_those_of_its_differences(
-    nucleus: Nucleus,
+    nucleus: Nucleus, b: float
 ) -> None:
-    chain = AVERAGED.replace(sites=6)
+    """In the units of a chain of moderate and of small η."""
+    chain = AVERAGED.replace(sites=6, b=b)
     system = RotatingWaves(chain, nucleus).system()
     rng = np.random.default_rng(2)
     u, c, step = rng.normal(size=13), 0.3, 1e-6
@@ -496,6 +573,7 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     share = found.error / np.abs(found.waves).max()
     assert share > 1000.0 * EPSILON  # the cycles nearly meet
     assert found.frequency_error == pytest.approx(eps * share + EPSILON * found.frequency)
+    assert found.wave_error == 4.0 * found.error  # the centre is the largest
     u[-1] = 0.25  # Ω, of which the rounding of φ' is another multiple than of c
     rounding: list[Any] = []
     monkeypatch.setattr(envelope, "solution_error", lambda *given: rounding.append(given[3]) or 0.0)
@@ -580,6 +658,10 @@ def test_multipliers_of_one_parity_err_as_much_as_the_whole_matrix_may(parity: i
     moved = found.values.real - np.sort(exact)[::-1]
     assert moved[1 + place] == pytest.approx(8.0 * error)
     assert moved[1 + place] <= found.error < 8.1 * error
+    # The largest of its own, without the trivial one, and those of the other parity.
+    rates = [math.log(each) / (0.01 * 6.0) for each in (0.8, 0.9)]
+    apart = abs(found.symmetric - rates[0]), abs(found.antisymmetric - rates[1])
+    assert max(apart) <= found.symmetric_error < 8.2 * error / 0.8 / (0.01 * 6.0)
 
 
 @pytest.mark.parametrize("parity", [1, -1])
@@ -649,6 +731,7 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
     def compared(own: Breather, _: object) -> Breather:
         assert own.frequency_error == 0.0  # (30) is explicit
         assert 0.0 <= own.error < 1e-12
+        assert own.fold_error == closed_form_fold(CHAIN).error > 0.0
         return own
 
     monkeypatch.setattr(breathers, "approximate_multipliers", along)
@@ -657,6 +740,7 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
     for sites in (8, 9, 30, 31, 40):
         found = breathers._closed_form(AVERAGED.replace(sites=sites), Nucleus(1), choice)
         assert (found.stable, found.growth, found.trivial) == (False, 0.5, 0.125)
+        assert replace(found, error=None).stable is None
         assert found.multipliers is known.values
         assert found.amplitudes.size == sites
         assert found.amplitudes.argmax() == sites // 2 - (sites + 1) % 2
@@ -721,7 +805,8 @@ def test_a_breather_is_followed_from_below_its_smallest_coupling_to_above_its_la
     assert asked["near"] == [folds[0]] * 3 + [folds[1]]
     assert {(point.fold, point.fold_error) for point in found.points} == {(1.5, 1.5)}
     assert [point.chain.c for point in found.points[4:]] == couplings
-    assert {point.status for point in found.points[4:]} == {BreatherStatus.NONE}
+    beyond = {(point.status, point.seconds) for point in found.points[4:]}
+    assert beyond == {(BreatherStatus.NONE, 0.0)}  # nothing is computed for them
 
 
 # --------------------------------------------------------------------------------- its stability
@@ -1123,6 +1208,7 @@ def test_a_run_that_does_not_settle_ends_when_it_escapes_or_its_time_is_over(
     assert (found.status, found.error, found.stable) == (status, None, None)
     assert found.error_unknown == status.sentence
     assert len(made.starts) == blocks == round(found.time * chain.eps / run.BLOCK)
+    assert (found.wave_error, found.phases_error.size) == (None, 0)
 
 
 @pytest.mark.parametrize(
@@ -1177,6 +1263,30 @@ def test_a_run_of_the_chain_is_refused_where_its_step_is_too_long(
         run.run_breather(replace(CHAIN, eps=0.2), Nucleus(1))
     with pytest.raises(ParameterError, match=r"eps = 0\.2001 .* at most 0\.2 "):
         run.run_breather(replace(CHAIN, eps=0.2001), Nucleus(1))
+
+
+def test_the_period_of_a_run_is_that_after_which_it_is_nearest_to_where_it_was(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By as many steps as are asked for; here it turns faster, and is moved by 1e-5 in a turn."""
+    asked: set[tuple[int, int]] = set()
+    period, moved = 6.25, 1e-5
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=2)
+
+    def integrate(_: Any, state: Any, time: float, steps: int, order: int) -> Any:
+        asked.add((steps, order))
+        angle = 2.0 * math.pi * (time - period) / period
+        y, v = state[:2], state[2:]
+        turned = np.concatenate(
+            [y * math.cos(angle) + v * math.sin(angle), v * math.cos(angle) - y * math.sin(angle)]
+        )
+        return SimpleNamespace(state=turned + moved * np.array([0.0, 0.0, 1.0, 0.0]))
+
+    monkeypatch.setattr(run, "integrate_chain", integrate)
+    found, drift = run._period(chain, np.array([0.0, 0.0, 0.0, 2.0]), 2.0 * math.pi, 44)
+    assert found == pytest.approx(period, abs=1e-12)
+    assert drift == pytest.approx(moved / (chain.eps * period))
+    assert asked == {(44, run.ORDER)}
 
 
 @pytest.mark.parametrize("eps", [1e-3, 0.1, 0.2])

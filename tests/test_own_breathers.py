@@ -323,6 +323,45 @@ def test_a_nucleus_settles_whose_period_is_that_of_no_cell_at_small_eps() -> Non
     assert np.abs(after - start[:-1]).max() < 0.05
 
 
+@pytest.mark.parametrize("turns", [1, 2, 3])
+def test_the_start_of_an_orbit_is_the_last_rise_of_its_centre_and_the_period_the_time_before(
+    turns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up run that turns six, three or two times as slowly as a cell, in two blocks."""
+    chain = OscillatorChain(**PAPER, c=0.1, eps=0.3, sites=3)
+    period, begun = 12.0 * np.pi / turns - 0.3, 5.0
+
+    class Made:
+        default_budget = 7
+
+        def __init__(self, _: Any, __: Any, times: np.ndarray, *, tolerance: float) -> None:
+            angle = 2.0 * np.pi * (times - times[0] - begun) / period
+            y = np.outer(np.sin(angle), [0.1, 2.0, 0.1])
+            v = np.outer(np.cos(angle), [0.1, 2.0, 0.1])
+            self.samples = np.stack([y, v], axis=1)
+            self.sampled_amplitude = np.hypot(y, v)
+            self.time, self._end = 0.0, float(times[-1])
+
+        @property
+        def finished(self) -> bool:
+            return self.time >= self._end
+
+        def advance(self, budget: int) -> None:
+            assert budget == 7
+            self.time += self._end / 2.0
+
+    monkeypatch.setattr(own, "SmoothIntegration", Made)
+    parts: list[float] = []
+    if turns == 1:
+        with pytest.raises(RunError, match="oscillates more slowly than in 3 periods of a cell"):
+            _settled_start(chain, Nucleus(1), parts.append)
+        return
+    start = _settled_start(chain, Nucleus(1), parts.append)
+    assert parts == [0.5, 0.5]
+    assert start[-1] == pytest.approx(period, abs=1e-3)
+    assert start[:-1] == pytest.approx([0.0, 0.0, 0.0, 0.1, 2.0, 0.1], abs=1e-3)
+
+
 def test_a_nucleus_too_slow_to_be_seen_twice_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(own, "_LAST", 1)
     with pytest.raises(RunError, match=r"at eps = 0\.3 .* oscillates more slowly .* smaller eps"):

@@ -28,7 +28,6 @@ moving part stays small for as long as possible."""
 MAX_STEPS = 20_000
 """Largest number of Radau steps in one run: about a minute."""
 
-_MAX_DENSE = 100
 _PAD = 4
 """Number of margins of sites at rest that are solved for initially, on either side."""
 
@@ -52,7 +51,7 @@ def full_right_side(chain: VdpChain, state: FloatArray) -> FloatArray:
 
 
 def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
-    """Return the corrected Jacobian (42), 2N × 2N; sparse for long chains."""
+    """Return the corrected Jacobian (42), a sparse matrix of 2N × 2N."""
     from scipy.sparse import bmat, diags, identity, lil_matrix
 
     n = chain.sites
@@ -71,8 +70,7 @@ def full_jacobian(chain: VdpChain, state: FloatArray) -> Any:
     lower_left = -identity(n) - chain.eps * chain.c * laplacian - diags(slope)
     damping = -chain.eps * (1.0 - chain.a * square + chain.b * square**2)
     blocks: Any = [[None, identity(n)], [lower_left, diags(damping)]]
-    jacobian: Any = bmat(blocks, format="csc")
-    return jacobian if n > _MAX_DENSE else jacobian.toarray()
+    return bmat(blocks, format="csc")
 
 
 def largest_damping(chain: VdpChain, y: FloatArray) -> float:

@@ -31,10 +31,11 @@ EPS_RANGE = Range(1e-9, 10.0)
 """Range of the small parameter ε of smooth chains."""
 
 COUPLING_RANGE = Range(0.0, 1e6)
-_STEP = 1e-4
-"""Part of the threshold amplitude by which a site at rest is displaced to find how it returns."""
 SMALLEST_C = 1e-100
 """Smallest coupling of breathers and thresholds; c² must not be too small for double precision."""
+
+_STEP = 1e-4
+"""Part of the threshold amplitude by which a site at rest is displaced to find how it returns."""
 
 
 class Site(NamedTuple):

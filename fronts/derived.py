@@ -93,8 +93,10 @@ def _computed(
             along = _range_of(fields)
             if along is not None:
                 workers = getattr(options, "curve.workers", 1)
-                how: dict[str, Any] = {"workers": workers, "progress": progress}
-                found, shared = _curve(bound, fields, along, traced=traced, given=arguments, **how)
+                found, shared = _curve(
+                    bound, fields, along, traced=traced, given=arguments, workers=workers,
+                    progress=progress,
+                )  # fmt: skip
                 return found, {"model": bound.model, **shared, **parameters}
             chain = new_chain(**fields)
     _check_picture(options, function)

@@ -10,7 +10,7 @@ import numpy as np
 from theory.arrays import FloatArray
 from verification.continuation.branch import Fold
 
-UNUSED = {"away": np.empty(0), "transverse_error": math.inf, "tangent": np.zeros(1)}
+UNUSED = {"offset": np.empty(0), "transverse_error": math.inf, "tangent": np.zeros(1)}
 
 
 def fold_of(parameter: float, error: float, u: FloatArray, **given: Any) -> Fold:

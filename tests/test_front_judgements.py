@@ -1071,11 +1071,11 @@ def test_the_fold_errs_by_what_a_longer_window_changes_and_by_its_own_error(
             SimpleNamespace(parameter=0.1, error=5e-9),
         ]
     )
-    made = SimpleNamespace(u=np.ones(3), away=np.zeros(3))
+    made = SimpleNamespace(u=np.ones(3), offset=np.zeros(3))
 
     def fold(*_: Any) -> Any:
         found = next(folds)
-        found.u, found.away = made.u, made.away
+        found.u, found.offset = made.u, made.offset
         return found
 
     monkeypatch.setattr(resting, "_fold", fold)

@@ -125,7 +125,7 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
     """
     site, shift = family.nucleus.outward(family.chain.sites), family.step_error(fold)
     height, height_away = (
-        float(family.amplitudes(u, fold.parameter)[site]) for u in (fold.u, fold.u + fold.away)
+        float(family.amplitudes(u, fold.parameter)[site]) for u in (fold.u, fold.u + fold.offset)
     )
     # Transverse to the branch, an amplitude changes by at most twice the error of the state, since
     # it depends on two of its components.

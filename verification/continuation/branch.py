@@ -81,8 +81,8 @@ class Fold:
         residual and the rounding of F.
     u : float array
         The solution at the fold.
-    away : float array
-        Estimated distance of ``u`` from the fold along the branch, multiplied by four for the same
+    offset : float array
+        Estimated vector from ``u`` to the fold, along the branch; multiplied by four for the same
         reason.
     transverse_error : float
         Largest error of ``u`` across the branch: the displacement of the fold, and ten times the
@@ -96,7 +96,7 @@ class Fold:
     parameter: float
     error: float
     u: FloatArray
-    away: FloatArray
+    offset: FloatArray
     transverse_error: float
     tangent: FloatArray
     place: int = 0
@@ -409,7 +409,7 @@ def _find_fold(
         parameter=best.parameter,
         error=4.0 * shortfall + displacement + 1e-15,
         u=best.u,
-        away=4.0 * distance * best.tangent[:-1],
+        offset=4.0 * distance * best.tangent[:-1],
         transverse_error=displacement + 10.0 * best.correction,
         tangent=best.tangent[:-1],
     )

@@ -124,7 +124,7 @@ def static_fold(eta: float) -> StaticFold:
     shorter, longer = (_fold(chain, *window) for window in _WINDOWS)
     square_root, slope = _beside(chain, longer.u, longer.parameter)
     by_window = _beside(chain, shorter.u, shorter.parameter)
-    by_place = _beside(chain, longer.u + longer.away, longer.parameter)
+    by_place = _beside(chain, longer.u + longer.offset, longer.parameter)
     rounding = _ROUNDING * _condition(chain, longer)
     square_root_error, slope_error = (
         2.0 * abs(value - other) + abs(value - moved) + rounding * abs(value)

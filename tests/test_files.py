@@ -247,6 +247,32 @@ def test_a_folder_takes_the_place_of_one_that_is_not_empty(tmp_path: Path) -> No
     assert [each.name for each in target.iterdir()] == ["new"]
 
 
+@pytest.mark.parametrize("folder", [True, False])
+@pytest.mark.parametrize("error", [OSError(errno.EIO, "odd"), KeyboardInterrupt()])
+def test_what_a_folder_was_to_replace_returns_if_it_cannot_take_its_place(
+    error: BaseException, folder: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "table.zarr"
+    if folder:
+        target.mkdir()
+    kept = target / files.ZARR_MARK if folder else target
+    kept.write_text("old")
+
+    def fail(part: Path, _: Path) -> None:
+        raise error
+
+    def write(part: Path) -> None:
+        part.unlink()
+        part.mkdir()
+        (part / "new").write_text("new")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(FileError if isinstance(error, OSError) else KeyboardInterrupt):
+        write_by(target, write)
+    assert [each.name for each in tmp_path.iterdir()] == ["table.zarr"]
+    assert kept.read_text() == "old"
+
+
 def test_a_folder_takes_the_place_of_a_file(tmp_path: Path) -> None:
     target = tmp_path / "table.zarr"
     target.write_text("no store")

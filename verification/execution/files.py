@@ -336,7 +336,10 @@ def _replacing(path: Path, target: Path) -> Iterator[Path]:
         raise file_error(path, error) from None
     finally:
         if part is not None:
-            for left in (part, part.with_suffix(".old")):
+            old = part.with_suffix(".old")
+            if old.exists() and not target.exists():  # the new one did not take its place
+                old.rename(target)
+            for left in (part, old):
                 shutil.rmtree(left, ignore_errors=True)
                 with suppress(OSError):
                     left.unlink()

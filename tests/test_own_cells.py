@@ -236,6 +236,11 @@ def test_the_stiffness_of_a_cycle_is_taken_along_it() -> None:
         with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="at most 300"):
             # To the sampling of the angle.
             assert shooting._stiffness(cell, eps, limit) == pytest.approx(297.0, rel=1e-3)
+    # Of either sign, where all of it has one.
+    for sign in (-1.0, 1.0):
+        single: Any = SimpleNamespace(damping_at=lambda y, _, sign=sign: sign * (1.0 + y * y))
+        strength, both = shooting._strength(single, 0.1, _limit(2.0, 3.0, 1.0))
+        assert (strength, both) == (pytest.approx(0.5), False)
     cell.cycles = (_limit(1.0, 1.0, frequency), limit)
     with pytest.raises(ParameterError, match="at most 300"):  # before any turn is taken
         shooting.shot_cycles(cell, eps, 1e-9)
@@ -369,7 +374,7 @@ def test_motion_without_bound_has_no_top(start: float) -> None:
     limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
     turn = shooting._turn(cell, -3.0, start, limit, 1e-9)
     assert turn is not None
-    assert turn.top == math.inf
+    assert turn.top == turn.slope == math.inf
 
 
 def test_motion_too_stiff_for_its_steps_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:

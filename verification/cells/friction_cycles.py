@@ -402,7 +402,7 @@ def _expanded(cell: FrictionCell, amplitude: float) -> CellCycle:
     centre = cell.steady_sliding + shift
     period = 2.0 * math.pi
     growth = math.exp(period * cell.effective_damping)
-    left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.curve.scale**2) + ROUND_OFF
+    left_out = amplitude**2 * (second**2 + 10.0 * amplitude / cell.curve.scale**2)
     left_out += _rounding_near_hopf(cell, amplitude)
     squared = amplitude**2 * (second**2 + 10.0 / cell.curve.scale**2)
     # The error of the exponent is relative, of the next order in the square of the amplitude.

@@ -31,7 +31,7 @@ from verification.steppers.friction_series import (
     _polish,
     first_root,
     friction_outer,
-    new_room,
+    new_work,
 )
 from verification.steppers.stop_code import StopCode
 
@@ -518,12 +518,12 @@ def test_the_time_of_an_event_takes_a_dozen_evaluations_at_most() -> None:
 
 
 @friction_outer
-def first_roots(room: np.ndarray, polynomials: np.ndarray, found: np.ndarray) -> None:
+def first_roots(work: np.ndarray, polynomials: np.ndarray, found: np.ndarray) -> None:
     """Put the first root of each polynomial in [0, 1] into ``found``."""
     for i in range(found.size):
-        for k in range(room.shape[1]):
-            room[0, k] = polynomials[i, k]
-        found[i] = first_root(room, room.shape[1] - 1, 1.0)
+        for k in range(work.shape[1]):
+            work[0, k] = polynomials[i, k]
+        found[i] = first_root(work, work.shape[1] - 1, 1.0)
 
 
 def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
@@ -541,7 +541,7 @@ def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
         [middle**2 - np.sign(gap) * gap**2, -2 * middle, np.ones(100)]
     )
     found = np.zeros(400)
-    first_roots(new_room(7), polynomials, found)
+    first_roots(new_work(7), polynomials, found)
     for coefficients, root in zip(polynomials, found, strict=True):
         roots = np.polynomial.Polynomial(np.trim_zeros(coefficients, "b")).roots()
         real = roots[np.abs(roots.imag) < 1e-7].real

@@ -402,10 +402,10 @@ def test_numbers_of_a_run_are_those_of_its_law_and_no_other() -> None:
 @pytest.mark.parametrize("order", [4, 25])
 def test_an_interval_is_halved_as_often_as_there_is_room_for(order: int) -> None:
     """The work of a search goes from row 0 to row `_DEPTH` after the binomials."""
-    room = friction_series.new_room(order)
-    rows = room.shape[0] - (friction_series.BINOMIALS + order + 1)
+    work = friction_series.new_work(order)
+    rows = work.shape[0] - (friction_series.BINOMIALS + order + 1)
     assert rows > friction_series._DEPTH
-    assert room[friction_series.BINOMIALS + order].sum() == 2.0**order
+    assert work[friction_series.BINOMIALS + order].sum() == 2.0**order
 
 
 def test_slip_that_reaches_the_belt_is_not_continued_beyond(monkeypatch):

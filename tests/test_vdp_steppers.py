@@ -232,13 +232,13 @@ def test_a_step_that_explodes_never_passes(displacement: float) -> None:
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=5)
     take_step, error_of = _called(dop853_step(slope_of(chain), clock=(0, 0))), _called(step_error)
     parameters = np.array(chain.kernel_parameters())
-    K, room, out = np.zeros((12, 10)), np.zeros((2, 10)), np.zeros(10)
+    K, work, out = np.zeros((12, 10)), np.zeros((2, 10)), np.zeros(10)
     x = np.zeros(10)
     x[2] = displacement
     exploded = 0
     for h in np.geomspace(1e-8, 1.0, 400):
         take_step(x, parameters, FREE, FREE, h, K, out)
-        error = error_of(K, h, room, displacement)
+        error = error_of(K, h, work, displacement)
         if not np.abs(out).max() < 10.0 * displacement:
             exploded += 1
             assert not error < 1e-2

@@ -23,7 +23,7 @@ from theory.parameters import ParameterError
 from verification.cells.result import TOLERANCE, CellCycle
 from verification.runs.friction_integration import FrictionIntegration
 from verification.steppers import friction_cell_phase as phases
-from verification.steppers.friction_series import V_D, law_of, new_numbers, new_room, taylor_order
+from verification.steppers.friction_series import V_D, law_of, new_numbers, new_work, taylor_order
 
 _LONGEST = 1e4
 """Time after which a slip phase is abandoned."""
@@ -61,7 +61,7 @@ def _phase(
     phase = phases.Phase(
         numbers=numbers,
         law=law_of(cell),
-        room=new_room(taylor_order(local)),
+        work=new_work(taylor_order(local)),
         released=released,
         end=end,
         longest=_LONGEST,

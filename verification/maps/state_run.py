@@ -196,7 +196,7 @@ def named_state(  # noqa: PLR0917  (as a Condition)
     after: FloatArray,
     parameters: FloatArray,
     K: FloatArray,
-    room: FloatArray,
+    work: FloatArray,
     memory: FloatArray,
 ) -> int:
     """Return the index in `_STATES`; ``_LEVEL`` to ``_SITES`` are indices into ``memory``."""
@@ -205,10 +205,10 @@ def named_state(  # noqa: PLR0917  (as a Condition)
     rises = before[sites - 1] < 0.0 and after[sites - 1] >= 0.0
     if t >= memory[_NEXT] and (rises or not oscillates):
         if oscillates:
-            _to_section(take_step, parameters, before, h, K, room)
+            _to_section(take_step, parameters, before, h, K, work)
         else:
-            put(before, room)
-        _take_sample(room, memory)
+            put(before, work)
+        _take_sample(work, memory)
     t += h
     if _filled(t, after, memory):
         return _FRONT

@@ -63,7 +63,7 @@ def escape(  # noqa: PLR0917  (as a Condition)
     after: FloatArray,
     parameters: FloatArray,
     K: FloatArray,
-    room: FloatArray,
+    work: FloatArray,
     memory: FloatArray,
 ) -> int:
     """Return 1 once the amplitude of a watched site passes a limit.

@@ -185,21 +185,21 @@ def _advance(
     """Advance all rows in place by equal steps."""
     K = np.zeros((_STAGES, *x.shape))
     stage, damping = np.zeros(x.shape), np.zeros(x.shape[1])
-    y, room, slopes = x.reshape(x.size), stage.reshape(x.size), K.reshape(_STAGES, x.size)
+    y, work, slopes = x.reshape(x.size), stage.reshape(x.size), K.reshape(_STAGES, x.size)
     for _ in range(steps):
         for i in range(_STAGES + 1):
             for n in range(y.size):
-                room[n] = y[n]
+                work[n] = y[n]
             for j in range(min(i, _STAGES)):
                 weight = h * _TABLEAU[i, j]
                 if weight != 0.0:
                     row = slopes[j]
                     for n in range(y.size):
-                        room[n] += weight * row[n]
+                        work[n] += weight * row[n]
             if i < _STAGES:
                 _slopes(stage, chain, phases, by, damping, K[i])
         for n in range(y.size):
-            y[n] = room[n]
+            y[n] = work[n]
 
 
 def steps_in(time: float, largest_rate: float, step: float) -> int:

@@ -85,7 +85,7 @@ from verification.steppers.friction_series import (
     first_root,
     friction_inner,
     friction_outer,
-    new_room,
+    new_work,
     one_way,
     resolved,
     shift,
@@ -124,8 +124,8 @@ class Run(NamedTuple):
 
     Attributes
     ----------
-    numbers, law, site, mode, series, room
-        See ``friction_series``; ``series`` and ``room`` contain nothing of use between frames.
+    numbers, law, site, mode, series, work
+        See ``friction_series``; ``series`` and ``work`` contain nothing of use between frames.
     counters : ndarray of int, shape (11,)
         See ``LO`` and the names following it.
     queue : ndarray, shape (2 P,)
@@ -145,7 +145,7 @@ class Run(NamedTuple):
     site: FloatArray
     mode: IntArray
     series: FloatArray
-    room: FloatArray
+    work: FloatArray
     counters: IntArray
     queue: FloatArray
     times: FloatArray
@@ -202,7 +202,7 @@ def new_run(
         site=site,
         mode=mode,
         series=np.zeros((3 + len(law), order + 1, sites + 2)),
-        room=new_room(order),
+        work=new_work(order),
         counters=counters,
         queue=np.full(2 << (sites + 1).bit_length(), np.inf),
         times=times,
@@ -366,7 +366,7 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
         site[EVENT, n] = math.inf
         if not site[SUM, n] < mode[MODE, n] * series[W, 0, n]:  # as ``first_root`` requires
             first = _first_event(
-                series, site, run.room, numbers, n, mode[MODE, n], site[END, n] - now
+                series, site, run.work, numbers, n, mode[MODE, n], site[END, n] - now
             )
             site[EVENT, n] = now + first
         expires = site[END, n] if site[END, n] < length else math.inf
@@ -378,7 +378,7 @@ def _found(run: Run, lo: int, hi: int, now: float, length: float) -> bool:
 def _first_event(
     series: FloatArray,
     site: FloatArray,
-    room: FloatArray,
+    work: FloatArray,
     p: FloatArray,
     n: int,
     mode: int,
@@ -388,11 +388,11 @@ def _first_event(
 
     A site in slip has one function of time to be monitored, a site in stick one for each limit.
     """
-    f, order = room[POLYNOMIAL], series.shape[1] - 1
+    f, order = work[POLYNOMIAL], series.shape[1] - 1
     if mode != 0:
         for k in range(order + 1):
             f[k] = float(mode) * series[W, k, n]
-        return first_root(room, order, h)
+        return first_root(work, order, h)
     first = math.inf
     for side in (1.0, -1.0):
         for k in range(order + 1):
@@ -400,7 +400,7 @@ def _first_event(
             bend = site[OWN, n] * y[n] - (y[n - 1] + y[n + 1])
             f[k] = -side * (y[n] + p[C] * bend)
         f[0] += p[MU_ST] - side * 2.0 * p[XI] * p[V_D]
-        first = min(first, first_root(room, order, h))
+        first = min(first, first_root(work, order, h))
     return first
 
 
@@ -529,7 +529,7 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     Returns the length of the frame; 0 if time does not advance, nan if a series is not finite. With
     a negative ``length``, the frame length is determined here and is at most its absolute value.
     """
-    y, site, room, queue = run.series[Y], run.site, run.room, run.queue
+    y, site, work, queue = run.series[Y], run.site, run.work, run.queue
     for n in range(lo, hi):
         if site[START, n] < now:
             _bring(run, n, now)
@@ -538,10 +538,10 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
         if site[START, beside] == now:
             continue
         for k in range(y.shape[0]):
-            room[KEPT + side, k] = y[k, beside]
-        shift(y, beside, now - site[START, beside], room[POLYNOMIAL])
+            work[KEPT + side, k] = y[k, beside]
+        shift(y, beside, now - site[START, beside], work[POLYNOMIAL])
         for k in range(y.shape[0]):
-            y[k, beside] = room[POLYNOMIAL, k]
+            y[k, beside] = work[POLYNOMIAL, k]
     if not _expanded(run, lo, hi):
         return math.nan
     if length < 0.0:
@@ -550,7 +550,7 @@ def _renew(run: Run, lo: int, hi: int, now: float, length: float) -> float:
     for side in range(2):
         beside = lo - 1 if side == 0 else hi
         for k in range(y.shape[0] if site[START, beside] != now else 0):
-            y[k, beside] = room[KEPT + side, k]
+            y[k, beside] = work[KEPT + side, k]
     first, last = (queue.size // 2 + lo) // 2, (queue.size // 2 + hi - 1) // 2
     while first >= 1:
         for node in range(first, last + 1):
@@ -581,14 +581,14 @@ def _watch(run: Run, n: int, h: float) -> None:
     if run.mode[MODE, n] != -1 or site[SUM, n] < abs(run.series[W, 0, n] + v_d):
         turn = math.inf
     while turn <= h:
-        turn, kind = _turning_point(run.series[W], run.room, v_d, n, passed, h)
+        turn, kind = _turning_point(run.series[W], run.work, v_d, n, passed, h)
         if turn <= h:
             if sampled:
                 _sample(run, n, start + passed, start + turn)
             site[LAST_MAXIMUM + kind, n] = site_value(run.series[Y], n, turn)
             passed = turn
-            shift(run.series[W], n, 0.0, run.room[POLYNOMIAL])
-            if one_way(run.room[POLYNOMIAL], run.series.shape[1] - 1, h, run.room[KEPT]):
+            shift(run.series[W], n, 0.0, run.work[POLYNOMIAL])
+            if one_way(run.work[POLYNOMIAL], run.series.shape[1] - 1, h, run.work[KEPT]):
                 turn = math.inf  # its velocity is monotonic, so it turns once only
     if sampled:
         _sample(run, n, start + passed, start + h)
@@ -596,14 +596,14 @@ def _watch(run: Run, n: int, h: float) -> None:
 
 @friction_inner
 def _turning_point(
-    w: FloatArray, room: FloatArray, v_d: float, n: int, after: float, h: float
+    w: FloatArray, work: FloatArray, v_d: float, n: int, after: float, h: float
 ) -> tuple[float, int]:
     """Return the time in (after, h] at which y of site n next turns, and 0 for a maximum or 1.
 
     Times are measured from the beginning of the series. A site that starts at rest does not turn
     there.
     """
-    f = room[POLYNOMIAL]
+    f = work[POLYNOMIAL]
     shift(w, n, after, f)
     f[0] = f[0] + v_d if after == 0.0 else 0.0
     if f[0] == 0.0 and f[1] == 0.0:
@@ -612,7 +612,7 @@ def _turning_point(
     if not rising:
         for k in range(w.shape[0]):
             f[k] = -f[k]
-    return after + first_root(room, w.shape[0] - 1, h - after), 0 if rising else 1
+    return after + first_root(work, w.shape[0] - 1, h - after), 0 if rising else 1
 
 
 @friction_inner

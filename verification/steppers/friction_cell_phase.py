@@ -74,8 +74,8 @@ class Phase(NamedTuple):
         ``friction_series.new_numbers`` for coupling 0.
     law : tuple
         ``friction_series.law_of``.
-    room : ndarray
-        ``friction_series.new_room``.
+    work : ndarray
+        ``friction_series.new_work``.
     released : bool
         Whether stick ends at τ = 0: ẇ then equals the drop of the friction force, 0 if continuous.
     end : int
@@ -88,7 +88,7 @@ class Phase(NamedTuple):
 
     numbers: FloatArray
     law: Law
-    room: FloatArray
+    work: FloatArray
     released: bool
     end: int
     longest: float
@@ -115,9 +115,9 @@ def follow(phase: Phase, y: float, w: float) -> tuple[float, float, float]:
 @outer(cache=True)
 def _follow(phase: Phase, found: FloatArray) -> None:
     """Put τ, y and w at the end of the phase into ``found``, whose last two are the start."""
-    numbers, law, room = phase.numbers, phase.law, phase.room
+    numbers, law, work = phase.numbers, phase.law, phase.work
     end, longest = phase.end, phase.longest
-    order, f = room.shape[1] - 1, room[POLYNOMIAL]
+    order, f = work.shape[1] - 1, work[POLYNOMIAL]
     series, site = np.zeros((3 + len(law), order + 1, 3)), np.zeros((11, 3))
     mode = np.zeros((6, 3), dtype=np.int64)
     mode[MODE, 1], mode[RELEASED, 1] = -1, 1 if phase.released else 0
@@ -142,7 +142,7 @@ def _follow(phase: Phase, found: FloatArray) -> None:
                     armed = f[k] > 0.0
                     break
         after = value_at(f, degree, h)
-        root = first_root(room, degree, h) if armed or f[0] > 0.0 else math.inf
+        root = first_root(work, degree, h) if armed or f[0] > 0.0 else math.inf
         h = min(root, h)
         found[1], found[2] = site_value(series[Y], 1, h), site_value(series[W], 1, h)
         if root == h:

@@ -27,7 +27,7 @@ other laws: ``law`` is () or (v_s,).
     Rows with the indices ``Y`` and following.
 ``mode``, shape (6, N + 2)
     Whole numbers, in rows with the indices ``MODE`` and following.
-``room``, shape (order + 54, order + 1)
+``work``, shape (order + 54, order + 1)
     Work space: a polynomial, two columns that are kept, a table of binomial coefficients, work
     rows.
 """
@@ -81,7 +81,7 @@ MODE, RELEASED, DUE, FIRST, BEYOND = 0, 1, 2, 3, 4
 work space for the sites that are due and for ranges of sites."""
 
 POLYNOMIAL, KEPT, BINOMIALS = 0, 1, 3
-"""Rows of ``room``; the work rows follow the binomial coefficients."""
+"""Rows of ``work``; the work rows follow the binomial coefficients."""
 
 ABREAST = 8
 """Number of columns whose E is computed together, if there are so many."""
@@ -134,12 +134,12 @@ def new_numbers(cell: FrictionCell, c: float, tolerance: float) -> FloatArray:
     return np.array([*own, tolerance, -1.0, cell.steady_sliding, 0.0, *derived, jump])
 
 
-def new_room(order: int) -> FloatArray:
-    """Return ``room`` for series of an order."""
-    room = np.zeros((BINOMIALS + order + 1 + _DEPTH + 2, order + 1))
+def new_work(order: int) -> FloatArray:
+    """Return ``work`` for series of an order."""
+    work = np.zeros((BINOMIALS + order + 1 + _DEPTH + 2, order + 1))
     for n in range(order + 1):
-        room[BINOMIALS + n] = [math.comb(n, k) for k in range(order + 1)]
-    return room
+        work[BINOMIALS + n] = [math.comb(n, k) for k in range(order + 1)]
+    return work
 
 
 @vectorised
@@ -430,7 +430,7 @@ def _polish(f: FloatArray, degree: int, low: float, high: float) -> float:
 
 
 @friction_inner
-def first_root(room: FloatArray, degree: int, h: float) -> float:
+def first_root(work: FloatArray, degree: int, h: float) -> float:
     """Return the first time in [0, h] at which f turns from positive to negative; inf if none.
 
     f(0) <= 0 counts as zero: the sign just after is then that of the first nonzero coefficient, and
@@ -439,15 +439,15 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
 
     Parameters
     ----------
-    room : ndarray
-        ``new_room``; its first row contains the coefficients of f and is overwritten.
+    work : ndarray
+        ``new_work``; its first row contains the coefficients of f and is overwritten.
     degree : int
         Degree.
     h : float
         End of the interval.
     """
-    f, binomial = room[POLYNOMIAL], room[BINOMIALS : BINOMIALS + room.shape[1]]
-    work = room[BINOMIALS + room.shape[1] :]
+    f, binomial = work[POLYNOMIAL], work[BINOMIALS : BINOMIALS + work.shape[1]]
+    intervals = work[BINOMIALS + work.shape[1] :]
     while f[0] <= 0.0:
         if degree == 0 or f[1] < 0.0:
             return 0.0 if degree > 0 else math.inf
@@ -456,11 +456,11 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
         degree -= 1
     if _stays_positive(f, degree, h):
         return math.inf
-    if one_way(f, degree, h, work[0]):
+    if one_way(f, degree, h, intervals[0]):
         crosses = f[1] < 0.0 and value_at(f, degree, h) <= 0.0
         return _polish(f, degree, 0.0, h) if crosses else math.inf
     power = 1.0
-    top, falling = work[0, : degree + 1], work[1, : degree + 1]
+    top, falling = intervals[0, : degree + 1], intervals[1, : degree + 1]
     for k in range(degree + 1):
         falling[degree - k] = f[k] * power / binomial[degree, k]
         power *= h
@@ -471,9 +471,9 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
         top[k] = falling[degree - k]
     depth, width = 0, 1.0
     left = 0.0
-    # work[depth] is the present interval, work[:depth] those to its right, each twice as wide.
+    # intervals[depth] is the present one, intervals[:depth] those to its right, each twice as wide.
     while depth >= 0:
-        b = work[depth]
+        b = intervals[depth]
         changes = 0
         for i in range(degree):
             if (b[i] > 0.0) != (b[i + 1] > 0.0):
@@ -481,7 +481,7 @@ def first_root(room: FloatArray, degree: int, h: float) -> float:
         if changes == 1 and b[0] > 0.0:
             return _polish(f, degree, left * h, (left + width) * h)
         if changes > 1 and depth < _DEPTH:
-            following = work[depth + 1]
+            following = intervals[depth + 1]
             for i in range(degree + 1):
                 following[i] = b[0]
                 for j in range(degree - i):

@@ -111,14 +111,14 @@ _estimates: Callable[[FloatArray, FloatArray, FloatArray], None] = _compiled(
 
 
 @inner(error_model="numpy", fastmath={"contract"})
-def step_error(K: FloatArray, h: float, room: FloatArray, size: float) -> float:
+def step_error(K: FloatArray, h: float, work: FloatArray, size: float) -> float:
     """Return DOP853's estimate of the largest local error over the sites, relative to ``size``.
 
     The estimate is e5²/√(e5² + e3²/100). It vanishes where only e3 is huge, so that a diverging
-    step would be accepted; if e3 is as large as the state, infinity is returned instead. ``room``
+    step would be accepted; if e3 is as large as the state, infinity is returned instead. ``work``
     has the shape (2, 2m).
     """
-    five, three = room[0], room[1]
+    five, three = work[0], work[1]
     _estimates(K, five, three)
     e5, e3 = h * largest(five), h * largest(three)
     if not (finite(five) and finite(three)) or e3 >= size > 0.0:

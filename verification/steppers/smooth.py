@@ -142,7 +142,7 @@ class Rows(NamedTuple):
         State before and after the step, and at a time within it.
     K : ndarray, shape (STAGES, 2m)
         Slopes.
-    room : ndarray, shape (2, 2m)
+    work : ndarray, shape (2, 2m)
         Work space of ``step_error``; then 1 where a site may arrive within the step
         (``_arriving``), otherwise 0.
     p : ndarray, shape (P,)
@@ -153,7 +153,7 @@ class Rows(NamedTuple):
     new: FloatArray
     inside: FloatArray
     K: FloatArray
-    room: FloatArray
+    work: FloatArray
     p: FloatArray
 
 
@@ -164,9 +164,9 @@ Ends = tuple[int, int]
 """Codes of what lies beyond the left and the right end of the window."""
 
 Condition = Callable[..., int]
-"""Function of (step, t, h, before, after, parameters, K, room, memory): 0 to continue, else a code.
+"""Function of (step, t, h, before, after, parameters, K, work, memory): 0 to continue, else a code.
 
-``before`` and ``after`` are the rows (``active``) at t and at t + h; ``K`` and ``room`` may be
+``before`` and ``after`` are the rows (``active``) at t and at t + h; ``K`` and ``work`` may be
 overwritten, and shorter steps may be taken from ``before``."""
 
 
@@ -178,7 +178,7 @@ def _never(
     after: FloatArray,
     parameters: FloatArray,
     K: FloatArray,
-    room: FloatArray,
+    work: FloatArray,
     memory: FloatArray,
 ) -> int:
     """Go on."""
@@ -232,7 +232,7 @@ def _try_steps(take_step: Step, task: LoopTask, clock: FloatArray, rows: Rows, e
         take_step(rows.x, p, ends[0], ends[1], h, rows.K, rows.new)
         if task.tolerance == 0.0:
             break
-        ratio = step_error(rows.K, h, rows.room, size) / task.tolerance
+        ratio = step_error(rows.K, h, rows.work, size) / task.tolerance
         if ratio <= 1.0:
             clock[2] = max(clock[2], ratio)
             break
@@ -304,7 +304,7 @@ def _note_arrivals(
             values[j, n] = _beyond(row, n, square)
     foremost = -1
     for n in range(m):
-        reached = 0 if rows.room[0, n] > 0.0 else last + 1
+        reached = 0 if rows.work[0, n] > 0.0 else last + 1
         while reached <= last and values[reached, n] < 0.0:
             reached += 1
         if reached > last:
@@ -360,7 +360,7 @@ def _mark_arriving(
 
 @inner()
 def _arriving(task: LoopTask, run: LoopState, rows: Rows, h: float) -> bool:
-    """Return whether any site may pass the level within the step; mark such sites in ``rows.room``.
+    """Return whether any site may pass the level within the step; mark such sites in ``rows.work``.
 
     The last slopes are those at the end of the step, to the accuracy of the stages.
     """
@@ -368,7 +368,7 @@ def _arriving(task: LoopTask, run: LoopState, rows: Rows, h: float) -> bool:
     m, lo = x.size // 2, run.counters[LO]
     found = _mark_arriving(
         (x[:m], x[m:]), (new[:m], new[m:]), (first[:m], first[m:]), (last[:m], last[m:]),
-        run.arrivals[lo : lo + m], rows.room[0, :m], h, task.level * task.level,
+        run.arrivals[lo : lo + m], rows.work[0, :m], h, task.level * task.level,
     )  # fmt: skip
     return found > 0
 
@@ -404,8 +404,8 @@ def _rows_of(task: LoopTask, run: LoopState) -> Rows:
     """Return the rows for the sites of the window, with their state, and work space."""
     window = slice(run.counters[LO], run.counters[HI])
     x = run.state[:, window].flatten()
-    K, room = np.empty((STAGES, x.size)), np.empty((2, x.size))
-    return Rows(x, np.empty(x.size), np.empty(x.size), K, room, task.parameters.copy())
+    K, work = np.empty((STAGES, x.size)), np.empty((2, x.size))
+    return Rows(x, np.empty(x.size), np.empty(x.size), K, work, task.parameters.copy())
 
 
 @outer(cache=True, **UNCOUNTED)

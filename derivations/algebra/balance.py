@@ -9,7 +9,7 @@ from functools import lru_cache
 import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right
-from derivations.algebra.operations import Operation, listed, spoken
+from derivations.algebra.operations import Operation, inline, listed
 
 
 @lru_cache(maxsize=1)
@@ -101,6 +101,6 @@ class BalancePower(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the motion."""
         return (
-            f"insert {spoken(self.field)} = {spoken(self.motion)} into {listed(labels)}, multiply "
+            f"insert {inline(self.field)} = {inline(self.motion)} into {listed(labels)}, multiply "
             "by the velocity and average over the phase (first order in damping and friction)"
         )

@@ -11,7 +11,7 @@ import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of
 from derivations.algebra.notation import raised
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError, inline, listed
 
 
 def taylor(expression: sp.Expr, small: sp.Symbol, order: int) -> list[sp.Expr]:
@@ -110,7 +110,7 @@ class Truncate(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the parameter and the order."""
-        name = spoken(self.small)
+        name = inline(self.small)
         power = self.order + 1
         return f"expand {listed(labels)} in {name} and omit O({name}{_raised(power)})"
 
@@ -144,7 +144,7 @@ class CollectPower(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the order."""
-        name = spoken(self.small)
+        name = inline(self.small)
         order = "1" if self.power == 0 else f"{name}{_raised(self.power)}"
         return f"collect the terms of order {order} of {listed(labels)}"
 
@@ -206,8 +206,8 @@ class Limit(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the limit."""
-        goal = spoken(sp.sympify(self.value)) + {1: "⁺", -1: "⁻", 0: ""}[self.side]
-        return f"take the limit {spoken(self.parameter)} → {goal} of {listed(labels)}"
+        goal = inline(sp.sympify(self.value)) + {1: "⁺", -1: "⁻", 0: ""}[self.side]
+        return f"take the limit {inline(self.parameter)} → {goal} of {listed(labels)}"
 
 
 @dataclass(frozen=True)

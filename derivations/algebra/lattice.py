@@ -11,7 +11,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError, inline, listed
 from derivations.algebra.rearrangement import with_cosines
 
 
@@ -168,5 +168,5 @@ class InsertPlaneWave(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the wave."""
-        wave = f"e^({spoken(self.rate)} t + i {spoken(self.wavenumber)} n)"
+        wave = f"e^({inline(self.rate)} t + i {inline(self.wavenumber)} n)"
         return f"insert the plane wave {wave} into {listed(labels)}"

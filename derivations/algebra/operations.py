@@ -40,33 +40,33 @@ class Operation(ABC):
 
     def words(self, labels: Sequence[str]) -> str:
         """Describe what is done, given the names of the sources."""
-        shown = {each.name: said(getattr(self, each.name)) for each in fields(self)}  # type: ignore[arg-type]
+        shown = {each.name: in_words(getattr(self, each.name)) for each in fields(self)}  # type: ignore[arg-type]
         return self.phrase.format(
             sources=listed(labels), first=labels[0], others=listed(labels[1:]), **shown
         )
 
 
-def said(value: Any) -> str:
+def in_words(value: Any) -> str:
     """Return a parameter of an operation in words: an expression, several, or a table of values.
 
     Examples
     --------
     >>> u, v = sp.symbols("u v")
-    >>> said((u, v)), said({u: 0, v: 2 * v}), said({u: u})
+    >>> in_words((u, v)), in_words({u: 0, v: 2 * v}), in_words({u: u})
     ('u and v', 'u = 0 and v → 2⋅v', 'u constant')
     """
     if isinstance(value, Mapping):
         return listed([_pair(old, new) for old, new in value.items()])
     if isinstance(value, tuple):
-        return listed([said(each) for each in value])
+        return listed([in_words(each) for each in value])
     if isinstance(value, sp.FunctionClass):
         return str(value.__name__)
-    return spoken(value) if isinstance(value, sp.Basic) else str(value)
+    return inline(value) if isinstance(value, sp.Basic) else str(value)
 
 
 def _pair(old: Any, new: Any) -> str:
     """Return an equation; with an arrow if the old is part of the new, with a word if constant."""
-    before, after = said(old), said(new)
+    before, after = in_words(old), in_words(new)
     if before == after:
         return f"{before} constant"
     return f"{before} {'→' if _holds(new, old) else '='} {after}"
@@ -76,16 +76,16 @@ def _holds(new: Any, old: Any) -> bool:
     return isinstance(new, sp.Basic) and old in new.free_symbols
 
 
-def spoken(expression: sp.Basic) -> str:
+def inline(expression: sp.Basic) -> str:
     """Return a short expression on one line, with Greek letters.
 
     Examples
     --------
-    >>> spoken(4 * sp.Symbol("omega_1") ** 2)
+    >>> inline(4 * sp.Symbol("omega_1") ** 2)
     '4 ω₁²'
-    >>> spoken(sp.exp(sp.I * sp.Symbol("theta")))
+    >>> inline(sp.exp(sp.I * sp.Symbol("theta")))
     'exp(i θ)'
-    >>> spoken(abs(sp.Symbol("v")))
+    >>> inline(abs(sp.Symbol("v")))
     '|v|'
     """
     shown = displayed(sp.sympify(expression), Script.UNICODE)

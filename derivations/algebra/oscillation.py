@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of, system
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError, inline, listed
 from derivations.algebra.substitution import Substitute
 
 
@@ -46,7 +46,7 @@ def harmonics_of(expression: sp.Expr, phase: sp.Expr) -> dict[int, sp.Expr]:
             )
     plain = sp.expand(plain.xreplace(rules), power_exp=False)
     if plain.has(fast_phase):
-        raise OperationError(f"{spoken(phase)} remains outside the harmonics")
+        raise OperationError(f"{inline(phase)} remains outside the harmonics")
     found: dict[int, sp.Expr] = {}
     for term in sp.Add.make_args(plain):
         slow, wave = term.as_independent(phase_factor, as_Add=False)
@@ -129,7 +129,7 @@ class RemoveSecularTerms(Operation):
         number = "" if self.harmonic == 1 else str(self.harmonic)
         into = f"substitute {listed(labels[1:])} into {labels[0]} and " if labels[1:] else ""
         return (
-            f"{into}remove secular terms: the coefficient of e^({number}i{spoken(self.fast)}) "
+            f"{into}remove secular terms: the coefficient of e^({number}i{inline(self.fast)}) "
             "vanishes"
         )
 
@@ -161,8 +161,8 @@ class CollectHarmonic(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the harmonic and its coefficient."""
         number = "" if self.harmonic == 1 else str(self.harmonic)
-        wave = f"e^({number}i{spoken(self.phase)})"
-        return f"call the coefficient of {wave} in {listed(labels)} {spoken(self.name)}"
+        wave = f"e^({number}i{inline(self.phase)})"
+        return f"call the coefficient of {wave} in {listed(labels)} {inline(self.name)}"
 
 
 @dataclass(frozen=True)
@@ -267,8 +267,8 @@ class SquareAndAdd(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the angle."""
         return (
-            f"bring the terms of {listed(labels)} with {spoken(self.angle)} to the left, square "
-            f"and add: {spoken(self.angle)} drops out"
+            f"bring the terms of {listed(labels)} with {inline(self.angle)} to the left, square "
+            f"and add: {inline(self.angle)} drops out"
         )
 
 

@@ -10,7 +10,7 @@ from typing import ClassVar
 import sympy as sp
 
 from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of, system
-from derivations.algebra.operations import Operation, OperationError, listed, said, spoken
+from derivations.algebra.operations import Operation, OperationError, in_words, inline, listed
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ class Divide(Operation):
         if self.factor is None:
             return f"divide {listed(labels)} by its left side"
         if isinstance(self.factor, tuple):
-            factors = listed([spoken(factor) for factor in self.factor])
+            factors = listed([inline(factor) for factor in self.factor])
             return f"divide the relations of {listed(labels)} by {factors}"
-        return f"divide {listed(labels)} by {spoken(self.factor)}"
+        return f"divide {listed(labels)} by {inline(self.factor)}"
 
 
 @dataclass(frozen=True)
@@ -135,10 +135,9 @@ class Isolate(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the variable and the targets."""
-        divided = f" and divide by the factor of {said(self.targets)}" if self.targets else ""
-        return (
-            f"bring the terms with {said(self.variables)} of {listed(labels)} to the left{divided}"
-        )
+        divided = f" and divide by the factor of {in_words(self.targets)}" if self.targets else ""
+        variables = in_words(self.variables)
+        return f"bring the terms with {variables} of {listed(labels)} to the left{divided}"
 
 
 @dataclass(frozen=True)
@@ -285,11 +284,11 @@ class TakeCoefficient(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the term."""
-        coefficient = f"the coefficient of {spoken(self.term)} in {listed(labels)}"
+        coefficient = f"the coefficient of {inline(self.term)} in {listed(labels)}"
         return (
             f"set {coefficient} to zero"
             if self.name is None
-            else f"call {coefficient} {spoken(self.name)}"
+            else f"call {coefficient} {inline(self.name)}"
         )
 
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import sympy as sp
 
 from derivations.algebra.equations import equation, parts_of
-from derivations.algebra.operations import Operation, OperationError, listed, spoken
+from derivations.algebra.operations import Operation, OperationError, inline, listed
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ class CountAbove(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the strip."""
-        left, right = (spoken(edge * sp.pi) for edge in (self.left, self.left + 1))
+        left, right = (inline(edge * sp.pi) for edge in (self.left, self.left + 1))
         return (
-            f"count the roots of {labels[0]} with {left} < Re {spoken(self.wavenumber)} < {right} "
+            f"count the roots of {labels[0]} with {left} < Re {inline(self.wavenumber)} < {right} "
             f"above the axis: by {listed(labels[1:])} only the far end changes the argument"
         )
 

@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, parts_of, system
-from derivations.algebra.operations import Operation, OperationError, listed, said, spoken
+from derivations.algebra.operations import Operation, OperationError, in_words, inline, listed
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,14 @@ class SolveFor(Operation):
             ]
         else:
             raise OperationError(
-                f"it is of degree {polynomial.degree()} in cos {spoken(self.unknown)}"
+                f"it is of degree {polynomial.degree()} in cos {inline(self.unknown)}"
             )
         return [sign * sp.acos(root) for root in roots for sign in (-1, 1)]
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the unknown, and the source that names its factor."""
         named = f", its factor by the name of {listed(labels[1:])}" if labels[1:] else ""
-        return f"solve {labels[0]} for {said(self.unknown)}{named}"
+        return f"solve {labels[0]} for {in_words(self.unknown)}{named}"
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ class SelectSign(Operation):
         kept = [q for q in parts_of(solutions) if sp.cancel(q.rhs / whole).is_negative]
         if len(kept) != 1:
             raise OperationError(
-                f"{len(kept)} of the solutions are a negative multiple of {spoken(whole)}"
+                f"{len(kept)} of the solutions are a negative multiple of {inline(whole)}"
             )
         return kept[0]
 
@@ -185,7 +185,7 @@ class SolveOscillator(Operation):
     def words(self, labels: Sequence[str]) -> str:
         """Name the amplitude."""
         return f"solve {listed(labels)} by its characteristic polynomial, with slow amplitude " + (
-            spoken(self.amplitude)
+            inline(self.amplitude)
         )
 
 
@@ -233,8 +233,8 @@ class PrescribeCoefficients(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the demands."""
-        values = listed([spoken(value) for _, value in self.demands])
-        names = listed([spoken(own) for own in self.unknowns])
+        values = listed([inline(value) for _, value in self.demands])
+        names = listed([inline(own) for own in self.unknowns])
         return f"demand the coefficients {values} in {listed(labels)} and solve for {names}"
 
 

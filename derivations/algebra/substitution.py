@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derivations.algebra.equations import equation, left_minus_right, on_sides, parts_of
-from derivations.algebra.operations import Operation, OperationError, listed, said, spoken
+from derivations.algebra.operations import Operation, OperationError, in_words, inline, listed
 from derivations.algebra.solution import SolveFor
 
 HALF = sp.Rational(1, 2)
@@ -64,16 +64,16 @@ class Substitute(Operation):
             done.append(f"substitute {listed(labels[1:])}{self._where()} into {labels[0]}")
         if self.values:
             meaning = f"{self.meaning}: " if self.meaning else ""
-            done.append(f"{meaning}set {said(self.values)} in {'it' if done else labels[0]}")
+            done.append(f"{meaning}set {in_words(self.values)} in {'it' if done else labels[0]}")
         return " and ".join(done)
 
     def _where(self) -> str:
         if self.index is None:
             return ""
         places = [sp.sympify(place) for place in self.at]
-        shown = listed([spoken(place) for place in places])
+        shown = listed([inline(place) for place in places])
         relative = any(place.has(self.index) for place in places)
-        return f" at the sites {shown}" if relative else f" at {spoken(self.index)} = {shown}"
+        return f" at the sites {shown}" if relative else f" at {inline(self.index)} = {shown}"
 
 
 def _step_rule(rule: sp.Equivalent) -> dict[sp.Basic, sp.Basic]:
@@ -136,8 +136,10 @@ class Eliminate(Operation):
 
     def words(self, labels: Sequence[str]) -> str:
         """Name the unknowns."""
-        where = f" with {said(self.where)}" if self.where else ""
-        return f"eliminate {said(self.unknowns)} from {labels[0]} by {listed(labels[1:])}{where}"
+        where = f" with {in_words(self.where)}" if self.where else ""
+        return (
+            f"eliminate {in_words(self.unknowns)} from {labels[0]} by {listed(labels[1:])}{where}"
+        )
 
 
 @dataclass(frozen=True)

@@ -39,14 +39,14 @@ class ModelFinding:
     ----------
     derivation : str
         Name of the derivation.
-    said : str
+    message : str
         The step that fails and the message of its check, or why the model is refused.
     fails : bool
         Whether this is a failure rather than a refusal.
     """
 
     derivation: str
-    said: str
+    message: str
     fails: bool
 
 
@@ -95,13 +95,13 @@ def findings(model: ChainModel) -> Iterator[ModelFinding]:
         try:
             for step, evidence in load(name, model=model).examined():
                 if not evidence.holds:
-                    said = f"{step.name}: {evidence.statement}"
-                    yield ModelFinding(derivation=name, said=said, fails=True)
+                    message = f"{step.name}: {evidence.statement}"
+                    yield ModelFinding(derivation=name, message=message, fails=True)
         except DerivationInputError as error:
-            yield ModelFinding(derivation=name, said=str(error), fails=False)
+            yield ModelFinding(derivation=name, message=str(error), fails=False)
         except Exception as error:
-            said = f"{type(error).__name__}: {error}"
-            yield ModelFinding(derivation=name, said=said, fails=True)
+            message = f"{type(error).__name__}: {error}"
+            yield ModelFinding(derivation=name, message=message, fails=True)
 
 
 def _seeds(text: str) -> range:
@@ -137,7 +137,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         verdict = "FAILS" if fails else "holds"
         print(f"{seed} {verdict} in {process_time() - begin:.0f} s: {model}", flush=True)
         for each in found:
-            print(f"    {'FAILS' if each.fails else 'refused'} {each.derivation}: {each.said}")
+            print(f"    {'FAILS' if each.fails else 'refused'} {each.derivation}: {each.message}")
     print(f"{len(seeds)} models, {failing} with a check that fails")
     return 1 if failing else 0
 

@@ -196,12 +196,14 @@ def configure(parser: argparse.ArgumentParser, bound: BoundCall) -> None:
         of_chain = not names.isdisjoint(("c", "sites", "ends"))
         group = parser.add_argument_group("the chain" if of_chain else "the cell")
         eta = bound.takes_eta
-        said = {name: ":".join(f"{part:g}" for part in each) for name, each in bound.axes.items()}
+        defaults = {
+            name: ":".join(f"{part:g}" for part in each) for name, each in bound.axes.items()
+        }
         if isinstance(bound.call, MeasurementCall) and bound.call.sites:
-            said["sites"] = "7 on each side of the nucleus"
+            defaults["sites"] = "7 on each side of the nucleus"
         from_file = bound.takes_file
         optional = (*(("a", "b") if eta else ()), *bound.axes, *(names if from_file else ()))
-        bound.fields.declare(group, optional, said)
+        bound.fields.declare(group, optional, defaults)
         if from_file:
             group.add_argument("--model", dest="chain_file", type=Path, metavar="FILE",
                                default=argparse.SUPPRESS, help="a model file in TOML with these "

@@ -32,11 +32,11 @@ class _Parser(argparse.ArgumentParser):
         if not flag.startswith("--"):
             self.error(f"'{word}' is not expected here")
         close = self._close_to(flag)
-        said, remedy = "has no meaning for", "leave it out"
+        fault, remedy = "has no meaning for", "leave it out"
         if close:
-            said, remedy = "is not an option of", f"write {close}"
+            fault, remedy = "is not an option of", f"write {close}"
         raise UsageError(
-            f"{flag} {said} {where}: {remedy}.",
+            f"{flag} {fault} {where}: {remedy}.",
             quantity=flag,
             value=joined or value,
             allowed=f"absent for {where}",
@@ -208,9 +208,9 @@ def _model(
         return _renamed(model, list(rest[1:]), calls, name)
     if command.default and (not first or first.startswith("-")):
         return _renamed(command.default, list(rest), calls, name)
-    said = f"'{first}' is not a model" if first else "a model is missing"
+    message = f"'{first}' is not a model" if first else "a model is missing"
     raise UsageError(
-        f"{said}: choose one of {known}; see 'fronts {name} --help'.",
+        f"{message}: choose one of {known}; see 'fronts {name} --help'.",
         quantity="model",
         value=first,
         allowed=known,
@@ -342,14 +342,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:
-        said = _said_to_the_user(error)
-        if said is None:
+        message = _message_for_the_user(error)
+        if message is None:
             return _defect(error, as_json)
-        _complain(said, as_json, _details(error))
+        _complain(message, as_json, _details(error))
         return 2
 
 
-def _said_to_the_user(error: Exception) -> str | None:
+def _message_for_the_user(error: Exception) -> str | None:
     """Return the message of an error that the user can correct; None for a defect."""
     if isinstance(error, MemoryError):
         return "memory ran out: ask for fewer sites, samples or points."

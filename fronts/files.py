@@ -281,12 +281,12 @@ def _picture(result: Result, payload: _Mapping, provenance: _Mapping) -> Callabl
     figure, axes = new_axes("page", height=3.6)
     result.plot(axes)
     figure.set_layout_engine("compressed")  # avoids an empty margin beside a lattice
-    said = json.dumps(provenance)
+    text = json.dumps(provenance)
 
     def write(path: Path) -> None:
         kind = path.suffix.lower().removeprefix(".")
         with mpl.rc_context({"svg.hashsalt": "fronts"}):
-            metadata = {_NOTE[kind]: said, **dict.fromkeys(CHANGING[kind])}
+            metadata = {_NOTE[kind]: text, **dict.fromkeys(CHANGING[kind])}
             figure.savefig(path, dpi=200, metadata=metadata)
 
     return write
@@ -301,11 +301,11 @@ def _film(result: Result, payload: _Mapping, provenance: _Mapping) -> Callable[[
         raise TypeError(
             f"a result of the class {type(result).__name__} cannot be written as a film."
         )
-    run, said = result, json.dumps(provenance)
+    run, text = result, json.dumps(provenance)
 
     def write(path: Path) -> None:
         with Progress("film", quiet="--json" in COMMAND_LINE.get().split()) as live:
-            animate(run, path, note=said, progress=live.report)
+            animate(run, path, note=text, progress=live.report)
 
     return write
 

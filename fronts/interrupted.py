@@ -12,8 +12,8 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def resumable(said: Callable[[], str]) -> Iterator[None]:
-    """Give interruptions inside the context the message ``said()``, empty if nothing was saved.
+def resumable(message: Callable[[], str]) -> Iterator[None]:
+    """Give interruptions inside the context a message, empty if nothing was saved.
 
     Examples
     --------
@@ -29,13 +29,13 @@ def resumable(said: Callable[[], str]) -> Iterator[None]:
     except Interrupted:  # an inner context has given it a message
         raise
     except KeyboardInterrupt:
-        raise Interrupted(said()) from None
+        raise Interrupted(message()) from None
 
 
 def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
     """Make an interruption of sweeps into these tables name the files that have been saved."""
 
-    def said() -> str:
+    def message() -> str:
         from verification.execution.sweep import part_path
 
         left = [path for out in outs if out is not None for path in [part_path(out)]]
@@ -44,15 +44,15 @@ def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
             f"{names} is there: the same command with --resume continues from it" if names else ""
         )
 
-    return resumable(said)
+    return resumable(message)
 
 
 def resumable_run(checkpoint: Path | None) -> AbstractContextManager[None]:
     """Make an interruption of a simulation name its checkpoint, if it has been written."""
 
-    def said() -> str:
+    def message() -> str:
         if checkpoint is None or not checkpoint.exists():
             return ""
         return f"{checkpoint} is there: the same command with this --checkpoint continues from it"
 
-    return resumable(said)
+    return resumable(message)

@@ -107,7 +107,7 @@ class Group:
         self,
         parser: Any,
         not_required: Iterable[str] = (),
-        said: Mapping[str, str] = MappingProxyType({}),
+        defaults: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Declare one option for each parameter.
 
@@ -120,11 +120,11 @@ class Group:
             Parser or group that receives the options.
         not_required : iterable of str, optional
             Parameters that may be absent although they have no default.
-        said : mapping of str to str, optional
+        defaults : mapping of str to str, optional
             Descriptions of those defaults that depend on other parameters.
         """
         for each in self.parameters:
-            default = said.get(each.name, self._default(each))
+            default = defaults.get(each.name, self._default(each))
             dest, words = self.prefix + each.name, _help(each, default, self.ranged)
             if each.positional:
                 parser.add_argument(dest, nargs="*" if each.kind == "strings" else "?",
@@ -240,9 +240,9 @@ def _help(each: Described, default: Any, ranged: str) -> str:
     if each.kind == "numbers" or (ranged and each.kind == "float"):
         words += f"; a range low:high:count gives {ranged or 'a curve'}"
     value = getattr(default, "value", default)
-    said = (
+    shown = (
         isinstance(value, (str, int, float, Path)) and value != "" and not isinstance(value, bool)
     )
-    if said:
+    if shown:
         words += f" (default {value:g})" if isinstance(value, float) else f" (default {value})"
     return words.replace("%", "%%")

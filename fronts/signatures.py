@@ -166,11 +166,11 @@ def of_kinds(words: str, kinds: Collection[str]) -> str:
     """
     kept = []
     for sentence in re.split(r"(?<=\.) (?=[A-Z])", words):
-        kind, _, said = sentence.partition(": ")
+        kind, _, text = sentence.partition(": ")
         if kind not in KINDS:
             kept.append(sentence)
         elif kind in kinds:
-            kept.append(sentence if len(kinds) > 1 else said[:1].upper() + said[1:])
+            kept.append(sentence if len(kinds) > 1 else text[:1].upper() + text[1:])
     return " ".join(kept)
 
 

@@ -88,7 +88,7 @@ class Repeat:
     quote: str
 
 
-_SAID = {"place", "quote", "statement", "recorded", "command"}
+_FIELDS = {"place", "quote", "statement", "recorded", "command"}
 """Fields of a claim that every text contains."""
 
 
@@ -172,19 +172,19 @@ class Claim:
             If a field is missing in the text, or is there but does not exist in a claim.
         """
         fields = words(rule.__module__, key)
-        said = {name: value for name, value in fields if name not in ("by", "also")}
-        if not _SAID <= set(said) <= {*_SAID, "printed"}:
-            raise ValueError(f"the text of {key} has {', '.join(said)}: it needs {_SAID}.")
+        given = {name: value for name, value in fields if name not in ("by", "also")}
+        if not _FIELDS <= set(given) <= {*_FIELDS, "printed"}:
+            raise ValueError(f"the text of {key} has {', '.join(given)}: it needs {_FIELDS}.")
         repeats = (value.partition(": ") for name, value in fields if name == "also")
         return cls(
             key=key,
             rule=rule,
-            place=said["place"],
-            quote=said["quote"],
-            statement=said["statement"],
-            printed=said.get("printed"),
-            recorded=Verdict(said["recorded"]),
-            command=said["command"],
+            place=given["place"],
+            quote=given["quote"],
+            statement=given["statement"],
+            printed=given.get("printed"),
+            recorded=Verdict(given["recorded"]),
+            command=given["command"],
             methods=tuple(Method.of(value) for name, value in fields if name == "by"),
             repeats=tuple(Repeat(place, quote) for place, _, quote in repeats),
             **judging,

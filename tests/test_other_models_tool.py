@@ -52,12 +52,14 @@ def test_a_failing_check_an_error_and_a_refusal_are_told_apart(
     _load(monkeypatch, averaging=FAILS, linearisation=ZeroDivisionError("oops"),
           piecewise_front=refusal)  # fmt: skip
     expected = {
-        "averaging": ModelFinding(derivation="averaging", said="second: off by a half", fails=True),
+        "averaging": ModelFinding(
+            derivation="averaging", message="second: off by a half", fails=True
+        ),
         "linearisation": ModelFinding(
-            derivation="linearisation", said="ZeroDivisionError: oops", fails=True
+            derivation="linearisation", message="ZeroDivisionError: oops", fails=True
         ),
         "piecewise-front": ModelFinding(
-            derivation="piecewise-front", said=str(refusal), fails=False
+            derivation="piecewise-front", message=str(refusal), fails=False
         ),
     }
     found = list(findings(random_model(1)))

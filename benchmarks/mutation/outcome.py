@@ -149,8 +149,8 @@ class MutationOutcome:
         for name, row in self.counts().items():
             lines.append(f"{name:44}" + "".join(f"{count:10}" for count in row.values()))
         for m in self.open:
-            said = "NOT REACHED" if self.found[m.name] == UNREACHED else "NOT NOTICED"
-            lines.append(f"{said} {m.module}:{m.line} {m.function}: {m.change}")
+            word = "NOT REACHED" if self.found[m.name] == UNREACHED else "NOT NOTICED"
+            lines.append(f"{word} {m.module}:{m.line} {m.function}: {m.change}")
         return "\n".join(lines)
 
     def write(

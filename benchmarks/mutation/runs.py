@@ -113,8 +113,8 @@ class Runs:
         by = answers[0]["by"] if answers else None
         self.found[mutant.name] = KILLED if by else SURVIVED if asked else UNREACHED
         if not by:
-            said = "noticed" if asked else "reached"
-            print(f"not {said}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
+            word = "noticed" if asked else "reached"
+            print(f"not {word}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
                   file=sys.stderr, flush=True)  # fmt: skip
         if by in (STOPPED, HUNG):
             print(f"noticed by {by}: {mutant.name}", file=sys.stderr, flush=True)

@@ -142,7 +142,7 @@ def _judged(
     start = time.perf_counter()
     shown = Progress("claims", steps=len(entries), at_once=jobs, quiet=quiet)
 
-    def said() -> str:
+    def message() -> str:
         if folder is None:
             return ""
         return (
@@ -152,7 +152,7 @@ def _judged(
 
     identity = {"source": source, "versions": versions}
     with (
-        resumable(said),
+        resumable(message),
         # Evidence of another code or version is computed anew instead of being refused.
         Store(folder / STORE, identity, resume=resume, replace=True)
         if folder

@@ -202,11 +202,11 @@ def _list() -> Answer:
     ]
     lines = []
     for quantity in all_computations():
-        said = _range_of(quantity)
+        domain = _range_of(quantity)
         share = f"share {quantity.share:g}"
-        lines.append(f"{quantity.name:26}{said['what']}\n{'':26}{said['over']}; {share}")
+        lines.append(f"{quantity.name:26}{domain['what']}\n{'':26}{domain['over']}; {share}")
         if quantity.limits:
-            lines.append(f"{'':26}({said['ends']})")
+            lines.append(f"{'':26}({domain['ends']})")
     return Answer({"quantities": rows}, "\n".join(lines))
 
 

@@ -103,14 +103,14 @@ class Controls:
 
     def settings(self) -> Settings:
         """Return the current settings."""
-        said = {
+        settings = {
             "c": float(self.c.value), "eps": float(self.eps.value), "model": self.model.value,
             "nucleus": self.nucleus.value,
         }  # fmt: skip
         if not self.damping.value:
-            return Settings(eta=float(self.eta.value), **said)
+            return Settings(eta=float(self.eta.value), **settings)
         a, b = float(self.a.value), float(self.b.value)
-        return Settings(eta=b / a**2, a=a, b=b, **said)
+        return Settings(eta=b / a**2, a=a, b=b, **settings)
 
 
 class ExplorerPage:
@@ -166,8 +166,8 @@ class ExplorerPage:
             text = script(settings)
             self._later(lambda: self.code.param.update(object=f"<pre>{html.escape(text)}</pre>"))
         except Exception as defect:
-            said = f"a defect of this toolkit: {type(defect).__name__}: {defect}"
-            self._later(lambda: self.status.param.update(object=html.escape(said)))
+            message = f"a defect of this toolkit: {type(defect).__name__}: {defect}"
+            self._later(lambda: self.status.param.update(object=html.escape(message)))
 
     def _later(self, do: Callable[[], Any]) -> None:
         self.document.add_next_tick_callback(do)

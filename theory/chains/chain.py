@@ -303,8 +303,8 @@ class SmoothChain(Chain):
             If there is a force.
         """
         if self.forces:
-            said = " and ".join(map(str, self.forces))
-            raise ParameterError("drive", said, f"none for {what}", "leave it out")
+            forces = " and ".join(map(str, self.forces))
+            raise ParameterError("drive", forces, f"none for {what}", "leave it out")
 
     @property
     def kernel_rate(self) -> float:

@@ -90,10 +90,10 @@ on another disk.
     """
     if isinstance(error, FileError):
         return error
-    said = error.strerror or str(error) or type(error).__name__
-    said = f"cannot be {verb}: {said[:1].lower()}{said[1:]}"
+    problem = error.strerror or str(error) or type(error).__name__
+    problem = f"cannot be {verb}: {problem[:1].lower()}{problem[1:]}"
     number = errno.EIO if error.errno is None else error.errno
-    return FileError(path, said, _REMEDIES.get(number, "name another file"), number)
+    return FileError(path, problem, _REMEDIES.get(number, "name another file"), number)
 
 
 def check_writable(path: Path) -> None:
@@ -294,8 +294,8 @@ def _target(path: Path) -> Path | None:
             raise FileError(path, why, "create the folder first", errno.ENOENT) from None
         return target
     except (OSError, ValueError) as error:
-        said = error if isinstance(error, OSError) else OSError(errno.EINVAL, str(error))
-        raise file_error(path, said) from None
+        cause = error if isinstance(error, OSError) else OSError(errno.EINVAL, str(error))
+        raise file_error(path, cause) from None
     if stat.S_ISREG(mode):
         return Path(os.path.realpath(path))
     if stat.S_ISFIFO(mode):

@@ -112,7 +112,7 @@ class Progress:
             self._running[step] = time.monotonic()
             self._describe()
 
-    def end(self, step: str, said: str, *, computed: bool = True) -> None:
+    def end(self, step: str, message: str, *, computed: bool = True) -> None:
         """Print that a step has ended, and how.
 
         A step that was read from a store rather than computed does not affect the estimated pace.
@@ -126,7 +126,7 @@ class Progress:
             elapsed = time.monotonic() - self._begin
             if self._live is not None or not self._quiet:
                 self._print(
-                    f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {said}"
+                    f"[{self.finished:{digits}}/{self._steps}] {elapsed:7.1f} s  {step}: {message}"
                 )
             self._describe()
         if self._live is not None or self._quiet:
@@ -145,12 +145,12 @@ class Progress:
         line, task = self._live
         line.update(task, description=name, refresh=True)
 
-    def _print(self, said: str) -> None:
+    def _print(self, message: str) -> None:
         if self._live is not None:
             line, _ = self._live
-            line.console.print(said, markup=False, highlight=False, soft_wrap=True)
+            line.console.print(message, markup=False, highlight=False, soft_wrap=True)
         else:
-            print(said, file=self._stream, flush=True)
+            print(message, file=self._stream, flush=True)
 
 
 def of_part(progress: ProgressCallback | None, part: int, parts: int) -> ProgressCallback:

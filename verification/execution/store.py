@@ -229,9 +229,9 @@ class Store:
                 "resume it (at the shell --resume), or remove it",
             )  # fmt: skip
         if digest_of(found) != digest_of(self._identity):
-            said = differences(found, self._identity)
+            changed = differences(found, self._identity)
             raise self._refusal(
-                "of another run", f"of the same function, parameters, code and versions ({said})"
+                "of another run", f"of the same function, parameters, code and versions ({changed})"
             )
 
     def _checksum(self, key: str, text: str) -> str:
@@ -261,5 +261,5 @@ def _in_use(error: Exception) -> bool:
 
 
 def _cannot_write(error: Exception) -> bool:
-    said = str(error)
-    return any(words in said for words in (*_FULL, "readonly", "unable to open"))
+    message = str(error)
+    return any(words in message for words in (*_FULL, "readonly", "unable to open"))

@@ -159,8 +159,8 @@ class Table(Result):
         if path.suffix == ".zarr":
             return zarr_writer(self.to_xarray(), metadata.to_dict())
         if path.suffix == ".npz":
-            said = np.array(json.dumps(metadata.to_dict()))
-            content: dict[str, Any] = {**self.arrays, "provenance": said}
+            text = np.array(json.dumps(metadata.to_dict()))
+            content: dict[str, Any] = {**self.arrays, "provenance": text}
             return lambda part: np.savez_compressed(part, **content)
 
         def write(part: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -303,11 +304,16 @@ def test_the_correction_of_a_solution_is_how_far_it_still_is(tolerance: float) -
     assert rough.correction <= 2.0 * apart
 
 
-@pytest.mark.parametrize("u", [-0.5, 0.5])
+@pytest.mark.parametrize("u", [-0.5, -0.01, 0.01, 0.5])
 def test_either_way_along_a_branch_its_orientation_is_constant(u: float) -> None:
-    start = solve_at(circle, np.array([u]), 1.4)
+    """Past a fold as well, where both ∂F/∂u and the direction in c change their signs."""
+    start = solve_at(circle, np.array([u]), 1.0 + math.sqrt(0.49 - u**2))
+    ends = []
     for point in (start, start.reversed()):
-        assert step_along(circle, point, 0.1).orientation == point.orientation
+        end = step_along(circle, point, 0.03)
+        assert end.orientation == point.orientation
+        ends.append(float(end.u[0]))
+    assert (min(ends) * max(ends) < 0.0) is (abs(u) < 0.1)
     assert start.orientation == -start.reversed().orientation
 
 
@@ -340,6 +346,34 @@ def test_the_error_of_a_fold_is_a_small_multiple_of_its_shortfall(bend: float) -
     shortfall = 1.0 - fold.parameter
     assert shortfall > 1e-10
     assert shortfall <= fold.error <= 10.0 * shortfall
+
+
+@pytest.mark.parametrize("bend", [1.0, 1e3])
+def test_the_error_of_a_fold_is_four_times_what_its_curvature_leaves(bend: float) -> None:
+    """c = 1 - bend u²/2, whose curvature that of a secant is, where the search stops early."""
+
+    def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return 0.5 * bend * u**2 + c - 1.0, np.diag(bend * u), np.ones(1)
+
+    u = -0.3 / (PARAMETER_WEIGHT * bend)
+    start = solve_at(parabola, np.array([u]), 1.0 - 0.5 * bend * u**2)
+    steps = StepControl(length=-1.3 * u, fold_tolerance=0.01 * (1.0 - start.parameter))
+    fold = trace(parabola, start, 2.0, None, steps).fold
+    assert fold is not None
+    assert fold.error / (1.0 - fold.parameter) == pytest.approx(4.0, rel=0.1)
+
+
+def test_the_error_of_a_fold_covers_the_rounding_of_its_parameter() -> None:
+    """u² + 3c = 1 folds at a third, where the equation is solved to the last bit."""
+
+    def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
+        return u**2 + 3.0 * c - 1.0, np.diag(2.0 * u), np.array([3.0])
+
+    start = solve_at(parabola, np.array([0.5]), 0.25)
+    fold = trace(parabola, start, 1.0, None, StepControl(fold_tolerance=1e-15)).fold
+    assert fold is not None
+    off = abs(Fraction(fold.parameter) - Fraction(1, 3))
+    assert 0 < off <= Fraction(fold.error) < Fraction(1, 10**14)
 
 
 def test_the_rounding_of_large_terms_that_cancel_is_in_the_error_of_a_fold() -> None:
@@ -406,18 +440,18 @@ def test_a_fold_that_is_not_found_on_a_step_is_looked_for_on_its_half(
 
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
 def test_of_two_folds_within_one_step_the_first_is_found(sense: float) -> None:
-    """A branch that turns at u = 0.4, back at 0.5 and again at 0.6."""
+    """A branch that turns at u = 0.4, back at 0.5 and again at 0.6; beside it is one of u/10."""
 
     def course(u: Any, c: float) -> tuple[Any, Any, Any]:
         s = u[0] - 0.5
         return (
-            np.array([s * (s**2 - 0.02) * s / 4.0 + sense * c]),
-            np.array([[s**3 - 0.01 * s]]),
-            np.array([sense]),
+            np.array([s * (s**2 - 0.02) * s / 4.0 + sense * c, u[1] - 0.1 * u[0]]),
+            np.array([[s**3 - 0.01 * s, 0.0], [-0.1, 1.0]]),
+            np.array([sense, 0.0]),
         )
 
-    start = solve_at(course, np.array([0.3]), -0.0002 * sense)
-    branch = trace(course, start, sense, None, StepControl(length=0.6))
+    start = solve_at(course, np.array([0.3, 0.03]), -0.0002 * sense)
+    branch = trace(course, start, sense, None, StepControl(length=0.64))
     assert branch.fold.u[0] == pytest.approx(0.4, abs=1e-3)
     found = branches._earlier_turn(course, branch.points[0], 0.25, StepControl())
     assert found is not None
@@ -426,19 +460,23 @@ def test_of_two_folds_within_one_step_the_first_is_found(sense: float) -> None:
     assert turned == step_along(course, branch.points[0], place).tangent[-1]
 
 
+@pytest.mark.parametrize("at", [-3.0, 0.0, 3.0])
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(side: float) -> None:
+def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(
+    side: float, at: float
+) -> None:
     solved: list[Any] = []
 
     def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:
         solved.append(u)
-        return u**2 + c, np.diag(2.0 * u), np.array([1.0])
+        return (u - at) ** 2 + c, np.diag(2.0 * (u - at)), np.array([1.0])
 
-    fold = fold_of(0.0, 0.0, np.zeros(1), tangent=np.ones(1))
+    fold = fold_of(0.0, 0.0, np.full(1, at), tangent=np.ones(1))
     for begun in (-0.1, 0.1):
-        found = solve_at(parabola, np.array([begun]), -0.01)
+        found = solve_at(parabola, np.array([at + begun]), -0.01)
         solved.clear()
-        assert branches._on_side(parabola, found, fold, side).u[0] == pytest.approx(0.1 * side)
+        there = branches._on_side(parabola, found, fold, side)
+        assert there.u[0] - at == pytest.approx(0.1 * side)
         assert bool(solved) == (begun != 0.1 * side)
 
 

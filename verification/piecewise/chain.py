@@ -154,7 +154,7 @@ class PiecewiseMotion:
             for j, n in zip(*(index.tolist() for index in np.nonzero(suspect)), strict=True):
                 if found is not None and j > found[0]:
                     break
-                fresh = waited == 0.0 and j == 0 and n == self._latest
+                fresh = j == 0 and n == self._latest
                 at = self._first_crossing(parts[j], complex(phi[j, n]), n, step, fresh)
                 if at is not None and (found is None or at < found[1]):
                     found = (j, at, n)

@@ -248,9 +248,11 @@ def test_a_window_moved_or_widened_shows_the_same_chain(sites):
     for _ in range(3):
         chain.advance(1e3)
     before = chain.state()
+    chain._relay[before.latest] = 1e-3
     chain.shift(sites)
     after = chain.state()
     assert after.origin == before.origin + sites
+    assert np.flatnonzero(chain._relay).tolist() == [after.latest]  # it is that of the same site
     for changed in (after, widened(before, 300), widened(before, 301)):
         first = max(before.origin, changed.origin)
         last = min(before.origin + 256, changed.origin + len(changed.phi))
@@ -380,8 +382,9 @@ def test_a_zero_beyond_the_end_of_the_interval_by_some_roundings_is_none():
     for parts in range(1, 8):
         for other in np.linspace(1.1, 4.0, 50).tolist():
             z = 1.0 + parts * 2.0**-52
-            at = first_zero([z * other, -(z + other), 1.0], 1.0).at
-            assert at is None or at <= 1.0
+            found = first_zero([z * other, -(z + other), 1.0], 1.0)
+            assert found.at is None or 1.0 - 1e-14 < found.at <= 1.0
+            assert found.grazes in (0, 1)
 
 
 def test_a_search_that_is_given_up_counts_every_touch(monkeypatch):
@@ -398,6 +401,12 @@ def test_a_start_of_ones_own_has_32_sites_or_more():
         assert simulation._start_state(0.5, 0.4, given, None) is given
     with pytest.raises(ParameterError, match="31 sites"):
         simulation._start_state(0.5, 0.4, piecewise_window.step_state(31), None)
+
+
+def test_the_smallest_eta_of_a_simulation_is_allowed() -> None:
+    assert simulation._threshold(SMALLEST_ETA) == pytest.approx(ratio(SMALLEST_ETA), rel=1e-12)
+    with pytest.raises(ParameterError, match="at least"):
+        simulation._threshold(0.999 * SMALLEST_ETA)
 
 
 def test_a_polynomial_below_zero_from_the_start_is_there_at_once():

@@ -130,6 +130,28 @@ def test_distances_of_any_order_and_spacing_give_the_velocity_of_neighbouring_si
     assert found[1] >= 3.0 * error
 
 
+@pytest.mark.parametrize("earlier", [0.1, -0.1])
+def test_a_velocity_that_earlier_arrivals_bend_is_as_uncertain_in_either_direction(
+    earlier: float,
+) -> None:
+    """The farther half is straight, and only the fit of three quarters has another slope."""
+    distances = np.arange(5.0, 45.0)
+    arrivals = distances + np.where(np.abs(distances - 20.0) < 5.0, earlier, 0.0)
+    terms = np.array([np.ones(30), distances[10:], np.log(distances[10:])])
+    slope = np.linalg.solve(terms @ terms.T, terms @ arrivals[10:])[1]
+    v, error = velocity_of_arrivals(arrivals, distances)
+    assert v == pytest.approx(1.0, rel=1e-12)
+    assert error == pytest.approx(2.0 * abs(slope - 1.0), rel=1e-6)
+
+
+def test_sites_far_away_that_are_reached_at_once_to_rounding_have_an_infinite_velocity() -> None:
+    """What counts is how far they are from one another: they are twenty times as far away."""
+    distances = np.arange(1000.0, 1100.0)
+    for late, finite in ((2e-14, False), (2e-13, True)):
+        v, error = velocity_of_arrivals(1.0 + late * np.arange(100.0), distances)
+        assert (math.isfinite(v), math.isfinite(error)) == (finite, finite)
+
+
 def test_of_few_arrivals_no_change_of_velocity_is_explained_by_standard_errors() -> None:
     """Periods from row to row of 20 of a square lattice, c = 3; on a long one v is 0.977449."""
     periods = [

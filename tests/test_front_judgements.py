@@ -93,6 +93,13 @@ def test_sites_behind_a_front_are_left_out_only_where_a_wave_is_continued_there(
         assert begun.trailing_sites == trailing
 
 
+def test_a_front_is_followed_for_long_enough_to_pass_a_site_in_two_stall_times() -> None:
+    prepared = smooth._prepare_smooth(AVERAGED, _request(stall_time=3.0), LeftBoundary.FREE)
+    for beyond in (40, 400):
+        begun: Any = prepared.begin(prepared.sized(beyond), 1e-8)
+        assert begun.end >= 2.0 * 3.0 / AVERAGED.eps * beyond
+
+
 def test_a_smooth_chain_is_measured_as_is_asked_or_as_is_usual() -> None:
     chain = AveragedChain(a=4, b=0.5, c=0.6, sites=50)
     usual = smooth._prepare_smooth(chain, _request(), LeftBoundary.FREE)

@@ -485,6 +485,17 @@ def test_what_passes_the_level_again_and_again_is_not_steady(
     assert found.above == np.count_nonzero(high > level)
 
 
+def test_of_a_window_the_largest_and_the_smallest_amplitudes_are_kept() -> None:
+    """Without springs a site beyond the unstable cycle leaves it, and one within it decays."""
+    chain = UNSTABLE.replace(c=0.0, sites=2)
+    start = np.array([[1.1, 0.9], [0.0, 0.0]]) * chain.unstable_amplitude
+    state, window, _ = smooth_rules._through_window(chain, start, 1e-9)
+    end = np.hypot(*state)
+    assert start[0, 0] < window.low[0] < window.high[0] == pytest.approx(end[0], rel=1e-8)
+    assert end[1] == pytest.approx(window.low[1], rel=1e-8)
+    assert window.low[1] < window.high[1] < start[0, 1]
+
+
 class _FrictionRun:
     """A made-up run of a friction chain of unit amplitudes whose sites have not stuck."""
 
@@ -502,7 +513,7 @@ class _FrictionRun:
         return False
 
 
-@pytest.mark.parametrize("drift", [0.9e-5, 1.1e-5])
+@pytest.mark.parametrize("drift", [0.9e-5, 1.1e-5, -1.1e-5])
 def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
     drift: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -525,7 +536,7 @@ def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
     monkeypatch.setattr(friction_rules, "FrictionIntegration", Run)
     chain = FrictionChain(c=0.05, sites=2)
     sliding = friction_rules.find_friction_state(chain, np.zeros((2, 2)), end=2000.0)
-    settled = drift < 1e-5
+    settled = abs(drift) < 1e-5
     for each, at_once, at_end in ((found, 10.0, 50.0), (sliding, 80.0, 1000.0)):
         assert each.state is (State.BREATHER if settled else State.UNDECIDED)
         assert each.time == (at_once if settled else at_end)
@@ -1164,6 +1175,10 @@ def test_amplitudes_of_what_stands_are_taken_over_two_periods_of_a_cell(eps: flo
     assert cycle_period(own) == pytest.approx(2.0 * max(periods))
     time = cycle_period(VdpChain(a=4, b=0.5, c=0.1, eps=eps))
     assert 2.0 * max(periods) <= time < (1.0 + 3.0 * eps) * 2.0 * max(periods)
+    still = OscillatorChain(
+        damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=0.1, sites=3
+    )
+    assert cycle_period(still) == 0.0  # without inertia nothing oscillates
 
 
 def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_is() -> None:
@@ -1314,13 +1329,19 @@ def test_a_range_of_escape_with_gaps_is_wider_by_half_of_itself_at_either_end(
 
         def bracket(self) -> None: ...
         def refine(self, _: float) -> None: ...
-        def escape(self, _: float) -> None: ...
+        def escape(self, c: float) -> None:
+            tried.append(c)
+
         def end_by_longer_runs(self, _: float) -> float:
             return 0.185
 
     monkeypatch.setattr(escape, "_EscapeRuns", Made)
+    tried: list[float] = []
     noisy = escape.NucleusPreparation(1, perturbation=1e-3, seed=1)
     found = escape.escape_range(AveragedChain(a=4, b=0.5, c=0.6), noisy, seeds=2)
+    # Further runs are made from a hundredth of c below the range to as much above it, in eighths.
+    assert sorted({*tried}) == pytest.approx(0.2 * (1.0 + 0.01 * np.arange(-48, 49) / 8.0))
+    assert len(tried) == 2 * 97
     assert not found.monotone  # one of the two seeds has gaps
     assert (found.low, found.high) == pytest.approx((0.18, 0.22))
     assert found.error == pytest.approx(0.02)

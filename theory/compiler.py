@@ -67,8 +67,8 @@ class _Rolled(JITCodeLibrary):
     def _optimize_final_module(self) -> None:
         codegen: Any = self._codegen
         if not hasattr(codegen, "_pass_builder"):  # as in numba before 0.62
-            whole: Any = super()._optimize_final_module
-            whole()
+            inherited: Any = super()._optimize_final_module
+            inherited()
             return
         module = self._final_module
         passes, builder = codegen._module_pass_manager(loop_vectorize=False, opt=0, cost="cheap")
@@ -102,8 +102,8 @@ class _ShortCompiler(Compiler):
 
     def define_pipelines(self) -> list[Any]:
         """Return numba's passes except those for closures, ``with``, literals and whole arrays."""
-        whole: Any = super().define_pipelines
-        pipelines: list[Any] = whole()
+        inherited: Any = super().define_pipelines
+        pipelines: list[Any] = inherited()
         for each in pipelines:
             each.passes = [step for step in each.passes if step[0].name() not in _SKIPPED]
             each.finalize()

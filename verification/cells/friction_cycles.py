@@ -88,8 +88,8 @@ def creep(cell: FrictionCell) -> phases.Creep:
     if v_d < low:
         rising, falling = math.inf, low - v_d
     elif v_d > high:
-        whole = v_d > 2.0 * high and 2.0 * curve.drop <= (damping + cell.viscous) * v_d
-        rising, falling = math.inf if whole or high == 0.0 else v_d - high, math.inf
+        everywhere = v_d > 2.0 * high and 2.0 * curve.drop <= (damping + cell.viscous) * v_d
+        rising, falling = math.inf if everywhere or high == 0.0 else v_d - high, math.inf
     return phases.Creep(
         sliding=sliding, lowest=min(cell.release, sliding - v_d), rising=rising, falling=falling
     )

@@ -103,11 +103,11 @@ def points_of(names: Sequence[str], points: int) -> tuple[Point, ...]:
     """
     count_within("number of points", points, 1, 1_000_000)
     computations = chosen(names)
-    whole = sum(computation.share for computation in computations)
+    total = sum(computation.share for computation in computations)
     spread = (
         ((number + 0.5) / count, place, Point(quantity=computation.name, number=number))
         for place, computation in enumerate(computations)
-        for count in [max(min(MIN_POINTS, points), round(points * computation.share / whole))]
+        for count in [max(min(MIN_POINTS, points), round(points * computation.share / total))]
         for number in range(count)
     )
     return tuple(point for _, _, point in sorted(spread, key=lambda each: each[:2]))

@@ -68,12 +68,12 @@ def front_velocity(
     phase = csc_matrix(([1.0], ([0], [middle])), shape=(1, R.size + 1))
     last = math.inf
     for _ in range(_MAX_ITERATIONS):
-        whole = np.concatenate([left, R, right])
+        padded = np.concatenate([left, R, right])
         slope = sum(
-            weight * per_site * (_shifted(whole, k, xi.size) - _shifted(whole, -k, xi.size))
+            weight * per_site * (_shifted(padded, k, xi.size) - _shifted(padded, -k, xi.size))
             for k, weight in enumerate(_CENTRAL, start=1)
         )
-        neighbours = _shifted(whole, -per_site, xi.size) - _shifted(whole, per_site, xi.size)
+        neighbours = _shifted(padded, -per_site, xi.size) - _shifted(padded, per_site, xi.size)
         damping = R * (1 - R**2 / 4 + eta * R**4 / 8)
         value = np.append(v * slope + (c * neighbours - damping) / 2, R[middle] - unstable)
         column = csc_matrix(np.asarray(slope, float)[:, None])
@@ -86,9 +86,9 @@ def front_velocity(
     raise ArithmeticError(f"no wave was found at c = {c:g}, eta = {eta:g}")
 
 
-def _shifted(whole: AnyArray, by: int, size: int) -> AnyArray:
-    begin = (whole.size - size) // 2 + by
-    return whole[begin : begin + size]
+def _shifted(padded: AnyArray, by: int, size: int) -> AnyArray:
+    begin = (padded.size - size) // 2 + by
+    return padded[begin : begin + size]
 
 
 def _matrix(R: FloatArray, v: float, c: float, eta: float, m: int) -> Any:
@@ -108,8 +108,8 @@ def _guess(
     sites, watched = 60, 20
 
     def rate(_: float, r: FloatArray) -> FloatArray:
-        whole = np.concatenate([[stable], r, [0.0]])
-        spring = 0.5 * c * (whole[:-2] - whole[2:])
+        padded = np.concatenate([[stable], r, [0.0]])
+        spring = 0.5 * c * (padded[:-2] - padded[2:])
         return np.asarray(spring - 0.5 * r * (1.0 - r**2 / 4.0 + eta * r**4 / 8.0))
 
     def arrived(_: float, r: FloatArray) -> float:

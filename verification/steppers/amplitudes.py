@@ -57,8 +57,8 @@ def rate(rho: FloatArray, chain: Amplitudes) -> FloatArray:
     """Return ρ', shape (N,), between the stable cycle on the left and rest on the right."""
     s = chain.square * rho * rho
     g = 0.5 * (1.0 - 0.25 * s + 0.125 * chain.eta * s * s)
-    whole = np.concatenate([[1.0], rho, [0.0]])
-    found: FloatArray = 0.5 * chain.c * (whole[:-2] - whole[2:]) - rho * g
+    padded = np.concatenate([[1.0], rho, [0.0]])
+    found: FloatArray = 0.5 * chain.c * (padded[:-2] - padded[2:]) - rho * g
     return found
 
 
@@ -72,8 +72,8 @@ def weights(chain: Amplitudes, along: Parameter) -> tuple[float, float]:
 def rate_by(rho: FloatArray, chain: Amplitudes, along: Parameter) -> FloatArray:
     """Return the derivative of ρ' with respect to c or η, shape (N,)."""
     of_spring, of_damping = weights(chain, along)
-    whole = np.concatenate([[1.0], rho, [0.0]])
-    spring = 0.5 * (whole[:-2] - whole[2:])
+    padded = np.concatenate([[1.0], rho, [0.0]])
+    spring = 0.5 * (padded[:-2] - padded[2:])
     found: FloatArray = of_spring * spring + of_damping * rho**3 * (1.0 - rho * rho)
     return found
 

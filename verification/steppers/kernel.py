@@ -161,13 +161,13 @@ def network_slope(kernel: Kernel, mark: str, header: int, arrays: int, on_veloci
         rows = (sites + 2) // 2
         starts = p[at : at + rows].view(np.uint32)
         others = p[at + rows : at + rows + (count + 1) // 2].view(np.uint32)
-        whole = m == sites
+        complete = m == sites
         for i in range(m):
             n = np.uint64(lo + i)
             near_y = near_w = 0.0
             for k in range(np.uint64(starts[n]), np.uint64(starts[n + np.uint64(1)])):
                 j = np.uint64(others[k])
-                if not whole:
+                if not complete:
                     if j < np.uint64(lo) or j >= np.uint64(lo + m):
                         continue
                     j -= np.uint64(lo)

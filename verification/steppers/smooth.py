@@ -376,9 +376,9 @@ def _arriving(task: LoopTask, run: LoopState, rows: Rows, h: float) -> bool:
 @inner()
 def _pass_time(task: LoopTask, clock: FloatArray, h: float) -> None:
     """Add the step to the time; at a review, let the next step grow if the errors permit."""
-    t, whole = clock[0], h + clock[4]
-    clock[0] = t + whole
-    clock[4] = whole - (clock[0] - t)
+    t, increment = clock[0], h + clock[4]
+    clock[0] = t + increment
+    clock[4] = increment - (clock[0] - t)
     if clock[0] >= clock[3]:
         clock[3] = clock[0] + task.review
         if clock[2] < LAZY:

@@ -176,9 +176,9 @@ def _integrate(
             f"below {LARGEST:g} all along the orbit",
             "take more steps or a start nearer to the cycle",
         )
-    whole = np.vstack([tangent_y, tangent_v])
-    by_c = whole[:, -1] if variations else np.empty(0)
-    return Flow(state, whole[:, :-1], by_c, samples, steps)
+    tangents = np.vstack([tangent_y, tangent_v])
+    by_c = tangents[:, -1] if variations else np.empty(0)
+    return Flow(state, tangents[:, :-1], by_c, samples, steps)
 
 
 class _Equation(NamedTuple):

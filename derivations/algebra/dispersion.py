@@ -131,7 +131,7 @@ class EnvelopeOfWave(Operation):
     ----------
     envelope : Expr
         A function of x and t.
-    place, time : Symbol
+    position, time : Symbol
         x and t.
     coefficients : tuple of Expr
         First, second and third derivative of the frequency at the carrier.
@@ -139,10 +139,10 @@ class EnvelopeOfWave(Operation):
 
     phrase: ClassVar[str] = (
         "expand the frequency about the fastest wave to third order, write the distance of the "
-        "wavenumber as -i∂/∂{place} on the envelope, and add the local rate of {sources}"
+        "wavenumber as -i∂/∂{position} on the envelope, and add the local rate of {sources}"
     )
     envelope: sp.Expr
-    place: sp.Symbol
+    position: sp.Symbol
     time: sp.Symbol
     coefficients: tuple[sp.Expr, ...]
 
@@ -151,6 +151,6 @@ class EnvelopeOfWave(Operation):
         (local,) = sources
         rate = sp.S.Zero
         for order, coefficient in enumerate(self.coefficients, start=1):
-            derivative = (-sp.I) ** order * self.envelope.diff((self.place, order))
+            derivative = (-sp.I) ** order * self.envelope.diff((self.position, order))
             rate -= sp.I * coefficient / sp.factorial(order) * derivative
         return equation(self.envelope.diff(self.time), sp.expand(rate) + local.rhs)

@@ -117,18 +117,18 @@ class StrongChecks(SampledChecks):
 
     def _envelope(self, sample: Sample, size: float, rate: complex, slopes: list[complex],
                   *, one: float, three: float) -> dict[Any, Any]:  # fmt: skip
-        return {s.envelope: size, s.envelope.diff(t): rate, s.envelope.diff(s.place): slopes[0],
-                s.envelope.diff((s.place, 3)): slopes[1], s.w_1: one, s.w_3: three,
+        return {s.envelope: size, s.envelope.diff(t): rate, s.envelope.diff(s.position): slopes[0],
+                s.envelope.diff((s.position, 3)): slopes[1], s.w_1: one, s.w_3: three,
                 **sample.chain.values}  # fmt: skip
 
     @at_points("a shape watched at a fixed place")
     def inner_scale(self) -> Points:
-        """Compare with a shape observed at a fixed place."""
-        place, time, velocity, length = 1.7, 0.6, 0.9, 2.3
-        observed = float(_shape((place - velocity * time) / length))
-        moving = s.profile((s.place - s.speed * t) / s.length)
+        """Compare with a shape observed at a fixed position."""
+        position, time, velocity, length = 1.7, 0.6, 0.9, 2.3
+        observed = float(_shape((position - velocity * time) / length))
+        moving = s.profile((s.position - s.speed * t) / s.length)
         point = {s.envelope: observed, moving: observed,
-                 s.inner: float(_shape((place - velocity * time) / length))}  # fmt: skip
+                 s.inner: float(_shape((position - velocity * time) / length))}  # fmt: skip
         yield point, [0, 0]
 
     def _frames(self) -> Iterator[tuple[Sample, dict[Any, Any], dict[str, float]]]:
@@ -357,9 +357,9 @@ def run_front(sample: Sample, springs: tuple[float, ...]) -> float:
     """
     loss, end, first = _loss(sample), 12.0 / sample.damping_at_rest, springs[0]
     sites = int(1.4 * first * end) + 60
-    place = np.arange(sites)
+    position = np.arange(sites)
     width = 2 * np.cbrt(max(first / sample.damping_at_rest, 1.0) / 6)
-    r = sample.outer * expit((20 - place) / width)
+    r = sample.outer * expit((20 - position) / width)
     step = min(0.8 / first, 1.0 / sample.return_rate)  # a longer one runs away from the cycle
     half = 0.5 * sample.outer
 

@@ -32,7 +32,7 @@ from derivations.front.symbols import (
     inner_place,
     kappa_front,
     length,
-    place,
+    position,
     profile,
     q,
     radius,
@@ -73,13 +73,14 @@ def _outer(draft: Draft, checks: StrongChecks) -> None:
                   Substitute({radius: envelope}, meaning="at each place"), "amplitude of the cell",
                   check=checks.local_rate,
                   note="the phase of the carrier drops out: the envelope is real")
-    draft.derived("envelope of the fastest wave", EnvelopeOfWave(envelope, place, t, (w_1, 0, w_3)),
+    draft.derived("envelope of the fastest wave",
+                  EnvelopeOfWave(envelope, position, t, (w_1, 0, w_3)),
                   "local rate of the envelope", check=checks.modulated,
                   note="the second derivative vanishes where the group velocity is largest")
-    moving = profile((place - speed * t) / length)
+    moving = profile((position - speed * t) / length)
     draft.ansatz("inner scale", sp.Tuple(equation(envelope, moving), equation(moving, inner)),
                  "a front of a length still unknown", check=checks.inner_scale)
-    draft.derived("front in the inner scale", EnterMovingFrame(place, t),
+    draft.derived("front in the inner scale", EnterMovingFrame(position, t),
                   "envelope of the fastest wave", "inner scale",
                   check=checks.inner_frame)
     draft.definition("speed and dispersion",

@@ -115,22 +115,22 @@ class _Reader:
     def __init__(self, tokens: tuple[str, ...], notation: Notation) -> None:
         self.tokens = tokens
         self.notation = notation
-        self.place = 0
+        self.position = 0
         self.inside_bars = False
 
     @property
     def token(self) -> str:
-        return self.tokens[self.place] if self.place < len(self.tokens) else ""
+        return self.tokens[self.position] if self.position < len(self.tokens) else ""
 
     def take(self, expected: str | None = None) -> str:
         found = self.token
         if not found or (expected is not None and found != expected):
             raise self.unexpected(expected or "more of the formula")
-        self.place += 1
+        self.position += 1
         return found
 
     def unexpected(self, allowed: str) -> DerivationInputError:
-        read = joined(self.tokens[max(self.place - 12, 0) : self.place])
+        read = joined(self.tokens[max(self.position - 12, 0) : self.position])
         return DerivationInputError(
             "LaTeX", f"'{self.token}' after '{read}'", allowed,
             "write the formula in the notation of the paper",
@@ -245,10 +245,10 @@ class _Reader:
 
     def _group(self) -> tuple[str, ...]:
         self.take("{")
-        start, depth = self.place, 1
+        start, depth = self.position, 1
         while depth:
             depth += {"{": 1, "}": -1}.get(self.take(), 0)
-        return self.tokens[start : self.place - 1]
+        return self.tokens[start : self.position - 1]
 
     def primary(self) -> sp.Expr:
         token = self.token
@@ -322,11 +322,11 @@ class _Reader:
 
     def _after_environment(self) -> str:
         depth = 0
-        for place in range(self.place, len(self.tokens)):
-            depth += self.tokens[place].startswith(r"\begin")
-            depth -= self.tokens[place].startswith(r"\end")
+        for position in range(self.position, len(self.tokens)):
+            depth += self.tokens[position].startswith(r"\begin")
+            depth -= self.tokens[position].startswith(r"\end")
             if depth == 0:
-                return self.tokens[place + 1] if place + 1 < len(self.tokens) else ""
+                return self.tokens[position + 1] if position + 1 < len(self.tokens) else ""
         return ""
 
     def rows(self) -> list[list[sp.Basic]]:
@@ -405,7 +405,7 @@ class _Reader:
             return f"{token}{{{inner}}}"
         plain = token.isalpha() or (token.startswith("\\") and token[1:].isalpha())
         if not plain and token not in (r"\ldots",):
-            self.place -= 1
+            self.position -= 1
             raise self.unexpected("a number, a name or a bracket")
         return token
 
@@ -421,9 +421,9 @@ class _Reader:
 
     def _marker(self) -> str:
         """Return ``+``, ``-`` or ``(1)`` if an exponent is only a mark of the name."""
-        place = self.place
+        position = self.position
         raw = self._raw_after("^")
-        self.place = place
+        self.position = position
         text = "".join(raw)
         if text in ("+", "-", "\\pm") or (
             raw[0] == "(" and raw[-1] == ")" and text[1:-1].isdigit()

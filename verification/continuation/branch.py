@@ -364,16 +364,16 @@ class _Bracket:
     f_low: float
     f_high: float
     replaced: int = 0
-    """1 if the last place replaced ``low``, -1 if ``high``."""
+    """1 if the last position replaced ``low``, -1 if ``high``."""
 
-    def shrink(self, place: float, value: float) -> None:
+    def shrink(self, position: float, value: float) -> None:
         """Replace the end with a value of this sign; halve the value of an end kept twice."""
         if (value > 0.0) == (self.f_high > 0.0):
-            self.high, self.f_high = place, value
+            self.high, self.f_high = position, value
             self.f_low *= 0.5 if self.replaced == -1 else 1.0
             self.replaced = -1
         else:
-            self.low, self.f_low = place, value
+            self.low, self.f_low = position, value
             self.f_high *= 0.5 if self.replaced == 1 else 1.0
             self.replaced = 1
 
@@ -391,19 +391,19 @@ def _find_fold(
     best, shortfall, distance = beyond, np.inf, np.inf
     for _ in range(40):
         curvature = (bracket.f_low - bracket.f_high) / (bracket.high - bracket.low)  # -d²p/ds²
-        place = bracket.low + bracket.f_low / curvature
-        best = step_along(system, before, place, steps.tolerance)
+        position = bracket.low + bracket.f_low / curvature
+        best = step_along(system, before, position, steps.tolerance)
         value = float(best.tangent[-1])
         # p differs from the fold by the integral of dp/ds from here to it.
         distance = value / curvature
         shortfall = value**2 / (2.0 * PARAMETER_WEIGHT * abs(curvature))
         if shortfall < steps.fold_tolerance:
-            earlier = _earlier_turn(system, before, place, steps)
+            earlier = _earlier_turn(system, before, position, steps)
             if earlier is None:
                 break
             bracket = _Bracket(0.0, earlier[0], float(before.tangent[-1]), earlier[1])
         else:
-            bracket.shrink(place, value)
+            bracket.shrink(position, value)
     displacement = _fold_displacement(system, best)
     return Fold(
         parameter=best.parameter,
@@ -416,13 +416,13 @@ def _find_fold(
 
 
 def _earlier_turn(
-    system: System, before: BranchPoint, place: float, steps: StepControl
+    system: System, before: BranchPoint, position: float, steps: StepControl
 ) -> tuple[float, float] | None:
-    """Return a place before a fold at which dp/ds has changed sign already, and dp/ds there."""
+    """Return a position before a fold at which dp/ds has changed sign already, and dp/ds there."""
     for fraction in _FRACTIONS:
-        dp_ds = float(step_along(system, before, fraction * place, steps.tolerance).tangent[-1])
+        dp_ds = float(step_along(system, before, fraction * position, steps.tolerance).tangent[-1])
         if dp_ds * before.tangent[-1] < 0.0:
-            return fraction * place, dp_ds
+            return fraction * position, dp_ds
     return None
 
 

@@ -90,18 +90,18 @@ def velocity_of_arrivals(
     """
     away = np.arange(arrivals.size) if distances is None else distances
     farther = np.argsort(away, kind="stable")[arrivals.size // 2 :]
-    place, late = away[farther], arrivals[farther]
-    slope, noise = line(place, late)
+    position, late = away[farther], arrivals[farther]
+    slope, noise = line(position, late)
     trusted = distances is None and late.size >= 2 * _FEWEST
-    if slope * (place[-1] - place[0]) <= _AT_ONCE * float(late.max()):
+    if slope * (position[-1] - position[0]) <= _AT_ONCE * float(late.max()):
         return math.inf, math.inf
     half = late.size // 2
-    first, first_noise = line(place[:half], late[:half])
-    second, second_noise = line(place[half:], late[half:])
+    first, first_noise = line(position[:half], late[:half])
+    second, second_noise = line(position[half:], late[half:])
     apart = abs(first - second)
     drift = _DRIFT * (apart - trusted * 2.0 * math.hypot(first_noise, second_noise))
     outer = late.size // 4
-    middle, middle_noise = line(place[outer:-outer], late[outer:-outer])
+    middle, middle_noise = line(position[outer:-outer], late[outer:-outer])
     bend = _BEND * (abs(slope - middle) - trusted * _NOISE * middle_noise)
     curved = 0.0 if distances is None else _CURVED * abs(slope - _far_away(distances, arrivals))
     return 1.0 / slope, max(_NOISE * noise, apart, drift, bend, curved) / slope**2
@@ -132,8 +132,8 @@ def error_by_disorder(arrivals: FloatArray) -> float:
 def _far_away(distances: FloatArray, arrivals: FloatArray) -> float:
     """Return the slope of arrival times at infinite distance, if it changes like its inverse."""
     farther = np.argsort(distances, kind="stable")[arrivals.size // 4 :]
-    place = distances[farther]
-    terms = np.column_stack([np.ones(place.size), place, np.log(place)])
+    position = distances[farther]
+    terms = np.column_stack([np.ones(position.size), position, np.log(position)])
     return float(np.linalg.lstsq(terms, arrivals[farther])[0][1])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import replace
 
@@ -157,6 +158,23 @@ def test_the_stated_error_bounds_what_a_long_chain_shows() -> None:
         far = measure_front(FrictionChain(c=c, sites=long), max_sites=long, accuracy=0.1)
         assert far.error < short.error
         assert abs(short.v - far.v) < short.error + far.error
+
+
+def test_the_stated_error_bounds_the_pace_over_many_bursts_at_strong_coupling() -> None:
+    # on a chain of this length the front passes nearly all sites in one burst
+    chain = FrictionChain.of(FrictionCell(v_d=1.1642), c=12.926, sites=31)
+    found = measure_front(chain, accuracy=0.1, max_sites=400)
+    longer = replace(chain, sites=1000)
+    run = FrictionIntegration(longer, excite(longer, [1]), tolerance=1e-7)
+    run.advance_to(1.2 * longer.sites / math.sqrt(chain.c))  # waves travel at the root of c
+    reached = np.fmin.accumulate(run.arrivals[::-1])[::-1]
+    reached = reached[np.isfinite(reached)]
+    half, last = reached.size // 2, reached.size - 1
+    pace = (last - half) / (reached[last] - reached[half])
+    # between the two sites there may be one burst more, or one fewer, than on average
+    bursts = (reached[last] - reached[half]) / (2.0 * math.pi)
+    assert bursts > 10.0
+    assert abs(found.v - pace) < found.error + pace / bursts
 
 
 def test_statuses() -> None:

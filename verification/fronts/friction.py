@@ -2,10 +2,14 @@
 
 The friction chain starts with sites on the stick-slip cycle; a site is reached when it first
 sticks. Arrivals are spaced by about one period of the cycle, so that v is a mean over many sites;
-hence the coarser default accuracy.
+hence the coarser default accuracy. At strong coupling the front passes many sites in each of these
+periods and stands still in between. Arrivals of one or two periods can lie on a line of another
+slope by chance; the chain is made so long that the front travels on it for several periods.
 """
 
 from __future__ import annotations
+
+import math
 
 from theory.cells.friction import check_sliding_stable
 from theory.chains.ends import Ends
@@ -27,6 +31,10 @@ LONGEST = 800
 """Default length of the longest chain."""
 MORE_SITES = 3 * MARGIN
 """Fewest sites of a chain in addition to the excited ones."""
+
+TEN_PERIODS = 20.0 * math.pi
+"""Time τ within which a front is not steady: ten periods of free oscillation, so that the half of
+the arrivals to which v is fitted contains four at least."""
 
 MAX_FRICTION_COUPLING = 1e4
 """Largest coupling for a front of (5). With the default options the run takes 1.4 s of CPU time at
@@ -72,5 +80,6 @@ def friction_front(chain: FrictionChain, request: Request) -> Front:
         stall_time=STALL_TIME.number(request.stall_time),
         settling_tolerance=1e-4,
         kind=FrictionIntegration,
+        relaxation_time=TEN_PERIODS,
     )
     return preparation.front(preparation.settled(request.progress), None, False)

@@ -128,7 +128,8 @@ class FrontPreparation:
     relaxation_time : float
         Time (in t) within which a front is not steady. Before disturbances ahead of it have
         decayed, its velocity can pass through a minimum, where no fit of arrivals shows that it
-        will change.
+        will change; nor does one show it of a front that has stopped and started only once or
+        twice.
     """
 
     sized: Callable[[int], Chain]

@@ -36,7 +36,7 @@ class Front(Result):
     error : float or None
         Uncertainty of v; for a pinned front, the smallest velocity that would have been noticed.
         Infinite if it is not known, since the front of a smooth chain has not travelled for the
-        relaxation time of that chain.
+        relaxation time of that chain, or that of a friction chain for ten periods.
     excited : int or None
         Number of sites excited at the start.
     left_boundary : LeftBoundary or None

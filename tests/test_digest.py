@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from theory.parameters import ParameterError
-from verification.execution import metadata
+from verification.execution import digest, metadata
 from verification.execution.digest import DRAWING, digest_of_arrays, digest_of_files
 from verification.execution.imports import (
     SOURCES,
@@ -211,11 +211,14 @@ def test_a_library_is_a_module_that_is_installed_but_never_the_script(tmp_path, 
     (tmp_path / "one_file_of_a_user.py").touch()
     for folder in (tmp_path, installed):
         monkeypatch.syspath_prepend(folder)
+    (installed / "one_folder_without_init").mkdir()
     assert is_library("one_installed_file")
+    assert is_library("one_folder_without_init")
     assert not is_library("one_file_of_a_user")
     is_library.cache_clear()
-    monkeypatch.setattr(sys.modules["__main__"], "__spec__", find_spec("numpy"))
-    assert not is_library("__main__")
+    for name in ("__main__", "theory"):  # this project is none either where it is installed
+        monkeypatch.setattr(sys.modules[name], "__spec__", find_spec("numpy"))
+        assert not is_library(name)
     is_library.cache_clear()
 
 
@@ -264,6 +267,10 @@ def test_an_array_of_objects_is_no_parameter():
     assert parameters_of(numbers) == {"array": digest_of_arrays({"": numbers})}
     with pytest.raises(ParameterError, match="one that holds a ndarray"):
         parameters_of(numbers.astype(object))
+
+
+def test_a_parameter_may_be_none():
+    assert parameters_of(Slotted(None)) == {"is": f"{__name__}.Slotted", "k": None}
 
 
 def test_a_class_is_a_task_by_its_name():
@@ -541,6 +548,27 @@ def test_a_changed_file_that_a_script_imports_is_seen_at_any_depth(
         exec(f"{head} return inner if c else outer.inner", vars(script))
         digests.append(code_of(script.task).digest)
     assert digests[0] != digests[1] == digests[2]
+
+
+def test_a_module_that_imports_computed_names_imports_its_whole_package(tmp_path, monkeypatch):
+    """But for its tests."""
+    monkeypatch.syspath_prepend(tmp_path)
+    package = tmp_path / "found_by_name"
+    (package / "inner").mkdir(parents=True)
+    for name in ("__init__", "one", "test_one", "inner/__init__", "inner/two"):
+        (package / f"{name}.py").touch()
+    (package / "one.py").write_text("import importlib\nimportlib.import_module(name)\n")
+    expected = ["found_by_name"] + [f"found_by_name.{each}" for each in ("inner", "inner.two")]
+    found = closure("found_by_name.one", ["found_by_name"])
+    assert list(found) == [*expected, "found_by_name.one"]
+    assert list(closure("found_by_name.inner.two", ["found_by_name"])) == expected
+
+
+def test_a_digest_is_known_as_long_as_every_package_is_found_where_it_was():
+    homes = {name: source_of(name) for name in ("json", "bisect")}
+    moved = homes | {"bisect": source_of("json")}
+    for found, known in ((homes, True), (moved, False)):
+        assert digest._Known(digest="", homes=found, places={}).holds() is known
 
 
 def test_imports_are_followed_through_files_of_a_user_where_these_count(tmp_path, monkeypatch):

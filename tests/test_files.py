@@ -202,6 +202,7 @@ def test_an_error_that_is_not_the_system_s_is_one_of_input_and_output() -> None:
     found = file_error(Path("run.npz"), OSError("odd"))
     assert found.errno == errno.EIO
     assert "cannot be written: odd" in str(found)
+    assert "cannot be written: timeoutError:" in str(file_error(Path("run.npz"), TimeoutError()))
 
 
 def test_what_is_written_is_on_the_disk_before_it_takes_its_name(
@@ -233,6 +234,26 @@ def test_asking_for_the_mask_of_new_files_leaves_it_as_it_is() -> None:
         assert os.umask(0o027) == 0o027
     finally:
         os.umask(before)
+
+
+def test_a_file_takes_the_place_of_another_in_one_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There is no moment without it, since none is moved away."""
+    monkeypatch.setattr(Path, "rename", None)
+    target = tmp_path / "table.csv"
+    target.write_text("old")
+    write_by(target, lambda part: part.write_text("new"))
+    assert target.read_text() == "new"
+
+
+def test_a_folder_is_put_where_nothing_is(tmp_path: Path) -> None:
+    def write(part: Path) -> None:
+        part.unlink()
+        part.mkdir()
+
+    write_by(tmp_path / "table.zarr", write)
+    assert (tmp_path / "table.zarr").is_dir()
 
 
 def test_a_folder_takes_the_place_of_one_that_is_not_empty(tmp_path: Path) -> None:

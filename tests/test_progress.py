@@ -277,6 +277,10 @@ def test_a_line_names_the_first_step_that_runs_and_how_many_run_beside_it(
         for step in ("fig9", "fig16", "fig17"):
             told.begin(step)
     assert shown == ["fig9", "fig9 and 1 more", "fig9 and 1 more"]  # of two at once
+    with Progress("claims", steps=9, stream=io.StringIO()) as told:
+        for step in ("fig9", "fig16"):
+            told.begin(step)
+    assert shown[3:] == ["fig9", "fig9"]  # one at a time, unless another number is given
 
 
 def test_a_kernel_of_jupyter_is_known_by_its_shell(monkeypatch: pytest.MonkeyPatch) -> None:

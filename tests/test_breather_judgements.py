@@ -553,6 +553,9 @@ def test_the_error_of_an_averaged_breather_holds_rounding_where_the_cycles_meet(
     )
     assert small == pytest.approx(2.0, rel=1e-5)
     assert near == pytest.approx(1e4, rel=1e-3)
+    nearest = AveragedChain(a=1.0, b=0.125 * (1.0 - 2.0**-50), c=0.1)
+    last = envelope._rounding(phi, nearest) / (8.0 * EPSILON * 2.0)
+    assert last == pytest.approx(2.0**25, rel=1e-3)
 
 
 @pytest.mark.parametrize("eps", [0.01, 1.0])
@@ -1047,6 +1050,29 @@ def test_beyond_its_fold_the_averaged_breather_is_none_and_the_fold_has_an_error
         assert found.fold is not None
         assert found.fold == pytest.approx(fold.parameter, abs=2e-11)
         assert 0.0 < found.fold_error < 2e-11
+
+
+def test_along_a_branch_the_growth_is_recorded_unless_it_is_not_asked_for() -> None:
+    waves = RotatingWaves(AVERAGED.replace(sites=3), Nucleus(1))
+    branch, without = waves.branch(), waves.branch(monitored=False)
+    first = branch.points[0]
+    assert branch.monitored[0] == waves.monitor(first.u, first.parameter)
+    assert set(without.monitored) == {()}
+
+
+def test_the_real_reduction_is_followed_along_its_branch() -> None:
+    """Along each tangent F does not change."""
+    for point in envelope.quarter_turn_branch(AVERAGED, Nucleus(1)).points:
+        du, dc = point.tangent[:-1], point.tangent[-1] / PARAMETER_WEIGHT
+        ahead, behind, beside = (
+            envelope.quarter_turn_rate(
+                point.u + step * du, AVERAGED.replace(c=point.parameter + also * dc)
+            )
+            for step, also in ((1e-5, 1e-5), (-1e-5, -1e-5), (-1e-5, 1e-5))
+        )
+        change = np.abs(ahead - behind).max()
+        assert change < 1e-8
+        assert abs(dc) < 1e-3 or np.abs(ahead - beside).max() > 100.0 * change
 
 
 @pytest.mark.parametrize(

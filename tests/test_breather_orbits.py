@@ -439,11 +439,15 @@ def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be()
 
     family: Any = SimpleNamespace(
         nucleus=Nucleus(1), chain=VdpChain(a=2.5, b=0.5, c=0.1, sites=2), unit=unit,
-        amplitudes=lambda u, _: np.full(2, amplitude(u)), step_error=lambda _: FoldShift(0.0, 0.0),
+        amplitudes=lambda u, _: np.full(2, amplitude(u)), step_error=lambda _: shift,
     )  # fmt: skip
+    shift = FoldShift(0.0, aside)  # by the steps of the integration, as much again
     fold = fold_of(0.2, 1e-12, np.array([0.5, 0.5]), offset=np.zeros(2), transverse_error=aside)
     found = _described(family, fold, 1)
-    assert abs(amplitude(fold.u + aside) - found.height) <= found.height_error < 0.05
+    assert abs(amplitude(fold.u + 2.0 * aside) - found.height) <= found.height_error < 0.1
+    shift = FoldShift(0.0, 0.0)
+    found = _described(family, replace(fold, transverse_error=0.0), 1)
+    assert np.finfo(float).eps * found.height < found.height_error < 1e-12  # rounding is left
 
 
 @pytest.mark.parametrize("averaged", [False, True])

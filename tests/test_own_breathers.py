@@ -482,6 +482,15 @@ def test_a_nucleus_that_spreads_has_no_orbit_and_an_overdamped_cell_none_at_all(
         breather(nagumo)
 
 
+@pytest.mark.parametrize("method", [None, "orbit"])
+def test_a_chain_of_ones_own_has_the_method_orbit_by_its_name_as_well(
+    method: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(OwnOrbits, "solve", lambda own: own.nucleus)
+    found: Any = breather(OscillatorChain(**PAPER, c=0.1, sites=5), Nucleus(1), method=method)
+    assert found == Nucleus(1)
+
+
 def test_the_command_line_gives_the_breather(answered: Any) -> None:
     line = ["breather", "chain", "--damping", PAPER["damping"], "--value", "a=2.5", "--value"]
     found = answered([*line, "b=0.5", "--c", "0.1", "--n", "9"])
@@ -542,6 +551,7 @@ def test_the_error_of_an_orbit_covers_its_round_off() -> None:
         ([0.1, 2.0, 2.0j, 0.1], "+", True),
         ([0.1, 2.0, 2.0j, 2.0j], "-", False),  # three sites
         ([2.0, 0.1, 0.1, 2.0], "-", False),  # not adjacent: without a name
+        ([0.1, 2.0, 2.0j, 2.0, 0.1], "-", False),  # three sites in the middle
     ],
 )
 def test_a_breather_of_a_line_has_the_name_of_the_nucleus_on_which_it_settled(
@@ -549,7 +559,7 @@ def test_a_breather_of_a_line_has_the_name_of_the_nucleus_on_which_it_settled(
 ) -> None:
     given = Nucleus(2, "-")
     for springs, line in (({}, True), ({"coupling": "square", "sites": (2, 2)}, False)):
-        chain = OscillatorChain(**PAPER, c=0.1, **({"sites": 4} | springs))
+        chain = OscillatorChain(**PAPER, c=0.1, **({"sites": len(waves)} | springs))
         found = Breather(
             chain=chain, nucleus=given, method=BreatherMethod.ORBIT, status=BreatherStatus.EXISTS,
             waves=np.array(waves), seconds=0.0,

@@ -28,6 +28,7 @@ from theory.chains.vdp import VanDerPolChain, VdpChain
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import RootSeries, tail_sum
+from verification.breathers import orbits as breather_orbits
 from verification.execution.points import Point
 from verification.execution.sweep import sweep
 from verification.piecewise.chain import PiecewiseMotion, Switching
@@ -134,8 +135,10 @@ def test_the_change_by_sites_at_rest_is_that_of_the_site_that_changes_most(
         return SimpleNamespace(psi=psi, mean_active=9.0 if active_window else 60.0)
 
     monkeypatch.setattr(runs, "simulate", run)
-    found = runs.sites_at_rest()
+    found = runs.sites_at_rest(tolerance=1e-7)
     assert (found.spent, found.whole, found.changed) == (9.0, 60.0, 1e-3)
+    # A tenth of the tolerance, which is relative to the size of the state.
+    assert found.bound == pytest.approx(1e-8 * runs.CHAIN.stable_amplitude)
 
 
 def test_what_is_left_of_a_balance_is_in_the_error_of_its_period(
@@ -165,6 +168,9 @@ def test_a_period_that_depends_on_the_steps_is_seen_whatever_its_sign(
     monkeypatch.setattr(orbits, "solve_orbit", solve)
     found = orbits.fewer_steps()
     assert (found.changed, found.bound) == pytest.approx((1e-3, 2e-9))
+    # As many as for the steepest cycle for which an orbit is solved.
+    monkeypatch.setattr(breather_orbits, "effective_epsilon", lambda _: breather_orbits.STIFFEST)
+    assert found.whole == breather_orbits.steps_for(VdpChain(a=2.5, b=0.5, c=0.1))
 
 
 @pytest.mark.parametrize("missing", ["v", "error"])
@@ -200,8 +206,9 @@ def test_values_of_the_shape_are_as_dense_as_its_curvature_requires(
     assert 0.3 * hidden < above < hidden
 
 
+@pytest.mark.parametrize("error", [0.25, 0.0])
 def test_a_violation_that_may_be_passed_over_is_within_its_bound(
-    monkeypatch: pytest.MonkeyPatch,
+    error: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     r = threshold_ratio(0.03125)
 
@@ -211,12 +218,16 @@ def test_a_violation_that_may_be_passed_over_is_within_its_bound(
     make = sums.ProfileGrid.make
     monkeypatch.setattr(sums, "_shape", shape)
     monkeypatch.setattr(
-        sums.ProfileGrid, "make", lambda *given: dataclasses.replace(make(*given), error=0.25)
+        sums.ProfileGrid, "make", lambda *given: dataclasses.replace(make(*given), error=error)
     )
     found = sums.few_values_of_the_shape(0.5, 0.03125)
     assert found.changed == pytest.approx(5e-12, rel=1e-4)
     assert found.holds
-    assert found.bound == pytest.approx(0.25, rel=1e-9)  # the error of the values themselves
+    assert found.bound == pytest.approx(error, abs=2e-11)  # the error of the values themselves
+    # A shape without a violation is not that of a front which fails.
+    monkeypatch.setattr(sums, "_shape", lambda _, m, __: [np.where(m < 0, 1.0, 0.0)[:, None]])
+    assert sums.few_values_of_the_shape(0.5, 0.03125).changed == 0.0
+    assert sums.few_values_of_the_shape(10.0, 0.03125).changed == math.inf
 
 
 def test_a_search_that_loses_a_velocity_exceeds_every_bound(
@@ -588,13 +599,14 @@ def test_harmonics_are_compared_with_the_errors_of_both_solutions(
     known: list[Any] = []
 
     def balanced(_: object, odd: Any, __: object, orbit: Any) -> tuple[float, float]:
-        known.append(orbit)
+        known.extend((orbit, odd.size))
         return orbit.period + 0.25, 0.5
 
     monkeypatch.setattr(orbits, "_balanced", balanced)
     found = orbits.harmonics_not_solved_for(0.01)
     assert found.changed == pytest.approx(0.25)
     assert found.bound == known[0].error + 0.5
+    assert found.whole == 1 + 2 * 3 * known[1]  # a period, and each harmonic of three sites
 
 
 @pytest.mark.parametrize(

@@ -146,8 +146,8 @@ def test_a_front_is_timed_at_its_amplitude_over_slow_times(
     at, scale, seen = {"c": 0.6, "eta": 0.03125, "eps": 0.1}, 0.1 if full else 1.0, {}
     progress: list[float] = []
 
-    def arrivals(_: object, start: Any, **given: Any) -> Any:
-        seen.update(given, start=start)
+    def arrivals(rate: Any, start: Any, **given: Any) -> Any:
+        seen.update(given, start=start, slope=rate(0.0, start))
         given["each_step"](0.5 * given["end"], np.full(4, np.nan))
         return seen["arrivals"] / scale
 
@@ -163,6 +163,9 @@ def test_a_front_is_timed_at_its_amplitude_over_slow_times(
     assert progress == [pytest.approx(0.75)]
     chain = vdp_chain({"a": 4.0, "sites": 2, **at})
     assert seen["level"] == chain.unstable_amplitude
+    # To the left the wave continues: the first site moves as that after a whole turn of four.
+    slope = seen["slope"].reshape(-1, sites)
+    assert slope[:, 0] == pytest.approx(slope[:, 4], abs=1e-12)
     amplitude = seen["amplitude"](seen["start"])
     assert amplitude == pytest.approx([chain.stable_amplitude] * 24 + [0.0] * (sites - 24))
     seen["arrivals"] = np.array([1.0, 2.0, 59.0, 61.0, np.nan])
@@ -266,6 +269,27 @@ def test_a_chain_on_which_no_force_acts_stays_at_rest() -> None:
         assert not own_chains.rate_of(at)(0.0, np.zeros(10, dtype=kind)).any()
         driven = own_chains.rate_of({**at, "force": 0.5})(0.0, np.zeros(10, dtype=kind))
         assert np.flatnonzero(driven).tolist() == [6]  # the velocity of the second site
+
+
+@pytest.mark.parametrize(("share", "held"), [(1.0 - 1e-12, True), (1.0 + 1e-7, False)])
+def test_a_friction_chain_has_no_more_energy_than_friction_can_add(
+    share: float, held: bool
+) -> None:
+    """At rest at first: √(2E) grows by at most √N times the largest friction, which is 2 μ_st."""
+    at = {"c": 0.5, "mu_st": 0.7, "sites": 9.0}
+    most = 3.0 * 2.0 * 0.7 * friction._SHORT
+    stated = StatedValue(value=share * most, error=0.0, extra=np.zeros((2, 9)))
+    check = friction.within_the_work_of_friction(at, stated)
+    assert (check.distance == 0.0) is held
+
+
+def test_a_chain_of_ones_own_is_the_one_that_is_asked_for() -> None:
+    """Of several rows it is a square lattice; the damping of its sites differs where asked."""
+    at = {"k": 0.0, "far": 0.0, "d": 0.0, "spread": 0.0, "c": 0.6, "eps": 0.1, "sites": 12.0}
+    lattice = own_chains.chain_of({**at, "rows": 3.0})
+    assert (lattice.shape, lattice.coupling) == ((3, 4), "square")
+    assert np.ptp(own_chains.chain_of({**at, "spread": 0.2}).site_values["a"]) > 0.2
+    assert np.ptp(own_chains.chain_of(at).site_values["a"]) == 0.0
 
 
 def test_a_run_too_stiff_for_scipy_is_refused() -> None:

@@ -21,7 +21,7 @@ from tests.settling import prepared, settle
 from theory.arrays import FloatArray
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
-from theory.chains.nucleus import MARGIN, Nucleus
+from theory.chains.nucleus import MARGIN, Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.piecewise import PiecewiseChain
 from theory.chains.vdp import AveragedChain, VdpChain
@@ -1956,6 +1956,39 @@ def test_a_coarser_run_has_a_tolerance_as_many_times_larger_as_is_asked(
         assert search.spreads(0.1, **factors)
     coarse = pytest.approx(100.0 * tolerance)
     assert made == [(coarse, 2000.0), (tolerance, 2000.0), (coarse, 1000.0), (tolerance, 1000.0)]
+
+
+def test_the_progress_of_a_search_grows_within_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[float] = []
+
+    def spreads(_: object, __: object, ___: float, report: Any) -> bool:
+        report(0.25)
+        report(0.75)
+        return True
+
+    monkeypatch.setattr(spreading, "spreads", spreads)
+    search = spreading._Search(AVERAGED, Spreading(), 1e-4, 0.1, 0.2)
+    search.expect(3, told.append)
+    search.spreads(0.1)
+    search.spreads(0.1)
+    assert told == sorted({*told})
+    assert 0.0 < told[0] < told[-1] < 1.0
+
+
+def test_several_sites_to_be_reached_are_three_on_each_side() -> None:
+    several = Spreading(2, Place.BULK, Definition.SEVERAL)
+    assert several.watched(12) == (3, 4, 5, 8, 9, 10)
+
+
+@pytest.mark.parametrize("steps", [(0.0, 1.0, 0.0), (1.0, 0.0, 1.0)])
+def test_the_limit_of_sweeps_errs_by_the_step_within_which_each_escape_is_noticed(
+    steps: tuple[float, ...],
+) -> None:
+    """Escapes are those of the law, each as late as it may be; the weights alternate in sign."""
+    speed = np.array(slow_sweep.RATES[-3:])
+    late = np.array(steps) * speed * slow_sweep.STEP
+    found = slow_sweep._extrapolated(speed, 0.2 + 0.5 * speed ** (2.0 / 3.0) + late)
+    assert abs(found[0] - 0.2) <= found[1] * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize(("off", "extrapolated"), [(0.0, True), (0.09, False), (-0.09, False)])

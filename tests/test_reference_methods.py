@@ -684,13 +684,23 @@ def test_growth_of_mirrored_perturbations_is_that_of_eigenvectors_that_are_mirro
     assert abs(grows[0] - grows[1]) > 1e-4
 
 
-def test_a_breather_is_followed_to_the_coupling_that_is_asked_for(short: int) -> None:
+def test_a_breather_is_followed_to_the_coupling_that_is_asked_for(
+    short: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (one,) = phase_locked.locked_breathers(1, A, B)
     for c in (0.06, 0.03, 0.02):
         found = phase_locked.follow_to(one, c, A, B)
         u = np.concatenate([found.phi.real, found.phi.imag, [found.omega]])
         assert np.abs(phase_locked.residual(u, c, A, B)).max() < 1e-10
         assert found.c == c
+    asked: list[Any] = []
+    with monkeypatch.context() as patched:
+        patched.setattr(
+            phase_locked, "_solved_along", lambda u, c, *_: asked.append(np.diff(c)) or u
+        )
+        for c_end in (0.15, 0.001):
+            phase_locked.follow_to(found, c_end, A, B)
+    assert max(np.abs(each).max() for each in asked) < 1.2 * phase_locked.LONGEST
     near = phase_locked.follow_to(found, c + 0.001, A, B)  # nearer than the longest step
     u = np.concatenate([near.phi.real, near.phi.imag, [near.omega]])
     assert np.abs(phase_locked.residual(u, near.c, A, B)).max() < 1e-10

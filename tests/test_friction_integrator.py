@@ -407,6 +407,18 @@ def test_sites_at_rest_are_left_out_of_chains_with_free_ends_alone(
     assert (run.counts["site_steps"] < chain.sites * run.counts["steps"]) is narrow
 
 
+@pytest.mark.parametrize("away", [0.3, -0.3])
+def test_a_site_that_is_displaced_to_either_side_of_steady_sliding_is_in_the_window(
+    away: float,
+) -> None:
+    chain = FrictionChain(c=0.02, sites=41)
+    start = np.zeros((2, 41))
+    start[0] = chain.cell.steady_sliding
+    start[0, [5, 35]] += [away, -away]
+    state = FrictionIntegration(chain, start).state
+    assert state[0].tolist() == start[0].tolist()
+
+
 def test_sites_outside_of_the_window_slide_steadily_to_the_last_bit() -> None:
     chain = FrictionChain(c=0.02, sites=41)
     start = excite(chain, [21])

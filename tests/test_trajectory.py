@@ -30,6 +30,7 @@ from verification.runs import simulate as simulate_module
 from verification.runs.comparison import other_tolerance
 from verification.runs.excite import excite
 from verification.runs.simulate import _with_comparisons, simulate
+from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import smooth
 from verification.steppers.stop_code import StopCode
@@ -492,3 +493,26 @@ def test_runs_are_compared_at_some_two_hundred_times(samples: int, times: int) -
     assert (places is None) is (samples >= 200)
     long = FRONT.replace(sites=100_000)
     assert _with_comparisons(asked, long)[0] is asked
+
+
+def test_runs_that_have_become_independent_are_no_farther_apart_than_is_said() -> None:
+    """Each is at a distance from rest; the largest of all sites and samples count."""
+    chain = AveragedChain(a=4, b=0.5, c=0.6, sites=2)
+    samples = np.zeros((2, 3, 2, 2))
+    samples[0, 1, 0, 1], samples[1, 2, 1, 0] = 3.0, -4.0
+    one, other = (SimpleNamespace(chain=chain, samples=each) for each in samples)
+    for first, second in ((one, other), (other, one)):
+        found = simulate_module._independent_distance(first, second)  # type: ignore[arg-type]
+        assert 7.0 <= found <= 1.5 * 7.0
+
+
+def test_a_site_that_decays_from_the_level_has_arrived_when_the_run_begins() -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.0, sites=3)
+    start = excite(chain, [2], 0.5)
+    run = SmoothIntegration(chain, start, [1.0], level=0.5)
+    for amplitude in (0.5, 0.5 * math.exp(-0.5 * chain.eps)):
+        assert np.isnan(run.arrivals[[0, 2]]).all()
+        assert run.arrivals[1] == 0.0
+        assert run.amplitude[1] == pytest.approx(amplitude, rel=0.01)
+        run.finish()
+    assert run.amplitude[1] < 0.5

@@ -360,13 +360,28 @@ def test_late_spreading_is_reported_as_fuzzy_and_a_sharp_threshold_is_not() -> N
     assert spreads(between, spreading, 800.0)
 
 
+def test_the_error_of_a_threshold_bounds_that_of_its_runs_where_a_coarser_one_errs_alike() -> None:
+    chain = VdpChain(a=1, b=0.07913434305938917, c=0, eps=0.3, sites=5)
+    how = Spreading(1, Place.BULK, final_time=45.187014347546196)
+    found = spreading_threshold(chain, how, accuracy=1e-12, tests=0, lowest=1e-4)
+    exact = replace(how, tolerance=1e-12)
+    assert not spreads(replace(chain, c=found.c_crit - found.error), exact)
+    assert spreads(replace(chain, c=found.c_crit + found.error), exact)
+    # the difference from a hundred times the tolerance, by which the error was once estimated
+    coarse = spreading_threshold(
+        chain, replace(how, tolerance=1e-6), accuracy=1e-12, tests=0, lowest=1e-4
+    )
+    assert not spreads(replace(chain, c=found.c_crit - abs(found.c_crit - coarse.c_crit)), how)
+    assert spreads(replace(chain, c=found.c_crit - abs(found.c_crit - coarse.c_crit)), exact)
+
+
 def test_a_third_of_the_tolerance_gives_the_same_threshold() -> None:
     chain = FrictionChain(c=0.0, sites=9)
     coarse, fine = (
         spreading_threshold(
             chain, Spreading(final_time=400.0, tolerance=each), accuracy=1e-6, tests=0, lowest=1e-3
         )
-        for each in (1e-6, 1e-11)
+        for each in (1e-6, 1e-10)
     )
     assert coarse.c_crit == pytest.approx(fine.c_crit, abs=coarse.error + fine.error)
 
@@ -448,8 +463,8 @@ def test_a_search_runs_for_the_time_and_with_the_tolerance_that_it_is_given(
     search = spreading._Search(FrictionChain(c=0.0), how, 1e-4, 0.1, 0.5)
     search.spreads(0.2)
     search.spreads(0.3, longer=2.0)
-    search.spreads(0.4, coarser=100.0)
-    assert asked == [(0.2, 300.0, 1e-7), (0.3, 600.0, 1e-7), (0.4, 300.0, 100.0 * 1e-7)]
+    search.spreads(0.4, tolerance=1e-9)
+    assert asked == [(0.2, 300.0, 1e-7), (0.3, 600.0, 1e-7), (0.4, 300.0, 1e-9)]
     monkeypatch.setattr(spreading, "spreads", lambda *_: True)
     assert search.spreads(0.4)
 

@@ -1930,32 +1930,32 @@ def test_what_is_usual_of_a_threshold() -> None:
     assert inspect.signature(escape.escape_range).parameters["duration"].default == 2000.0
 
 
-def test_a_threshold_is_refused_where_it_could_not_be_compared_with_a_coarser_one() -> None:
-    """A run at 1e-4 has no coarser one; at 1e-6 it has, with a hundred times the tolerance."""
-    assert Spreading(tolerance=1e-4).tolerance == 1e-4
+def test_a_threshold_is_refused_where_it_could_not_be_compared_with_a_finer_one() -> None:
+    """A run at 1e-12 has no finer one; at 1e-10 it has, with a hundredth of the tolerance."""
+    assert Spreading(tolerance=1e-12).tolerance == 1e-12
     with pytest.raises(ParameterError, match="tolerance") as refusal:
         spreading.spreading_threshold(
-            AVERAGED, Spreading(tolerance=2e-6), accuracy=1e-6, lowest=1e-3, tests=12
+            AVERAGED, Spreading(tolerance=9e-11), accuracy=1e-6, lowest=1e-3, tests=12
         )
-    assert refusal.value.allowed.endswith(str(Range(1e-12, 1e-6)))
+    assert refusal.value.allowed.endswith(str(Range(1e-10, 1e-4)))
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
-def test_a_coarser_run_has_a_tolerance_as_many_times_larger_as_is_asked(
+def test_a_threshold_is_compared_with_that_at_a_hundredth_of_the_tolerance(
     tolerance: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[tuple[float, float]] = []
 
-    def spreads(chain: object, how: Spreading, final: float, *_: object) -> bool:
+    def spreads(chain: Any, how: Spreading, final: float, *_: object) -> bool:
         made.append((how.tolerance, final))
-        return True
+        return bool(chain.c > 0.15)
 
     monkeypatch.setattr(spreading, "spreads", spreads)
     search = spreading._Search(AVERAGED, Spreading(tolerance=tolerance), 1e-4, 0.1, 0.2)
-    for factors in ({"longer": 2.0, "coarser": 100.0}, {"longer": 2.0}, {"coarser": 100.0}, {}):
-        assert search.spreads(0.1, **factors)
-    coarse = pytest.approx(100.0 * tolerance)
-    assert made == [(coarse, 2000.0), (tolerance, 2000.0), (coarse, 1000.0), (tolerance, 1000.0)]
+    assert search.spreads(0.2, longer=2.0)
+    assert search.effect_of_tolerance(0.14, 0.16) == 0.0
+    assert made[0] == (tolerance, 2000.0)
+    assert made[1:] == [(pytest.approx(0.01 * tolerance), 1000.0)] * 2
 
 
 def test_the_progress_of_a_search_grows_within_a_run(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -282,17 +282,17 @@ C_TRUE = 0.0314159
 
 
 def _known(
-    monkeypatch: pytest.MonkeyPatch, *, coarser: float = 0.0, later: float = 0.0, other: float = 0.0
+    monkeypatch: pytest.MonkeyPatch, *, finer: float = 0.0, later: float = 0.0, other: float = 0.0
 ) -> None:
-    """Let a nucleus spread from `C_TRUE` on; from elsewhere in coarser or longer runs.
+    """Let a nucleus spread from `C_TRUE` on; from elsewhere in finer or longer runs.
 
     Near one other coupling it is otherwise.
     """
 
     def made_up(chain: Any, spreading: Spreading, final_time: float, _: Any) -> bool:
         limit = C_TRUE
-        if spreading.tolerance > 1e-8:
-            limit += coarser
+        if spreading.tolerance < 1e-8:
+            limit += finer
         if final_time > spreading.final_time:
             limit -= later
         return bool((chain.c > limit) is not (abs(chain.c - other) < 1e-4))
@@ -319,23 +319,23 @@ def test_the_error_of_a_threshold_is_half_of_its_bracket(
     )
 
 
-def test_what_a_coarser_tolerance_changes_of_a_threshold_is_in_its_error(
+def test_what_a_finer_tolerance_changes_of_a_threshold_is_three_times_in_its_error(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for shift in (1e-4, -1e-4):
-        _known(monkeypatch, coarser=shift)
+        _known(monkeypatch, finer=shift)
         found = spreading_threshold(
             FrictionChain(c=0.0), Spreading(), accuracy=1e-6, tests=0, lowest=1e-3
         )
-        assert 0.98e-4 < found.error < 1.03e-4
+        assert 2.98e-4 < found.error < 3.03e-4
         assert found.c_crit_at_twice_the_time_error is None
     for later in (0.0, 5e-4):
-        _known(monkeypatch, coarser=1e-4, later=later)
+        _known(monkeypatch, finer=1e-4, later=later)
         found = spreading_threshold(
             FrictionChain(c=0.0), Spreading(), accuracy=1e-6, lowest=1e-3, tests=12
         )
-        assert 0.98e-4 < found.c_crit_at_twice_the_time_error < 1.03e-4
-    _known(monkeypatch, coarser=1e-3)  # nowhere but in the error
+        assert 2.98e-4 < found.c_crit_at_twice_the_time_error < 3.03e-4
+    _known(monkeypatch, finer=1e-3)  # nowhere but in the error
     found = spreading_threshold(
         FrictionChain(c=0.0), Spreading(), accuracy=1e-6, lowest=1e-3, tests=12
     )

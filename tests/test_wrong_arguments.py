@@ -400,7 +400,7 @@ OUTSIDE: list[tuple[str, Callable[[Any], object], tuple[float, ...]]] = [
     (
         "tolerance",
         lambda one: spreading_threshold(FRICTION, Spreading(tolerance=one), **USUAL),
-        (1.01e-6,),
+        (9.9e-11,),
     ),
     (
         "tests of monotonicity",

@@ -25,7 +25,7 @@ PERTURBATION = 8
 """Units in the last place by which the start of the comparison run is perturbed."""
 
 _RATIO = 10.0
-_SAFETY = 3.0
+SAFETY = 3.0
 _FINEST = 1e-14
 
 
@@ -60,7 +60,7 @@ def error_by_sample(samples: FloatArray, other: FloatArray) -> FloatArray:
     [1.06066]
     """
     distance: FloatArray = np.hypot(*np.moveaxis(samples - other, 1, 0)).max(axis=-1)
-    return _SAFETY * distance
+    return SAFETY * distance
 
 
 def arrival_error_from(run: FloatArray, other: FloatArray) -> float:
@@ -72,7 +72,7 @@ def arrival_error_from(run: FloatArray, other: FloatArray) -> float:
     >>> arrival_error_from(one, one + 0.5)
     1.5
     """
-    return _SAFETY * difference(run, other)
+    return SAFETY * difference(run, other)
 
 
 def difference(first: FloatArray, second: FloatArray) -> float:

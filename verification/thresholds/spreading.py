@@ -28,7 +28,7 @@ from theory.chains.chain import COUPLING_RANGE, SMALLEST_C, Chain
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.parameters import ParameterError, Range, count_within, with_ranges, within
-from verification.runs.comparison import COARSER
+from verification.runs.comparison import SAFETY
 from verification.runs.excite import StartPoint, excite
 from verification.runs.integrations import integration
 from verification.thresholds.result import Definition, Mechanism, RunThreshold, ThresholdMethod
@@ -39,6 +39,8 @@ REACH = 0.2
 """Fraction of the threshold, on either side of it, over which monotonicity is tested."""
 SEVERAL = 3
 """Number of new sites on each side of the nucleus for ``Definition.SEVERAL``."""
+FINER = 100.0
+"""Ratio of the tolerance of a threshold to that of the threshold with which it is compared."""
 _BUDGET = 20_000
 """Sites times steps between two checks of the sites reached."""
 FINAL_TIMES, TOLERANCES, ACCURACIES = Range(1.0, 1e6), Range(1e-12, 1e-4), Range(1e-12, 0.1)
@@ -63,8 +65,8 @@ class Spreading:
     point : StartPoint
         Point on the cycle of (5) from which the excited sites start.
     tolerance : float
-        Tolerance of the integrator, {tolerance}; of a threshold, which is compared with that of a
-        hundred times the tolerance, up to 1e-6.
+        Tolerance of the integrator, {tolerance}; of a threshold, which is compared with that at a
+        hundredth of the tolerance, from 1e-10.
     pattern : str
         Phase steps between the excited sites of a smooth chain, as in `Nucleus`.
     displacement : float or None
@@ -201,13 +203,14 @@ class _Search:
         self._expected += runs
         self._progress = progress
 
-    def spreads(self, c: float, *, longer: float = 1.0, coarser: float = 1.0) -> bool:
-        """Run the chain at a coupling, with factors on the final time and the tolerance."""
+    def spreads(self, c: float, *, longer: float = 1.0, tolerance: float | None = None) -> bool:
+        """Run the chain at a coupling, with a factor on the final time or another tolerance."""
         self.runs += 1
         self._report(0.0)
-        tolerance = coarser * self._spreading.tolerance
         final = longer * self._spreading.final_time
-        spreading = replace(self._spreading, tolerance=tolerance)
+        spreading = self._spreading
+        if tolerance is not None:
+            spreading = replace(spreading, tolerance=tolerance)
         return spreads(self._chain.replace(c=c), spreading, final, self._report)
 
     def _report(self, part: float) -> None:
@@ -216,10 +219,12 @@ class _Search:
             done = self.runs + part
             self._progress(done / (done + self._expected))
 
-    def bracket(self, *, longer: float = 1.0, coarser: float = 1.0) -> tuple[float, float]:
+    def bracket(
+        self, *, longer: float = 1.0, tolerance: float | None = None
+    ) -> tuple[float, float]:
         """Search upwards from the lowest coupling by a constant factor, then bisect."""
         low, high = self._lowest, self._lowest
-        while not self.spreads(high, longer=longer, coarser=coarser):
+        while not self.spreads(high, longer=longer, tolerance=tolerance):
             if high >= self._highest:
                 raise ParameterError(
                     "highest coupling", self._highest, "one up to which the nucleus spreads",
@@ -235,17 +240,22 @@ class _Search:
             )  # fmt: skip
         while high - low > self._accuracy and low < 0.5 * (low + high) < high:
             middle = 0.5 * (low + high)
-            if self.spreads(middle, longer=longer, coarser=coarser):
+            if self.spreads(middle, longer=longer, tolerance=tolerance):
                 high = middle
             else:
                 low = middle
         return low, high
 
     def effect_of_tolerance(self, low: float, high: float) -> float:
-        """Return by how much a coarser tolerance moves the threshold between two couplings."""
-        if not self.spreads(low, coarser=COARSER) and self.spreads(high, coarser=COARSER):
+        """Return a bound on the error of a threshold between two couplings by the tolerance.
+
+        It is three times the difference from the threshold at a hundredth of the tolerance. That at
+        a larger tolerance, or one closer to it, can err alike: steps change at intervals only.
+        """
+        finer = self._spreading.tolerance / FINER
+        if not self.spreads(low, tolerance=finer) and self.spreads(high, tolerance=finer):
             return 0.0
-        return 0.5 * abs(low + high - sum(self.bracket(coarser=COARSER)))
+        return SAFETY * 0.5 * abs(low + high - sum(self.bracket(tolerance=finer)))
 
     def exceptions(self, c: float, tests: int) -> tuple[list[float], list[float]]:
         """Return couplings below c at which the nucleus spreads, and above at which it does not."""
@@ -302,7 +312,7 @@ def spreading_threshold(
     remedy = "it must be above the lowest"
     within("highest coupling", highest, 1.01 * lowest, COUPLING_RANGE.high, remedy)
     within("accuracy", accuracy, *ACCURACIES)
-    within("tolerance", spreading.tolerance, TOLERANCES.low, TOLERANCES.high / COARSER)
+    within("tolerance", spreading.tolerance, FINER * TOLERANCES.low, TOLERANCES.high)
     count_within("tests of monotonicity", tests, 0, 10_000)
     search = _Search(chain, spreading, accuracy, lowest, highest)
     search.expect(2 * tests, progress)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -29,14 +30,14 @@ from theory.parameters import ParameterError
 from verification.execution.points import Point
 from verification.execution.sweep import part_path, sweep
 from verification.execution.table import Table
+from verification.maps import smooth_rules, state_run, vdp_rules
 from verification.maps import state_map as state_map_module
-from verification.maps import state_run, vdp_rules
 from verification.maps.boundary import NOTHING, Bisection, boundary_lines
 from verification.maps.friction_rules import find_friction_state
 from verification.maps.rules import RULES, StateRules
 from verification.maps.smooth_rules import HOLD, SAMPLES, SMALL, WINDOW, find_smooth_state
 from verification.maps.state import FoundState, Reason, State
-from verification.maps.state_map import boundary_path, compare, state_map
+from verification.maps.state_map import StateMap, boundary_path, compare, state_map
 from verification.maps.state_run import LONGEST, at_rest_for_ever, run_to_state
 from verification.maps.task import StateTask, state_points
 from verification.maps.vdp_rules import (
@@ -925,3 +926,28 @@ def test_a_map_and_its_boundary_are_in_two_files(
     state_map(ENVELOPE, refine=refine, workers=1, out=out, eta=[0.11, 0.13], c=[0.3])
     edge = None if out is None else Path("map-boundary.csv")
     assert written == ([out, edge] if refine else [out])
+
+
+def test_two_maps_are_compared_in_the_order_in_which_they_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr(state_map_module, "compare", lambda *given: asked.append(given))
+    one, other = (
+        SimpleNamespace(states=name, axes=("eta", "c")) for name in ("the one", "the other")
+    )
+    StateMap.agreement(one, other)  # type: ignore[arg-type]
+    assert asked == [("the one", "the other", ("eta", "c"))]
+
+
+def test_where_the_cycles_meet_the_level_is_that_of_both() -> None:
+    """At η = 1/8, r² = 4/a·2: the double root of 1 - ar²/4 + br⁴/8."""
+    assert level_of(4.0, 2.0) == pytest.approx(math.sqrt(2.0), rel=1e-12)
+    assert level_of(4.0, 2.0 + 1e-9) == math.inf
+
+
+def test_a_map_starts_from_the_sites_that_are_named_or_from_the_middle_one() -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.1, sites=5)
+    for sites, excited in ((None, [2]), ((1, 2), [0, 1])):
+        start = smooth_rules.start(chain, sites)
+        assert np.flatnonzero(np.hypot(*start)).tolist() == excited

@@ -265,6 +265,7 @@ def _bad(**changes: object) -> Trajectory:
         ({"samples": 1}, "samples"),
         ({"start": np.zeros(3, dtype=complex)}, "start"),
         ({"start": np.full(40, np.nan, dtype=complex)}, "start"),
+        ({"start": np.where(np.arange(40) < 1, np.nan, 1j)}, "start"),
         ({"level": 0.0}, "level"),
     ],
 )

@@ -290,6 +290,8 @@ def test_the_growth_half_way_is_that_of_differences_at_half_the_coupling() -> No
     assert rates[-1] == pytest.approx(0.0, abs=1e-9)  # the phase
     assert abs(rates[-2] - found.growth_half_way) <= found.growth_half_way_error + 1e-8
     assert found.growth_half_way_error < 1e-7
+    half_way = breather(AveragedChain(a=2.5, b=0.5, c=c, sites=sites), method="envelope")
+    assert found.growth_half_way_error == pytest.approx(half_way.stability.growth_error, rel=1e-6)
 
 
 def test_no_pattern_of_three_or_five_is_stable() -> None:

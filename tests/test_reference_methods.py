@@ -47,6 +47,7 @@ from verification.references.friction_events import (
     ENDS,
     REVERSES,
     EventRun,
+    _earliest,
     _Law,
     run_events,
 )
@@ -357,6 +358,23 @@ def test_the_pattern_of_regularised_friction_is_that_of_its_derivatives() -> Non
     slope = [(rate(0.0, z + 1e-6 * e) - rate(0.0, z - 1e-6 * e)) / 2e-6 for e in np.eye(8)]
     found = regularised._sparsity(4).toarray() != 0
     assert np.array_equal(found, np.abs(np.array(slope).T) > 1e-6)
+
+
+@pytest.mark.parametrize(("end", "refused"), [(0.0, False), (-1e-12, False), (-1e-6, True)])
+def test_a_site_may_start_on_an_event_if_it_stays_there(end: float, refused: bool) -> None:
+    """Within rounding; what it would do beyond its event is not known."""
+    law: Any = SimpleNamespace(distance=lambda z, _: z)
+
+    def run() -> float | None:
+        return _earliest(
+            law, lambda t: end * np.atleast_2d(t), np.zeros(1, dtype=np.int64), 0.0, 1.0
+        )
+
+    if refused:
+        with pytest.raises(NoReferenceError, match="site 1 starts on an event"):
+            run()
+    else:
+        assert run() is None
 
 
 def test_steps_of_the_switch_model_are_bounded_and_their_refusals_counted() -> None:

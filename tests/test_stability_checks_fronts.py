@@ -371,6 +371,7 @@ def test_a_velocity_in_many_digits_is_a_root_of_the_relation(
                 relation._defect(abs(v) * (1 + step), at, shift)[0] for step in (0, mp.mpf("1e-9"))
             )
             assert abs(here) < 1e-6 * abs(beside)
+            assert abs(here / beside) * 1e-9 * abs(v) <= uncertainty
 
 
 def _pinned_fold(eta: float, off: float = 0.0) -> ReferenceCheck:
@@ -889,3 +890,30 @@ def test_a_label_is_kept_until_twice_its_time_and_forty_more(
     found, times = _labelled(note, amplitude, full, monkeypatch)
     assert found is held
     assert times[[0, -1]] * (0.01 if full else 1.0) == pytest.approx([120.0, 240.0])
+
+
+@pytest.mark.parametrize("name", ["c-pin", "c-retreat", "strong-coupling-velocity"])
+def test_at_the_end_of_pinning_no_closed_form_is_expected(name: str) -> None:
+    row, at = computation_named(name), {"eta": ETA_PIN_END}
+    stated = row.compute(at)
+    assert stated.value is None
+    assert row.check(at, stated).distance == 0.0
+
+
+@pytest.mark.parametrize(("name", "full"), [("label-averaged", False), ("label-vdp", True)])
+def test_a_label_is_checked_on_the_chain_of_which_it_is(
+    name: str, full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run of (8) has states of places and velocities, one of (43) has complex ones."""
+    starts: list[Any] = []
+
+    def run(_: object, __: object, start: Any, t_eval: Any, **___: object) -> Any:
+        starts.append(start)
+        return SimpleNamespace(success=True, y=np.zeros((start.size, t_eval.size)))
+
+    monkeypatch.setattr(states, "solve_ivp", run)
+    extra = (20.0, np.zeros(states._SITES, dtype=complex))
+    stated = StatedValue(value=1.0, error=0.0, note="front", extra=extra)
+    at = {"eta": 0.05, "c": 0.5, "displacement": 6.0, "eps": 0.1}
+    assert computation_named(name).check(at, stated).distance == math.inf
+    assert [start.size for start in starts] == [states._SITES * (1 + full)]

@@ -204,6 +204,10 @@ def test_the_time_to_the_first_site_is_no_period() -> None:
     assert history._periods().tolist() == [1.0, 2.0, 3.0]
     assert history._mean_velocity() == 0.5
     assert _run(history).crossing_times[0] == 70.0
+    assert history._floor() == verdict._FLOOR  # of crossings that no rounding blurs
+    once = _followed(*map(_switch, (70.0, 4.0)))
+    once.extend(2)
+    assert _run(once).v == 0.25
     fast = _followed(*map(_switch, (70.0, 0.125, 0.25, 0.25)))
     fast.extend(4)
     assert fast._mean_velocity() == 4.8

@@ -28,6 +28,7 @@ def test_problems_of_a_family_have_names_tags_and_the_same_parameters(family: st
     assert len({frozenset(problem.values) for problem in problems}) == 1
     for problem in problems:
         assert problem.tags
+        assert {*problem.tags} <= {"ordinary", "stiff", "extreme"}
         assert "ordinary" not in problem.tags or len(problem.tags) == 1
     assert timed(family)[0] is problems[0]
     ordinary = [problem.tags == ("ordinary",) for problem in problems]

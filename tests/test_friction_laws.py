@@ -397,6 +397,9 @@ def test_numbers_of_a_run_are_those_of_its_law_and_no_other() -> None:
         friction_series.new_numbers(cell, 0.1, 1e-9)[friction_series.V0]
         for cell in (coulomb, exponential, stribeck)
     ] == [math.inf, 0.4, math.inf]
+    # Viscous friction and the damping of the cell act alike.
+    viscous = friction_series.new_numbers(FrictionCell(xi=0.05, viscous=0.3), 0.1, 1e-9)
+    assert viscous[friction_series.DRAG] == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("order", [4, 25])

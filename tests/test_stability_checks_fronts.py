@@ -119,7 +119,7 @@ def test_far_ahead_of_a_front_is_rest_and_far_behind_it_the_excited_state() -> N
 
 
 @pytest.mark.parametrize("side", [1.0, 3.0])
-@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (3.0, 0.05)])
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (3.0, 0.05), (2.0, 20.0)])
 def test_a_shape_is_as_uncertain_as_its_roots_make_it(
     side: float, v: float, c: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -56,6 +56,7 @@ from paper_checks.claims._friction import SITES
 from paper_checks.discover import find_entries
 from paper_checks.prose import template, words
 from theory.averaged.breather import Reading
+from theory.averaged.front import strong_coupling_front
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import eta_from_damping
 from theory.chains.vdp import VdpChain
@@ -828,6 +829,15 @@ def test_on_a_line_the_residual_is_zero_and_the_slopes_are_one() -> None:
     assert found.slopes == pytest.approx((3.0, 3.0))
 
 
+def test_beyond_the_figure_velocities_stand_beside_waves_and_the_line() -> None:
+    found = friction_velocities(lambda c: 0.5 + 3.0 * c)
+    found = replace(found, waves=tuple(2.0 * c for c in found.c))
+    assert found.beyond.split("; ") == [
+        f"c = {c:g}: {0.5 + 3.0 * c:.3f}, waves {2.0 * c:.3f}, line {0.5 + 3.0 * c:.3f}"
+        for c in fig06.LARGE
+    ]
+
+
 def test_errors_lower_the_slope_that_must_be_large_and_raise_the_other() -> None:
     first, line = friction_velocities(lambda c: 0.5 + 3.0 * c, 1e-4).slopes
     near = fig06.COUPLINGS[1] - fig06.COUPLINGS[0]
@@ -872,7 +882,8 @@ def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> Non
         sizes: list[tuple[int, int]] = []
         if v and error:
             found = fig06.velocities.__wrapped__()
-            assert (set(found.v), found.gap) == ({v}, 1e-6 * max(end for _, end in fig06.SCIPY))
+            assert (set(found.v), set(found.error)) == ({v}, {error})
+            assert found.gap == 1e-6 * max(end for _, end in fig06.SCIPY)
             small = sum(c < fig06.LINEAR_FROM for c in fig06.COUPLINGS)
             fast = len(fig06.COUPLINGS) - small
             assert sizes == [(SITES, 2 * SITES)] * small + [(61, 122)] * fast + [(101, 202)] * 2
@@ -1631,15 +1642,15 @@ def test_the_exponent_of_a_curve_is_that_of_its_last_two_couplings() -> None:
 
 
 def test_velocities_are_held_against_a_line_and_the_law_at_the_last_coupling() -> None:
-    c = (1.0, 2.0, 6.0)
+    c = (1.0, 2.0, 48.0)  # of which a sixth has the cube root 2
     found = evidence(
-        fig13.AveragedScaling, c=c, v=(1.0, 2.0, 18.0), kappa=0.5, full_c=c,
-        full_v=(3.0, 5.0, 13.0), full_error=(0.3, 1.0, 1.3),
+        fig13.AveragedScaling, c=c, v=(1.0, 2.0, 1152.0), kappa=0.5, full_c=c,
+        full_v=(3.0, 5.0, 97.0), full_error=(0.3, 1.0, 9.7),
     )  # fmt: skip
     assert found.line == pytest.approx((1.0, 2.0))
     assert found.residual == pytest.approx(0.0, abs=1e-12)
     assert found.exponent == pytest.approx(2.0)
-    assert found.last == (18.0, 6.5)
+    assert found.last == pytest.approx((1152.0, 49.0))
     assert found.worst == pytest.approx(0.2)
 
 
@@ -1660,6 +1671,21 @@ def test_a_law_is_off_by_what_the_error_of_the_run_does_not_explain(side: float)
         _ = evidence(fig13.Law, rows=unknown).worst
 
 
+def _bend(c: float) -> tuple[float, float]:
+    """Return what `fig13.fastest_waves` returns, from differences of the frequency itself."""
+    k, step = np.linspace(0.0, math.pi, 200_001, retstep=True)
+    frequency = np.sqrt(1.0 + 2.0 * fig13.EPS * c * (1.0 - np.cos(k)))
+    velocity = np.gradient(frequency, step)
+    top, wide = int(velocity.argmax()), 500
+    third = np.diff(velocity[top - wide : top + 2 * wide : wide], 2)[0] / (wide * step) ** 2
+    return velocity[top] / fig13.EPS, float((-third / (6.0 * fig13.EPS)) ** (1.0 / 3.0))
+
+
+@pytest.mark.parametrize("c", fig13.LAW_COUPLINGS)
+def test_the_fastest_waves_are_those_of_the_dispersion_relation(c: float) -> None:
+    assert fig13.fastest_waves(c) == pytest.approx(_bend(c), rel=1e-4)
+
+
 def test_a_front_of_the_law_has_a_velocity_if_it_is_steady(monkeypatch: Patch) -> None:
     run = SimpleNamespace(v=1.0, error=0.1, steady=False)
     at: list[tuple[float, float]] = []
@@ -1675,8 +1701,10 @@ def test_a_front_of_the_law_has_a_velocity_if_it_is_steady(monkeypatch: Patch) -
     for run.steady, v in ((False, None), (True, 1.0)):
         at.clear()
         rows = fig13.velocity_law().rows
-        assert {found for _, _, found, *_ in rows} == {v}
+        assert {(found, error) for _, _, found, error, *_ in rows} == {(v, 0.1)}
         assert at == [*((eta, c) for eta, c, *_ in rows), (fig13.ETA, fig13.ONE)]
+    kappa = {eta: (law - waves) / _bend(c)[1] for eta, c, _, _, law, waves in rows}
+    assert kappa == pytest.approx({eta: strong_coupling_front(eta).kappa for eta in kappa}, 1e-4)
 
 
 def test_averaged_cells_agree_if_they_are_on_the_same_side_of_one() -> None:

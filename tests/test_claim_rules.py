@@ -162,7 +162,7 @@ CASES: list[tuple[Any, dict[str, Any], Verdict, list[tuple[dict[str, Any], Verdi
      [({"last_stable": (6, 0.2012)}, FAILS), ({"stable_left": {}}, HOLDS),
       ({"stable_left": {14: 0.20116, 18: 0.20114}}, PARTLY),
       ({"stable_left": {14: fig11.LAST + fig11.CONVERGED}}, PARTLY),
-      ({"stable_left": {8: 0.20116, 18: 0.20114}}, FAILS), ({"seeded_runs": (41, 8)}, FAILS),
+      ({"stable_left": {8: 0.20116, 18: 0.20116}}, FAILS), ({"seeded_runs": (41, 8)}, FAILS),
       ({"seeded_runs": (41, 9)}, HOLDS), ({"solvers_apart": 5e-3}, FAILS)]),
     (fig12.rule_steady, {"velocities": (0.7182, 0.7184), "spread": 0.03, "in_order": True,
                          "gap": 1e-5}, HOLDS,

@@ -981,7 +981,7 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
 
     followed: list[Any] = []
     monkeypatch.setattr(branches, "follow_breather", lambda *given, **_: followed.append(given))
-    monkeypatch.setattr(branches, "follow_front", lambda *given, **_: followed.append(given))
+    monkeypatch.setattr(branches, "follow_front", lambda *given, **by: followed.append((given, by)))
     full, mean = (fr.VdpChain(a=4, b=0.5, c=0.1), fr.AveragedChain(a=4, b=0.5, c=0.1))
     for chain, own, other in ((full, "orbit", "envelope"), (mean, "envelope", "orbit")):
         followed.clear()
@@ -997,7 +997,7 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
     followed.clear()
     for along, method in (("a", "wave"), ("c", "run"), ("c", "wave"), ("eta", "wave")):
         branches.front_branch([mean], along, [0.1], method=method)
-    assert len(followed) == 2
+    assert followed == [((mean, [0.1]), {}), ((mean,), {"etas": [0.1]})]
 
 
 @pytest.mark.parametrize(
@@ -1010,9 +1010,10 @@ def test_along_a_branch_fronts_at_rest_are_last_in_c_and_first_in_eta(
     """And a fold stands at its place among all of them."""
     from fronts import branches
 
-    def follow(moving: Any, _: float, along: str) -> Any:
+    def follow(moving: Any, other: float, along: str) -> Any:
+        assert other == {"c": 0.03125, "eta": 0.15}[along]  # η of the chain, or its c
         waves = [SimpleNamespace(**{along: value}) for value in reversed(moving)]
-        fold = SimpleNamespace(parameter=0.04, error=0.0, u=np.ones(1))
+        fold = SimpleNamespace(parameter=0.04, error=1e-6, u=np.ones(1))
         return SimpleNamespace(fronts=waves, folds=[(fold, 1)])  # after the first moving front
 
     monkeypatch.setattr("verification.fronts.follow.follow_front_wave", follow)
@@ -1022,7 +1023,7 @@ def test_along_a_branch_fronts_at_rest_are_last_in_c_and_first_in_eta(
     branch = branches._fronts(fr.AveragedChain(a=4, b=0.5, c=0.15), along, order[::-1])
     assert branch.values.tolist() == order
     assert [getattr(chain, along) for chain in branch.points] == pytest.approx(order)
-    assert [fold.place for fold in branch.folds] == [place]
+    assert [(fold.place, fold.error) for fold in branch.folds] == [(place, 1e-6)]
 
 
 def test_progress_is_told_of_a_claim_before_and_after_it_is_judged(

@@ -306,6 +306,13 @@ def test_a_front_that_creeps_is_not_called_pinned() -> None:
     assert front_wave(fold.c + slow, eta).v == pytest.approx(1.2e-3, rel=0.05)
 
 
+def test_a_front_slower_than_the_slowest_is_refused() -> None:
+    fold, eta = static_fold(0.08), 0.08
+    slow = (0.7e-3 / fold.square_root) ** 2
+    with pytest.raises(NoFrontError, match=r"slower than 0\.001"):
+        front_wave(fold.c + slow, eta)
+
+
 @pytest.mark.parametrize("v", [1e-4, -0.5, float("nan")])
 def test_newtons_method_does_not_leave_for_what_is_no_front(v: float) -> None:
     window = wave.Window.started(1.0, ETA)

@@ -187,6 +187,25 @@ def test_the_averaged_damping_is_the_work_over_a_turn(belt: float) -> None:
         assert damping[place] == pytest.approx(cell.xi * R - total / math.pi, abs=1e-7)
 
 
+def test_an_averaged_amplitude_is_pulled_by_its_neighbours_and_damped_against_its_sign(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To the left is the cycle and to the right is rest; the damping is made up."""
+    amplitudes = np.arange(31.0) / 10.0
+    damping = amplitudes * (amplitudes - 0.95) * (amplitudes - 2.05)
+    seen: list[Any] = []
+    monkeypatch.setattr(friction_cell, "averaged_damping", lambda _: (amplitudes, damping))
+    monkeypatch.setattr(friction_cell, "solve_ivp", lambda *given, **_: seen.extend(given))
+    monkeypatch.setattr(friction_cell, "passage_velocity", lambda *_: 1.0)
+    assert friction_cell.averaged_front(1.0, 8) == 1.0
+    rate, _, start = seen
+    cycle = start[0]
+    r = np.array([1.5, -0.7, 0.2])
+    drag = [1.5 * 0.55 * -0.55, -(0.7 * -0.25 * -1.35), 0.2 * -0.75 * -1.85]
+    pull = [0.5 * (cycle + 0.7), 0.5 * (1.5 - 0.2), 0.5 * -0.7]
+    assert rate(0.0, r) == pytest.approx(np.array(pull) - drag, rel=1e-12)
+
+
 def test_the_averaged_front_of_friction_has_the_velocity_of_steps_of_another_method() -> None:
     """Classical Runge-Kutta with fixed steps, and arrivals by lines between them."""
     belt, sites, h = 1.25, 60, 0.02

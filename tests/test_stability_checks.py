@@ -556,6 +556,16 @@ def test_a_cycle_that_is_denied_must_not_stick_again(
     assert asked == [(end, each) for each in (friction._ROUGH, tight) for end in ends]
 
 
+def test_the_energy_of_the_switch_model_is_that_at_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """2E = y² + v² + c·(differences of neighbours)²; it has no error of its own."""
+    y, velocity = (np.array([[9.0, 9.0, 9.0], last]) for last in ([1.0, 2.0, 2.0], [0.0, 3.0, 1.0]))
+    run = SimpleNamespace(y=y, velocity=velocity)
+    monkeypatch.setattr(friction, "run_switch", lambda *_, **__: run)
+    stated = friction.switch_energy(BELT)
+    assert stated.value == pytest.approx(math.sqrt(9.0 + 10.0 + BELT["c"]), rel=1e-12)
+    assert stated.error == 0.0
+
+
 def test_one_wrong_site_of_a_friction_chain_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(friction, "_TAU", 4.0)
     stated = friction.friction_state(BELT)

@@ -65,6 +65,8 @@ def test_evidence_is_shipped_of_the_claims_that_take_long_and_of_no_others() -> 
     long = {entry.claim.evidence for entry in find_entries() if entry.claim.expensive}
     folder = shipped.Shipped(shipped.FOLDER, ())
     assert {folder.path(each) for each in long} == set(shipped.FOLDER.glob("*.json"))
+    for claims in claims_by_evidence().values():  # which takes as long for all of them
+        assert len({claim.expensive for claim in claims}) == 1
 
 
 def test_of_several_distances_the_largest_is_told() -> None:

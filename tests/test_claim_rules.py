@@ -329,6 +329,13 @@ def _claims() -> list[Claim]:
     return [entry.claim for entry in find_entries()]
 
 
+def test_what_cannot_be_judged_says_why_and_remarks_on_it_in_a_sentence_of_its_own() -> None:
+    for claim in expectations.CLAIMS:
+        missing: Any = claim.evidence()
+        assert missing.reason[0].islower()  # it follows the verdict
+        assert not missing.remark[:1].islower()
+
+
 def test_every_rule_of_a_claim_is_tested() -> None:
     tested = {case[0] for case in CASES}
     assert {claim.rule for claim in _claims()} <= tested

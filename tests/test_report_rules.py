@@ -27,7 +27,7 @@ from paper_checks.report.inline_svg import width_of
 from paper_checks.report.mathml import WIDE, _opened, _parts, formula, mathml_element
 from paper_checks.report.safe_svg import safe_svg
 from paper_checks.report.table import NARROWEST, entries_as_text
-from paper_checks.report.terminal import NAMED, _headline, report_as_text
+from paper_checks.report.terminal import NAMED, _headline, _named, report_as_text
 from paper_checks.ruling import holds
 from tests.tables import table_of
 from verification.quantities.registry import all_quantities
@@ -359,6 +359,9 @@ def test_of_many_verdicts_that_have_changed_some_are_named_and_the_rest_counted(
         assert lines[2 : 2 + NAMED] == [each.change for each in report.changed[:NAMED]]
         more = [line for line in lines if line.startswith("…")]
         assert more == ["… and 2 more."] * (count > NAMED)
+        keys = [f"k{n}" for n in range(count)]
+        rest = " and 2 more" if count > NAMED else ""
+        assert _named(keys) == ", ".join(keys[:NAMED]) + rest
 
 
 # ----------------------------------------------------------------------------- stored measurements

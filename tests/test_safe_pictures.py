@@ -86,6 +86,11 @@ def test_what_is_no_picture_is_refused(document):
         safe_svg(document)
 
 
+def test_text_of_a_picture_goes_on_behind_an_element_within_it():
+    text = "<text>v<tspan>0</tspan> in <tspan>sites</tspan> per time</text>"
+    assert ">v<tspan>0</tspan> in <tspan>sites</tspan> per time</text>" in safe_svg(_document(text))
+
+
 def test_pictures_of_matplotlib_keep_every_element_and_attribute():
     import io
 

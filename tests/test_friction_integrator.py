@@ -431,6 +431,18 @@ def test_sites_outside_of_the_window_slide_steadily_to_the_last_bit() -> None:
     assert not np.array_equal(FrictionIntegration(chain, start, active_window=False).state, state)
 
 
+def test_no_site_is_left_out_where_sliding_is_unstable_or_all_of_them_slide() -> None:
+    """There the smallest deviation grows, or there is nothing to close a window around."""
+    unstable = FrictionChain.of(replace(CELL, v_d=0.9 * CELL.hopf_velocity), c=0.02, sites=41)
+    stable = FrictionChain(c=0.02, sites=41)
+    for chain, away in ((unstable, 0.3), (stable, 0.0)):
+        start = np.zeros((2, 41))
+        start[0] = chain.cell.steady_sliding
+        start[0, 20] += away
+        counters = FrictionIntegration(chain, start)._run.counters
+        assert (counters[friction.LO], counters[friction.HI]) == (1, 42)
+
+
 @pytest.mark.parametrize("ends", [Ends.FREE, Ends.LITERAL])
 def test_sites_that_start_with_the_belt_stick_if_the_force_can_be_held(ends: Ends) -> None:
     chain = FrictionChain(c=0.3, sites=9, ends=ends)

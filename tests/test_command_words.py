@@ -34,7 +34,7 @@ from fronts.catalogue import COMMANDS, Command
 from fronts.checking import DerivedEquations
 from fronts.cli import main
 from fronts.curves import Curve, Refusal
-from fronts.files import Listing, _json
+from fronts.files import Listing, _beside, _json
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help, options_of
 from fronts.piecewise.kinetic_relation import KineticCurve
@@ -178,6 +178,11 @@ def test_help_without_a_model_shows_examples_of_the_first(capsys: Capture, comma
     of_first = [each for each in named if each.split()[2] == first]
     assert [each for each in of_first if f"  {each}" in examples] == of_first
     assert "\n  fronts \n" not in f"{examples}\n"
+
+
+def test_help_begins_with_the_line_of_the_command_as_a_sentence() -> None:
+    parser = cli.new_parser("fronts sum", "the sum of Eq. 53", "")
+    assert parser.description == "The sum of Eq. 53."
 
 
 def test_help_ends_with_what_is_noted_of_the_command(capsys: Capture) -> None:
@@ -541,6 +546,21 @@ def test_an_error_that_is_not_known_is_said_wherever_its_number_stands(
     ]
     for name in ("one", "ways", "rows"):  # entries may say what they like of what is within
         assert in_words(several, {name: "no"}) == f"{name}  no"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _OneError(Result):
+    v: float
+    c_crit: float | None
+    error: float | None
+
+
+@pytest.mark.parametrize("error", [math.inf, None, math.nan])
+def test_an_error_of_two_numbers_is_said_of_the_one_that_is_known_if_it_is_infinite(
+    error: float | None,
+) -> None:
+    words = in_words(_OneError(v=0.5, c_crit=None, error=error)).split()
+    assert words == ["v", "0.5", *(["(error", "unknown)"] if error == math.inf else [])]
 
 
 def test_a_negative_number_of_a_table_has_the_digits_of_its_opposite() -> None:
@@ -1316,6 +1336,18 @@ def test_the_chain_of_the_explorer_has_the_damping_that_was_set(model: str) -> N
     assert (of_map.sites, of_map.b) == (FIGURE_15.sites, FIGURE_15.b)  # as its caption says
 
 
+def test_records_are_those_of_the_source_tree() -> None:
+    from fronts.commands.bench import ROOT
+    from fronts.explore.update_time import RECORD
+
+    assert Path(__file__).parents[1] == ROOT == RECORD.parents[2]
+
+
+def test_an_entry_that_is_a_column_is_not_repeated_beside_its_table() -> None:
+    answer = {"found": {"of": 1}, "kept": {"of": 2}, "parts": {"re": 1.0}}
+    assert _beside(answer, ["found", "parts_re"]) == {"kept": {"of": 2}}
+
+
 def test_times_of_updates_are_in_milliseconds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Here an update takes as many seconds as its coupling."""
     from fronts.explore import update_time
@@ -1415,6 +1447,20 @@ def test_the_methods_of_a_sum_agree_within_their_errors(method: Any) -> None:
         pytest.importorskip("flint")
     one, other = fr.sigma(0.3, 0.5), fr.sigma(0.3, 0.5, method=method)
     assert abs(complex(one.value) - complex(other.value)) <= one.error + other.error < 2e-12
+
+
+def test_thirteen_digits_are_the_most_of_a_sum_in_double_precision() -> None:
+    assert fr.sigma(0.3, 0.5, method="bessel", digits=13).error <= 1e-13
+    with pytest.raises(ParameterError, match="at most 13 for bessel"):
+        fr.sigma(0.3, 0.5, method="bessel", digits=14)
+
+
+def test_a_sum_of_many_digits_is_returned_as_it_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Although its error may be a little larger: in double precision it would lose digits."""
+    found = SimpleNamespace(error=2e-30)
+    monkeypatch.setattr("theory.piecewise.sums.series.sum_by_roots", lambda *_: found)
+    summed: Any = fr.sigma(0.3, 0.5, method="series", digits=30)
+    assert summed is found
 
 
 @pytest.mark.parametrize("method", ["integral", "series"])

@@ -234,7 +234,8 @@ def test_solutions_are_drawn_over_the_parameter_that_the_axis_names(along: str) 
         (x, b.v) for x, point in zip(values, found.points, strict=True) for b in point.branches
     }
     low, high = axes.get_xlim()
-    assert low < min(values) < max(values) < high
+    beyond = 0.03 * (max(values) - min(values))
+    assert (low, high) == pytest.approx((min(values) - beyond, max(values) + beyond))
     upright = {line.get_label(): [*line.get_xdata()] for line in axes.lines
                if line.get_marker() == "None"}  # fmt: skip
     first = found.points[0]
@@ -705,6 +706,8 @@ def test_the_explorer_waits_for_every_call_that_a_picture_needs(
 @needs_explorer
 def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> None:
     """A square is as large as the steps of the map; site n is in the middle of its row."""
+    from bokeh.models import ColorBar
+
     from fronts.explore.calls import SITES, SLOW_TIME, Settings, calls
     from fronts.explore.pictures import RunPicture, StatesPicture
 
@@ -716,6 +719,7 @@ def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> No
     assert squares == [("x", "y", steps["eta"].step, steps["c"].step)] * len(StatesPicture.COLOURS)
     assert steps["refine"] == 0.0  # boundaries would take longer, and are not drawn
     figure = RunPicture().figure
+    assert [bar.title for bar in figure.select(type=ColorBar)] == ["amplitude"]
     (image,) = (each.glyph for each in figure.renderers)
     across, up = figure.x_range, figure.y_range
     assert (image.x, image.x + image.dw) == (across.start, across.end) == (0.0, SLOW_TIME)

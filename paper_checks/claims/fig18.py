@@ -30,7 +30,7 @@ ETAS = (0.002, 0.005, 0.01, 0.015, 0.02)
 """η at which both models have fronts that outrun the waves."""
 AGREE = 1e-8
 CROSSING = (0.0207, 0.0211, 0.0215, 0.0217, 0.0219, 0.0221)
-"""η from below η_pin to beyond the fold."""
+"""η from below η_pin to just below the fold, 0.0223."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -482,9 +482,3 @@ def test_a_run_without_a_checkpoint_tells_its_progress() -> None:
     told: list[float] = []
     simulate(chain, excite(chain, [2]), 1.0, samples=2, progress=told.append)
     assert told[-1] == 1.0
-
-
-def test_sites_above_the_level_at_the_start_are_reached_then() -> None:
-    chain = VdpChain(a=4, b=0.5, c=0.2, sites=5)
-    arrivals = SmoothIntegration(chain, excite(chain, [2, 3]), [1.0]).arrivals
-    assert np.nan_to_num(arrivals, nan=-1.0).tolist() == [-1.0, 0.0, 0.0, -1.0, -1.0]

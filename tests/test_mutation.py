@@ -203,11 +203,12 @@ def test_every_explanation_is_about_a_change_that_can_be_made() -> None:
 def test_no_change_is_explained_twice() -> None:
     entries = [
         entry
-        for path in EXPLAINED.glob("*.toml")
+        for path in EXPLAINED.rglob("*.toml")
         for entry in tomllib.loads(path.read_text(encoding="utf-8"))["explained"]
     ]
     forms = Counter(form for entry in entries for form in entry["changes"])
     assert [form for form, times in forms.items() if times > 1] == []
+    assert forms.keys() == read_explained().keys()  # no file is overlooked
 
 
 def test_an_explanation_that_is_not_needed_is_named() -> None:

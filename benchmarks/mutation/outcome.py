@@ -22,15 +22,13 @@ KILLED, SURVIVED, UNREACHED = "killed", "survived", "unreached"
 
 
 EXPLAINED = Path(__file__).with_name("explained")
-"""Folder of the explanations, with one file for each package."""
+"""Folder of the explanations; those of a package or of one of its folders are in one file."""
 
 
 def read_explained() -> dict[str, str]:
     """Return the reasons why changes need not be noticed, by name or by pattern of names."""
-    files = [
-        tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(EXPLAINED.glob("*.toml"))
-    ]
-    entries = [entry for content in files for entry in content["explained"]]
+    texts = [path.read_text(encoding="utf-8") for path in sorted(EXPLAINED.rglob("*.toml"))]
+    entries = [entry for text in texts for entry in tomllib.loads(text)["explained"]]
     return {form: entry["why"] for entry in entries for form in entry["changes"]}
 
 

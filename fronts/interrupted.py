@@ -32,8 +32,13 @@ def resumable(message: Callable[[], str]) -> Iterator[None]:
         raise Interrupted(message()) from None
 
 
-def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
-    """Make an interruption of sweeps into these tables name the files that have been saved."""
+@contextmanager
+def resumable_tables(*outs: Path | None) -> Iterator[None]:
+    """Make an interruption of sweeps into these tables name the files that have been saved.
+
+    A SIGTERM between two sweeps counts as an interruption too.
+    """
+    from verification.execution.interruption import terminated_as_interrupted
 
     def message() -> str:
         from verification.execution.sweep import part_path
@@ -44,7 +49,8 @@ def resumable_tables(*outs: Path | None) -> AbstractContextManager[None]:
             f"{names} is there: the same command with --resume continues from it" if names else ""
         )
 
-    return resumable(message)
+    with resumable(message), terminated_as_interrupted():
+        yield
 
 
 def resumable_run(checkpoint: Path | None) -> AbstractContextManager[None]:

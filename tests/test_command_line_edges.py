@@ -6,7 +6,9 @@ import argparse
 import csv
 import json
 import math
+import os
 import shlex
+import signal
 import sys
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
@@ -412,6 +414,19 @@ def test_an_interruption_names_the_tables_that_were_begun(tmp_path):
             raise KeyboardInterrupt
         assert str(stopped.value).startswith(said)
         assert bool(str(stopped.value)) is bool(said)
+
+
+def test_a_request_to_end_between_two_sweeps_names_the_tables_too(tmp_path):
+    begun = tmp_path / "begun.csv"
+    part_path(begun).touch()
+
+    def ask() -> None:
+        assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL  # which would end the tests
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    with pytest.raises(Interrupted, match="is there: "), resumable_tables(begun):
+        ask()
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
 @pytest.mark.parametrize(

@@ -174,7 +174,10 @@ def test_the_truncation_bound_bounds_the_window_error(c, v):
 
 @pytest.mark.parametrize(("c", "v", "distance"), [(1e-3, 0.1, 4), (0.1, 0.3, 4), (0.01, 1.0, 16)])
 def test_images_disturb_within_a_hundred_of_the_truncation_bound(c, v, distance):
-    """φ and 1 - φ at the distances of the images, from the sites crossed before: no window."""
+    """φ and 1 - φ at the distances of the images, from the sites crossed before: no window.
+
+    1 - φ of a front that advances, seen from the other side, is φ of one that retreats.
+    """
 
     def from_bessel_functions(zeta):
         node, weight = np.polynomial.legendre.leggauss(200)
@@ -190,6 +193,7 @@ def test_images_disturb_within_a_hundred_of_the_truncation_bound(c, v, distance)
     images += [from_bessel_functions(-j * distance) - 1 for j in (1, 2, 3)]
     bound = truncation_bound(c, v, distance)
     assert 0.01 * bound < abs(sum(images)) <= bound
+    assert truncation_bound(c, -v, distance) == bound
 
 
 @pytest.mark.parametrize(("c", "v"), [(0.5, 0.3), (3.0, 1.4), (0.5, -0.4), (2.0, -0.5)])
@@ -206,7 +210,8 @@ def test_a_wave_switches_at_half_of_sigma_each_period_and_first_after_half_of_on
 
 
 @pytest.mark.parametrize(
-    ("c", "eta"), [(0.5, 0.03125), (1.0, 0.005), (12.0, 0.03125), (2.0, 0.11), (10.0, 0.1)]
+    ("c", "eta"),
+    [(0.46, 0.03125), (0.5, 0.03125), (1.0, 0.005), (12.0, 0.03125), (2.0, 0.11), (10.0, 0.1)],
 )
 def test_a_moving_start_is_a_little_faster_than_the_fastest_wave_that_fits(c, eta):
     v = starting_velocity(c, ratio(eta))
@@ -715,9 +720,9 @@ def test_a_start_may_be_far_slower_or_faster_than_any_front(size, monkeypatch):
     for v in (size, -size):
         simulation._start_state(0.5, ratio(0.03125), "moving", v)
     assert made == [(0.5, size, 64), (0.5, -size, 64)]
-    for v in (0.4e-4, -1600.0):
+    for c, v in ((0.5, 0.4e-4), (0.5, -1600.0), (1e306, math.inf)):  # 1000 (1 + c) overflows
         with pytest.raises(ParameterError, match="start velocity"):
-            simulation._start_state(0.5, ratio(0.03125), "moving", v)
+            simulation._start_state(c, ratio(0.03125), "moving", v)
 
 
 @pytest.mark.parametrize("mode", [3, 16, 32])
@@ -757,10 +762,10 @@ def made_history(waits, monkeypatch, **given):
 
 @pytest.mark.parametrize("noise", [3e-10, 1e-8])
 @pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
-def test_motion_repeats_where_periods_do_to_a_part_in_1e9(unit, noise):
+def test_motion_repeats_where_the_last_120_periods_do_to_a_part_in_1e9(unit, noise):
     rng = np.random.default_rng(8)
     periods = np.tile([1.0, 1.2, 0.7], 40) + noise * rng.uniform(-1, 1, 120)
-    assert verdict._repeat(unit * periods) == (3 if noise < 1e-9 else None)
+    assert verdict._repeat(unit * np.array([2.0, *periods])) == (3 if noise < 1e-9 else None)
 
 
 def test_motion_without_a_repeat_has_the_velocity_of_its_second_half_and_the_spread_of_its_fifths(
@@ -806,8 +811,12 @@ def test_a_site_is_looked_at_if_a_parabola_of_the_largest_bend_can_cross(
     """Of x(h - x)F/2, the depth below its chord is F h²/8."""
     asked = []
 
-    def all_clear(motion, gap, least, *_):
+    def all_clear(motion, gap, least, *rest):
         asked.append(least)
+        modes, phi, _ = rest
+        # the state and the part of it that decays, as modes, when the search begins
+        assert phi[0] == pytest.approx(motion.state().phi, abs=1e-14)
+        assert np.array_equal(modes[0], motion._deviation)
         return np.zeros((len(gap) - 1, motion.sites), dtype=bool)
 
     monkeypatch.setattr(PiecewiseMotion, "_suspects", all_clear)
@@ -825,11 +834,13 @@ def test_a_site_may_cross_in_an_interval_at_either_end_of_which_its_gap_is_small
     assert found.tolist() == [[True, False, False], [True, False, True], [False, False, True]]
 
 
-@pytest.mark.parametrize("zone", [0, 100])
+@pytest.mark.parametrize("zone", [0, *range(100, 116)])
 def test_images_of_a_front_of_some_sites_disturb_by_less_than_was_allowed(zone: int) -> None:
     for c, v, tolerance in ((0.5, 0.3, 1e-12), (10.0, -2.0, 1e-9)):
         sites = piecewise_window.window_length(c, v, tolerance, zone)
         assert truncation_bound(c, v, sites - zone) < tolerance
+        # eight sites are in reserve, so that sixteen fewer would not do
+        assert truncation_bound(c, v, sites - zone - 24) > tolerance
 
 
 def test_of_many_sites_that_may_cross_the_sharper_bound_leaves_the_one_that_does() -> None:

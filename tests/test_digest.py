@@ -2,12 +2,14 @@
 
 import ast
 import bisect
+import cmath
 import math
 import pkgutil
 import sys
 from dataclasses import dataclass
-from functools import partial, wraps
+from functools import lru_cache, partial, wraps
 from importlib import import_module
+from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -27,7 +29,7 @@ from verification.execution.imports import (
     source_of,
 )
 from verification.execution.metadata import CHANGED, UNKNOWN, Code, differences, staleness
-from verification.execution.task import code_of, parameters_of
+from verification.execution.task import _TaskReader, code_of, parameters_of
 
 OURS = ("timed_code",)
 
@@ -187,7 +189,7 @@ def test_every_letter_of_a_file_counts_and_so_do_its_name_and_its_end(tmp_path):
     assert len(set(found)) == len(contents)
 
 
-def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
+def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not(monkeypatch):
     assert source_of("bisect") == Path(bisect.__file__)
     assert source_of("json") == Path(sys.modules["json"].__file__)
     assert source_of("verification.execution") == source_of(
@@ -195,6 +197,10 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not():
     ).with_name("__init__.py")
     assert source_of("no_such_module_anywhere") is source_of("__main__") is None
     assert source_of("bisect.bisect") is None  # a module has none below it
+    made = ModuleType("made_by_a_loader_of_its_own")
+    made.__spec__ = ModuleSpec(made.__name__, None)
+    monkeypatch.setitem(sys.modules, made.__name__, made)
+    assert source_of(made.__name__) is None  # and this one has no file
 
 
 def test_a_package_that_python_does_not_find_is_looked_for_beside_this_one(monkeypatch):
@@ -292,6 +298,41 @@ def test_what_a_class_defines_is_none_of_its_parameters():
 def test_a_module_of_a_user_that_a_task_holds_belongs_to_its_code(package):
     module = import_module("timed_code.other")
     assert code_of(partial(len, module)).modules == ("timed_code.other",)
+
+
+def test_of_what_a_module_defines_only_that_module_is_noted(package):
+    """What the task uses of other modules counts through the imports of its own."""
+    (package / "user.py").write_text(
+        "from timed_code import deep\n\n\ndef task(x):\n    return deep.f(x)\n"
+    )
+    user = import_module("timed_code.user")
+    assert code_of(user.task).modules == ("timed_code.user",)
+    before = code_of(user.task).digest
+    (package / "deep.py").write_text("def f(x):\n    return x + 2\n")
+    assert code_of(user.task).digest != before
+
+
+def test_a_module_that_a_function_imports_under_another_name_is_noted(package):
+    def task():
+        from timed_code import deep as inner
+
+        return inner
+
+    reader = _TaskReader()
+    reader.function(task)
+    assert reader.modules == {"timed_code", "timed_code.deep"}
+
+
+def test_functions_are_told_apart_by_what_is_inside_a_cache_and_those_of_libraries_by_name():
+    def cached(size):
+        @lru_cache
+        def task(c, size=size):
+            return size * c
+
+        return task
+
+    assert code_of(cached(1.0)) == code_of(cached(1.0)) != code_of(cached(2.0))
+    assert code_of(math.sqrt) != code_of(cmath.sqrt)
 
 
 def test_everything_with_code_counts_that_a_task_holds_in_whatever_it_is():
@@ -562,6 +603,23 @@ def test_a_module_that_imports_computed_names_imports_its_whole_package(tmp_path
     found = closure("found_by_name.one", ["found_by_name"])
     assert list(found) == [*expected, "found_by_name.one"]
     assert list(closure("found_by_name.inner.two", ["found_by_name"])) == expected
+
+
+def test_dots_of_an_import_lead_from_the_package_that_a_file_is_in(tmp_path, monkeypatch):
+    """Of a package that is the package itself, and of a module the one above it."""
+    monkeypatch.syspath_prepend(tmp_path)
+    package = tmp_path / "found_by_dots"
+    (package / "inner").mkdir(parents=True)
+    imports = {
+        "__init__": "from .a import f", "a": "from . import b", "b": "from .inner import f",
+        "inner/__init__": "from .c import f", "inner/c": "from ..d import f", "d": "",
+    }  # fmt: skip
+    for name, text in imports.items():
+        (package / f"{name}.py").write_text(text)
+    followed = closure("found_by_dots", ["found_by_dots"])
+    assert {path.relative_to(package) for path in followed.values()} == {
+        Path(f"{name}.py") for name in imports
+    }
 
 
 def test_a_digest_is_known_as_long_as_every_package_is_found_where_it_was():

@@ -294,7 +294,7 @@ def test_what_a_folder_was_to_replace_returns_if_it_cannot_take_its_place(
     assert kept.read_text() == "old"
 
 
-def test_a_folder_takes_the_place_of_a_file(tmp_path: Path) -> None:
+def test_a_folder_takes_the_place_of_a_file_and_a_file_that_of_a_store(tmp_path: Path) -> None:
     target = tmp_path / "table.zarr"
     target.write_text("no store")
 
@@ -306,6 +306,10 @@ def test_a_folder_takes_the_place_of_a_file(tmp_path: Path) -> None:
     write_by(target, write)
     assert [each.name for each in tmp_path.iterdir()] == ["table.zarr"]
     assert (target / "new").read_text() == "new"
+    (target / files.ZARR_MARK).touch()  # and a file takes that of a store
+    write_bytes(target, b"no store")
+    assert [each.name for each in tmp_path.iterdir()] == ["table.zarr"]
+    assert target.read_text() == "no store"
 
 
 def test_a_fifo_is_refused_for_a_store_before_any_work(tmp_path: Path) -> None:

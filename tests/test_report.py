@@ -521,11 +521,18 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
     assert first.data == f"n,x\n1,0.1\n2,{1 / 3!r}\n"
 
 
-def test_a_picture_that_is_too_large_is_named_and_one_of_pyplot_is_closed(monkeypatch, caplog):
+def test_a_figure_of_pyplot_is_closed_once_it_is_rendered(monkeypatch):
     from matplotlib import pyplot
 
+    monkeypatch.setattr(figures, "_render", lambda *_: "")
+    drawn = pyplot.figure()
+    picture("empty", drawn, {"x": [1.0]}, encoded=False)
+    assert drawn.number not in pyplot.get_fignums()
+
+
+def test_a_picture_that_is_too_large_is_named(monkeypatch, caplog):
     monkeypatch.setattr(figures, "LARGE", 2_000)
-    drawn, axes = pyplot.subplots()
+    drawn, axes = new_axes()
     axes.plot([1.0, 2.0], [3.0, 5.0])
     axes.plot([1.0, 2.0], [4.0, 4.5], label="a guide")
     found = picture("many-points", drawn, {"x": [1.0, 2.0], "y": [3.0, 5.0]}, guides=True,
@@ -534,7 +541,6 @@ def test_a_picture_that_is_too_large_is_named_and_one_of_pyplot_is_closed(monkey
     assert base64.b64decode(found.png).startswith(b"\x89PNG")
     assert drawn.axes == []  # the figure is empty
     assert base64.b64decode(found.pdf).startswith(b"%PDF")
-    assert drawn.number not in pyplot.get_fignums()
     (record,) = caplog.records
     assert "many-points has 0.0 MB" in record.getMessage()
 

@@ -180,7 +180,8 @@ def _curve(result: Any, axes: Axes, **style: Any) -> None:
         axes.errorbar(
             x[shown], y[shown], yerr=bars, **{"fmt": "o-", "ms": 2.5, "lw": 0.9, **look, **style}
         )
-    label = _label(name, getattr(result.points[0], "chain", None))
+    chains = (point.chain for point in result.points if hasattr(point, "chain"))
+    label = _label(name, next(chains, None))
     axes.set(xlabel=LABELS.get(result.along, result.along), ylabel=label)
     _explain(axes)
 

@@ -194,7 +194,8 @@ def test_a_curve_of_breathers_has_the_bars_of_what_is_drawn_and_a_line_a_method(
     (fr.FrictionChain(c=0.02), "front velocity v"),
 ])  # fmt: skip
 def test_a_velocity_has_the_name_that_goes_with_the_unit_of_time(chain: Any, label: str) -> None:
-    from fronts.curves import Curve
+    """Also where the first of its points is refused, which has no chain."""
+    from fronts.curves import Curve, Refusal
 
     @dataclass(frozen=True, kw_only=True)
     class Measured(Result):
@@ -202,8 +203,9 @@ def test_a_velocity_has_the_name_that_goes_with_the_unit_of_time(chain: Any, lab
         chain: Any
 
     points = (Measured(v=0.5, chain=chain), Measured(v=0.75, chain=chain))
-    axes = draw(Curve(along="c", values=np.array([1.0, 2.0]), points=points, seconds=0.0))
-    assert axes.get_ylabel() == label
+    for some in (points, (Refusal(reason="of a cell"), points[1])):
+        axes = draw(Curve(along="c", values=np.array([1.0, 2.0]), points=some, seconds=0.0))
+        assert axes.get_ylabel() == label
 
 
 def test_methods_that_agree_are_drawn_with_different_hollow_marks() -> None:
@@ -680,12 +682,15 @@ def test_the_explorer_says_that_no_front_travels_where_none_does_at_any_coupling
 
 
 @needs_explorer
-def test_the_explorer_shows_neither_picture_nor_sentence_before_there_is_a_result() -> None:
+@pytest.mark.parametrize("index", range(6))
+def test_the_explorer_shows_neither_picture_nor_sentence_before_there_is_a_result(
+    index: int,
+) -> None:
     from fronts.explore.pictures import PICTURES
 
-    for kind in PICTURES:
-        picture = kind()
-        assert (picture.figure.visible, picture.refusal.visible) == (False, False)
+    picture = PICTURES[index]()
+    assert (picture.figure.visible, picture.refusal.visible) == (False, False)
+    assert len(PICTURES) == 6
 
 
 @needs_explorer
@@ -704,12 +709,9 @@ def test_the_explorer_waits_for_every_call_that_a_picture_needs(
 
 
 @needs_explorer
-def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> None:
-    """A square is as large as the steps of the map; site n is in the middle of its row."""
-    from bokeh.models import ColorBar
-
-    from fronts.explore.calls import SITES, SLOW_TIME, Settings, calls
-    from fronts.explore.pictures import RunPicture, StatesPicture
+def test_squares_of_the_explorer_are_as_large_as_the_steps_of_the_map() -> None:
+    from fronts.explore.calls import Settings, calls
+    from fronts.explore.pictures import StatesPicture
 
     steps = dict(calls(Settings())["states"].options)
     glyphs = [each.glyph for each in StatesPicture().figure.renderers]
@@ -718,6 +720,15 @@ def test_squares_of_the_map_and_the_image_of_the_run_fill_their_pictures() -> No
     ]
     assert squares == [("x", "y", steps["eta"].step, steps["c"].step)] * len(StatesPicture.COLOURS)
     assert steps["refine"] == 0.0  # boundaries would take longer, and are not drawn
+
+
+@needs_explorer
+def test_the_image_of_the_run_fills_its_picture_with_each_site_in_the_middle_of_its_row() -> None:
+    from bokeh.models import ColorBar
+
+    from fronts.explore.calls import SITES, SLOW_TIME
+    from fronts.explore.pictures import RunPicture
+
     figure = RunPicture().figure
     assert [bar.title for bar in figure.select(type=ColorBar)] == ["amplitude"]
     (image,) = (each.glyph for each in figure.renderers)

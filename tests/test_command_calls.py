@@ -20,10 +20,10 @@ from fronts.branches import follow_breather
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
 from fronts.initial_state import prepared
-from fronts.options import QUIET
+from fronts.options import QUIET, Group
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
 from fronts.piecewise.sigma import sigma
-from fronts.signatures import described
+from fronts.signatures import REQUIRED, Described, described
 from theory import chains
 from theory.cells.friction import FrictionCell
 from theory.chains.ends import Ends
@@ -279,6 +279,8 @@ def test_a_run_starts_from_the_middle_as_a_nucleus_of_one_does(count):
         place = Place.EDGE if isinstance(chain, FrictionChain) else Place.BULK
         (site,) = Nucleus(1, place=place).excited(count)
         assert start.parameters["sites"] == [site]
+        moved = prepared(chain, displacement=1.5)
+        assert moved.parameters["displacement"] == pytest.approx(1.5)
         for point in (None, StartPoint.MAXIMUM):
             named = prepared(chain, start_point=point).parameters.get("start_point")
             assert named is point
@@ -366,10 +368,30 @@ def test_options_are_those_of_the_model():
     names = {each.name for each in bound_to("cell vdp").fields.parameters}
     assert {"a", "b", "eps"} <= names
     assert not names & {"c", "sites", "ends"}  # one cell alone has none
-    for model in ("vdp", "chain"):
-        assert "method" in {each.name for each in bound_to(f"threshold {model}").own.parameters}
+    for model, chain in (("vdp", VdpChain), ("chain", OscillatorChain)):
+        own = {each.name: each for each in bound_to(f"threshold {model}").own.parameters}
+        assert own["method"].choices == tuple(each.value for each in thresholds.methods_of(chain))
+    assert bound_to("breather vdp").nucleus.given(argparse.Namespace()) == {"size": 1}
     nucleus = {each.name for each in described(Nucleus)}
     assert nucleus == {"size", "pattern", "place"}  # what it was relaxed from is for nobody to say
+
+
+def test_an_option_of_a_group_is_given_preset_or_absent():
+    """Of its numbers only those that are not whole may be ranges."""
+    own = tuple(
+        Described(name=name, kind=kind, default=default, help="")
+        for name, kind, default in (("a", "float", REQUIRED), ("b", "float", 1.0), ("c", "int", 2))
+    )
+    group = Group("chain.", own, {"chain.b": 3.0, "c": 5}, ranged="a curve")
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    group.declare(parser)
+    options = parser.parse_args(["--a", "0.1:0.3:3"])
+    assert group.given(options) == {"a": (0.1, 0.3, 3), "b": 3.0}
+    assert group.given(parser.parse_args(["--a", "1", "--b", "2", "--c", "4"])) == {
+        "a": 1.0, "b": 2.0, "c": 4,
+    }  # fmt: skip
+    with pytest.raises(argparse.ArgumentError, match="c"):
+        parser.parse_args(["--a", "1", "--c", "4:6:3"])
 
 
 def test_every_module_of_chains_is_imported_for_its_models(monkeypatch):
@@ -666,6 +688,9 @@ def test_beside_a_file_a_long_table_is_shown_by_its_ends_and_the_numbers_below_i
     ]  # fmt: skip
     text = "\n".join(["points:", "  c  v", *rows[: MAX_LINES - 2]])
     assert beside_files(text, [Path("a.csv")]) == f"{text}\nwritten to {Path('a.csv')}"
+    few = ["few:", *rows[:5]]  # of which there are not more than would be shown
+    shown = beside_files("\n".join([*few, "points:", *rows]), [Path("a.csv")]).splitlines()
+    assert shown[:8] == [*few, "points:", rows[0]]
 
 
 def test_a_run_says_in_words_too_what_became_of_its_nucleus(capsys):

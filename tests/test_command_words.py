@@ -337,6 +337,10 @@ def test_an_interrupt_is_said_in_the_form_that_was_asked_for(
     )
 
 
+def test_an_answer_needs_no_attention_unless_it_says_so() -> None:
+    assert Answer({}, "").exit_code == 0
+
+
 def test_an_answer_that_is_no_number_is_a_defect_and_not_json(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
@@ -546,6 +550,8 @@ def test_an_error_that_is_not_known_is_said_wherever_its_number_stands(
     ]
     for name in ("one", "ways", "rows"):  # entries may say what they like of what is within
         assert in_words(several, {name: "no"}) == f"{name}  no"
+    assert in_words(several, {"ways": {"a": "no"}}) == "ways  a no"
+    assert in_words(several, {"rows": ["no"]}) == "rows  [no]"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -780,6 +786,30 @@ def test_a_table_of_verdicts_that_cannot_be_written_is_refused_before_any_is_jud
 
     monkeypatch.setattr(check, "_judged", judged)
     assert "x.csv" in refused(f"check --out {tmp_path}/none/x.csv")["message"]
+
+
+def test_the_folder_of_a_report_is_made_with_those_above_it(tmp_path: Path) -> None:
+    from fronts.commands.check import _checked_folder
+
+    folder = tmp_path / "reports" / "one"
+    for _ in range(2):  # which may exist
+        assert _checked_folder(folder, resume=False) == folder
+        assert folder.is_dir()
+
+
+@pytest.mark.parametrize("changed", [True, False])
+def test_verdicts_are_written_as_a_table_whose_command_says_whether_they_are_as_recorded(
+    changed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from fronts.commands import check
+
+    report, path = SimpleNamespace(changed=changed), tmp_path / "claims.json"
+    monkeypatch.setattr(check, "_judged", lambda *_, **__: report)
+    monkeypatch.setattr(check, "to_json", lambda _: {"claims": [{"key": "fig01-x"}]})
+    monkeypatch.setattr(check, "report_as_text", lambda *_: "one claim")
+    assert main(["check", "fig16-admissible", "--out", str(path)]) == int(changed)
+    assert json.loads(path.read_text("utf-8"))["claims"] == [{"key": "fig01-x"}]
+    assert capsys.readouterr().out == f"one claim\nwritten to {path}\n"
 
 
 def test_files_of_a_film_are_allowed_where_there_is_one(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from derivations import catalogue, judgement
 from derivations.algebra import rendering
 from derivations.cell import steps
 from fronts.answer import Answer, UsageError
+from fronts.checking import DerivedCell
 from fronts.cli import main
 from fronts.commands import derive
 from fronts.commands.derive import _verdict_lines
@@ -435,6 +436,39 @@ def test_the_text_of_an_equation_or_a_cell_is_json_only_if_it_is_asked_for(form,
     cell = derive._Cell(damping="1 - y**2", stiffness=None, coupling=None, weights=None, values=())
     answer = derive._cell(cell, 1, None, form, front=False)
     assert answer.text == (json.dumps({"of": "cell"}) if form == "json" else form)
+
+
+@pytest.mark.parametrize("form", ["text", "latex", "json"])
+def test_a_derivation_is_shown_in_the_form_that_is_asked_for(form, monkeypatch):
+    monkeypatch.setattr(rendering, "records", lambda _: {"complete": form == "text"})
+    monkeypatch.setattr(rendering, "shown", lambda what, form: f"{what} as {form}")
+    answer = derive._shown("cell", form)
+    assert answer.exit_code == int(form != "text")
+    if form == "json":
+        assert json.loads(answer.text) == answer.payload == {"complete": False}
+    else:
+        assert answer.text == f"cell as {form}"
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_the_front_of_a_cell_is_derived_unless_its_cycles_alone_are_asked_for(alone, monkeypatch):
+    monkeypatch.setattr(derive, "_cell", lambda *given: Answer({"front": given[-1]}, ""))
+    assert derive.derive("cell", no_front=alone, quiet=False).payload == {"front": not alone}
+    if alone:
+        with pytest.raises(UsageError, match="--no-front belongs to 'cell'"):
+            derive.derive("averaging", no_front=True, quiet=False)
+
+
+def test_a_number_with_a_symbol_in_it_has_no_value():
+    a = sp.Symbol("a")
+    cycle = SimpleNamespace(amplitude=2 / a, stability="stable", multiplicity=1)
+    envelope = SimpleNamespace(
+        cycles=(cycle,), ratio=sp.Rational(1, 4), equation="x", amplitude_equation="y",
+        damping_mean="z",
+    )  # fmt: skip
+    found = DerivedCell(envelope=envelope, seconds=0.0).to_dict()
+    assert [each["value"] for each in found["cycles"]] == [None]
+    assert found["ratio"] == {"expression": "1/4", "value": 0.25}
 
 
 def test_a_file_ending_in_json_has_rows_or_the_text_of_another_form(tmp_path):

@@ -27,6 +27,7 @@ import fronts as fr
 from fronts.bound import BoundCall, located, models_of
 from fronts.catalogue import COMMANDS
 from fronts.cli import main, whole_parser
+from fronts.curves import Refusal
 from fronts.signatures import described, documented
 from fronts.wording import in_words
 from theory.piecewise.profile import front_profile
@@ -122,6 +123,11 @@ RESULTS = ("point", "curve", "roots", "profile", "cell", "breather")
 @pytest.fixture(scope="module")
 def results() -> dict[str, Result]:
     return _results()
+
+
+def test_text_is_shown_in_a_notebook_without_quotes():
+    shown = Refusal(reason="c < 0")._repr_html_()
+    assert re.findall("<td[^>]*>([^<]*)</td>", shown) == ["refused", "c &lt; 0"]
 
 
 @pytest.mark.parametrize("name", RESULTS)

@@ -13,14 +13,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import fronts as fr
+from fronts import branches
 from fronts.cli import main
 from tests.folds import fold_of
 from theory.averaged.front import strong_coupling_front
 from theory.parameters import ParameterError
 from verification.continuation.newton import BranchPoint, NotConvergedError
-from verification.fronts import follow, wave
+from verification.fronts import follow, resting, wave
 from verification.fronts.follow import follow_front_wave
-from verification.fronts.resting import pinning_eta, static_fold
+from verification.fronts.resting import PinningEta, pinning_eta, static_fold
 from verification.fronts.wave import NoFrontError, front_wave
 from verification.references import phase_locked
 from verification.references.front_wave import front_velocity
@@ -466,6 +467,15 @@ def test_within_the_error_of_eta_pin_fronts_are_pinned(part: float) -> None:
     assert (point.v, point.status.value) == (0.0, "pinned")
     assert point.error <= pin.square_root * math.sqrt(3.0 * pin.error)
     assert (point.error > 0.0) == (part < 0.0)
+
+
+def test_what_is_within_the_error_of_eta_pin_counts_as_pinned(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pin = PinningEta(eta=0.05, error=0.01, square_root=1.0, square_root_error=0.0)
+    monkeypatch.setattr(resting, "pinning_eta", lambda _: pin)
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.15)
+    assert branches._ends_in_eta(chain, [0.03, 0.045, 0.06])[1] == [0.045, 0.06]
 
 
 def test_branches_of_breathers_are_of_the_models_of_the_paper() -> None:

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import pytest
 
 from theory.averaged.breather import Reading, closed_form_fold
@@ -15,6 +21,7 @@ from verification.quantities.problems import PROBLEMS, Problem, timed
 from verification.quantities.quantity import Quantity
 from verification.quantities.registry import all_computations, all_quantities, quantity_named
 
+RECORDS = Path(__file__).parents[1] / "benchmarks" / "results"
 NO_AXES = {"low", "high", "order", "t", "sites", "rows", "a"}
 """Parameters of a whole run or sweep, and a, which changes only the unit of y."""
 
@@ -37,12 +44,12 @@ def test_problems_of_a_family_have_names_tags_and_the_same_parameters(family: st
     assert not ordinary[-1]
 
 
-@pytest.mark.parametrize("problem", PROBLEMS["sum"], ids=lambda problem: problem.name)
-def test_the_tags_of_the_sum_follow_from_its_numbers(problem: Problem) -> None:
-    extreme = any(not 1e-3 < value < 1e3 for value in problem.values.values())
-    easy = root_free_strip(problem.v, problem.c) >= 0.1 and problem.c / problem.v <= 10.0
-    assert ("extreme" in problem.tags) == extreme
-    assert ("ordinary" in problem.tags) == (easy and not extreme)
+def test_the_tags_of_the_sum_follow_from_its_numbers() -> None:
+    for problem in PROBLEMS["sum"]:
+        extreme = any(not 1e-3 < value < 1e3 for value in problem.values.values())
+        easy = root_free_strip(problem.v, problem.c) >= 0.1 and problem.c / problem.v <= 10.0
+        assert ("extreme" in problem.tags) == extreme, problem.name
+        assert ("ordinary" in problem.tags) == (easy and not extreme), problem.name
 
 
 def test_every_family_is_that_of_a_quantity_which_uses_its_parameters() -> None:
@@ -129,3 +136,61 @@ def test_a_problem_is_what_it_is_called() -> None:
             assert (0.0 < problem.c < fold) is (problem.name != "not-averageable")
             if problem.name == "beside-the-fold":
                 assert problem.c > 0.95 * fold
+
+
+@pytest.mark.parametrize(
+    ("family", "which", "number", "name"),
+    [
+        ("sum", min, lambda each: each.v, "small-v"),
+        ("sum", min, lambda each: each.c, "weak-coupling"),
+        ("sum", max, lambda each: each.c, "larger-c"),
+        ("sum", max, lambda each: each.v / each.c, "large-v-over-c"),
+        ("sum", min, lambda each: each.v / each.c, "small-v-over-c"),
+        ("relation", max, lambda each: each.c / each["eta"], "fastest"),
+        ("breather", min, lambda each: each.c, "weak"),
+        ("breather", max, lambda each: each["eps"], "not-averageable"),
+        ("multipliers", max, lambda each: each.sites, "long-chain"),
+        ("chain", max, lambda each: each["eps"], "strong-damping"),
+        ("own-chain", max, lambda each: each["far"], "next-nearest"),
+        ("own-chain", max, lambda each: each["rows"], "lattice"),
+        ("friction", max, lambda each: each.c * each["t"], "many-events"),
+        ("front", max, lambda each: each["eps"], "full"),
+        ("front", min, lambda each: each.c, "slow"),
+        ("map", min, lambda each: each["eta"], "steep"),
+        ("derivation", min, lambda each: each["order"], "first-order"),
+        ("derivation", max, lambda each: each["order"], "second-order"),
+    ],
+)
+def test_a_problem_has_the_largest_or_smallest_number_that_its_name_says(
+    family: str, which: Any, number: Callable[[Problem], float], name: str
+) -> None:
+    assert which(PROBLEMS[family], key=number).name == name
+
+
+def test_a_problem_has_the_number_that_its_name_says() -> None:
+    numbers = {
+        (family, each.name, number): each[number]
+        for family, number in (("front", "eps"), ("own-chain", "rows"), ("derivation", "order"))
+        for each in PROBLEMS[family]
+        if each.name not in ("full", "lattice")
+    }
+    assert numbers == {
+        ("front", "averaged", "eps"): 0.0,  # stands for the averaged chain
+        ("front", "slow", "eps"): 0.0,
+        ("own-chain", "next-nearest", "rows"): 1,  # second neighbours are those of a chain
+        ("derivation", "first-order", "order"): 1,
+        ("derivation", "second-order", "order"): 2,
+    }
+
+
+def test_a_stored_record_has_the_problems_that_are_timed_and_an_agreement_as_stated() -> None:
+    """Two references agree to all but five of their digits, or to within three orders as stated."""
+    for quantity in all_quantities():
+        if not quantity.useful:
+            continue
+        record = json.loads((RECORDS / f"{quantity.name}.json").read_text(encoding="utf-8"))
+        apart = record["agreement"]
+        assert set(apart) == {each.name for each in quantity.timed_problems}
+        digits = re.search(r"(\d+) digits", quantity.reference)
+        most = 1.01 * 10.0 ** (5 - int(digits[1])) if digits else 1e3 * max(apart.values())
+        assert max(apart.values()) <= quantity.accuracy <= most, quantity.name

@@ -205,6 +205,16 @@ def test_an_orbit_is_as_far_off_as_its_worst_number(
     )  # fmt: skip
     check = breathers._check_orbit({}, StatedValue(value=given, error=0.0))
     assert (check.distance, check.uncertainty) == (pytest.approx(1e-3), 1e-9)
+    monkeypatch.setattr(
+        breathers, "locked_state",
+        lambda _, __, phi, omega: PreciseState(
+            value=np.array([*phi.real, *phi.imag, omega]) - side * np.array([0, 0, 0, 1e-3, 1e-4]),
+            uncertainty=1e-9,
+        ),
+    )  # fmt: skip
+    waves = StatedValue(value=np.array([1.0, 2.0j, 6.3]), error=0.0)
+    check = breathers._check_envelope({"eta": 0.08, "c": 0.1}, waves)
+    assert (check.distance, check.uncertainty) == (pytest.approx(1e-3), 1e-9)
 
 
 def test_long_doubles_and_numbers_of_mpmath_are_the_same_to_all_their_digits() -> None:

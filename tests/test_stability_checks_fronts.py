@@ -58,6 +58,27 @@ def test_the_reference_of_the_sum_is_one_that_reaches_there() -> None:
             assert abs(value - other) < 1e-19
 
 
+@pytest.mark.parametrize(
+    ("v", "c", "by"),
+    [
+        (30.0, 1e4, "series"),
+        (0.3, 0.5, "series"),
+        (1.0, 2e3, "integral in many digits"),
+        (0.5, 1e3, "integral in many digits"),
+        (1e-7, 1.0, "static limit"),
+    ],
+)
+def test_roots_are_summed_where_there_are_at_most_some_thousand(
+    v: float, c: float, by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """About one for each unit of c/v; the sums themselves are made up."""
+    monkeypatch.setattr(sums, "sum_by_roots", lambda *_: SimpleNamespace(value=1.0, error=0.0))
+    monkeypatch.setattr(
+        sums, "precise_sum_by_integral", lambda *_: SimpleNamespace(value=1.0, error=0.0)
+    )
+    assert sums.reference_sum(v, c, 20)[2] == by
+
+
 def test_the_static_limit_has_as_many_digits_as_are_asked() -> None:
     value, uncertainty, _ = sums.reference_sum(1e-7, 1.0, 40)
     with mp.workdps(60):
@@ -269,7 +290,8 @@ def test_a_plain_grid_sees_every_velocity(c: float, eta: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("off", "error", "changes"), [(1e-6, 6e-7, 0), (1e-6, 4e-7, 1), (5e-13, 0.0, 0)]
+    ("off", "error", "changes"),
+    [(1e-6, 6e-7, 0), (1e-6, 4e-7, 1), (5e-13, 0.0, 0), (2e-12, 0.0, 1)],
 )
 def test_a_sum_within_twice_its_error_of_the_limit_has_no_sign(
     off: float, error: float, changes: int, monkeypatch: pytest.MonkeyPatch
@@ -713,11 +735,12 @@ def test_a_stiff_run_is_followed_on_few_sites_first_and_on_more_where_they_move(
 ) -> None:
     followed: list[int] = []
 
-    def made(_: object, __: float, start: np.ndarray, **___: object) -> np.ndarray:
+    def made(rate: Any, end: float, start: np.ndarray, **_: object) -> np.ndarray:
         """Return a state of which as many sites move as there are, up to seventy.
 
         The others are at rest within a part of the displacement, which is 2.
         """
+        assert rate(0.5 * end, start).shape == start.shape
         followed.append(start.size // 2)
         return np.tile(np.where(np.arange(start.size // 2) < moving, 1.0, runs.REST), 2)
 

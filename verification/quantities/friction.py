@@ -174,7 +174,7 @@ def within_the_work_of_friction(at: Mapping[str, float], stated: StatedValue) ->
 QUANTITIES = (
     Quantity(
         name="friction", title="trajectory of the friction chain (5)", equation="(5), (6)",
-        problems="friction", accuracy=1e-9, default="event-exact", useful=(1e-8, 0.1),
+        problems="friction", accuracy=1e-10, default="event-exact", useful=(1e-8, 0.1),
         reference="scipy's DOP853 with located events, at 1e-13, beside ours at 1e-13",
         computations=(
             Computation(

@@ -90,24 +90,22 @@ def _problem(name: str, *tags: Tag, timed: bool = False, **values: float) -> Pro
     return Problem(name=name, values=values, tags=tags, timed=timed)
 
 
-SUM: tuple[Problem, ...] = (
-    _problem("ordinary", "ordinary", v=0.3, c=0.5, timed=True),
-    _problem("unit", "ordinary", v=1.0, c=1.0),
-    _problem("fast", "ordinary", v=3.0, c=0.7),
-    _problem("slow", "stiff", v=1e-2, c=0.5),
-    _problem("small-v", "stiff", "extreme", v=1e-3, c=0.5, timed=True),
-    _problem("large-c", "stiff", v=7.4, c=100.0, timed=True),
-    _problem("larger-c", "stiff", "extreme", v=74.0, c=1e4),
-    _problem("large-v-over-c", "extreme", v=1e3, c=1e-3),
-    _problem("small-v-over-c", "stiff", "extreme", v=1e-3, c=1e3),
-    _problem("weak-coupling", "extreme", v=0.3, c=1e-6),
-    _problem("resonance", "stiff", v=72.46, c=100.0),
-    _problem("pole-crossing-the-contour", "stiff", v=159.82338529816317, c=214.92354611211903),
-    _problem("contour-touching-a-pole", "stiff", v=7.0562693897135915, c=10.802444936499525),
-)
-
 PROBLEMS: Mapping[str, tuple[Problem, ...]] = {
-    "sum": SUM,
+    "sum": (
+        _problem("ordinary", "ordinary", v=0.3, c=0.5, timed=True),
+        _problem("unit", "ordinary", v=1.0, c=1.0),
+        _problem("fast", "ordinary", v=3.0, c=0.7),
+        _problem("slow", "stiff", v=1e-2, c=0.5),
+        _problem("small-v", "stiff", "extreme", v=1e-3, c=0.5, timed=True),
+        _problem("large-c", "stiff", v=7.4, c=100.0, timed=True),
+        _problem("larger-c", "stiff", "extreme", v=74.0, c=1e4),
+        _problem("large-v-over-c", "extreme", v=1e3, c=1e-3),
+        _problem("small-v-over-c", "stiff", "extreme", v=1e-3, c=1e3),
+        _problem("weak-coupling", "extreme", v=0.3, c=1e-6),
+        _problem("resonance", "stiff", v=72.46, c=100.0),
+        _problem("pole-crossing-the-contour", "stiff", v=159.82338529816317, c=214.92354611211903),
+        _problem("contour-touching-a-pole", "stiff", v=7.0562693897135915, c=10.802444936499525),
+    ),
     "relation": (
         _problem("ordinary", "ordinary", c=0.5, eta=0.03125, timed=True),
         _problem("hysteresis", "ordinary", c=0.45, eta=0.03125, timed=True),

@@ -108,6 +108,9 @@ def test_the_waves_of_a_run_on_another_nucleus_err_beside_the_centre_of_that_one
     found = breathers.breather(settled.chain, Nucleus(1), method="simulation")
     assert found.nucleus.size == 2
     assert found.wave_error == 2.0 * (1.0 + 2.0) * 0.5
+    settled = replace(settled, error=None, wave_error=None)  # of a run of a single block
+    found = breathers.breather(settled.chain, Nucleus(1), method="simulation")
+    assert (found.nucleus.size, found.error, found.wave_error) == (2, None, None)
 
 
 def test_a_growth_rate_is_as_far_off_as_from_the_exact_one_with_both_errors() -> None:
@@ -208,6 +211,8 @@ def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
     assert found.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0 / 6.0], rel=1e-12)
     turns = math.asin(0.5 / 2.0) + math.asin(0.5)  # of the centre, and of the site beyond
     assert found.phase_step_error == pytest.approx(turns, rel=1e-12)
+    nearer = replace(found, wave_error=np.array([0.25, 0.5, 0.5]))
+    assert nearer.phase_step_error == pytest.approx(turns, rel=1e-12)
     each = replace(found, wave_error=np.array([0.5, 7.0, 1.0]))
     assert each.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0], rel=1e-12)
     whole = replace(found, nucleus=Nucleus(3))  # beyond which there is no site
@@ -416,6 +421,10 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
         assert known.multipliers is not None
         apart = [np.abs(found.multipliers - each).min() for each in known.multipliers]
         assert max(apart) <= found.stability.error + 1e-9
+    # Where an error is so large that a multiplier may be zero nothing is known of its rate.
+    far = Spied(chain, Nucleus(1), 20).measured(replace(point, correction=1e3), 0.0)
+    assert (far.stability.growth_error, far.growth_error) == (math.inf, None)
+    assert found.growth_error == found.stability.growth_error < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -435,10 +444,10 @@ def test_multipliers_err_by_what_the_error_of_an_orbit_along_its_worst_direction
         def system(self, refinement: int = 1, centre: int | None = None) -> Any:
             return lambda u, c: (np.zeros(4), slope, np.zeros(4))
 
-    state = np.array([0.3, -2.0, 0.5])
-    point = BranchPoint(np.append(state, 6.0), 0.2, np.zeros(5), 0.0, 0.0, 1, 1.0)
-    found = Made(CHAIN, Nucleus(1), 30)._monodromy_error(point, error, np.diag(2.0 * state))
-    assert found == pytest.approx(2.0 * error, rel=1e-6)
+    for state in np.array([[0.3, -2.0, 0.5], [0.0, 0.0, -2.0]]):
+        point = BranchPoint(np.append(state, 6.0), 0.2, np.zeros(5), 0.0, 0.0, 1, 1.0)
+        found = Made(CHAIN, Nucleus(1), 30)._monodromy_error(point, error, np.diag(2.0 * state))
+        assert found == pytest.approx(2.0 * error, rel=1e-6)
 
 
 def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
@@ -507,6 +516,32 @@ def test_the_derivatives_of_an_orbits_equations_are_those_of_their_differences()
         assert slope[:, k] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-7)
 
 
+@pytest.mark.parametrize("parity", [1, -1])
+@pytest.mark.parametrize("moving", [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])
+def test_the_parity_of_an_orbit_is_that_of_what_moves(
+    parity: int, moving: tuple[float, float]
+) -> None:
+    """Where all sites pass through rest at once displacements are rounding, of any parity."""
+    rng = np.random.default_rng(3)
+    for sites in (2, 3, 8):
+        half = rng.normal(size=(2, sites))
+        exact = (np.array(moving)[:, None] * (half + parity * half[:, ::-1])).ravel()
+        family = Orbits(
+            CHAIN.replace(sites=sites), Nucleus(1 + (sites + 1) % 2, "x" * (1 - sites % 2))
+        )
+        found = [family._parity(exact + 1e-12 * rng.normal(size=2 * sites)) for _ in range(9)]
+        assert found == [parity] * 9
+        edge = replace(family, nucleus=Nucleus(1, place=Place.EDGE))
+        assert edge._parity(exact) == 0
+
+
+def test_a_branch_of_orbits_is_followed_down_to_any_coupling() -> None:
+    """Its last step may lead past zero, beyond which the equations are those of |c|."""
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
+    for lowest in (1e-3, 1e-9):
+        assert Orbits(chain, Nucleus(1)).start(2.0, lowest).parameter <= lowest
+
+
 def test_a_branch_of_orbits_begins_below_what_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -515,7 +550,7 @@ def test_a_branch_of_orbits_begins_below_what_is_asked_for(
 
     def trace(*given: Any) -> Any:
         asked.append(given)
-        return SimpleNamespace(points=["first", "last"])
+        return SimpleNamespace(points=["first", "next", "last"])
 
     monkeypatch.setattr(orbits, "trace", trace)
     monkeypatch.setattr(Orbits, "_first", lambda *_: begun)
@@ -823,7 +858,7 @@ def test_split_by_reflection_or_not_the_same_exponents_are_found(nucleus: Nucleu
     whole, split = (exponents(*unpack(u), chain, mirrored) for mirrored in (False, True))
     assert np.sort(split.values.real) == pytest.approx(np.sort(whole.values.real), abs=1e-9)
     assert split.growth == pytest.approx(whole.growth, abs=1e-9)
-    assert (split.symmetric, split.antisymmetric) != (None, None)
+    assert max(split.symmetric, split.antisymmetric) == pytest.approx(whole.growth, abs=1e-9)
     assert abs(split.growth) > 1e-4  # not that of the phase
 
 
@@ -890,6 +925,7 @@ def test_beside_its_fold_the_stability_of_a_breather_is_not_decided() -> None:
         solve_envelope_breather(chain.replace(c=fold * (1.0 - part)), edge)
         for part in (1e-13, 1e-3)
     )
+    assert (beside.status, below.status) == (BreatherStatus.EXISTS,) * 2  # not beyond it
     assert (beside.stable, below.stable) == (None, True)
 
 
@@ -991,9 +1027,13 @@ def test_a_run_that_escapes_shows_that_there_is_no_breather_only_beyond_a_known_
     escaped = replace(_breather(BreatherMethod.SIMULATION), status=BreatherStatus.ESCAPED)
     for name in ("run_breather", "run_averaged_breather"):
         monkeypatch.setattr(breathers, name, lambda *_, **__: escaped)
-    monkeypatch.setattr(breathers, "_fold_below", lambda *_: (fold, fold))
+    asked: list[Any] = []
+    monkeypatch.setattr(
+        breathers, "_fold_below", lambda *given: asked.extend(given) or (fold, fold)
+    )
     found = breathers.breather(chain, method="simulation")
     assert (found.status, found.fold) == (status, fold)
+    assert asked == [chain, Nucleus(1)]
 
 
 @pytest.mark.parametrize(
@@ -1133,6 +1173,28 @@ def test_the_phase_step_is_from_the_last_site_of_the_nucleus_to_the_next() -> No
     assert _breather(of).phase_step is None
 
 
+@pytest.mark.parametrize(
+    ("nucleus", "outward", "inward"),
+    [
+        (Nucleus(1), [3.0, 4.0, 5.0], [3.0, 2.0, 1.0]),
+        (Nucleus(2, "0"), [4.0, 5.0, 6.0], [3.0, 2.0, 1.0]),
+        (Nucleus(3, "-+"), [3.0, 4.0, 5.0], [3.0, 2.0, 1.0]),
+        (Nucleus(4, "000"), [4.0, 5.0, 6.0], [3.0, 2.0, 1.0]),
+        (Nucleus(5, "0000"), [3.0, 4.0, 5.0], [3.0, 2.0, 1.0]),
+        (Nucleus(1, place=Place.EDGE), [1.0, 2.0, 3.0, 4.0, 5.0], [1.0]),
+        (Nucleus(2, "0", Place.EDGE), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], []),
+    ],
+)
+def test_amplitudes_are_listed_from_the_centre_to_either_end(
+    nucleus: Nucleus, outward: list[float], inward: list[float]
+) -> None:
+    """Of an even number of excited sites the two in the middle begin either list."""
+    amplitudes = np.arange(1.0, 6.0 + (nucleus.size + 1) % 2)
+    own = _breather(BreatherMethod.ENVELOPE, nucleus=nucleus, amplitudes=amplitudes)
+    found = replace(own, chain=replace(CHAIN, sites=amplitudes.size))
+    assert (found.outward.tolist(), found.inward.tolist()) == (outward, inward)
+
+
 def test_side_by_side_a_breather_has_its_centre_and_neighbour() -> None:
     of = BreatherMethod.ENVELOPE
     rows = {"a": _breather(of, amplitudes=np.array([0.5, 2.0, 0.25])), "b": _breather(of)}
@@ -1250,8 +1312,11 @@ def test_a_run_of_the_chain_ends_as_one_of_its_average_does(
     drifts: list[float], far: int, status: BreatherStatus, blocks: int,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    """Escaped is who leaves the nucleus; a site that is displaced and turns fast is as far."""
-    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=0.098, sites=3)
+    """Escaped is who leaves the nucleus; a site that is displaced and turns fast is as far.
+
+    In the unit of y of this chain the level that it crosses is below one.
+    """
+    chain = VdpChain(a=10.0, b=8.0, c=0.1, eps=0.098, sites=3)
     times: list[float] = []
     measured: list[float] = []
     level = chain.unstable_amplitude

@@ -306,11 +306,20 @@ def test_the_correction_of_a_solution_is_how_far_it_still_is(tolerance: float) -
 
 @pytest.mark.parametrize("u", [-0.5, -0.01, 0.01, 0.5])
 def test_either_way_along_a_branch_its_orientation_is_constant(u: float) -> None:
-    """Past a fold as well, where both ∂F/∂u and the direction in c change their signs."""
-    start = solve_at(circle, np.array([u]), 1.0 + math.sqrt(0.49 - u**2))
+    """Past a fold as well, where both ∂F/∂u and the direction in c change their signs.
+
+    Beside it an unknown that is twice the first one, whose direction does not change there.
+    """
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([u[0] ** 2 + (c - 1.0) ** 2 - 0.49, u[1] - 2.0 * u[0]])
+        slope = np.array([[2.0 * u[0], 0.0], [-2.0, 1.0]])
+        return value, slope, np.array([2.0 * (c - 1.0), 0.0])
+
+    start = solve_at(system, np.array([u, 2.0 * u]), 1.0 + math.sqrt(0.49 - u**2))
     ends = []
     for point in (start, start.reversed()):
-        end = step_along(circle, point, 0.03)
+        end = step_along(system, point, 0.05)
         assert end.orientation == point.orientation
         ends.append(float(end.u[0]))
     assert (min(ends) * max(ends) < 0.0) is (abs(u) < 0.1)
@@ -635,6 +644,26 @@ def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(at: fl
     found = first_crossing(_linear(1.0), branch, monitor, 0)
     assert abs(found.parameter - at) <= found.error
     assert np.spacing(at) < found.error < 1e-9
+
+
+@pytest.mark.parametrize("off", [-1e-12, 1e-12])
+def test_a_crossing_beside_a_fold_is_as_uncertain_as_the_rounding_of_its_equations(
+    off: float,
+) -> None:
+    """The coupling hardly changes there, so that its values on the two sides do not show it."""
+
+    def rounded(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value, slope, by_c = circle(u, c)
+        return value + off, slope, by_c
+
+    def monitor(u: Any, c: float) -> tuple[float]:
+        return (1e-5 - float(u[0]),)
+
+    branch = trace(rounded, solve_at(rounded, np.array([0.7]), 1.0), 5.0, monitor)
+    found = first_crossing(rounded, branch, monitor, 0)
+    apart = abs(found.parameter - (1.0 + math.sqrt(0.49 - 1e-10)))
+    assert apart == pytest.approx(abs(off) / 1.4, rel=0.01)  # ∂F/∂c = 1.4
+    assert apart <= found.error < 1e-11
 
 
 STEEP = {

@@ -232,13 +232,16 @@ def test_the_steps_of_an_orbit_are_counted_from_the_damping_along_it() -> None:
     assert OwnOrbits(chain, Nucleus(1)).count / 64 == pytest.approx(1.0 + stiffness, rel=0.02)
 
 
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("angle", [0.3, 2.0, 4.0, 6.0])
-def test_all_phases_of_an_orbit_are_looked_at_for_its_strongest_damping(angle: float) -> None:
-    """Which is at one place of a circle of radius 2."""
+def test_all_phases_of_an_orbit_are_looked_at_for_its_strongest_damping(
+    angle: float, sign: float
+) -> None:
+    """Which is at one place of a circle of radius 2, and may be negative."""
     place = 2.0 * math.sin(angle), 2.0 * math.cos(angle)
 
     def damping(y: Any, v: Any) -> Any:
-        return 10.0 * np.exp(-10.0 * ((y - place[0]) ** 2 + (v - place[1]) ** 2))
+        return sign * 10.0 * np.exp(-10.0 * ((y - place[0]) ** 2 + (v - place[1]) ** 2))
 
     cycle = SimpleNamespace(amplitude=2.0, velocity=2.0)
     cell = SimpleNamespace(cycles=[cycle], damping_at=damping)

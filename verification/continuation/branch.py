@@ -109,7 +109,8 @@ class Crossing:
     Attributes
     ----------
     parameter, error : float
-        Value of the parameter, and the distance between the last values tried on its two sides.
+        Value of the parameter, and the distance between the last values tried on its two sides,
+        plus 1e-12 for rounding.
     u : float array
         The solution at the crossing.
     from_start : bool

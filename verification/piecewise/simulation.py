@@ -31,6 +31,8 @@ from verification.piecewise.window import (
 
 SMALLEST_ETA = 1e-8
 """Smallest η: below it the threshold is so low that round-off in phi affects the front."""
+SMALLEST_COUPLING = 1e-300
+"""Smallest c: below it the decay of a tail from one site to the next is not a finite number."""
 
 
 ACCURACIES, ACCURACY = Range(1e-13, 1e-2), 1e-12
@@ -104,7 +106,7 @@ def simulate_front(
     >>> simulate_front(0.3, 0.03125, "resting").status.value
     'pinned'
     """
-    c, r = positive("coupling c", coupling), _threshold(eta)
+    c, r = _coupling(coupling), _threshold(eta)
     within("accuracy", accuracy, *ACCURACIES)
     max_sites = count_within("most sites passed, max_sites,", max_sites, *MAX_SITES_RANGE)
     began = time.perf_counter()
@@ -140,6 +142,16 @@ def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:
         moving.append(simulate_front(c, eta, start))
     resting = tuple(simulate_front(c, eta, Start.RESTING) for c in descending)
     return Hysteresis(descending, tuple(moving), resting)
+
+
+def _coupling(coupling: float) -> float:
+    c = positive("coupling c", coupling)
+    if c < SMALLEST_COUPLING:
+        raise ParameterError(
+            "coupling c", c, f"at least {SMALLEST_COUPLING:g} in a simulation",
+            "take a larger one, at which the sites are independent of each other as well",
+        )  # fmt: skip
+    return c
 
 
 def _threshold(eta: float) -> float:

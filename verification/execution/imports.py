@@ -103,7 +103,7 @@ def source_of(name: str) -> Path | None:
     except ValueError:  # a session, or a script as seen by a worker process
         return None
     homes = list(spec.submodule_search_locations or ()) if spec else []
-    if spec and not homes and not rest and spec.origin and spec.origin.endswith(".py"):
+    if spec and not rest and spec.origin and spec.origin.endswith(".py"):
         return Path(spec.origin)
     for folder in homes or [str(Path(__file__).parents[2] / top)]:
         # Called hundreds of times per digest; os.path is faster.

@@ -113,7 +113,7 @@ def _attributes(task: object) -> dict[str, Any]:
 def _function(task: Any) -> FunctionType | None:
     """Return the function itself, or that which numba has compiled or a cache wraps, or None."""
     if not isinstance(task, FunctionType | MethodType | type):
-        task = getattr(task, "py_func", None) or getattr(task, "__wrapped__", None)
+        task = getattr(task, "__wrapped__", None)
     return task if isinstance(task, FunctionType) else None
 
 
@@ -184,7 +184,7 @@ class _TaskReader(ContentReader):
             return f"{value.__name__} {self.value(value.__self__, name)}"
         if isinstance(value, ModuleType):
             return value.__name__ if self.determines(value.__name__) else "a module"
-        function = value if isinstance(value, type) else _function(value) or value
+        function = _function(value) or value
         if hasattr(function, "__qualname__"):
             return self._definition(function)
         return self._object(value, name)
@@ -198,7 +198,7 @@ class _TaskReader(ContentReader):
         if not self.determines(module):
             return self._class(owner) if isinstance(owner, type) else self.function(owner)
         place = f"{module}.{owner.__qualname__}"
-        if isinstance(owner, FunctionType) and module and not is_library(module):
+        if isinstance(owner, FunctionType) and not is_library(module):
             return f"{place} {self.value(tuple(sorted(_held(owner).items())), place)}"
         return place
 

@@ -16,7 +16,9 @@ from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
+from numba import njit
 
+from fronts import sigma
 from theory.parameters import ParameterError
 from verification.execution import digest, metadata
 from verification.execution.digest import DRAWING, digest_of_arrays, digest_of_files
@@ -197,6 +199,7 @@ def test_the_file_of_a_module_is_found_whether_it_is_in_a_package_or_not(monkeyp
     ).with_name("__init__.py")
     assert source_of("no_such_module_anywhere") is source_of("__main__") is None
     assert source_of("bisect.bisect") is None  # a module has none below it
+    assert source_of("sys") is source_of("math") is None  # in no file, or in none of Python
     made = ModuleType("made_by_a_loader_of_its_own")
     made.__spec__ = ModuleSpec(made.__name__, None)
     monkeypatch.setitem(sys.modules, made.__name__, made)
@@ -323,16 +326,48 @@ def test_a_module_that_a_function_imports_under_another_name_is_noted(package):
     assert reader.modules == {"timed_code", "timed_code.deep"}
 
 
-def test_functions_are_told_apart_by_what_is_inside_a_cache_and_those_of_libraries_by_name():
-    def cached(size):
-        @lru_cache
+def test_modules_that_can_be_imported_are_noted_but_in_a_session_none_of_this_project(package):
+    reader = _TaskReader()
+    seen = []
+    for name in (None, "math", "theory.arrays", "in_no_file", "theory.result", "timed_code.deep"):
+        seen.append((reader.determines(name), reader.in_session, sorted(reader.modules)))
+    noted = ["theory.arrays"]
+    assert seen == [
+        (True, False, []), (True, False, []), (True, False, noted), (False, True, noted),
+        (True, True, noted), (True, True, [*noted, "timed_code.deep"]),
+    ]  # fmt: skip
+
+
+def test_the_digest_of_code_follows_the_package_of_each_module_and_the_files_of_a_user(
+    package, monkeypatch
+):
+    asked = []
+    monkeypatch.setattr(
+        "verification.execution.task.digest_of_code",
+        lambda *given, **options: asked.append((*given, options)) or "",
+    )
+    other = import_module("timed_code.other")
+    code_of(sigma, other)
+    modules = ("fronts.piecewise.sigma", "timed_code.other")
+    assert asked == [(modules, {*SOURCES, "fronts", "timed_code"}, {"users": True})]
+
+
+@pytest.mark.parametrize("wrap", [lru_cache, njit])
+def test_functions_are_told_apart_by_what_is_inside_of_what_a_cache_or_numba_makes(wrap):
+    def made(size):
         def task(c, size=size):
             return size * c
 
-        return task
+        return wrap(task)
 
-    assert code_of(cached(1.0)) == code_of(cached(1.0)) != code_of(cached(2.0))
+    for content in (code_of, parameters_of):
+        assert content(made(1.0)) == content(made(1.0)) != content(made(2.0))
+
+
+def test_functions_of_libraries_and_what_a_mapping_holds_are_told_apart_by_name():
     assert code_of(math.sqrt) != code_of(cmath.sqrt)
+    assert code_of({"a": math.sqrt}) == code_of({"a": math.sqrt}) != code_of({"b": math.sqrt})
+    assert parameters_of(partial(shape, 1)) == {"0": 1}
 
 
 def test_everything_with_code_counts_that_a_task_holds_in_whatever_it_is():
@@ -631,7 +666,7 @@ def test_a_digest_is_known_as_long_as_every_package_is_found_where_it_was():
 
 def test_imports_are_followed_through_files_of_a_user_where_these_count(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "of_a_user.py").write_text("import numpy, theory.arrays, beside_it\n")
+    (tmp_path / "of_a_user.py").write_text("import numpy, verification, theory.arrays, beside_it\n")
     (tmp_path / "beside_it.py").touch()
     assert closure("of_a_user", ["theory"]) == {}
     followed = closure("of_a_user", ["theory"], users=True)

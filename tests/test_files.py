@@ -30,6 +30,8 @@ def test_what_fails_half_way_leaves_the_old_file_and_nothing_else(tmp_path: Path
     with pytest.raises(TypeError), writing(path) as file:
         file.writelines([b"half of the n", "ew"])  # type: ignore[list-item]
     assert path.read_bytes() == b"old"
+    with pytest.raises(TypeError), writing(tmp_path / "new") as file:
+        file.writelines([b"half of the n", "ew"])  # type: ignore[list-item]
     assert list(tmp_path.iterdir()) == [path]
 
 

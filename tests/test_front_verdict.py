@@ -113,8 +113,8 @@ def test_spreads_shrink_if_the_largest_of_a_group_falls_twice(
 ) -> None:
     assert verdict._shrinks(_groups(*largest)) is shrinks
     # as they fall that far, a motion is settling if they are small besides
-    assert verdict._decays(_groups(*largest)) is False
-    assert verdict._decays(0.09 * _groups(*largest[-3:])) is shrinks
+    assert verdict._decays(0.11 * _groups(*largest)) is False
+    assert verdict._decays(0.09 * _groups(*(100.0 * largest[0], *largest[-3:]))) is shrinks
 
 
 def test_the_error_of_an_unsteady_front_is_half_the_range_of_five_means() -> None:

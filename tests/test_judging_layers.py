@@ -62,7 +62,7 @@ from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Tail, cycle_period
 from verification.fronts.watch import follow as followed
-from verification.maps import friction_rules, smooth_rules, state_run
+from verification.maps import friction_rules, smooth_rules, state_run, vdp_rules
 from verification.maps import task as map_task
 from verification.maps.boundary import _bracketed
 from verification.maps.state import Reason, State
@@ -513,7 +513,39 @@ class _FrictionRun:
         return False
 
 
-@pytest.mark.parametrize("drift", [0.9e-5, 1.1e-5, -1.1e-5])
+def test_sites_above_the_level_are_counted_in_the_last_window(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """If there is one: an end time of less than two windows leaves none."""
+    heights = UNSTABLE.unstable_amplitude * np.tri(4)  # one site more in each window
+    for count, above in ((0, 0), (1, 1), (3, 3)):
+        windows = iter([smooth_rules._Window(2.0 * each, 2.0 * each) for each in heights])
+        monkeypatch.setattr(
+            smooth_rules, "_through_window", lambda _, at, __, of=windows: (at, next(of), 1)
+        )
+        found = smooth_rules.find_smooth_state(
+            UNSTABLE, np.zeros((2, 4)), end=(2 * count + 1) * smooth_rules.WINDOW
+        )
+        assert (found.above, found.reached, found.time) == (above, above, count * 5.0)
+
+
+def test_the_noise_of_a_friction_chain_has_the_size_that_is_given() -> None:
+    start = np.ones((2, 5000))
+    noise = friction_rules.perturbed(start, 1e-3, 4) - start
+    assert noise.std() == pytest.approx(1e-3, rel=0.05)  # of 10⁴ numbers: seven deviations
+    assert abs(noise.mean()) < 1e-4
+    assert np.abs(noise).max() < 6e-3
+    assert np.array_equal(friction_rules.perturbed(start, 1e-3, 4) - start, noise)
+    assert not np.array_equal(friction_rules.perturbed(start, 1e-3, 5) - start, noise)
+
+
+def test_at_the_fold_of_cycles_and_at_a_double_zero_of_the_damping_amplitudes_are_finite() -> None:
+    """At η = 1/8 the cycles have a² = 8/a, and at η = 1/4 the damping is (1 - ay²/2)²."""
+    assert vdp_rules.level_of(4.0, 2.0) == pytest.approx(math.sqrt(2.0), rel=1e-15)
+    assert vdp_rules.positive_damping_square(4.0, 4.0) == 0.5
+
+
+@pytest.mark.parametrize("drift", [0.98e-5, 1.1e-5, -1.1e-5])
 def test_of_a_breather_no_amplitude_changes_by_more_than_1e_5_of_the_level(
     drift: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -196,11 +196,26 @@ def test_images_disturb_within_a_hundred_of_the_truncation_bound(c, v, distance)
     assert truncation_bound(c, -v, distance) == bound
 
 
-@pytest.mark.parametrize(("c", "v"), [(0.5, 0.3), (3.0, 1.4), (0.5, -0.4), (2.0, -0.5)])
-def test_a_wave_switches_at_half_of_sigma_each_period_and_first_after_half_of_one(c, v):
-    """|φ| of the site that a wave switches is |Σ|/2 of (54), whatever its velocity."""
+@pytest.mark.parametrize(
+    ("c", "v"), [(0.5, 0.3), (3.0, 1.4), (0.5, -0.4), (2.0, -0.5), (10.0, -5.0)]
+)
+def test_a_wave_switches_a_site_at_half_of_sigma_whatever_its_velocity(c, v):
     amplitude = switching_amplitude(c, v)
     assert amplitude == pytest.approx(abs(kinetic_sum(v, c)) / 2, abs=1e-9)  # that of the window
+
+
+@pytest.mark.parametrize("distance", [1, 3, 10])
+@pytest.mark.parametrize(("c", "v"), [(0.5, 0.3), (10.0, -2.0)])
+def test_the_truncation_bound_is_a_sum_over_images_each_weaker_than_the_one_before(c, v, distance):
+    s = brentq(lambda s: c * math.sinh(s) + abs(v) * s - 15 / 32, 0.0, 5.0, xtol=1e-15)
+    images = math.fsum(math.exp(-j * s * distance) for j in range(1, 10_000))
+    far = 100 / s  # where the first one is all
+    expected = images * math.exp(s * far) * truncation_bound(c, v, far)
+    assert truncation_bound(c, v, distance) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("c", "v"), [(0.5, 0.3), (3.0, 1.4), (0.5, -0.4), (2.0, -0.5)])
+def test_a_wave_switches_each_period_and_first_after_half_of_one(c, v):
     chain = PiecewiseMotion(c, abs(kinetic_sum(v, c)) / 2, travelling_state(c, v, 512))
     steps = [chain.advance(1e3) for _ in range(4)]
     assert [step.direction for step in steps] == [math.copysign(1, v)] * 4
@@ -382,6 +397,13 @@ def test_a_zero_at_the_end_of_the_interval_belongs_to_it():
     assert first_zero([1.0, -1.0], 1.0).at == 1.0
 
 
+def test_a_zero_from_which_the_polynomial_rises_is_a_touch():
+    """Of x - 2x² the first crossing is at 1/2."""
+    found = first_zero([0.0, 1.0, -2.0], 1.0)
+    assert found.at == pytest.approx(0.5, rel=1e-12)
+    assert found.grazes == 1
+
+
 def test_a_zero_beyond_the_end_of_the_interval_by_some_roundings_is_none():
     """That of (z - x)(w - x), z > 1: near it the polynomial is below round-off before the end."""
     for parts in range(1, 8):
@@ -398,6 +420,8 @@ def test_a_search_that_is_given_up_counts_every_touch(monkeypatch):
     found = first_zero([0.1875, -1.0, 1.75, -1.0], 1.0)
     assert found.at == pytest.approx(0.5, abs=1e-3)
     assert found.grazes > 2
+    monkeypatch.setattr(crossing, "_MAX_STEPS", 0)
+    assert first_zero([1.0, -1.0], 1.0) == FirstZero(0.0, 1)  # where it is given up is one
 
 
 def test_a_start_of_ones_own_has_32_sites_or_more():
@@ -409,9 +433,9 @@ def test_a_start_of_ones_own_has_32_sites_or_more():
 
 
 def test_the_smallest_eta_of_a_simulation_is_allowed() -> None:
-    assert simulation._threshold(SMALLEST_ETA) == pytest.approx(ratio(SMALLEST_ETA), rel=1e-12)
-    with pytest.raises(ParameterError, match="at least"):
-        simulation._threshold(0.999 * SMALLEST_ETA)
+    assert simulation._threshold(1e-8) == pytest.approx(ratio(1e-8), rel=1e-12)
+    with pytest.raises(ParameterError, match="at least 1e-08"):
+        simulation._threshold(0.999e-8)
 
 
 def test_a_polynomial_below_zero_from_the_start_is_there_at_once():
@@ -516,6 +540,18 @@ def test_between_fold_and_depinning_the_start_decides():
     assert runs.moving[3].v < runs.moving[0].v
 
 
+def test_each_moving_run_continues_from_the_one_at_the_next_higher_coupling(monkeypatch):
+    def run(c, eta, start):
+        return SimpleNamespace(given=(c, eta, start), final=("the end at", c))
+
+    monkeypatch.setattr(simulation, "simulate_front", run)
+    found = hysteresis(0.03, [0.3, 0.5, 0.4])
+    assert [each.given for each in found.moving] == [
+        (0.5, 0.03, "moving"), (0.4, 0.03, ("the end at", 0.5)), (0.3, 0.03, ("the end at", 0.4)),
+    ]  # fmt: skip
+    assert [each.given for each in found.resting] == [(c, 0.03, "resting") for c in (0.5, 0.4, 0.3)]
+
+
 @pytest.mark.parametrize(("c", "repeat"), [(2.5, 6), (4.0, 3), (6.0, 2)])
 def test_motion_that_does_not_settle_is_reported_with_its_repeat(c, repeat):
     run = simulate_front(c, 0.03125)
@@ -592,7 +628,7 @@ def test_an_interrupted_run_leaves_the_next_one_whole(monkeypatch):
 @pytest.mark.parametrize(
     ("c", "eta"),
     [
-        *((c, 0.03) for c in (0, -1, math.nan, math.inf, 1e6, "x")),
+        *((c, 0.03) for c in (0, -1, math.nan, math.inf, 1e-310, 1e6, "x")),
         *((1, eta) for eta in (0, -1, 0.125, math.nan, 1e-12)),
     ],
 )
@@ -614,6 +650,12 @@ def test_a_run_from_rest_needs_no_other_window_than_one_that_moves(start):
             len(simulation._start_state(c, 0.3, kind, None).phi) for kind in ("moving", start)
         )
         assert 0.5 * moving <= resting <= 2 * moving
+
+
+def test_a_step_and_a_chain_at_rest_are_different_starts():
+    for kind, made in (("step", step_state), ("resting", lambda sites: static_state(0.5, sites))):
+        start = simulation._start_state(0.5, 0.3, kind, None)
+        assert np.array_equal(start.phi, made(len(start.phi)).phi)
 
 
 def test_a_threshold_at_the_lowest_that_is_allowed_moves_at_the_kinetic_velocity():
@@ -709,17 +751,21 @@ def test_a_front_is_judged_by_the_tolerance_that_was_asked_for(monkeypatch):
     seconds = simulate_front(0.5, 0.03125, accuracy=1e-5, max_sites=500)
     assert asked == [(1e-5, 500)] * 3 + [(1e-5, None)]
     assert 0.0 <= seconds < 600.0
+    simulate_front(0.5, 0.03125)
+    assert asked[-1] == (1e-12, None)  # unless another one is asked for
 
 
 @pytest.mark.parametrize("size", [0.6e-4, 600.0, 1400.0])
 def test_a_start_may_be_far_slower_or_faster_than_any_front(size, monkeypatch):
     """From c/10000 to 1000 (1 + c)."""
     made = []
-    monkeypatch.setattr(simulation, "window_length", lambda *_: 64)
+    monkeypatch.setattr(simulation, "window_length", lambda *given: made.append(given) or 64)
     monkeypatch.setattr(simulation, "travelling_state", lambda *given: made.append(given))
+    r = ratio(0.03125)
     for v in (size, -size):
-        simulation._start_state(0.5, ratio(0.03125), "moving", v)
-    assert made == [(0.5, size, 64), (0.5, -size, 64)]
+        simulation._start_state(0.5, r, "moving", v)
+        assert made == [(0.5, v, pytest.approx(1e-15 * r, rel=1e-3)), (0.5, v, 64)]
+        made.clear()
     for c, v in ((0.5, 0.4e-4), (0.5, -1600.0), (1e306, math.inf)):  # 1000 (1 + c) overflows
         with pytest.raises(ParameterError, match="start velocity"):
             simulation._start_state(c, ratio(0.03125), "moving", v)
@@ -782,7 +828,7 @@ def test_motion_without_a_repeat_has_the_velocity_of_its_second_half_and_the_spr
     assert asked == [(0.5, found.v, 90)]
 
 
-@pytest.mark.parametrize("blocks", [4, 9, 14])
+@pytest.mark.parametrize("blocks", [2, 4, 9, 14])
 @pytest.mark.parametrize("shrink", [0.3, 0.7, 0.9])
 def test_the_error_of_a_settling_period_bounds_its_distance_from_the_limit(
     shrink, blocks, monkeypatch
@@ -793,6 +839,31 @@ def test_the_error_of_a_settling_period_bounds_its_distance_from_the_limit(
     made, _ = made_history(waits, monkeypatch)
     off = waits[-verdict.BLOCK :].mean() / 2.0 - 1
     assert off <= made._relative_error(made._spreads()) < 10 * off
+
+
+def test_a_front_that_becomes_faster_or_broader_needs_a_window_for_its_threshold(monkeypatch):
+    waits = np.full(3 * verdict.BLOCK, 2.0)
+    made, _ = made_history(waits, monkeypatch)
+    made.chain.zone = lambda: (40, 60)
+    asked = []
+    monkeypatch.setattr(verdict, "window_length", lambda *given: asked.append(given) or 0)
+    made._keep_wide()
+    assert asked == [(0.5, pytest.approx(0.5), pytest.approx(0.5e-14, rel=1e-3), 21)]
+
+
+@pytest.mark.parametrize("shrink", [1.0, 0.3])
+def test_a_front_that_retreats_has_a_positive_error(shrink, monkeypatch):
+    """If its periods repeat, to 1e-9, and if they settle."""
+    n = np.arange(20 * verdict.BLOCK)
+    waits = 2.0 + (0.2 * (n % 2) if shrink == 1.0 else 0.02 * shrink ** (n / verdict.BLOCK))
+    ahead, _ = made_history(waits, monkeypatch)
+    back, _ = made_history(waits, monkeypatch)
+    for record in ("_waits", "_counts", "_slides"):
+        vars(back)[record] = {1: [], -1: vars(ahead)[record][1]}
+    found, mirrored = (each.verdict(None, 1e-12, 0.0) for each in (ahead, back))
+    assert mirrored.status is found.status is not FrontStatus.PINNED
+    assert mirrored.v == -found.v < 0.0
+    assert mirrored.error == found.error > 0.0
 
 
 def test_spreads_fall_where_the_largest_of_each_group_does():
@@ -838,9 +909,25 @@ def test_a_site_may_cross_in_an_interval_at_either_end_of_which_its_gap_is_small
 def test_images_of_a_front_of_some_sites_disturb_by_less_than_was_allowed(zone: int) -> None:
     for c, v, tolerance in ((0.5, 0.3, 1e-12), (10.0, -2.0, 1e-9)):
         sites = piecewise_window.window_length(c, v, tolerance, zone)
-        assert truncation_bound(c, v, sites - zone) < tolerance
-        # eight sites are in reserve, so that sixteen fewer would not do
-        assert truncation_bound(c, v, sites - zone - 24) > tolerance
+        assert truncation_bound(c, v, sites - zone - 8) < tolerance  # eight sites are in reserve
+        assert truncation_bound(c, v, sites - zone - 24) > tolerance  # sixteen fewer will not do
+
+
+@pytest.mark.parametrize("part", [1.0, 0.25])
+@pytest.mark.parametrize("c", [0.1, 2.0])
+def test_a_site_is_clear_that_is_farther_from_the_threshold_than_one_mode_can_move_it(c, part):
+    """By d exp(λt) - d at the most: that is less than d (exp(|λ| h) - 1)."""
+    sites, mode, d = 64, 20, 0.05
+    motion = PiecewiseMotion(c, 0.3, step_state(sites))
+    rate = -0.5 + 1j * c * (1 - math.cos(2 * math.pi * mode / sites))
+    step = part * motion._longest
+    modes = np.zeros(sites, dtype=complex)
+    modes[mode] = d * sites
+    farthest = d * math.expm1(abs(rate) * step)
+    side = np.where(np.arange(sites) <= -step_state(sites).origin, 1.0, -1.0)  # on, then off
+    for distance, clear in ((1.001, True), (0.999, False)):
+        phi = (0.3 + side * distance * farthest) * np.exp(1j * np.arange(sites))
+        assert (motion._clear(modes, phi, step) == clear).all()
 
 
 def test_of_many_sites_that_may_cross_the_sharper_bound_leaves_the_one_that_does() -> None:

@@ -16,6 +16,7 @@ from typing import TextIO
 import pytest
 
 import fronts as fr
+from theory.parameters import ParameterError
 from verification.execution import progress
 from verification.execution.progress import Progress, Remaining
 
@@ -155,6 +156,11 @@ def test_a_line_is_written_at_once_to_whatever_can_be_written_to() -> None:
         shown = Progress("claims", steps=1, stream=wrapper(written))  # type: ignore[arg-type]
         shown.end("fig9", "reproduced")
         assert b"fig9: reproduced" in written.getvalue()
+
+
+def test_what_cannot_be_written_to_is_no_stream() -> None:
+    with pytest.raises(ParameterError, match=r"stream = int is not allowed.*sys\.stderr"):
+        Progress("claims", stream=3)  # type: ignore[arg-type]
 
 
 def test_a_closed_stream_is_let_be(monkeypatch: pytest.MonkeyPatch) -> None:

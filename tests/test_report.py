@@ -521,13 +521,25 @@ def test_a_picture_is_the_same_bytes_each_time_and_its_data_are_exact():
     assert first.data == f"n,x\n1,0.1\n2,{1 / 3!r}\n"
 
 
-def test_a_figure_of_pyplot_is_closed_once_it_is_rendered(monkeypatch):
+@pytest.mark.parametrize("large", [4, 5])
+@pytest.mark.parametrize("encoded", [True, False])
+def test_a_figure_is_rendered_in_each_format_measured_and_closed(
+    encoded, large, monkeypatch, caplog
+):
     from matplotlib import pyplot
 
-    monkeypatch.setattr(figures, "_render", lambda *_: "")
+    monkeypatch.setattr(figures, "_render", lambda name, _: f"<{name}>")
+    monkeypatch.setattr(figures, "_encoded", lambda figure, kind: f"{kind} of {figure.number}")
+    monkeypatch.setattr(figures, "LARGE", large)
     drawn = pyplot.figure()
-    picture("empty", drawn, {"x": [1.0]}, encoded=False)
+    found = picture("all", drawn, {"x": [1.0]}, caption="No line", encoded=encoded)
     assert drawn.number not in pyplot.get_fignums()
+    assert (found.caption, found.svg, found.data) == ("No line", "<all>", "x\n1.0\n")
+    formats = [f"{kind} of {drawn.number}" for kind in ("png", "pdf")]
+    assert [found.png, found.pdf] == (formats if encoded else ["", ""])
+    assert ["the picture all has" in each.getMessage() for each in caplog.records] == [True] * (
+        large < 5
+    )
 
 
 def test_a_picture_that_is_too_large_is_named(monkeypatch, caplog):
@@ -561,22 +573,23 @@ def test_unusable_pictures_are_refused(name, data, message):
 
 
 def test_what_is_drawn_is_in_the_data():
-    def drawn(data):
-        figure, axes = new_axes()
-        axes.plot([1.0, np.nan, 2.0], [3.0, 4.0, 5.0], label="curve")
-        axes.bar([0.1, 0.2], [7.0, 8.0], width=0.03, label="bars")
-        axes.axhline(9.0, label="level")
-        axes.plot([], [], label="for the legend")
-        return picture("ok", figure, data)
-
+    figure, axes = new_axes()
+    axes.plot([1.0, np.nan, 2.0], [3.0, 4.0, 5.0], label="curve")
+    axes.bar([0.1, 0.2], [7.0, 8.0], width=0.03, label="bars")
+    axes.axhline(9.0, label="level")
+    axes.plot([], [], label="for the legend")
     curve, bars = {"x": [1.0, 2.0], "y": [3.0, 5.0]}, {"x": [0.1, 0.2], "n": [7.0, 8.0]}
-    drawn(long_table({"curve": curve | {"kind": "a"}, "bars": bars}))
+    other = {"x": [1.0, 2.0], "y": [3.0, 5.1]}
+    for data, lost in (
+        (long_table({"curve": curve | {"kind": "a"}, "bars": bars}), []),
+        (long_table({"curve": other, "bars": bars}), ["curve"]),
+        # each number, and no such pair
+        ({"x": [1.0, 2.0, 0.1, 0.2], "y": [5.0, 3.0, 7.0, 8.0]}, ["curve"]),
+        (curve, ["bars"]),
+    ):
+        assert figures.drawn_beyond(figure, data) == lost
     with pytest.raises(ValueError, match="'curve', which is not in its data"):
-        drawn(long_table({"curve": {"x": [1.0, 2.0], "y": [3.0, 5.1]}, "bars": bars}))
-    with pytest.raises(ValueError, match="'curve', which"):  # each number, and no such pair
-        drawn({"x": [1.0, 2.0, 0.1, 0.2], "y": [5.0, 3.0, 7.0, 8.0]})
-    with pytest.raises(ValueError, match="'bars', which"):
-        drawn(curve)
+        picture("ok", figure, other | bars)
 
 
 def test_curves_of_one_table_stand_below_each_other():

@@ -297,6 +297,49 @@ def test_a_finished_sweep_is_computed_again_if_it_is_not_resumed(tmp_path: Path)
         assert len(_computed(log)) == 2 * times
 
 
+@pytest.mark.parametrize(
+    ("resume", "part", "dims"),
+    [(True, False, None), (True, False, {"value": "n"}), (True, True, None), (False, False, None)],
+)
+def test_a_finished_table_is_looked_for_on_request_unless_a_part_is_left(
+    resume: bool,
+    part: bool,
+    dims: dict[str, str] | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+    there = sweep(_square, {"x": [1.0, 2.0]}, workers=1)
+    monkeypatch.setattr(sweeping, "_finished", lambda *given: asked.append(given) or there)
+    out, options = tmp_path / "out.csv", {"workers": 1, "dims": dims, "resume": resume}
+    if part:
+        assert there.metadata is not None
+        with Store(part_path(out), sweeping._identity(there.metadata), resume=False) as store:
+            store.add("0", [("value", 1.0)])
+    found = sweep(_square, {"x": [1.0, 2.0]}, out=out, **options)  # type: ignore[arg-type]
+    read = resume and not part
+    assert (found is there, len(asked)) == (read, read)
+    assert found.resumed == (1 if part else 0)
+    assert found["value"].tolist() == [1.0, 4.0]
+    for where, metadata, names in asked:
+        assert (where, names) == (out, dims or {})
+        assert metadata.parameters == there.metadata.parameters  # type: ignore[union-attr]
+
+
+def test_points_of_a_store_are_those_of_the_sweep_by_their_numbers() -> None:
+    keys = ("0", "2", "1", "-1", "01", "one")
+    stored: Any = SimpleNamespace(read=lambda: [(key, [("value", 0.5)]) for key in keys])
+    found = sweeping._Found(points=points_of([{"x": 1}, {"x": 2}]), out=None, names={})
+    assert found.take_from(stored) == 2
+    assert found.columns.filled.all()
+
+
+def test_of_a_result_what_is_no_cell_of_a_table_is_missing_in_its_row() -> None:
+    cells: Any = sweeping._Cells(sweep_example.sometimes)
+    known = {"count": 3, "odd": True, "reason": 'one, "twice"'}
+    assert cells(Point(x=3)) == known | {"basin": None, "never": None}
+
+
 def test_the_record_names_function_parameters_code_and_versions(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     log = str(tmp_path / "log")
@@ -371,6 +414,16 @@ def test_points_that_are_known_are_done_from_the_beginning() -> None:
         assert [*sweeping._compute(fails, whole, **options, progress=seen.append)] == [x - 1]
         assert seen == [0.0, 0.5, 1.0]  # what has failed is done, too, also at the end
         seen.clear()
+
+
+def test_axes_without_a_value_make_a_table_without_axes() -> None:
+    empty = sweep(_square, {"x": []}, workers=1)
+    assert (len(empty), empty.axes) == (0, ())
+
+
+def test_an_array_of_no_dimension_is_a_number() -> None:
+    assert columns.plain(np.array(1.5)) == 1.5
+    assert columns.plain(np.array("word")) == "word"
 
 
 def test_points_may_be_axes_and_results_one_number() -> None:
@@ -892,9 +945,9 @@ def _other_names_at_the_end(point: Point) -> dict[str, float]:
 
 def test_the_columns_of_a_table_cannot_be_written_to() -> None:
     table = sweep(lambda point: {"square": point["x"] ** 2}, {"x": [1, 2]}, workers=1)
-    for name in ("x", "square"):
+    for array in (table["x"], table["square"], columns.read_only(np.zeros(2))):
         with pytest.raises(ValueError, match="read-only"):
-            table[name][0] = 7
+            array[0] = 7
 
 
 def test_a_zarr_store_may_be_put_where_nothing_is(tmp_path: Path) -> None:

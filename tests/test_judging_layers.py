@@ -529,6 +529,21 @@ def test_sites_above_the_level_are_counted_in_the_last_window(
         assert (found.above, found.reached, found.time) == (above, above, count * 5.0)
 
 
+def test_a_site_that_comes_above_the_level_by_however_little_is_not_steady(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In the second of the windows, which would else be the breather of the first."""
+    excess = iter([-4e-6, *[4e-6] * 8])
+
+    def risen(_: object, at: Any, __: float) -> Any:
+        amplitude = UNSTABLE.unstable_amplitude * np.array([1.5, 1.0 + next(excess), 0.1, 0.1])
+        return at, smooth_rules._Window(amplitude, amplitude), 1
+
+    monkeypatch.setattr(smooth_rules, "_through_window", risen)
+    found = smooth_rules.find_smooth_state(UNSTABLE, np.zeros((2, 4)), end=100.0)
+    assert (found.state, found.time, found.reached) == (State.BREATHER, 20.0, 2)
+
+
 def test_the_noise_of_a_friction_chain_has_the_size_that_is_given() -> None:
     start = np.ones((2, 5000))
     noise = friction_rules.perturbed(start, 1e-3, 4) - start

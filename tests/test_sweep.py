@@ -299,7 +299,7 @@ def test_a_finished_sweep_is_computed_again_if_it_is_not_resumed(tmp_path: Path)
 
 @pytest.mark.parametrize(
     ("resume", "part", "dims"),
-    [(True, False, None), (True, False, {"value": "n"}), (True, True, None), (False, False, None)],
+    [(True, False, {"value": "n"}), (True, False, None), (True, True, None), (False, False, None)],
 )
 def test_a_finished_table_is_looked_for_on_request_unless_a_part_is_left(
     resume: bool,
@@ -681,7 +681,7 @@ def test_what_no_column_holds_is_one_sentence(value: object, said: str) -> None:
     [({"profile": ("a", "b")}, "1 different"), ({"label": "site"}, "dims = label"),
      ({"profile": "x"}, "no column"), ({"profile": "row"}, "no column"),
      ({"profile": "my site"}, "letters, digits"), ({"profile": ("a", "a")}, "1 different"),
-     ({"counts": ("n", "m", "n")}, "2 different"),
+     ({"counts": ("n", "m", "n")}, "2 different"), ({"counts": ("n", "n")}, "2 different"),
      ({"profile": "n", "counts": ("n", "m")}, "of one length")],
 )  # fmt: skip
 def test_dimensions_that_do_not_fit_are_refused(

@@ -967,6 +967,19 @@ def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
             friction_cycles.largest_after_release(cell, 1e-8)
     sliding = FrictionCell(xi=1.2, v0=10.0, v_d=1.0)  # neither turns nor creeps: it has settled
     assert friction_cycles.largest_after_release(sliding, 1e-8) <= 0.0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(friction_cycles, "_LONGEST", 5.0)
+        low, _ = friction_cycles.cycle_turning_points(sliding)
+    assert low == sliding.steady_sliding
+
+
+@pytest.mark.parametrize(("xi", "v0"), [(1.1, 2.0), (1.2, 1.0), (1.4, 2.0)])
+def test_slip_that_has_settled_to_rounding_is_not_refused_on_a_slow_belt(
+    xi: float, v0: float
+) -> None:
+    """On a slow belt a thousand-millionth of its way is less than one rounding of y."""
+    assert 2.0 * xi - 0.5 / v0 > 0.0  # sliding is stable at every velocity
+    assert friction.cycle_velocities(FrictionCell(xi=xi, v0=v0), 1e-8) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("follows", [0.5, 2.0])

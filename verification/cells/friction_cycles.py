@@ -135,7 +135,8 @@ def largest_after_release(cell: FrictionCell, tolerance: float) -> float:
         If slip still creeps on after the longest time, so that it is not known what follows.
     """
     t, y, w = _phase(cell, cell.release, 0.0, True, phases.FASTEST, tolerance=tolerance)
-    far = abs(y - cell.steady_sliding) > _SETTLED * abs(cell.release - cell.steady_sliding)
+    left, way = (abs(each - cell.steady_sliding) for each in (y, cell.release))
+    far = left > max(_SETTLED * way, ROUND_OFF * (cell.v_d + abs(y)))
     if t == phases.ABANDONED and w <= 0.0 and far:
         drag = 2.0 * cell.xi + cell.viscous
         raise ParameterError(

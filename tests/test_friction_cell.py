@@ -277,24 +277,45 @@ def test_the_error_of_an_expanded_cycle_covers_the_round_off_of_its_damping() ->
     assert 1e-11 < abs(found.amplitude - true) < found.error < 1e-3 * true
 
 
-@pytest.mark.parametrize("fall", [0.01, 3.0])
-def test_the_damping_of_a_cell_is_known_to_the_rounding_that_is_stated(fall: float) -> None:
+@pytest.mark.parametrize("law", ["exponential", "stribeck"])
+@pytest.mark.parametrize("fall", [0.01, 20.0])
+def test_the_damping_of_a_cell_is_known_to_the_rounding_that_is_stated(
+    fall: float, law: str
+) -> None:
     """It is a small difference, here a thousandth of 2ξ."""
     random = np.random.default_rng(5)
     bounds, errors = [], []
-    for _ in range(1000):
-        mu_d, drop, v0 = random.uniform(0.1, 1.0, size=3).tolist()
-        v_d = fall * v0 * random.uniform(0.5, 1.0)
-        slope = drop / v0 * math.exp(-v_d / v0)
-        cell = FrictionCell(mu_st=mu_d + drop, mu_d=mu_d, v0=v0, v_d=v_d, xi=0.5005 * slope)
+    for _ in range(200):
+        mu_d, drop, scale = random.uniform(0.1, 1.0, size=3).tolist()
+        v_d = fall * scale * random.uniform(0.5, 1.0)
         with mp.workdps(30):
-            exact = (mp.mpf(cell.mu_st) - cell.mu_d) / v0 * mp.exp(-mp.mpf(v_d) / v0)
+            u = mp.mpf(v_d) / scale
+            shape = mp.exp(-u) if law == "exponential" else 2 * u * mp.exp(-u * u)
+            exact = (mp.mpf(mu_d + drop) - mu_d) / scale * shape
+            slope = float(exact)
+            cell = FrictionCell(
+                law=law, mu_st=mu_d + drop, mu_d=mu_d, v_d=v_d, xi=0.5005 * slope,
+                **{"v0" if law == "exponential" else "v_s": scale},
+            )  # fmt: skip
             errors.append(float(abs(cell.effective_damping - (2 * mp.mpf(cell.xi) - exact))))
         bound = friction_cycles._rounding_near_hopf(cell, 1.0) * cell.effective_damping
         bounds.append(bound / slope)
         errors[-1] /= slope
     shares = np.array(errors) / bounds
     assert 0.1 < shares.max() <= 1.0
+
+
+def test_where_the_damping_is_less_than_its_rounding_the_amplitude_errs_by_the_root_of_it() -> None:
+    """Of √(δ + r) and √δ the difference is √r, however much smaller δ is."""
+    hopf, errors, dampings = CELL.hopf_velocity, [], []
+    for n in range(1, 4):
+        cell = replace(CELL, v_d=hopf * (1.0 + n * np.finfo(float).eps))
+        if cell.effective_damping > 0.0:
+            amplitude = friction_cycles._amplitude_near_hopf(cell)
+            errors.append(friction_cycles._rounding_near_hopf(cell, amplitude))
+            dampings.append(cell.effective_damping)
+    assert max(dampings) > 2.0 * min(dampings)
+    assert errors == pytest.approx([errors[0]] * len(errors), rel=1e-9)
 
 
 def test_the_error_of_an_unstable_cycle_covers_the_round_off_of_a_fast_belt() -> None:
@@ -1175,7 +1196,7 @@ def test_slip_creeps_up_to_the_speed_at_which_drag_rises_too_little(
 
 def test_a_viscous_part_is_damping_where_slip_creeps_and_where_sliding_loses_stability() -> None:
     """A viscous part 2ξ in place of ξ changes the displacement of sliding alone."""
-    for v_d in (0.1, 0.2, 1.0):
+    for v_d in (0.1, 0.2, 0.9):
         damped = FrictionCell(xi=2.5, v0=0.05, v_d=v_d)
         one, two = map(friction_cycles.creep, (damped, replace(damped, xi=0.0, viscous=5.0)))
         assert (one.rising, one.falling) == (two.rising, two.falling)

@@ -77,7 +77,8 @@ def creep(cell: FrictionCell) -> phases.Creep:
     Drag rises by at least `_STRONG` times the velocity outside an interval of speeds, found as that
     of unstable sliding is, with so much less damping. Above the interval, the condition holds for
     every slower speed if the drag gained by v_d/2 exceeds μ_st - μ_d, by which friction falls at
-    most.
+    most. The interval then ends below v_d/2, since the speed times the rate at which friction falls
+    is less than μ_st - μ_d.
     """
     curve, v_d, sliding = cell.curve, cell.v_d, cell.steady_sliding
     damping = 2.0 * cell.xi - _STRONG
@@ -88,7 +89,7 @@ def creep(cell: FrictionCell) -> phases.Creep:
     if v_d < low:
         rising, falling = math.inf, low - v_d
     elif v_d > high:
-        everywhere = v_d > 2.0 * high and 2.0 * curve.drop <= (damping + cell.viscous) * v_d
+        everywhere = 2.0 * curve.drop <= (damping + cell.viscous) * v_d
         rising, falling = math.inf if everywhere or high == 0.0 else v_d - high, math.inf
     return phases.Creep(
         sliding=sliding, lowest=min(cell.release, sliding - v_d), rising=rising, falling=falling
@@ -383,11 +384,11 @@ def _amplitude_near_hopf(cell: FrictionCell) -> float:
 def _rounding_near_hopf(cell: FrictionCell, amplitude: float) -> float:
     """Return how far round-off of the effective damping δ changes the amplitude √(8δ/F₃).
 
-    Near the Hopf velocity δ is the small difference of 2ξ and the fall of friction.
+    Near the Hopf velocity δ is the small difference of 2ξ + κ and the fall of friction.
     """
     steepness = (cell.v_d / cell.curve.scale) ** (2 if cell.law is FrictionLaw.STRIBECK else 1)
     falling = abs(cell.curve.slope(cell.v_d) - cell.viscous)
-    rounding = EPS * (2.0 * cell.xi + cell.viscous + falling * (4.0 + 2.0 * steepness))
+    rounding = EPS * falling * (5.0 + 2.0 * steepness)
     # Of δ ± r, |√(δ ± r) - √δ| is at most √r, and at most r/√δ.
     part = rounding / abs(cell.effective_damping)
     return amplitude * min(part, math.sqrt(part))

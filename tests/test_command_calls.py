@@ -7,6 +7,7 @@ import inspect
 import json
 import re
 import shlex
+from contextvars import copy_context
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,9 @@ from fronts.answer import UsageError
 from fronts.arguments import is_range, real_or_range
 from fronts.bound import BoundCall, located
 from fronts.branches import follow_breather
-from fronts.catalogue import COMMANDS
+from fronts.catalogue import COMMANDS, EVERY
 from fronts.cli import main
+from fronts.curves import Refusal
 from fronts.initial_state import prepared
 from fronts.options import QUIET, Group
 from fronts.output import MAX_LINES, beside_files, check_output, command_line
@@ -31,7 +33,7 @@ from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import AveragedOscillatorChain, OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
-from theory.parameters import ParameterError
+from theory.parameters import ParameterError, Range
 from verification.breathers.breather import breather
 from verification.execution import progress
 from verification.execution.metadata import COMMAND_LINE
@@ -85,7 +87,8 @@ def called(monkeypatch):
 
 def bound_to(line):
     name, model = line.split()
-    return BoundCall(COMMANDS[name].calls[model], model)
+    calls = COMMANDS[name].calls
+    return BoundCall(calls.get(model, calls.get(EVERY)), model)
 
 
 @pytest.mark.parametrize(
@@ -220,6 +223,21 @@ def test_a_command_takes_what_the_figures_have_where_nothing_is_said():
     assert {name: said for name, said in found.items() if said} == OF_THE_FIGURES
 
 
+def test_what_belongs_to_some_methods_of_a_command_is_named_with_methods_that_it_has():
+    """In tables of their own, as _VDP_THRESHOLD and _OF_RUNNING_FRONTS."""
+    checked = set()
+    for command in COMMANDS.values():
+        for model, call in command.calls.items():
+            for name, methods in getattr(call, "only", {}).items():
+                own = {each.name: each for each in BoundCall(call, model).own.parameters}
+                assert {name, "method"} <= {*own}
+                assert {*methods} < {*own["method"].choices}
+                checked.add(name)
+    assert {"perturbation", "tests", "reading", "accuracy"} <= checked
+    sites = COMMANDS["threshold"].calls["vdp"].fixed["sites"]
+    assert sites == inspect.signature(VdpChain).parameters["sites"].default
+
+
 def test_a_curve_gets_the_number_of_processes(called):
     line = "front vdp --c 0.5:1:3 --eta 0.05"
     assert [called(line + more)[1]["workers"] for more in ("", " --workers 2")] == [1, 2]
@@ -279,11 +297,14 @@ def test_a_run_starts_from_the_middle_as_a_nucleus_of_one_does(count):
         place = Place.EDGE if isinstance(chain, FrictionChain) else Place.BULK
         (site,) = Nucleus(1, place=place).excited(count)
         assert start.parameters["sites"] == [site]
-        moved = prepared(chain, displacement=1.5)
+        moved = prepared(chain, displacement=1.5, perturbation=1e-3)
         assert moved.parameters["displacement"] == pytest.approx(1.5)
+        assert moved.parameters["seed"] == 1
+        assert prepared(chain, perturbation=1e-3, seed=7).parameters["seed"] == 7
         for point in (None, StartPoint.MAXIMUM):
-            named = prepared(chain, start_point=point).parameters.get("start_point")
-            assert named is point
+            named = prepared(chain, start_point=point).parameters
+            assert named.get("start_point") is point
+            assert ("start_point" in named) == (point is not None)
         away = np.abs(start.state - np.median(start.state, axis=1, keepdims=True)).max(axis=0)
         assert np.argmax(away) == site - 1
 
@@ -378,20 +399,165 @@ def test_options_are_those_of_the_model():
 
 def test_an_option_of_a_group_is_given_preset_or_absent():
     """Of its numbers only those that are not whole may be ranges."""
-    own = tuple(
-        Described(name=name, kind=kind, default=default, help="")
-        for name, kind, default in (("a", "float", REQUIRED), ("b", "float", 1.0), ("c", "int", 2))
+    allowed = Range(0.0, 1.0)
+    own = (
+        Described(name="a", kind="float", default=REQUIRED, help="{allowed}.", allowed=allowed),
+        Described(name="b", kind="float", default=1.0, help="Two."),
+        Described(name="c", kind="int", default=2, help="Three."),
+        Described(name="ends", kind="choice", default=None, help="", choices=("free",), make=Ends),
+        Described(name="words", kind="strings", default=(), help=""),
+        Described(name="progress", kind="float", default=0.0, help=""),  # which the command sets
+        Described(name="other", kind="Nucleus", default=None, help=""),  # of no word
     )
     group = Group("chain.", own, {"chain.b": 3.0, "c": 5}, ranged="a curve")
     parser = argparse.ArgumentParser(exit_on_error=False)
     group.declare(parser)
     options = parser.parse_args(["--a", "0.1:0.3:3"])
     assert group.given(options) == {"a": (0.1, 0.3, 3), "b": 3.0}
-    assert group.given(parser.parse_args(["--a", "1", "--b", "2", "--c", "4"])) == {
-        "a": 1.0, "b": 2.0, "c": 4,
+    line = "--a 1 --b 2 --c 4 --ends free --words x --words y"
+    given = group.given(parser.parse_args(line.split()))
+    assert isinstance(given["ends"], Ends)
+    assert given == {
+        "a": 1.0, "b": 2.0, "c": 4, "ends": Ends.FREE, "words": ["x", "y"],
     }  # fmt: skip
-    with pytest.raises(argparse.ArgumentError, match="c"):
+    with pytest.raises(argparse.ArgumentError, match="--c"):
         parser.parse_args(["--a", "1", "--c", "4:6:3"])
+    said = {action.dest: action.help for action in parser._actions}
+    assert {*said} == {"help", *(f"chain.{name}" for name in ("a", "b", "c", "ends", "words"))}
+    a_curve = "; a range low:high:count gives a curve"
+    assert (said["chain.a"], said["chain.b"], said["chain.c"]) == (
+        f"{allowed}{a_curve}", f"two{a_curve} (default 3)", "three (default 2)",
+    )  # fmt: skip
+
+
+def _parsed(line, words):
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    bound.configure(parser, bound_to(line))
+    return parser, parser.parse_args(words.split())
+
+
+def test_options_of_a_measurement_are_those_of_its_chain_its_method_and_a_curve():
+    """Of a and b none is required, since eta may stand for them."""
+    parser, options = _parsed("front vdp", "--c 0.5:1:3 --eta 0.05 --workers 2")
+    assert getattr(options, "curve.workers") == 2
+    assert options.eta == 0.05
+    titles = [each.title for each in parser._action_groups]
+    assert {"the chain", "the method"} <= {*titles}
+    assert "parameters and method" not in titles
+    own = {each.dest: each for each in parser._actions}
+    assert own["chain.sites"].help.endswith("(default 32)")
+    assert [own[name].required for name in ("chain.a", "chain.b", "chain.c")] == [
+        False,
+        False,
+        True,
+    ]
+    _, options = _parsed("breather vdp", "--nucleus 3")
+    assert getattr(options, "nucleus.size") == 3
+    _, options = _parsed("simulate chain", "--model mine.toml")  # which has what is required
+    assert options.chain_file == Path("mine.toml")
+    parser = argparse.ArgumentParser()
+    bound.configure(parser, BoundCall(COMMANDS["kinetic"].calls[""], ""))
+    assert "parameters and method" in [each.title for each in parser._action_groups]
+
+
+def test_eta_may_stand_for_a_and_b_of_a_chain_that_has_them_and_in_a_map_as_an_axis():
+    lines = (
+        "front vdp", "map averaged", "map friction", "front friction", "front piecewise",
+        "simulate chain",
+    )  # fmt: skip
+    assert {line for line in lines if bound_to(line).takes_eta} == {"front vdp", "map averaged"}
+    call = dataclasses.replace(COMMANDS["map"].calls["vdp"], axes={"c": (0.1, 0.2, 2)})
+    assert not BoundCall(call, "vdp").takes_eta
+
+
+def test_fields_of_a_chain_are_those_of_its_file_with_what_is_given_beside_it(tmp_path):
+    file, own = tmp_path / "mine.toml", bound_to("simulate chain")
+    file.write_text('damping = "y**2 - 1"\nc = 0.6\n')
+    given = argparse.Namespace(chain_file=file, **{"chain.c": 0.7})
+    assert derived._fields(own, given) == {"damping": "y**2 - 1", "c": 0.7}
+    assert derived._fields(own, argparse.Namespace(**{"chain.damping": "1", "chain.c": 1.0})) == {
+        "damping": "1", "c": 1.0,
+    }  # fmt: skip
+    with pytest.raises(UsageError, match="give --damping, or a model file"):
+        derived._fields(own, argparse.Namespace(**{"chain.c": 1.0}))
+    assert derived._fields(bound_to("cell vdp"), argparse.Namespace()) == {
+        **bound_to("cell vdp").fixed, "a": 2.5, "b": 0.5,
+    }  # fmt: skip
+
+
+def test_a_default_axis_of_a_map_has_its_range_as_long_as_there_are_fewer_than_two():
+    own = bound_to("map friction")
+    for given, axes in (
+        ({}, ["c", "v_d"]),
+        ({"xi": (0.03, 0.06, 2)}, ["c", "xi"]),
+        ({"c": 0.02, "xi": (0.03, 0.06, 2), "mu_d": (0.3, 0.5, 2)}, ["c", "xi", "mu_d"]),
+    ):
+        assert [*derived._axes(own, given)] == axes
+
+
+def test_every_eta_of_a_range_is_checked_by_its_lowest():
+    own = bound_to("front vdp")
+    assert derived._with_eta(own, {"c": 1.0}, argparse.Namespace(eta=(0.1, 0.2, 3))) == {
+        "c": 1.0, "a": 1.0, "eta": (0.1, 0.2, 3),
+    }  # fmt: skip
+    with pytest.raises(ParameterError, match="eta = "):
+        derived._with_eta(own, {}, argparse.Namespace(eta=(-0.1, 0.06, 3)))
+
+
+def test_an_option_of_other_methods_is_refused_and_one_of_the_chosen_method_is_not():
+    only = {"seed": ("sweep", "hold")}
+    for method in ("sweep", "hold", "all"):
+        derived._refuse_other_methods(only, {"method": method}, argparse.Namespace(seed=3))
+    derived._refuse_other_methods(only, {}, argparse.Namespace())
+    with pytest.raises(UsageError, match="--seed is for --method sweep or hold"):
+        derived._refuse_other_methods(only, {"method": "orbit"}, argparse.Namespace(seed=3))
+
+
+@pytest.mark.parametrize("seed", [[], ["--seed", "3"]])
+def test_the_call_of_a_measurement_is_made_with_the_nucleus_after_its_options_are_checked(
+    seed, monkeypatch
+):
+    """Of a breather one site is the nucleus where nothing is said, and of a map its figure's."""
+    made = []
+
+    def stand_in(where):
+        found = located(where)
+        return functools.wraps(found)(lambda *_, **by: made.append(by) or where)
+
+    pictured = []
+    monkeypatch.setattr(bound, "located", lambda where: (
+        stand_in(where) if where in OF_THE_LIBRARY else located(where)))  # fmt: skip
+    monkeypatch.setattr(derived, "_check_picture", lambda _, function: pictured.append(function))
+    own = bound_to("breather vdp")
+    _, options = _parsed("breather vdp", " ".join(["--nucleus", "3", *seed]))
+    options.out = []
+    if seed:
+        with pytest.raises(UsageError, match="--seed is for --method simulation"):
+            derived._computed(options, own, print)
+        assert not made
+        return
+    found, parameters = derived._computed(options, own, print)
+    assert found == own.call.function
+    assert made[0]["nucleus"] == parameters["nucleus"] == Nucleus(3)
+    assert len(pictured) == 1
+    _, options = _parsed("map friction", "")
+    options.out = []
+    _, parameters = derived._computed(options, bound_to("map friction"), print)
+    assert "nucleus" not in {*made[1], *parameters}
+
+
+def test_a_result_goes_to_its_files_with_its_parameters_and_what_is_said(monkeypatch):
+    result, written = Refusal(reason="none"), []
+    monkeypatch.setattr(derived, "_computed", lambda *_: (result, {"v": 1.0}))
+    monkeypatch.setattr(derived, "check_output", lambda *_: None)
+    monkeypatch.setattr(derived, "write_output", lambda *given: written.append(given))
+    options = argparse.Namespace(out=[Path("a.csv")], json=True)
+    here = copy_context()
+    answer = here.run(derived.run, options, bound_to("front vdp"), ["front", "vdp"])
+    assert here[COMMAND_LINE] == "fronts front vdp"
+    assert written == [([Path("a.csv")], result, {"v": 1.0}, result.to_dict())]
+    assert answer.text == "refused: none\nwritten to a.csv"
+    assert answer.payload == result.to_dict()
 
 
 def test_every_module_of_chains_is_imported_for_its_models(monkeypatch):
@@ -688,9 +854,11 @@ def test_beside_a_file_a_long_table_is_shown_by_its_ends_and_the_numbers_below_i
     ]  # fmt: skip
     text = "\n".join(["points:", "  c  v", *rows[: MAX_LINES - 2]])
     assert beside_files(text, [Path("a.csv")]) == f"{text}\nwritten to {Path('a.csv')}"
-    few = ["few:", *rows[:5]]  # of which there are not more than would be shown
-    shown = beside_files("\n".join([*few, "points:", *rows]), [Path("a.csv")]).splitlines()
-    assert shown[:8] == [*few, "points:", rows[0]]
+    few = ["few:", *rows[:6]]  # of which there are not more than would be shown
+    more = ["more:", *rows[:3], "…", *rows[5:7]]
+    text = "\n".join([*few, "more:", *rows[:7], "points:", *rows])
+    shown = beside_files(text, [Path("a.csv")]).splitlines()
+    assert shown[: len([*few, *more])] == [*few, *more]
 
 
 def test_a_run_says_in_words_too_what_became_of_its_nucleus(capsys):

@@ -15,7 +15,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from html import escape
 from pathlib import Path
@@ -23,6 +23,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 from unittest.mock import Mock
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -38,7 +39,7 @@ from fronts.files import Listing, _beside, _json
 from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help, options_of
 from fronts.piecewise.kinetic_relation import KineticCurve
-from fronts.signatures import KINDS, described
+from fronts.signatures import KINDS, described, documented
 from fronts.wording import WIDTH, in_words, table_lines
 from paper_checks.claim import Verdict
 from paper_checks.claims import fig05
@@ -798,18 +799,50 @@ def test_the_folder_of_a_report_is_made_with_those_above_it(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("changed", [True, False])
-def test_verdicts_are_written_as_a_table_whose_command_says_whether_they_are_as_recorded(
+def test_verdicts_are_written_as_a_table_or_a_report_and_the_code_says_whether_one_has_changed(
     changed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     from fronts.commands import check
 
-    report, path = SimpleNamespace(changed=changed), tmp_path / "claims.json"
-    monkeypatch.setattr(check, "_judged", lambda *_, **__: report)
+    asked: list[Any] = []
+    monkeypatch.setattr(check, "_judged", lambda *_, **by: asked.append(by) or report)
     monkeypatch.setattr(check, "to_json", lambda _: {"claims": [{"key": "fig01-x"}]})
     monkeypatch.setattr(check, "report_as_text", lambda *_: "one claim")
-    assert main(["check", "fig16-admissible", "--out", str(path)]) == int(changed)
+    monkeypatch.setattr(check, "_write", lambda *given: written.append(given) or 0)
+    written: list[Any] = []
+    report, path, folder = SimpleNamespace(changed=changed), tmp_path / "x.json", tmp_path / "one"
+    line = ["check", "fig16-admissible", "--workers", "2", "--out"]
+    assert main([*line, str(path)]) == int(changed)
     assert json.loads(path.read_text("utf-8"))["claims"] == [{"key": "fig01-x"}]
     assert capsys.readouterr().out == f"one claim\nwritten to {path}\n"
+    assert main([*line, str(folder)]) == int(changed)
+    said = f"one claim\nThe report is in {folder / 'index.html'}.\n"
+    assert capsys.readouterr().out == said
+    assert written == [(folder, report, {"claims": [{"key": "fig01-x"}]})]
+    assert [(by["jobs"], by["folder"]) for by in asked] == [(2, None), (2, folder)]
+
+
+def test_evidence_of_other_code_is_replaced_when_a_run_is_continued(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts.commands import check
+
+    kept: list[int] = []
+
+    def judged(*_: Any, store: Any, **__: Any) -> Any:
+        kept.append(len(store.results))
+        store.add("fig01-x", [0.5])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(check, "judge_all", judged)
+    monkeypatch.setattr(check, "installed_versions", lambda _: {})
+    for code in ("one", "one", "other"):
+        monkeypatch.setattr(check, "digest_of_packages", lambda _, code=code: code)
+        with pytest.raises(KeyboardInterrupt, match="0 of 0 claims are judged"):
+            check._judged(
+                (), every=(), jobs=1, folder=tmp_path, resume=bool(kept), shipped=None, quiet=True
+            )
+    assert kept == [0, 1, 0]
 
 
 def test_files_of_a_film_are_allowed_where_there_is_one(tmp_path: Path) -> None:
@@ -1050,6 +1083,173 @@ def test_a_breather_of_the_other_method_is_no_branch(monkeypatch: pytest.MonkeyP
     assert followed == [((mean, [0.1]), {}), ((mean,), {"etas": [0.1]})]
 
 
+def test_only_waves_along_c_or_eta_make_a_branch_of_fronts(monkeypatch: pytest.MonkeyPatch) -> None:
+    from fronts import branches
+
+    monkeypatch.setattr(branches, "follow_front", lambda *given, **by: (given, by))
+    found = {along: branches.front_branch(["chain"], along, [0.1], method="wave")
+             for along in ("c", "eta", "a")}  # fmt: skip
+    assert found == {"c": (("chain", [0.1]), {}), "eta": (("chain",), {"etas": [0.1]}), "a": None}
+    assert branches.front_branch(["chain"], "c", [0.1]) is None
+
+
+@pytest.mark.parametrize(
+    ("c", "asked", "shown"),
+    [(0.5, False, [False]), (0.5, True, [True]), ([0.5], True, [True]), ([0.5], False, [])],
+)
+def test_stability_is_determined_of_one_front_and_along_a_curve_if_it_is_asked_for(
+    c: Any, asked: bool, shown: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts.piecewise import kinetic_relation
+
+    limits: list[bool] = []
+    monkeypatch.setattr(
+        kinetic_relation, "_with_stability", lambda answer, limit: limits.append(limit) or answer
+    )
+    found: Any = fr.kinetic_relation(c=c, eta=0.03125, stability=asked)
+    assert limits == shown
+    if np.ndim(c):
+        assert (found.along, found.points[0].c) == ("c", 0.5)
+
+
+def test_each_point_that_is_proven_is_an_equal_part_of_the_progress(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: list[float] = []
+
+    def certified(answer: Any, progress: Callable[[float], None]) -> Any:
+        progress(0.5)
+        return answer
+
+    monkeypatch.setattr("theory.piecewise.certified_relation.certify_relation", certified)
+    found: Any = fr.kinetic_relation(c=[0.5, 0.6], eta=0.03125, certify=True, progress=seen.append)
+    assert [point.c for point in found.points] == [0.5, 0.6]
+    assert seen == [0.25, 0.75]
+
+
+def test_an_interrupted_run_names_its_checkpoint_if_there_is_one(tmp_path: Path) -> None:
+    from fronts.interrupted import Interrupted, resumable_run
+
+    there = tmp_path / "run.npz"
+    there.write_bytes(b"")
+    for path, said in ((None, ""), (tmp_path / "no.npz", ""), (there, f"{there} is there: ")):
+        with pytest.raises(Interrupted) as stopped, resumable_run(path):
+            raise KeyboardInterrupt
+        assert str(stopped.value).startswith(said)
+        assert bool(str(stopped.value)) == bool(said)
+
+
+def test_an_interrupted_map_names_the_table_that_was_begun(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts import maps
+    from fronts.interrupted import Interrupted
+    from verification.execution.sweep import part_path
+
+    out = tmp_path / "map.csv"
+
+    def begun(*_: Any, **__: Any) -> None:
+        part_path(out).write_text("")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(maps, "state_map", begun)
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.1, sites=16)
+    with pytest.raises(Interrupted, match=re.escape(f"{part_path(out)} is there")):
+        maps.mapped(chain, {"c": [0.1, 0.2], "eta": [0.01]}, out=out)
+
+
+def test_the_overview_lists_every_command(capsys: Capture) -> None:
+    for words in ([], ["-h"], ["--help"], ["help"]):
+        assert main(words) == 0
+        listed = [line.split()[0] for line in capsys.readouterr().out.splitlines()
+                  if line.startswith("  ")]  # fmt: skip
+        assert listed == [*COMMANDS]
+
+
+def test_the_value_of_an_option_that_does_not_exist_is_the_word_after_it() -> None:
+    with pytest.raises(UsageError, match="--nope has no meaning for 'fronts sum'") as refused:
+        cli.new_parser("fronts sum", "x", "").read(["--nope", "3", "4"])
+    with pytest.raises(UsageError, match="--js is not an option of 'fronts sum': write --json"):
+        cli.new_parser("fronts sum", "x", "").read(["--js"])
+    assert (refused.value.details["quantity"], refused.value.details["value"]) == ("--nope", "3")
+
+
+def test_a_shell_is_named_for_the_script_of_completion() -> None:
+    pytest.importorskip("shtab")
+    for words in ([], ["bash", "zsh"], ["none"]):
+        with pytest.raises(UsageError, match="--print-completion takes one shell: choose one of "):
+            cli._completion(words)
+
+
+def test_full_and_envelope_name_a_model_where_there_are_both() -> None:
+    both: Any = {"vdp": None, "averaged": None, "friction": None}
+    for rest, model, left in (
+        (["--model", "envelope", "--c", "1"], "averaged", ["--c", "1"]),
+        (["--c", "1", "--model=full"], "vdp", ["--c", "1"]),
+    ):
+        assert cli._renamed("vdp", rest, both, "front") == (model, left)
+        assert cli._renamed("friction", rest, both, "front") == ("friction", rest)
+        assert cli._renamed("vdp", rest, {"vdp": both["vdp"]}, "front") == ("vdp", rest)
+    with pytest.raises(UsageError, match=r"invalid choice: 'x' .* see 'fronts front --help'"):
+        cli._model("front", COMMANDS["front"], both, ["vdp", "--model", "x"])
+
+
+def test_one_order_is_derived_unless_two_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("derivations.catalogue.load", lambda *of: SimpleNamespace(title=f"{of}"))
+    assert fr.derivation("averaging").title == "('averaging', 1)"
+    assert fr.derivation("averaging", order=2).title == "('averaging', 2)"
+
+
+def test_a_section_without_entries_may_end_a_docstring() -> None:
+    words = "Do it.\n\nParameters\n----------\na : float\n    One.\n\nReturns\n-------"
+    assert documented(words) == {"a": "One."}
+
+
+def test_the_head_of_a_column_has_its_unit_and_what_is_missing_is_a_dash() -> None:
+    rows = [{"c": 0.1, "v": 0.5}, {"c": 0.2, "v": math.nan}, {"c": 0.3, "v": None}]
+    for units, head in (({"v": "sites"}, ["c", "v", "(sites)"]), ({}, ["c", "v"])):
+        table = [line.split() for line in table_lines(rows, units=units)]
+        assert table == [head, ["0.1", "0.5"], ["0.2", "-"], ["0.3", "-"]]
+
+
+def test_a_stability_that_is_none_was_not_decided() -> None:
+    plain = cast("Any", SimpleNamespace(is_curve=False, units={}))
+    for stable, said in ((None, "stable  not decided"), (True, "stable  yes")):
+        assert in_words(plain, {"stable": stable}) == said
+    assert in_words(plain, {"v": 0.5}) == "v  0.5"
+
+
+def test_of_results_within_a_result_a_notebook_shows_what_they_show_of_themselves() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Own(Result):
+        v: float
+        hidden: float = field(default=0.25, repr=False)
+
+    assert re.findall("<t[hd]>([^<]*)</t[hd]>", _cell("points", (Own(v=0.5),))) == ["v", "0.5"]
+
+
+def test_a_zarr_store_has_beside_its_table_what_the_table_does_not_hold(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from fronts import files
+
+    monkeypatch.setattr(files, "zarr_writer", lambda *given: given)
+    dataset = SimpleNamespace(variables=["v"], assign_attrs=dict)
+    result: Any = SimpleNamespace(to_xarray=lambda: dataset, in_columns=("w",))
+    stored: Any = files._zarr(result, {"v": 1, "w": 2, "of": [3]}, {"c": 0.5})
+    assert stored == ({"result": json.dumps({"of": [3]})}, {"c": 0.5})
+    assert files._beside({"points": [{"v": 1}, {"v": 2}], "mixed": [{"v": 1}, 2]}, ()) == {}
+
+
+def test_every_quantity_is_listed_with_its_range_and_its_share() -> None:
+    from fronts.commands import stress
+
+    answer: Any = stress._list()
+    for row in answer.payload["quantities"]:
+        assert any(line.split()[0] == row["quantity"] for line in answer.text.splitlines())
+        assert f"share {row['share']:g}" in answer.text
+
+
 @pytest.mark.parametrize(
     ("along", "resting", "order", "place"),
     [("c", [0.1], [0.3, 0.2, 0.1], 1), ("eta", [0.08], [0.08, 0.05, 0.03], 2)],
@@ -1072,6 +1272,7 @@ def test_along_a_branch_fronts_at_rest_are_last_in_c_and_first_in_eta(
     monkeypatch.setattr(branches, f"_ends_in_{along}", lambda *_: ({}, resting))
     branch = branches._fronts(fr.AveragedChain(a=4, b=0.5, c=0.15), along, order[::-1])
     assert branch.values.tolist() == order
+    assert {type(chain) for chain in branch.points} == {fr.AveragedChain}
     assert [getattr(chain, along) for chain in branch.points] == pytest.approx(order)
     assert [(fold.place, fold.error) for fold in branch.folds] == [(place, 1e-6)]
 
@@ -1505,6 +1706,18 @@ def test_a_sum_has_as_many_digits_as_were_asked_for(
     assert found.error <= 10.0**-digits + 2.0 * rounding
     many = fr.sigma(v, c, digits=30)
     assert abs(found.value - complex(many.value)) <= found.error + rounding
+
+
+def test_roots_of_many_digits_solve_their_equation_in_both_halves() -> None:
+    """L(k) = 1/2 - ic(1 - cos k) - ivk = 0 at the velocity and the coupling, which differ."""
+    found = fr.roots("0.3", "0.5", count=1, digits=20)
+    with mp.workdps(30):
+        v, c = mp.mpf("0.3"), mp.mpf("0.5")
+        for half, sign in ((found.upper, 1), (found.lower, -1)):
+            (root,) = half
+            k = mp.mpc(root.re, root.im)
+            assert mp.sign(k.imag) == sign
+            assert abs(0.5 - 1j * c * (1 - mp.cos(k)) - 1j * v * k) < 1e-18
 
 
 def test_the_radius_of_a_root_of_many_digits_is_what_printing_them_costs() -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
-from unittest.mock import Mock
+from unittest.mock import Mock, call
 
 import numpy as np
 import pytest
@@ -396,6 +396,25 @@ def test_all_equations_are_listed_one_a_line(monkeypatch):
     assert answer.exit_code == 1
 
 
+def test_a_model_is_made_of_its_options_by_name(monkeypatch):
+    monkeypatch.setattr("derivations.cell.polynomial_input.chain_of", lambda *texts: texts)
+    cell = derive._Cell(damping="h", stiffness="g", coupling="c", weights="1, w", values=["a=4"])
+    assert cell.model() == ("h", "g", "c", "1, w", {"a": "4"})
+    monkeypatch.setattr(derive, "_one", lambda *given: Answer({"model": given[-1]}, ""))
+    assert derive.derive("averaging", weights="1, w", quiet=False).payload == {
+        "model": (None, None, None, "1, w", {}),
+    }  # fmt: skip
+    with pytest.raises(UsageError, match="--weights and --value belong to cell, "):
+        derive.derive("friction", weights="1, w", quiet=False)
+
+
+@pytest.mark.parametrize("order", [0, 3])
+def test_a_cell_is_derived_to_order_one_or_two(order):
+    cell = derive._Cell(damping="1 - y**2", stiffness=None, coupling=None, weights=None, values=())
+    with pytest.raises(UsageError, match="it must be 1 or 2"):
+        derive._cell(cell, order, None, "text", front=False)
+
+
 @pytest.mark.parametrize(("given", "read"), [("k", "k"), (None, "c")])
 def test_the_coupling_of_a_cell_is_named_as_it_is_asked_for(given, read, monkeypatch):
     def envelope(*texts):
@@ -422,14 +441,17 @@ def test_the_text_of_an_equation_or_a_cell_is_json_only_if_it_is_asked_for(form,
             return self
 
     single = SimpleNamespace(only=lambda equation: f"only {equation}")
-    judged = SimpleNamespace(record=dict, confirmed=True)
+    judged = SimpleNamespace(record=dict, confirmed=form == "text")
     monkeypatch.setattr(catalogue, "load", lambda *_: single)
     monkeypatch.setattr(derive, "_shown", lambda what, form: Answer({"of": what}, form))
+    whole = derive._one("averaging", 1, None, form, None)
+    assert (whole.payload, whole.text) == ({"of": single}, form)
     monkeypatch.setattr(judgement, "judge", lambda *_: judged)
     monkeypatch.setattr(derive, "_verdict_lines", lambda _: "verdict")
     answer = derive._one("averaging", 1, 34, form, None)
     payload = {"of": "only 34", "judgement": {}}
     assert answer.payload == payload
+    assert answer.exit_code == int(form != "text")
     assert answer.text == {"text": "text\n\nverdict", "json": json.dumps(payload)}.get(form, form)
     monkeypatch.setattr("derivations.cell.envelope.derive_envelope", lambda *_: Envelope())
     monkeypatch.setattr("fronts.checking.DerivedCell", lambda **_: SimpleNamespace(to_dict=dict))
@@ -471,6 +493,16 @@ def test_a_number_with_a_symbol_in_it_has_no_value():
     assert found["ratio"] == {"expression": "1/4", "value": 0.25}
 
 
+def test_only_the_graph_is_written_as_a_picture(tmp_path, monkeypatch):
+    monkeypatch.setattr(derive, "_graph", lambda *_: Answer({}, "<svg/>"))
+    monkeypatch.setattr(derive, "_listing", lambda: Answer({}, "a list"))
+    out = tmp_path / "x.svg"
+    assert derive.derive(graph=True, out=out, quiet=False).text == f"wrote {out}"
+    assert out.read_text("utf-8").strip() == "<svg/>"
+    with pytest.raises(UsageError, match="would contain text"):
+        derive.derive(out=out, quiet=False)
+
+
 def test_a_file_ending_in_json_has_rows_or_the_text_of_another_form(tmp_path):
     out = tmp_path / "x.json"
     assert derive._written(Answer({}, "x = 1"), out, {}, "latex").text == f"wrote {out}"
@@ -486,7 +518,10 @@ def test_every_step_is_verified_before_all_derivations_are_typeset(form, monkeyp
     monkeypatch.setattr(catalogue, "everything", lambda: made)
     monkeypatch.setattr(rendering, "document", lambda *found: f"{len(found)} in LaTeX")
     monkeypatch.setattr(rendering, "mathml", lambda _: "one in MathML")
+    told = Mock()
+    monkeypatch.setattr(derive, "Progress", lambda _: contextlib.nullcontext(told))
     text = {"latex": "2 in LaTeX", "mathml": "one in MathML\none in MathML"}[form]
     assert derive._all(None, form, as_json=False).text == text
+    assert told.report.call_args_list == [call(1 / 3), call(2 / 3), call(1.0)]
     for each in steps:
         each.verify.assert_called_once_with()

@@ -472,10 +472,11 @@ def test_within_the_error_of_eta_pin_fronts_are_pinned(part: float) -> None:
 def test_what_is_within_the_error_of_eta_pin_counts_as_pinned(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    pin = PinningEta(eta=0.05, error=0.01, square_root=1.0, square_root_error=0.0)
+    pin = PinningEta(eta=0.0625, error=0.015625, square_root=1.0, square_root_error=0.0)
     monkeypatch.setattr(resting, "pinning_eta", lambda _: pin)
     chain = fr.AveragedChain(a=4, b=0.5, c=0.15)
-    assert branches._ends_in_eta(chain, [0.03, 0.045, 0.06])[1] == [0.045, 0.06]
+    etas = [0.03125, 0.046875, 0.0625, 0.078125]  # the second one lower by the error
+    assert branches._ends_in_eta(chain, etas)[1] == etas[1:]
 
 
 def test_branches_of_breathers_are_of_the_models_of_the_paper() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 from unittest.mock import Mock, call
 
 import matplotlib as mpl
+import matplotlib.animation
 import numpy as np
 import pytest
 from matplotlib import pyplot
@@ -20,7 +21,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from PIL import Image, ImageSequence
 
 import fronts as fr
-from fronts.animation import animate, snapshot
+from fronts.animation import _writer, animate, snapshot
 from fronts.branches import BranchFold, FollowedBranch
 from fronts.pictures import BLUE, DRAWINGS, SLOW_VELOCITY, VERMILION, _thresholds, draw
 from tests.tables import table_of
@@ -391,6 +392,16 @@ def test_a_film_in_mp4_is_refused_without_the_program_that_writes_it(
             animate(_trajectory(np.zeros((2, 3))), tmp_path / "run.gif", frames_per_second=rate)
 
 
+def test_the_note_of_a_film_is_the_comment_of_its_file(tmp_path: Path) -> None:
+    figure = Figure()
+    frames = [Image.new("L", (4, 4), shade) for shade in (0, 255)]
+    writer = _writer(mpl.animation, ".gif", 15.0, "of two frames", figure.subplots())
+    with writer.saving(figure, str(tmp_path / "run.gif"), dpi=10):
+        writer._frames += frames
+    with Image.open(tmp_path / "run.gif") as film:
+        assert (film.n_frames, film.info["comment"]) == (2, b"of two frames")
+
+
 def test_each_frame_of_a_film_shows_its_own_sample_and_no_other(tmp_path: Path) -> None:
     """Below the title, a sample that comes again, or that comes first, gives the same frame."""
     one, other = np.array([1.0, 2.0, 3.0]), np.array([3.0, 1.0, 2.0])
@@ -422,7 +433,10 @@ def test_each_frame_of_a_film_has_its_own_time_in_every_style(tmp_path: Path) ->
     assert differ[: len(differ) // 8].sum() > 5
 
 
-def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("model", "symbol"), [("vdp", "t"), ("friction", "τ")])
+def test_a_film_cuts_no_label_off_and_tells_what_part_of_it_is_drawn(
+    model: str, symbol: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Amplitudes far below one have long numbers beside their axis."""
 
     class Writer:
@@ -447,8 +461,11 @@ def test_a_film_cuts_no_label_off(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: True)
     monkeypatch.setattr("fronts.animation._writer", writer)
     run = _trajectory(np.array([[1e-3, 2e-3], [2e-3, 1.1e-3]]), [0.0, 5.0])
-    assert animate(run, "run.mp4") == Path("run.mp4")
-    assert titles == ["t = 0", "t = 5"]
+    vars(run.chain)["model"] = model
+    seen: list[float] = []
+    assert animate(run, "run.mp4", progress=seen.append) == Path("run.mp4")
+    assert titles == [f"{symbol} = 0", f"{symbol} = 5"]
+    assert seen == [0.5, 1.0]
 
 
 def test_a_frame_of_a_chain_at_rest_has_an_axis() -> None:
@@ -468,9 +485,29 @@ def test_sites_of_a_lattice_are_drawn_where_they_are() -> None:
         "x (lattice spacings)", "y (lattice spacings)", 1.0,
     )  # fmt: skip
     assert dots.colorbar.ax.get_ylabel() == "amplitude"
+    assert dots.get_clim() == (0.0, 8.0)
     assert list(dots.get_array()) == [1.0, 2.0, 3.0, 4.0]
     show(1)
     assert list(dots.get_array()) == [5.0, 6.0, 7.0, 8.0]
+    axes.set(xlim=(0.0, 2.2), ylim=(0.0, 2.2))
+    assert all(tick == round(tick) for tick in (*axes.get_xticks(), *axes.get_yticks()))
+
+
+def test_marks_of_more_sites_are_smaller_so_that_they_do_not_cover_one_another() -> None:
+    sizes = []
+    for count in (4, 1000, 4000):
+        places = np.column_stack([np.arange(count) + 0.5, np.zeros(count)])
+        axes = Figure().subplots()
+        links = SimpleNamespace(positions=places)
+        snapshot(_run(np.ones((1, count)), shape=(1, count), links=links), axes)
+        (dots,) = axes.collections
+        sizes += list(dots.get_sizes())
+        detail = SimpleNamespace(positions=places, arrivals=np.arange(count))
+        axes = Figure().subplots()
+        DRAWINGS["Front"](SimpleNamespace(detail=detail), axes)
+        assert list(axes.collections[0].get_sizes()) == sizes[-1:]
+    assert sizes[1] < sizes[0]
+    assert sizes[1] * 1000 == sizes[2] * 4000  # the same area
 
 
 def test_the_first_sample_of_a_square_lattice_is_drawn_in_its_rows() -> None:
@@ -740,27 +777,28 @@ def test_the_image_of_the_run_fills_its_picture_with_each_site_in_the_middle_of_
 
 
 @needs_explorer
-def test_every_straight_line_and_every_column_of_the_explorer_is_in_its_figure() -> None:
+@pytest.mark.parametrize(("index", "lines"), [*enumerate((1, 1, 0, 1, 2, 0))])
+def test_every_straight_line_and_every_column_of_the_explorer_is_in_its_figure(
+    index: int, lines: int
+) -> None:
     from bokeh.models import ColumnDataSource, Span
 
     from fronts.explore.pictures import PICTURES, RunPicture
 
-    lines = 0
-    for kind in PICTURES:
-        picture = kind()
-        held = [each.values() if isinstance(each, dict) else each if isinstance(each, tuple)
-                else (each,) for each in vars(picture).values()]  # fmt: skip
-        spans = [each for some in held for each in some if isinstance(each, Span)]
-        assert all(span in picture.figure.center for span in spans)
-        lines += len(spans)
-        for source in (x for some in held for x in some if isinstance(x, ColumnDataSource)):
-            glyphs = [each.glyph for each in picture.figure.renderers if each.data_source is source]
-            across = {glyph.x for glyph in glyphs}
-            drawn = {getattr(glyph, at, "x") for glyph in glyphs for at in ("x", "y", "image")}
-            assert glyphs, (kind, source.name)
-            assert across == ({0.0} if kind is RunPicture else {"x"})
-            assert drawn >= set(source.column_names), (kind, source.name)
-    assert lines == 5
+    kind = PICTURES[index]
+    picture = kind()
+    held = [each.values() if isinstance(each, dict) else each if isinstance(each, tuple)
+            else (each,) for each in vars(picture).values()]  # fmt: skip
+    spans = [each for some in held for each in some if isinstance(each, Span)]
+    assert all(span in picture.figure.center for span in spans)
+    assert len(spans) == lines
+    for source in (x for some in held for x in some if isinstance(x, ColumnDataSource)):
+        glyphs = [each.glyph for each in picture.figure.renderers if each.data_source is source]
+        across = {glyph.x for glyph in glyphs}
+        drawn = {getattr(glyph, at, "x") for glyph in glyphs for at in ("x", "y", "image")}
+        assert glyphs, (kind, source.name)
+        assert across == ({0.0} if kind is RunPicture else {"x"})
+        assert drawn >= set(source.column_names), (kind, source.name)
 
 
 @needs_explorer

@@ -376,6 +376,19 @@ def test_the_branch_ends_in_the_law_of_strong_coupling(eta: float) -> None:
     assert branch.folds == ()
 
 
+@pytest.mark.parametrize("eta", [0.01, 0.11])
+def test_newtons_method_begins_near_the_front_at_strong_coupling_too(eta: float) -> None:
+    """There a front is ten sites wide and settles slowly; v - c is what it has to settle to."""
+    law = strong_coupling_front(eta).velocity(1e3)
+    assert abs(wave.Window.started(1e3, eta).guess[-1] - law) < 0.5 * abs(law - 1e3)
+
+
+def test_there_is_a_front_at_the_largest_coupling_and_eta() -> None:
+    front = front_wave(1e3, 0.11)
+    assert front.v == pytest.approx(strong_coupling_front(0.11).velocity(1e3), abs=1e-2)
+    assert front.error < 1e-10
+
+
 @pytest.mark.parametrize("eta", [ETA, 0.08])
 def test_fronts_rest_up_to_the_fold_and_leave_it_by_a_square_root(eta: float) -> None:
     fold = static_fold(eta)

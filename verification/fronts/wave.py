@@ -64,7 +64,9 @@ _DEPTHS = 30.0, 36.0
 check."""
 _PERIODS, _SETTLED = 30, 1e-4
 """Largest number of sites that the initial run passes, and relative change of the interval between
-sites below which its front is a good enough starting point for Newton's method."""
+sites below which its front is a good enough starting point for Newton's method. A front that is
+wider than a site settles more slowly: these are multiplied and divided by the square of its width.
+"""
 _LISTED = 6
 """Number of multipliers listed."""
 _ROUNDING = 64.0 * EPS
@@ -246,7 +248,7 @@ class Window:
         """
         eta_of_fronts(eta, ETAS)
         chain = amplitudes_of(within("coupling c", c, *COUPLINGS), eta)
-        width = max(1.0, math.cbrt(c))
+        width = _width(c)
         left = 14 + math.ceil(10.0 * width * max(1.0, 2.0 / attraction_rate(eta)))
         right = 12 + math.ceil(30.0 * width)
         wide = cls(chain=chain, left=left, right=right, guess=np.empty(0), along=along)
@@ -292,7 +294,8 @@ class Window:
         h = 0.8 * _STEP / (self.chain.c + self.attraction)
         time = last = 0.0
         interval, unstable = math.inf, self.unstable
-        for _ in range(_PERIODS):
+        slower = _width(self.chain.c) ** 2
+        for _ in range(math.ceil(_PERIODS * slower)):
             after = rho
             while after[self.left + 1] < unstable:
                 rho, time = after, time + h
@@ -303,7 +306,7 @@ class Window:
             rho = np.append(advanced(rho, self.chain, part * h)[1:], 0.0)
             time -= (1.0 - part) * h
             before, interval, last = interval, time - last, time
-            if abs(interval - before) < _SETTLED * interval:
+            if abs(interval - before) < _SETTLED / slower * interval:
                 break
         return rho, 1.0 / interval
 
@@ -397,6 +400,11 @@ class Window:
             steps=wider._steps_in(1.0 / v, _FINER),
             seconds=perf_counter() - begin,
         )
+
+
+def _width(c: float) -> float:
+    """Return the width of a front in sites: at strong coupling it grows like c^{1/3}."""
+    return max(1.0, math.cbrt(c))
 
 
 def _without_trivial(multipliers: ComplexArray) -> tuple[complex, ComplexArray]:

@@ -32,7 +32,11 @@ from verification.breathers.orbits import Orbits
 from verification.cells import shooting
 from verification.cells.friction import ROUND_OFF, _rounding_of_end, _with_error
 from verification.cells.result import CellCycle
-from verification.fronts.arrival_fit import error_by_disorder, velocity_of_arrivals
+from verification.fronts.arrival_fit import (
+    error_beside,
+    error_by_disorder,
+    velocity_of_arrivals,
+)
 from verification.fronts.preparation import Trial
 from verification.fronts.resting import pinning_eta, static_fold
 from verification.piecewise.chain import PiecewiseMotion, Rest
@@ -145,11 +149,18 @@ def test_a_velocity_that_earlier_arrivals_bend_is_as_uncertain_in_either_directi
 
 
 def test_sites_far_away_that_are_reached_at_once_to_rounding_have_an_infinite_velocity() -> None:
-    """What counts is how far they are from one another: they are twenty times as far away."""
+    """What counts is how far they are from one another: they are twenty times as far away.
+
+    From the first to the last of the farther half the times differ by 49 of their differences.
+    """
     distances = np.arange(1000.0, 1100.0)
-    for late, finite in ((2e-14, False), (2e-13, True)):
+    for late, finite in ((2.03e-14, False), (2.05e-14, True)):
         v, error = velocity_of_arrivals(1.0 + late * np.arange(100.0), distances)
         assert (math.isfinite(v), math.isfinite(error)) == (finite, finite)
+    # Rounding is that of the latest: at both ends of the farther half sites are reached first.
+    both_ends = (np.abs(np.arange(100.0) - 74.5) < 12.0) + 1e-14 * np.arange(100.0)
+    assert velocity_of_arrivals(both_ends) == (math.inf, math.inf)
+    assert error_beside(*np.full(3, math.inf), 1e-8) == math.inf
 
 
 def test_of_few_arrivals_no_change_of_velocity_is_explained_by_standard_errors() -> None:
@@ -177,7 +188,10 @@ def test_of_few_arrivals_no_change_of_velocity_is_explained_by_standard_errors()
 def test_the_error_of_a_velocity_is_that_of_its_rule_with_the_regression_of_scipy(
     count: int,
 ) -> None:
-    """From eight fitted arrivals on, two standard errors may explain that quarters differ."""
+    """From eight fitted arrivals on, two standard errors may explain that quarters differ.
+
+    They explain nothing of arrivals that have distances of their own.
+    """
     for seed in range(8):
         noise = np.random.default_rng(seed).normal(size=count)
         arrivals = 3.0 + 2.0 * np.arange(count) + 0.05 * noise
@@ -195,6 +209,9 @@ def test_the_error_of_a_velocity_is_that_of_its_rule_with_the_regression_of_scip
         drift = 6.0 * (apart - explained[0]), 3.0 * (bend - explained[1])
         error = max(3.0 * whole.stderr, apart, *drift) / whole.slope**2
         assert velocity_of_arrivals(arrivals) == pytest.approx((1.0 / whole.slope, error), rel=1e-6)
+        unexplained = max(3.0 * whole.stderr, apart, 6.0 * apart, 3.0 * bend) / whole.slope**2
+        own_distances = velocity_of_arrivals(arrivals, np.arange(float(count)))
+        assert own_distances[1] >= unexplained * (1.0 - 1e-9)
 
 
 @pytest.mark.parametrize("radius", [17.0, 28.0])
@@ -836,9 +853,13 @@ def test_the_velocity_through_disorder_is_as_near_as_it_says() -> None:
 def test_the_error_through_disorder_is_found_from_the_durations_of_eight_blocks(
     length: int,
 ) -> None:
-    """Durations that alternate by one about 2 times the length have the variance 8/7."""
-    blocks = 2.0 * length + np.tile([1.0, -1.0], 4)
-    late = np.append(0.0, np.repeat(blocks / length, length).cumsum())
+    """Of durations of which two differ by 2 from the others the variance is 8/7.
+
+    The site beyond the eight blocks is reached later than any other.
+    """
+    blocks = 2.0 * length + np.array([0.0, 0.0, 2.0, 0.0, -2.0, 0.0, 0.0, 0.0])
+    durations = np.append(np.repeat(blocks / length, length), 9.0)
+    late = np.append(0.0, durations.cumsum())
     before = late[:-1] - late[-1]  # the half that is not used
     slope = linregress(np.arange(late.size), late).slope
     error = 3.0 * math.sqrt(1.2 * (8.0 / 7.0) / length / late.size) / slope**2

@@ -1196,6 +1196,16 @@ def test_the_largest_amplitude_within_a_period_is_taken_after_every_step() -> No
     assert Stall(run, 10.0, 0.25)._largest().tolist() == [5.0, 5.0]
     assert cycle_period(run.chain) <= run.time < cycle_period(run.chain) + 1.0
 
+    class Ended(Steps):
+        @property
+        def finished(self) -> bool:  # type: ignore[override]
+            assert self.time <= 2.0
+            return self.time == 2.0
+
+    ended: Any = Ended()
+    assert Stall(ended, 10.0, 0.25)._largest().tolist() == [5.0, 5.0]
+    assert ended.time == 2.0  # of a run that ends within the period no more is taken
+
 
 def test_a_site_that_goes_up_and_down_in_either_stall_time_does_not_grow() -> None:
     """Noted at two moments it would: 1 at the first, 2 at the last."""
@@ -1226,6 +1236,11 @@ def test_amplitudes_of_what_stands_are_taken_over_two_periods_of_a_cell(eps: flo
         damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=0.1, sites=3
     )
     assert cycle_period(still) == 0.0  # without inertia nothing oscillates
+    stiff = own.replace(stiffness="y + 0.2*y**3")
+    small, large = (each.period for each in stiff.cell.cycles)
+    assert small > 1.01 * large  # and the period of the slower one counts
+    assert cycle_period(stiff) == pytest.approx(2.0 * small)
+    assert cycle_period(own.replace(drive="0.1,1.2@all")) == 0.0  # they never become constant
 
 
 def test_it_is_waited_anew_when_a_further_site_is_reached_and_not_when_the_same_is() -> None:

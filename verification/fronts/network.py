@@ -350,8 +350,8 @@ def planar(
         times = arrivals.reshape(rows, columns)[used]
         v, error = _velocity(times[:, centre].mean(axis=1))
         sides = [_velocity(times[:, side])[0] for side in (0, -1)]
-        # A front that is not straight has not settled; velocities may all be infinite.
-        error = max(error, *(0.0 if each == v else abs(v - each) for each in sides))
+        # A front that is not straight has not settled. An infinite velocity has an infinite error.
+        error = max(error, *(abs(v - each) for each in sides))
         return np.full(1, 0.5 * math.pi), np.full(1, v), np.full(1, error)
 
     away = row.astype(float)

@@ -127,7 +127,7 @@ def static_fold(eta: float) -> StaticFold:
     by_place = _beside(chain, longer.u + longer.offset, longer.parameter)
     rounding = _ROUNDING * _condition(chain, longer)
     square_root_error, slope_error = (
-        2.0 * abs(value - other) + abs(value - moved) + rounding * abs(value)
+        2.0 * abs(value - other) + abs(value - moved) + rounding * value
         for value, other, moved in zip((square_root, slope), by_window, by_place, strict=True)
     )
     return StaticFold(

@@ -232,7 +232,7 @@ def _prepare_smooth(
         return SmoothIntegration(
             longer,
             excite_edge(longer, excited),
-            [0.0, end],
+            [end],
             tolerance=tolerance,
             trailing_sites=trailing if on else 0,
             left_boundary_wave=on,
@@ -265,7 +265,8 @@ def _prepare_smooth(
         unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
         disordered=bool(getattr(chain, "disorder", {})),
         relaxation_time=chain.relaxation_time,
-        compared=chain.oscillates and getattr(chain, "velocity_coupling", 0.0) != 0.0,
+        # Velocities are coupled only where cells oscillate.
+        compared=getattr(chain, "velocity_coupling", 0.0) != 0.0,
     )
 
 

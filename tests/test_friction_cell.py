@@ -258,7 +258,7 @@ def test_the_error_of_the_expanded_cycle_covers_the_next_order_in_its_amplitude(
     assert 1e-13 < gap <= found.error < 1e-7
     # Without damping it turns in 2π; a deviation of a cycle of the root of δ grows by e^{2πδ}.
     assert abs(found.period - 2.0 * math.pi) <= found.error
-    assert found.slip_time == found.period
+    assert (found.slip_time, found.stick_time) == (found.period, 0.0)
     delta = 2.0 * xi - math.exp(-v_d / CELL.v0) * 0.5 / CELL.v0
     assert found.multiplier - 1.0 == pytest.approx(2.0 * math.pi * delta, rel=1e-3)
 
@@ -412,6 +412,8 @@ def test_the_error_of_an_expanded_cycle_where_friction_has_no_curvature_is_a_len
         return friction_cycles._expanded(cell, 0.1 * size).error
 
     assert left_out(size) == pytest.approx(size * left_out(1.0), rel=1e-6)
+    # Of u̇⁵ there is A³/8v_s² in the amplitude: by averaging A²/48 times H₅/H₃ = -6 at x = 1/√2.
+    assert left_out(size) > (0.1 * size) ** 3 / (8.0 * (0.5 * size) ** 2)
 
 
 def test_the_unstable_cycle_returns_in_scipy_and_repels() -> None:
@@ -480,6 +482,8 @@ def test_the_multiplier_of_an_expanded_cycle_errs_by_the_next_order(xi: float) -
     exponent = 2.0 * math.pi * given.effective_damping
     assert abs(exponent - math.log(cycle.multiplier)) < 1e-15
     assert squared * exponent < cycle.multiplier_error < 100.0 * squared * exponent + 2e-14
+    narrow = friction_cycles._expanded(given, 1e-3 * cycle.speed)
+    assert narrow.multiplier_error > np.finfo(float).eps  # the rounding of a number beside one
     wide = friction_cycles._expanded(given, 0.5 / given.curve.curvature(given.v_d))
     assert wide.multiplier_error == math.inf  # the next order is not small
 
@@ -580,7 +584,7 @@ def test_the_error_of_a_multiplier_is_the_same_of_a_cell_of_another_size() -> No
         larger = replace(cell, **{name: size * value for name, value in sized.items()})
         cycle = unstable_once(larger, 1e-12)
         assert cycle is not None
-        errors.append(cycle.multiplier_error)
+        errors.append((cycle.multiplier_error, cycle.error / size))
     assert errors[1] == pytest.approx(errors[0], rel=0.5)
 
 
@@ -642,7 +646,7 @@ def test_cycles_end_by_grazing_at_the_point_of_release() -> None:
 
 def test_the_unstable_cycle_is_born_at_the_hopf_velocity() -> None:
     """Shooting tends to the expansion; the expansion takes over within the bound it states."""
-    for distance, room in ((1e-3, 1e-3), (1e-5, 1e-5), (1e-6, 1e-6)):
+    for distance, room in ((1e-3, 1e-3), (1e-5, 1e-5), (2e-7, 1e-4), (1e-6, 1e-6)):
         cell = FrictionCell(v_d=CELL.hopf_velocity + distance)
         cycle = unstable_once(cell, 1e-13)
         small = math.sqrt(8 * cell.effective_damping * cell.v0**2 / -friction_slope(cell, cell.v_d))
@@ -665,6 +669,20 @@ def test_below_the_hopf_velocity_steady_sliding_has_no_basin_to_be_bounded(slowe
     cell = FrictionCell(v_d=CELL.hopf_velocity - slower)
     assert cell.effective_damping < 0.0
     assert unstable_once(cell, 1e-8) is None
+    assert unstable_once(replace(CELL, v_d=2.0), 1e-8) is None  # slip never comes to the belt
+
+
+def test_a_cell_is_described_by_its_own_hopf_velocity_and_its_unstable_cycle() -> None:
+    """Between made-up limits: within them both cycles, and beyond them neither."""
+    inside, beyond = (
+        friction_cell(CELL, 1e-8, limits=friction.CycleLimits(first=0.0, end=end, error=0.0))
+        for end in (1.5, 1.0)
+    )
+    assert inside.hopf_velocity == CELL.hopf_velocity
+    unstable = unstable_once(CELL, 1e-8)
+    assert unstable is not None
+    assert (inside.grazing, inside.basin) == (None, (unstable.min, unstable.max))
+    assert (beyond.stable_cycle, beyond.unstable_cycle) == (None, None)
 
 
 def test_a_steep_friction_curve_is_seen_by_the_series() -> None:
@@ -960,6 +978,60 @@ def test_cycles_of_strong_damping_are_found_although_they_end_at_the_slowest_bel
     assert excess(0.99 * end) > 0.0 > excess(1.01 * end)
 
 
+@pytest.mark.parametrize("shift", [-1e-4, -1e-7, -1e-10, 1e-10, 1e-7, 1e-4])
+def test_limits_near_those_at_another_tolerance_are_searched_for_beside_them(
+    shift: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up excess with both limits, which takes far fewer slips than a whole search."""
+    given, first, end = FrictionCell(law="stribeck"), 0.4, 0.9
+    slips: list[float] = []
+
+    def excess(at: FrictionCell, _: float) -> float:
+        slips.append(at.v_d)
+        return (at.v_d - first) * (end - at.v_d)
+
+    monkeypatch.setattr(friction, "largest_after_release", excess)
+    assert friction.cycle_velocities(given, 1e-8) == pytest.approx((first, end), rel=1e-14)
+    whole = len(slips)
+    slips.clear()
+    beside = first * (1.0 + shift), end * (1.0 + shift)
+    found = friction._limits_beside(given, beside, 1e-8, None)
+    assert found == pytest.approx((first, end), rel=1e-14)
+    assert len(slips) < 0.7 * whole
+
+
+@pytest.mark.parametrize("at", [1e-9, 0.1234, 3e8])
+def test_a_change_of_sign_is_found_to_the_last_digits_where_it_is_a_jump(at: float) -> None:
+    found = friction._zero(lambda v_d: 1.0 if v_d < at else -1.0, 0.5 * at, 1.25 * at)
+    assert found == pytest.approx(at, rel=2e-15, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("fine", "coarse", "ended"),
+    [(-2.0, -3.0, True), (-1.0, -3.0, False), (-1.0, 1.0, False), (1.0, 1.0, False)],
+)
+def test_cycles_have_ended_where_slip_falls_short_by_more_than_it_differs_between_tolerances(
+    fine: float, coarse: float, ended: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        friction, "largest_after_release", lambda _, each: fine if each == 1e-12 else coarse
+    )
+    assert friction._ends_below(CELL, 3.0, 1e-12) is ended
+
+
+def test_the_part_of_the_slips_that_is_reported_rises_and_stays_below_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(friction, "largest_after_release", lambda *_: 1.0)
+    monkeypatch.setattr(friction, "_SLIPS", 3)
+    seen: list[float] = []
+    excess = friction._excess(CELL, 1e-8, seen.append)
+    assert [excess(1.0) for _ in range(6)] == [1.0] * 6
+    assert seen == sorted({*seen})
+    assert len(seen) == 6
+    assert 0.0 < min(seen) < max(seen) < 1.0
+
+
 def test_limits_far_from_those_at_another_tolerance_are_searched_for_everywhere() -> None:
     whole = friction.cycle_velocities(CELL, 1e-8)
     assert friction._limits_beside(CELL, (0.0, 0.5 * whole[1]), 1e-8, None) == whole
@@ -1008,8 +1080,9 @@ def test_slip_that_does_not_reach_the_belt_is_followed_from_where_it_is_fastest(
     follows: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def phase(_: object, y: float, w: float, released: bool, end: int, **__: object) -> Any:
-        assert (y, w, released, end) == (0.25, -0.125, False, phases.HIGHEST)
-        return 3.0, follows, 0.0
+        assert (y, w, end) == (0.25, -0.125, phases.HIGHEST)
+        assert released is False
+        return 0.5, follows, 0.0
 
     monkeypatch.setattr(friction_cycles, "_slip_from", lambda *_: (2.0, 0.25, -0.125))
     monkeypatch.setattr(friction_cycles, "_phase", phase)
@@ -1049,6 +1122,28 @@ def test_a_multiplier_that_differs_to_both_sides_is_unknown_as_is_its_error(
     assert (found.multiplier is not None, found.multiplier_error is not None) == (known, known)
 
 
+@pytest.mark.parametrize("third", [-1e6, 1e6])
+def test_the_error_of_a_multiplier_covers_the_third_derivative_of_the_map_of_either_sign(
+    third: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up map with the slope 1.5 at its fixed point, and a term of third order there."""
+    cell = FrictionCell()
+    centre = cell.steady_sliding
+
+    def following(_: object, y: float, end: int, __: float) -> tuple[float, float, float]:
+        d = y - centre
+        off = d - 0.5
+        after = d + d * off + third * off**3 * math.exp(-((1e3 * off) ** 2))
+        return 6.0, centre + (after if end == phases.HIGHEST else -d), 0.125
+
+    monkeypatch.setattr(friction_cycles, "largest_after_release", lambda *_: 1.0)
+    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: (3.0, centre + 1.0, 0.0))
+    monkeypatch.setattr(friction_cycles, "_slip_from", following)
+    found = unstable_once(cell, 1e-12)
+    assert found is not None
+    assert 1e-6 < abs(found.multiplier - 1.5) <= found.multiplier_error < 1e-3
+
+
 @pytest.mark.parametrize("share", [0.5, 2.0])
 def test_slip_that_is_followed_no_longer_has_settled_where_little_of_its_way_is_left(
     share: float, monkeypatch: pytest.MonkeyPatch
@@ -1061,8 +1156,10 @@ def test_slip_that_is_followed_no_longer_has_settled_where_little_of_its_way_is_
     with nullcontext() if share < 1.0 else pytest.raises(ParameterError, match="so weak"):
         assert friction_cycles.largest_after_release(cell, 1e-8) == -cell.v_d
     faster = (*abandoned[:2], 0.125)  # than the belt, which is all that is asked for
-    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: faster)
-    assert friction_cycles.largest_after_release(cell, 1e-8) == 0.125
+    slower = (3.0, *abandoned[1:])  # a largest velocity that is not that of the belt
+    for found in (faster, slower):
+        monkeypatch.setattr(friction_cycles, "_phase", lambda *_, found=found, **__: found)
+        assert friction_cycles.largest_after_release(cell, 1e-8) == found[2]
 
 
 def test_slip_that_is_followed_no_longer_is_refused_with_its_damping(
@@ -1207,6 +1304,9 @@ def test_a_viscous_part_is_damping_where_slip_creeps_and_where_sliding_loses_sta
         for each in (near, replace(near, xi=0.0, viscous=0.1))
     )
     assert one == pytest.approx(two, rel=1e-9)  # both dampings are differences, to rounding
+    dry = [FrictionCell(law="coulomb", **each) for each in ({"xi": 0.1}, {"xi": 0, "viscous": 0.2})]
+    one, two = (np.array(grazing_slip(each)) - each.steady_sliding for each in dry)
+    assert one == pytest.approx(two, rel=1e-12)
 
 
 def test_an_unstable_cycle_is_found_wherever_the_force_is_zero() -> None:
@@ -1230,6 +1330,7 @@ def test_the_time_of_a_grazing_is_shifted_until_the_velocity_has_left_it_by_its_
         y = steep - 2.0 * cell.xi * cell.v_d - direction * cell.mu_st
         shift = friction_cycles._rounding_of_touch(cell, y, direction)
         left = shift * steep / 2.0 if steep else cell.v_d * shift**2 / 2.0
+        assert 1.0 < left / np.spacing(cell.v_d + abs(y)) < 100.0
         assert left == pytest.approx(friction_cycles.ROUND_OFF * (cell.v_d + abs(y)), rel=1e-6)
 
 
@@ -1258,7 +1359,8 @@ def test_the_limits_of_cycles_count_as_half_of_a_diagram_and_its_cells_as_the_re
     monkeypatch.setattr(diagram, "cycle_limits", limits)
     monkeypatch.setattr(diagram, "friction_cell", lambda *_, **__: made)
     seen: list[float] = []
-    cell_diagram(CELL, [0.5, 1.0, 2.0, 4.0], 1e-8, seen.append)
+    found = cell_diagram(CELL, [0.5, 1.0, 2.0, 4.0], 1e-8, seen.append)
+    assert found.hopf_velocity == CELL.hopf_velocity
     assert seen == [0.25, 0.625, 0.75, 0.875, 1.0]
 
 
@@ -1383,13 +1485,29 @@ def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
     monkeypatch.setattr(
         friction_cycles, "cycle_turning_points", lambda *_: (0.0, cell.steady_sliding + reach)
     )
-    refused = r"^belt velocity v_d = 1\.3 under exponential friction .*no cycle that slips all"
+    refused = r"^belt velocity v_d = 1\.3 under .*no cycle that slips all.* run a chain of one site"
     for begin, end in ((0.005, 0.105), (0.85, 0.95), (1.05, 1.9)):
         monkeypatch.setattr(
             friction_cycles, "_grows",
             lambda _, y, __, begin=begin, end=end: begin < (y - cell.steady_sliding) / reach < end,
         )  # fmt: skip
         with nullcontext() if begin > 1.0 else pytest.raises(ParameterError, match=refused):
+            friction_cycles.check_slip_cycles(cell, 1e-8)
+
+
+def test_where_sliding_is_unstable_a_single_change_of_growth_is_a_stable_cycle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where it is stable, one change is the unstable cycle, within which motion decays."""
+    for v_d, refused in ((1.0, True), (1.3, False)):
+        cell = replace(CELL, v_d=v_d)
+        assert (cell.effective_damping < 0.0) is refused
+        middle = cell.steady_sliding + 0.1
+        monkeypatch.setattr(
+            friction_cycles, "_grows",
+            lambda _, y, __, refused=refused, middle=middle: (y < middle) is refused,
+        )  # fmt: skip
+        with pytest.raises(ParameterError, match="slips all") if refused else nullcontext():
             friction_cycles.check_slip_cycles(cell, 1e-8)
 
 

@@ -24,7 +24,7 @@ from theory.cells.polynomial import read_polynomial
 from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
-from verification.cells import shooting
+from verification.cells import oscillator, shooting
 from verification.cells.cell import cell
 from verification.cells.result import Cell, CellCycle, CellStatus, OwnCell
 from verification.cells.shooting import longest_step
@@ -369,10 +369,12 @@ def test_the_error_of_a_cycle_is_no_less_than_the_rounding_of_its_period(
 
 
 @pytest.mark.parametrize("start", [1e-4, 1.0, 1e4])
-def test_motion_without_bound_has_no_top(start: float) -> None:
-    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
-    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
-    turn = shooting._turn(cell, -3.0, start, limit, 1e-9)
+@pytest.mark.parametrize("frequency", [1.0, 0.1])
+def test_motion_without_bound_has_no_top(start: float, frequency: float) -> None:
+    """It grows as exp(2.6ωt), and ẏ is 2.6ω times y: its velocity is less than y if it is slow."""
+    cell = OscillatorCell(stiffness={1: frequency**2}, damping={(0, 0): 1.0})
+    limit = OscillatorCycle(1.0, frequency, 2.0 * np.pi / frequency, True)
+    turn = shooting._turn(cell, -3.0 * frequency, start, limit, 1e-9)
     assert turn is not None
     assert turn.top == turn.slope == math.inf
 
@@ -476,13 +478,102 @@ def test_a_fixed_point_that_motion_leaves_is_not_the_cycle_that_it_leads_to(
     left, reached = 1.0, 1.2
 
     def turn(_: object, __: float, y: float, *___: object) -> Any:
-        near, slope = (left, 2.0) if y < 1.1 else (reached, 0.5)
+        near, slope = (left, 1.5) if y < 1.1 else (reached, 0.5)
         return SimpleNamespace(top=near + slope * (y - near), slope=slope)
 
     monkeypatch.setattr(shooting, "_turn", turn)
     cell: Any = SimpleNamespace(cycles=(SimpleNamespace(amplitude=1.05, period=6.0),))
     found, _ = shooting._closed_turn(cell, 0.1, 0, 1e-9, 1.05)
     assert found.top == pytest.approx(reached, abs=1e-12)
+
+
+def test_a_cycle_is_searched_for_until_its_corrections_are_those_of_rounding(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Turns that decay by a thousandth, and err by 1e-11 up and down: a correction of 1e-8."""
+    true, errors = 1.0, iter([1e-11, -1e-11] * 50)
+
+    def turn(_: object, __: float, y: float, *___: object) -> Any:
+        return SimpleNamespace(top=true + 0.999 * (y - true) + next(errors), slope=0.999)
+
+    monkeypatch.setattr(shooting, "_turn", turn)
+    cell: Any = SimpleNamespace(cycles=(SimpleNamespace(amplitude=1.0, period=6.0),))
+    found, left = shooting._closed_turn(cell, 0.1, 0, 1e-9, true + 1e-7)
+    assert abs(found.top - true) <= 2.0 * left < 1e-7
+
+
+def test_cycles_are_shot_to_a_tolerance_in_proportion_to_a_weak_damping(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On the circle of radius 2 the largest of |y² - 1| is 3."""
+    asked: list[float] = []
+    monkeypatch.setattr(shooting, "_cycle", lambda *given: asked.append(given[-1]))
+    van_der_pol = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -1.0, (2, 0): 1.0})
+    strengths = (1.5, 3e-2, 3e-6)
+    for strength in strengths:
+        shooting.shot_cycles(van_der_pol, strength / 3.0, 1e-9)
+    assert asked == pytest.approx([1e-9, 3e-11, shooting.TOLERANCES.low], rel=1e-6)
+
+
+def test_motion_that_is_followed_on_where_it_is_stiff_is_followed_as_long() -> None:
+    """In units of time in which a turn is long as well."""
+    asked: list[float] = []
+
+    class Run:
+        def set_solout(self, _: object) -> None: ...
+
+        def set_initial_value(self, _: object) -> Run:
+            return self
+
+        def integrate(self, until: float) -> None:
+            asked.append(until)
+
+        def get_return_code(self) -> int:
+            return shooting._STIFF if len(asked) < 3 else 1
+
+    run: Any = Run()
+    shooting._path(run, 1.0, OscillatorCycle(1.0, 0.01, 600.0, True), pull=1.0)
+    assert len(asked) == 3
+    assert min(asked) > 10.0 * 600.0
+
+
+def test_motion_that_has_come_to_rest_to_underflow_has_not_turned_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    states = [(float(n), np.array([y, v, 0.0])) for n, (y, v) in enumerate(
+        ((1.0, 0.0), (1e-170, -1e-170), (1e-180, -1e-180)))]  # fmt: skip
+    monkeypatch.setattr(shooting, "_path", lambda *_, **__: states)
+    monkeypatch.setattr(shooting, "_solver", lambda *_: SimpleNamespace(get_return_code=lambda: 1))
+    cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
+    limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
+    assert shooting._swing(cell, 3.0, 1.0, limit, 1e-9) is None
+
+
+def test_a_turn_is_as_accurate_in_other_units_of_displacement_and_time() -> None:
+    """Of the cell of Van der Pol with y/s and ωt, to ten times the tolerance."""
+    found = []
+    for size, frequency in ((1.0, 1.0), (1e-3, 1.0), (1.0, 1e6)):
+        cell = OscillatorCell(stiffness={1: frequency**2}, damping={(0, 0): -1.0, (2, 0): size**-2})
+        limit = OscillatorCycle(size, size * frequency, 2.0 * np.pi / frequency, True)
+        turn = shooting._turn(cell, 0.5 * frequency, 2.1 * size, limit, 1e-9)
+        assert turn is not None
+        found.append((turn.top / size, turn.bottom / size, turn.period * frequency))
+    assert found[1] == pytest.approx(found[0], rel=1e-8)
+    assert found[2] == pytest.approx(found[0], rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("rests", "stable", "status"),
+    [
+        (True, 0, CellStatus.REST), (True, 1, CellStatus.BISTABLE),
+        (True, 2, CellStatus.MULTISTABLE), (False, 1, CellStatus.OSCILLATION),
+        (False, 2, CellStatus.CYCLES), (False, 3, CellStatus.CYCLES),
+    ],
+)  # fmt: skip
+def test_the_status_of_a_cell_says_how_many_cycles_are_stable_and_whether_rest_is(
+    rests: bool, stable: int, status: CellStatus
+) -> None:
+    assert oscillator._status(rests, stable) is status
 
 
 def test_motion_leads_on_where_newton_s_method_would_leave_the_side_of_a_cycle(
@@ -1008,6 +1099,21 @@ def test_a_turn_that_decays_where_no_cycle_lets_it_is_refused_as_one_that_grows_
         wrong = (part > 1.0) == rests
         said = f"y = .* {'grows' if part > 1.0 else 'decays'}"
         with pytest.raises(ParameterError, match=said) if wrong else nullcontext():
+            shooting.check_turns(given, 1.0, (), rests)
+
+
+def test_turns_that_change_by_their_errors_alone_are_not_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They do not decide whether motion grows, and neither does one that does not turn back."""
+    given = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -0.5, (2, 0): 0.5})
+    monkeypatch.setattr(shooting, "_TRIED", np.array([1.5, 3.0]))
+    for top in (1.0 - 1e-7, 1.0 + 1e-7, None):
+        monkeypatch.setattr(
+            shooting, "_turn",
+            lambda _, __, y, *___, top=top: SimpleNamespace(top=top * y) if top else None,
+        )  # fmt: skip
+        for rests in (True, False):
             shooting.check_turns(given, 1.0, (), rests)
 
 

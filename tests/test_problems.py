@@ -1,4 +1,4 @@
-"""The table of test problems keeps its own rule, and the registry of quantities its contract."""
+"""The table of test problems keeps its own rule, and ``QUANTITIES`` of each module its contract."""
 
 from __future__ import annotations
 
@@ -183,14 +183,14 @@ def test_a_problem_has_the_number_that_its_name_says() -> None:
     }
 
 
-def test_a_stored_record_has_the_problems_that_are_timed_and_an_agreement_as_stated() -> None:
+@pytest.mark.parametrize("name", [each.name for each in all_quantities() if each.useful])
+def test_a_stored_record_has_the_problems_that_are_timed_and_an_agreement_as_stated(
+    name: str,
+) -> None:
     """Two references agree to all but five of their digits, or to within three orders as stated."""
-    for quantity in all_quantities():
-        if not quantity.useful:
-            continue
-        record = json.loads((RECORDS / f"{quantity.name}.json").read_text(encoding="utf-8"))
-        apart = record["agreement"]
-        assert set(apart) == {each.name for each in quantity.timed_problems}
-        digits = re.search(r"(\d+) digits", quantity.reference)
-        most = 1.01 * 10.0 ** (5 - int(digits[1])) if digits else 1e3 * max(apart.values())
-        assert max(apart.values()) <= quantity.accuracy <= most, quantity.name
+    quantity = quantity_named(name)
+    apart = json.loads((RECORDS / f"{name}.json").read_text(encoding="utf-8"))["agreement"]
+    assert set(apart) == {each.name for each in quantity.timed_problems}
+    digits = re.search(r"(\d+) digits", quantity.reference)
+    most = 1.01 * 10.0 ** (5 - int(digits[1])) if digits else 1e3 * max(apart.values())
+    assert max(apart.values()) <= quantity.accuracy <= most

@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 from tests.tables import table_of
 from theory.averaged.breather import BreatherStatus, Reading
 from theory.chains.chain import SmoothChain
+from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus
 from theory.chains.vdp import VdpChain
 from theory.parameters import RunError
@@ -36,6 +37,7 @@ from verification.references.extrapolation import PreciseState, extended
 from verification.references.friction_events import BEGINS
 from verification.references.pace import NoReferenceError
 from verification.runs.trajectory import RunStatus
+from verification.thresholds.result import ThresholdMethod
 
 # ---------------------------------------------------------------------------------------- breathers
 
@@ -217,6 +219,24 @@ def test_an_orbit_is_as_far_off_as_its_worst_number(
     assert (check.distance, check.uncertainty) == (pytest.approx(1e-3), 1e-9)
 
 
+def test_the_phase_of_a_refined_orbit_is_that_of_its_middle_site(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A made-up flow returns every state; the period alone moves y of the middle site to zero."""
+    slopes = np.arange(1.0, 11.0)
+    monkeypatch.setattr(breathers, "_SITES", 5)
+    monkeypatch.setattr(breathers, "full_rate", lambda _: lambda _, __: slopes)
+    monkeypatch.setattr(
+        breathers, "integrate", lambda _, x, *__: PreciseState(value=x, uncertainty=0.0)
+    )
+    flow = np.column_stack([np.zeros(10), 1.5 * np.eye(10)])
+    monkeypatch.setattr(breathers, "_flow", lambda *_: PreciseState(value=flow, uncertainty=0.0))
+    found = breathers._precise_orbit({"eta": 0.08, "c": 0.1, "eps": 0.01}, np.arange(2.0, 13.0))
+    assert abs(found.value[2]) < 1e-20
+    moved = np.arange(2.0, 13.0) - found.value.astype(float)
+    assert moved == pytest.approx([*(4.0 / 3.0 * slopes), -4.0 / 6.0], rel=1e-12)
+
+
 def test_long_doubles_and_numbers_of_mpmath_are_the_same_to_all_their_digits() -> None:
     third = np.longdouble(1) / 3
     with mp.workdps(30):
@@ -322,6 +342,24 @@ def test_a_fold_of_the_averaged_chain_is_as_far_off_as_it_is() -> None:
         assert check.distance == pytest.approx(abs(off) * fold, rel=1e-3, abs=1e-10)
 
 
+@pytest.mark.parametrize("c", [0.2, None])
+def test_a_threshold_is_the_fold_of_the_averaged_chain_that_is_asked_for(
+    c: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+
+    def threshold(*given: Any) -> SimpleNamespace:
+        asked.append(given)
+        return SimpleNamespace(c_crit=c, error=1e-9)
+
+    monkeypatch.setattr(breathers, "breather_threshold", threshold)
+    stated = breathers._threshold({"eta": 0.08})
+    ((chain, nucleus, method),) = asked
+    assert (chain.a, chain.b) == (1.0, 0.08)
+    assert (nucleus, method) == (Nucleus(1), ThresholdMethod.ENVELOPE)
+    assert (stated.value, stated.error) == (c, 0.0 if c is None else 1e-9)
+
+
 @pytest.mark.parametrize(
     ("matrix", "changed"),
     [
@@ -405,6 +443,33 @@ def test_a_run_of_any_chain_is_held_against_the_right_side_that_it_gives(
         check = chains._check_run(kind, [], {"sites": 3.0}, stated)
         assert check.uncertainty < 1e-8
         assert check.distance == pytest.approx(abs(off), abs=1e-9)
+
+
+def test_a_smooth_chain_that_is_registered_has_a_row_and_another_chain_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With a range for each of its parameters; a model of the table has its own row."""
+    known = {"vdp": VdpChain, "another": VdpChain, "friction": FrictionChain}
+    monkeypatch.setattr(chains, "CHAINS", known)
+    (row,) = chains.computations_of_chains()
+    assert row.name == "run-vdp"
+    assert {axis.name: axis.whole for axis in row.axes} == {
+        "a": False, "b": False, "c": False, "eps": False, "sites": True, "tolerance": False,
+    }  # fmt: skip
+    assert row.limits
+    at = {"a": 4.0, "b": 0.5, "c": 0.6, "eps": 0.1, "sites": 3.0, "tolerance": 1e-6}
+    made: list[Any] = []
+
+    def run(chain: Any, start: np.ndarray, _: float, **given: Any) -> SimpleNamespace:
+        made.append((chain, given["tolerance"]))
+        return SimpleNamespace(error=1e-9, states=np.stack([0.0 * start, start]))
+
+    monkeypatch.setattr(chains, "simulate", run)
+    monkeypatch.setattr(chains, "last_state", lambda _, __, start, **___: start)
+    stated = row.compute(at)
+    assert made == [(VdpChain(a=4.0, b=0.5, c=0.6, eps=0.1, sites=3), 1e-6)]
+    assert stated.error == 1e-9
+    assert row.check(at, stated).distance == 0.0
 
 
 def test_both_readings_of_the_closed_form_are_in_its_range() -> None:
@@ -537,8 +602,9 @@ def test_a_cycle_is_off_by_its_period_or_its_stick_time_whichever_is_more(
     check = friction.cycle_by_scipy(BELT, stated)
     assert check.distance == pytest.approx(1e-4, rel=1e-9)
     assert check.uncertainty == pytest.approx(1e-6, rel=1e-6)
-    runs[friction._TIGHT] = None
-    assert friction.cycle_by_scipy(BELT, stated).distance == math.inf
+    for accuracy in (friction._LOOSE, friction._TIGHT):
+        runs[accuracy] = None
+        assert friction.cycle_by_scipy(BELT, stated).distance == math.inf
 
 
 def test_a_cell_without_a_cycle_has_neither_period_nor_stick_time(
@@ -555,8 +621,18 @@ def test_a_cycle_that_is_denied_must_not_stick_again(
 ) -> None:
     run = SimpleNamespace(when=lambda kind: np.arange(float(sticks)) if kind == BEGINS else None)
     asked: list[Any] = []
-    monkeypatch.setattr(friction, "_events", lambda *given: asked.append(given[2:]) or run)
+
+    def events(chain: Any, start: np.ndarray, *given: Any) -> SimpleNamespace:
+        """Of a start on the belt, shortly before release."""
+        assert 0.0 < chain.cell.release - start[0, 0] <= chain.cell.mu_st
+        assert start.shape == (2, chain.sites)
+        asked.append(given)
+        return run
+
+    monkeypatch.setattr(friction, "_events", events)
     stated = StatedValue(value=np.zeros(2), error=0.0)
+    friction.cycle_by_scipy({**BELT, "v_d": 1e4}, stated)
+    asked.clear()
     for v_d in (1.25, 1e-8):
         check = friction.cycle_by_scipy({**BELT, "v_d": v_d}, stated)
         assert check.distance == (math.inf if sticks else 0.0)
@@ -570,7 +646,12 @@ def test_the_energy_of_the_switch_model_is_that_at_the_end(monkeypatch: pytest.M
     """2E = y² + v² + c·(differences of neighbours)²; it has no error of its own."""
     y, velocity = (np.array([[9.0, 9.0, 9.0], last]) for last in ([1.0, 2.0, 2.0], [0.0, 3.0, 1.0]))
     run = SimpleNamespace(y=y, velocity=velocity)
-    monkeypatch.setattr(friction, "run_switch", lambda *_, **__: run)
+
+    def switched(chain: FrictionChain, start: np.ndarray, end: float, **_: object) -> Any:
+        assert (chain.c, start.shape, end) == (BELT["c"], (2, 3), friction._SHORT)
+        return run
+
+    monkeypatch.setattr(friction, "run_switch", switched)
     stated = friction.switch_energy(BELT)
     assert stated.value == pytest.approx(math.sqrt(9.0 + 10.0 + BELT["c"]), rel=1e-12)
     assert stated.error == 0.0
@@ -705,6 +786,19 @@ def test_whole_parameters_are_drawn_whole_and_special_ones_approached_from_both_
     low, high, *beside = near.ends()
     assert (low, high) == (0.01, 0.2)
     assert sorted(beside) == pytest.approx([0.07992, 0.08008, 0.124875, 0.125125], rel=1e-12)
+
+
+def test_one_point_in_four_approaches_a_special_value_by_decades_on_either_side() -> None:
+    axis = Axis(name="eta", low=10.0, high=20.0, near=(0.5,), closest=1e-3)
+    rng = np.random.default_rng(6)
+    drawn = np.array([axis.draw(rng) for _ in range(800)])
+    away = drawn[drawn < 1.0] / 0.5 - 1.0
+    assert np.all((drawn < 1.0) | ((drawn >= 10.0) & (drawn <= 20.0)))
+    assert away.size == pytest.approx(200, abs=50)
+    assert np.all((np.abs(away) > 0.999e-3) & (np.abs(away) < 0.1001))
+    for side in (away[away > 0.0], -away[away < 0.0]):
+        assert side.size == pytest.approx(100, abs=40)
+        assert np.count_nonzero(side < 1e-2) == pytest.approx(0.5 * side.size, abs=25)
 
 
 def test_corners_are_all_combinations_of_ends_and_of_many_some_from_first_to_last() -> None:

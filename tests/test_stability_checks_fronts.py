@@ -21,6 +21,7 @@ from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import ETA_PIN_END, pinning_coupling
 from theory.piecewise.root_count import count_in_strips
 from theory.piecewise.roots import labelled_roots
+from verification.fronts.result import LeftBoundary
 from verification.fronts.status import FrontStatus
 from verification.fronts.wave import front_wave
 from verification.maps.state import State
@@ -45,6 +46,10 @@ def test_distances_are_of_as_many_digits_as_are_asked() -> None:
         one, other = mp.mpf(1), mp.mpf(1) + mp.mpf(10) ** -40
     assert sums.distance(one, other, 45) == pytest.approx(1e-40, rel=1e-4, abs=0.0)
     assert sums.distance(other, one, 45) == sums.distance(one, other, 45)
+
+
+def test_a_reference_has_four_digits_more_than_the_error_that_it_judges() -> None:
+    assert [sums.needed_digits(error) for error in (0.0, 1e-40, 1e-16, 1e-3)] == [304, 44, 20, 20]
 
 
 def test_the_reference_of_the_sum_is_one_that_reaches_there() -> None:
@@ -136,7 +141,11 @@ def test_a_root_is_as_far_off_as_it_is_relative_to_its_size(
 def test_far_ahead_of_a_front_is_rest_and_far_behind_it_the_excited_state() -> None:
     at = {"v": 0.3, "c": 0.5, "distance": 60.0, "tolerance": 1e-9}
     assert abs(roots._profile({**at, "side": 1.0}).value) < 1e-6
-    assert abs(roots._profile({**at, "side": 3.0}).value - 1.0) < 1e-6
+    for side in (2.0, 3.0):
+        assert abs(roots._profile({**at, "side": side}).value - 1.0) < 1e-6
+    # Where all waves have died off, the sum is still rounded.
+    stated = roots._profile({**at, "distance": 1e3, "side": 3.0})
+    assert 1e-16 < roots._check_profile({**at, "side": 3.0}, stated).uncertainty < 1e-14
 
 
 @pytest.mark.parametrize("side", [1.0, 3.0])
@@ -178,6 +187,26 @@ def test_a_shape_is_as_uncertain_as_the_rest_of_its_series(
     monkeypatch.setattr(roots, "_TERMS", 20)
     check = roots._check_profile(at, stated)
     assert 1e-6 < check.distance <= check.uncertainty < 0.02
+
+
+@pytest.mark.parametrize(("v", "c"), [(0.3, 0.5), (3.0, 280.0), (280.0, 3.0), (30.0, 2800.0)])
+def test_of_a_shape_as_many_roots_are_summed_as_are_crowded_and_some_hundred_more(
+    v: float, c: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """About one to either side for each unit of c/v, in which A turns up to 2c/v."""
+    asked: list[np.ndarray] = []
+
+    def noted(*given: Any) -> Any:
+        asked.append(given[2])
+        return labelled_roots(*given)
+
+    monkeypatch.setattr(roots, "labelled_roots", noted)
+    at = {"v": v, "c": c, "distance": 30.0, "tolerance": 1e-9, "side": 1.0}
+    stated = StatedValue(value=0.0, error=1.0, extra=SimpleNamespace(zeta=np.array([30.0])))
+    roots._check_profile(at, stated)
+    (labels,) = asked
+    assert labels[0] == -labels[-1]
+    assert 2.0 * c / v + 400 <= labels[-1] < 2.0 * c / v + 402
 
 
 def test_beside_the_front_the_series_is_no_reference_for_an_error_far_below_its_rest() -> None:
@@ -267,6 +296,37 @@ def test_limits_are_stated_beside_velocities_so_that_none_of_them_is_nan(
     assert row["outcome"] == PointOutcome.NAN.value
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("off", "held"), [(0.5, True), (0.99, True), (1.01, False), (1.5, False)])
+def test_a_change_of_sign_lies_within_the_stated_error_on_either_side(
+    off: float, held: bool, side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(relation, "_excess", lambda v, *_: v - (0.3 + 1e-3 * side * off))
+    monkeypatch.setattr(relation, "_changes_of_sign", lambda _: 1)
+    made = SimpleNamespace(branches=[SimpleNamespace(v=0.3, error=1e-3)])
+    stated = StatedValue(value=np.array([0.3]), error=1e-3, extra=made)
+    check = relation._check_velocities({"c": 0.5, "eta": 0.03}, stated)
+    assert (check.distance == 0.0) is held
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_step_to_a_velocity_is_as_uncertain_as_its_slope(
+    sign: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a parabola through v = 0.3 of slope 50, whose slope changes by 6 for each unit of v."""
+
+    def defect(v: Any, _: object, shift: int) -> tuple[Any, float]:
+        assert shift == (2 if sign < 0.0 else 0)
+        away = mp.mpf(v) - mp.mpf(3) / 10
+        return 50 * away + 3 * away**2, 0.0
+
+    monkeypatch.setattr(relation, "_defect", defect)
+    off = 1e-6
+    v, uncertainty = relation.precise_velocity(sign * (0.3 + off), {"c": 0.5, "eta": 0.03})
+    assert float(v) == pytest.approx(sign * 0.3, rel=1e-12)
+    assert uncertainty == pytest.approx(off * 6.0 * 0.3e-9 / 50.0, rel=1e-5, abs=0.0)
+
+
 def test_an_excess_that_the_sum_does_not_resolve_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     for g, uncertainty, excess in (
         (1e-20, 1e-30, 1e-20), (-1e-20, 1e-30, -1e-20), (1e-40, 1e-30, 0.0), (-1e-40, 1e-30, 0.0)
@@ -281,7 +341,16 @@ def test_an_excess_that_the_sum_does_not_resolve_is_none(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(
-    ("c", "eta"), [(0.5, 1e-4), (0.45, 0.03125), (2.0, 0.11), (100.0, 1e-4), (1e-3, 0.1)]
+    ("c", "eta"),
+    [
+        (0.5, 1e-4),
+        (0.45, 0.03125),
+        (2.0, 0.11),
+        (100.0, 1e-4),
+        (1e-3, 0.1),
+        (1e4, 0.03125),
+        (1.0, 1e-12),
+    ],
 )
 def test_a_plain_grid_sees_every_velocity(c: float, eta: float) -> None:
     """That it would see one that is left out; none is near another here."""
@@ -569,6 +638,28 @@ def _arrivals(v: float, first: float = 0.0) -> np.ndarray:
     return n / v + first * np.minimum(n, 30.0)
 
 
+@pytest.mark.parametrize(("name", "full"), [("front-averaged", False), ("front-vdp", True)])
+def test_a_front_is_measured_and_timed_on_the_chain_of_which_it_is(
+    name: str, full: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A front of (8) of velocity 0.3 passes a site in 3.3/ε, one of (43) in 3.3."""
+    asked: list[Any] = []
+
+    def measured(chain: Any, **given: Any) -> SimpleNamespace:
+        asked.append((chain.model, given["left_boundary"], given["tolerance"]))
+        return SimpleNamespace(status=FrontStatus.STEADY, v=0.3, error=1e-9)
+
+    scale = 0.1 if full else 1.0
+    monkeypatch.setattr(fronts, "measure_front", measured)
+    monkeypatch.setattr(fronts, "arrivals_by_scipy", lambda *_, **__: np.arange(80.0) / 0.3 / scale)
+    at = {"c": 0.01, "eta": 0.05, "eps": 0.1, "tolerance": 1e-6}
+    row = computation_named(name)
+    stated = row.compute(at)
+    assert asked == [("vdp" if full else "averaged", LeftBoundary.WAVE, 1e-6)]
+    assert (stated.value, stated.error, stated.note) == (0.3, 1e-9, "")
+    assert row.check(at, stated).distance < 1e-12
+
+
 def test_a_timed_front_has_the_pace_of_its_second_half() -> None:
     for v in (0.25, 4.0):
         check = fronts._timed(_arrivals(v), v, "a clock")
@@ -632,6 +723,7 @@ def test_grids_become_finer_and_longer_until_two_neighbours_agree(
     asked: list[tuple[int, int, int]] = []
 
     def velocity(c: float, eta: float, points: int, *, behind: int, ahead: int) -> np.longdouble:
+        assert (c, eta) in ((1.0, 0.03), (1000.0, 0.03))
         asked.append((points, behind, ahead))
         return np.longdouble(0.5 + 2.0 * 8.0 ** -len(asked))
 
@@ -642,7 +734,11 @@ def test_grids_become_finer_and_longer_until_two_neighbours_agree(
         check = fronts._by_differences({"c": 1.0, "eta": 0.03}, stated)
         assert len(asked) == rungs
         assert check.distance == pytest.approx(0.25 + 2.0 * 8.0**-rungs)
+        asked.clear()
+        beyond = fronts._by_differences({"c": 1.0, "eta": 0.03}, replace(stated, value=0.75))
+        assert beyond.distance == pytest.approx(0.25 - 2.0 * 8.0**-rungs)
         assert check.uncertainty == pytest.approx(14.0 * 8.0**-rungs)
+        assert min(asked[0]) >= 20  # of sites, on which the wave comes to the cycle and to rest
         for one, other in pairwise(asked):
             assert all(more > less for less, more in zip(one, other, strict=True))
     stronger = asked[-1]
@@ -697,14 +793,37 @@ def test_a_run_of_the_table_ends_at_time_thirty(full: bool) -> None:
     assert turned == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("displacement", "stiff"), [(1e-3, False), (1.0, False), (40.0, False), (80.0, True)]
-)
-def test_damping_is_stiff_by_the_height_of_the_start(
-    displacement: float, stiff: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("name", "full"), [("run-vdp", True), ("run-envelope", False)])
+def test_a_run_of_the_table_is_of_the_chain_of_which_its_row_is(
+    name: str, full: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Here ε a y² is 64 of the 30 that are stiff at y = 80, and ε b y⁴ far below it."""
-    at = {"a": 1.0, "eta": 1e-12, "c": 0.1, "eps": 0.01, "sites": 4.0, "displacement": displacement}
+    """The slow time of (43) is ε t."""
+    asked: list[Any] = []
+
+    def run(chain: Any, _: object, end: float, **given: Any) -> SimpleNamespace:
+        asked.append((chain.model, end, given["tolerance"]))
+        return SimpleNamespace(psi=np.array([[0.0, 0.0], [3.0, 1j]]), error=1e-9)
+
+    monkeypatch.setattr(runs, "simulate", run)
+    at = {"a": 4.0, "eta": 0.03, "c": 0.6, "eps": 0.1, "sites": 2.0, "displacement": 2.0,
+          "tolerance": 1e-7}  # fmt: skip
+    stated = computation_named(name).compute(at)
+    ((model, end, tolerance),) = asked
+    assert (model, end) == (("vdp", 30.0) if full else ("averaged", pytest.approx(300.0)))
+    assert (stated.value.tolist(), stated.error, tolerance) == ([3.0, 1j], 1e-9, 1e-7)
+    assert stated.extra.tolist() == [2j, 0j]
+
+
+@pytest.mark.parametrize(
+    ("displacement", "eta", "stiff"),
+    [(1e-3, 1e-12, False), (1.0, 1e-12, False), (40.0, 1e-12, False), (80.0, 1e-12, True),
+     (12.0, 0.1, False), (14.0, 0.1, True)],
+)  # fmt: skip
+def test_damping_is_stiff_by_the_height_of_the_start(
+    displacement: float, eta: float, stiff: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stiff is 30; ε a y² is 64 at y = 80, and ε b y⁴ is 21 and 38 at y = 12 and 14 for η = 0.1."""
+    at = {"a": 1.0, "eta": eta, "c": 0.1, "eps": 0.01, "sites": 4.0, "displacement": displacement}
     monkeypatch.setattr(runs, "_full_by_radau", lambda *_: "Radau")
     monkeypatch.setattr(runs, "_where_it_moves", lambda *_: "explicit")
     stated = StatedValue(value=np.zeros(4), error=0.0, extra=np.zeros(4))
@@ -892,8 +1011,10 @@ HIGH, LOW = 1.7, 0.1
         ("front", ((HIGH, LOW), (HIGH, HIGH)), False),  # it must stay
         ("breather", ((LOW, LOW), (HIGH, HIGH)), True),
         ("breather", ((LOW, HIGH), (HIGH, HIGH)), False),  # it spreads
+        ("breather", ((1.05, 1.07), (HIGH, HIGH)), False),  # it reaches the other end at last
         ("breather", ((LOW, LOW), (HIGH, LOW)), False),  # it dies
         ("breather", ((LOW, LOW), (HIGH, HIGH + 0.5)), False),  # it swells by more than damping may
+        ("breather", ((LOW, LOW), (HIGH, HIGH + 0.2)), False),
         ("breather", ((LOW, LOW), (HIGH, HIGH + 0.04)), True),
         ("breather", ((LOW, LOW), (HIGH, HIGH + 0.13)), True),  # that, and a ripple besides
         ("breather", ((LOW, LOW), (1.08, 1.04)), False),  # it falls below the unstable cycle
@@ -929,6 +1050,11 @@ def test_a_label_is_checked_on_the_chain_of_which_it_is(
 ) -> None:
     """A run of (8) has states of places and velocities, one of (43) has complex ones."""
     starts: list[Any] = []
+    chains_labelled: list[str] = []
+
+    def find(chain: Any, _: object) -> SimpleNamespace:
+        chains_labelled.append(chain.model)
+        return SimpleNamespace(state=State.FRONT, time=20.0)
 
     def run(_: object, __: object, start: Any, t_eval: Any, **___: object) -> Any:
         starts.append(start)
@@ -940,3 +1066,6 @@ def test_a_label_is_checked_on_the_chain_of_which_it_is(
     at = {"eta": 0.05, "c": 0.5, "displacement": 6.0, "eps": 0.1}
     assert computation_named(name).check(at, stated).distance == math.inf
     assert [start.size for start in starts] == [states._SITES * (1 + full)]
+    monkeypatch.setattr(states, "find_vdp_state", find)
+    computation_named(name).compute(at)
+    assert chains_labelled == ["vdp" if full else "averaged"]

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from theory.arrays import FloatArray
-from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.chains.oscillator import OscillatorChain
 from theory.parameters import ParameterError, RunError
@@ -109,7 +108,7 @@ class OwnOrbits(Orbits):
     def solve(self) -> Breather:
         """Solve for the breather, under the name of the pattern on which the nucleus settles."""
         found = super().solve()
-        if not self.chain.along_line or found.status is not BreatherStatus.EXISTS:
+        if not self.chain.along_line:
             return found
         settled = self.nucleus.found_in(found.waves, self.chain.unstable_amplitude)
         if settled is None or settled.size != self.nucleus.size:

@@ -45,7 +45,7 @@ def _balanced(
     count = 8 * odd.size
     waves = np.exp(2j * np.pi * np.outer(odd, np.arange(count)) / count)
     middle = chain.sites // 2
-    h = h * np.exp(-1j * np.outer(np.angle(h[middle, 0]) * np.ones(chain.sites), odd))
+    h = h * np.exp(-1j * np.angle(h[middle, 0]) * odd)
 
     def parts(unknown: FloatArray) -> tuple[float, ComplexArray]:
         both = unknown[1:].reshape(2, *h.shape)

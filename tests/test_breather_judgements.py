@@ -13,13 +13,14 @@ import pytest
 import scipy.linalg
 
 from tests.folds import fold_of
-from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold
+from theory.averaged.breather import BreatherStatus, Reading, closed_form_fold, solve_breather
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.vdp import AveragedChain, VdpChain
 from theory.parameters import ParameterError
 from verification.breathers import breather as breathers
 from verification.breathers import envelope, floquet, follow, orbits, outcome, run
 from verification.breathers import exponents as exponents_of
+from verification.breathers import family as families
 from verification.breathers.envelope import RotatingWaves, solve_envelope_breather
 from verification.breathers.exponents import eigenvalue_bound, exponents, unpack
 from verification.breathers.family import MAX_STEPS
@@ -120,6 +121,10 @@ def test_a_growth_rate_is_as_far_off_as_from_the_exact_one_with_both_errors() ->
     )
     for one, apart in ((own, 0.4375), (SimpleNamespace(growth=0.5, growth_error=None), 0.3125)):
         assert breathers._growth_distance(one, exact) == apart
+    for which, name in (("own", "growth"), ("exact", "growth"), ("exact", "growth_error")):
+        pair = {"own": own, "exact": exact}
+        pair[which] = SimpleNamespace(**{**vars(pair[which]), name: None})
+        assert breathers._growth_distance(pair["own"], pair["exact"]) is None
 
 
 @pytest.mark.parametrize("gap", [4e-3, 8e-4, 8e-5])
@@ -138,7 +143,19 @@ def test_where_the_cycles_nearly_meet_a_branch_of_two_sites_begins_below_its_fol
     assert begin == pytest.approx(0.25 * single.parameter, rel=0.1)
 
 
-@pytest.mark.parametrize("eta", [0.12, 0.02, 1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("gap", [1e-2, 1e-6, 1e-12])
+def test_a_branch_begins_at_a_part_of_the_smaller_of_two_folds(gap: float) -> None:
+    """That of a single site goes to zero like √gap, that of neighbours like gap = 1 - 8η."""
+    chain = AveragedChain(a=1.0, b=(1.0 - gap) / 8.0, c=0.0, sites=8)
+    single = envelope.start_of(chain, Nucleus(1), largest=1.0, fraction=0.5)
+    assert single == 0.5 * closed_form_fold(chain).c > gap
+    for nucleus in (Nucleus(2, "+"), Nucleus(3, "-+")):
+        begin = envelope.start_of(chain, nucleus, largest=1.0, fraction=0.5)
+        assert begin == pytest.approx(0.5 * gap, rel=1e-3)
+        assert envelope.start_of(chain, nucleus, largest=0.1 * gap) == 0.1 * gap
+
+
+@pytest.mark.parametrize("eta", [0.12, 0.02, 0.007, 1e-3, 1e-4, 1e-6])
 def test_rates_are_of_order_one_in_their_unit(eta: float) -> None:
     """The cycle attracts at about 1/2η; where that is moderate rates are left as they are."""
     unit = RotatingWaves(AveragedChain(a=1.0, b=eta, c=0.0), Nucleus(1)).rate_unit
@@ -219,6 +236,7 @@ def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
     assert whole.phase_step is whole.phase_step_error is None
     still = replace(found, waves=np.array([0.0, 2.0, 1.0]), wave_error=0.0)
     assert still.phases_error == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
+    assert still.phases_error[2] > EPSILON  # of the computed angle
 
 
 @pytest.mark.parametrize("c", [0.02, 0.1])
@@ -287,7 +305,7 @@ def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
                 matrix[2, 1] = 2e-3
             elif start[-1] != state[-1]:
                 matrix[3, 1] = 4e-6
-            end = start - (1e-5 if steps == 30 else 0.0)
+            end = start - (1e-5 * np.eye(6)[4] if steps == 30 else 0.0)
             samples = np.sin(2.0 * math.pi * np.arange(64) / 64)[:, None] * np.ones(3)
             return Flow(end, matrix, np.zeros(6), samples, steps)
 
@@ -427,27 +445,62 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
     assert found.growth_error == found.stability.growth_error < 1e-6
 
 
+def test_an_orbit_errs_by_the_rounding_of_its_steps_and_beside_a_fold_by_that_of_its_coupling(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Roundings of as many steps as are taken add up at random, or at most all together."""
+    asked: list[Any] = []
+    monkeypatch.setattr(orbits, "solution_error", lambda *given: asked.append(given) or 0.5)
+    monkeypatch.setattr(Orbits, "_monodromy_error", lambda *_: 0.0)
+    monkeypatch.setattr(Orbits, "step_error", lambda *_: FoldShift(0.25, 0.0))
+    state = np.array([0.1, 0.0, 0.1, 0.3, -2.0, 0.3])
+    point = BranchPoint(np.append(state, 6.0), 0.2, np.zeros(8), 0.0, 0.125, 1, 1.0)
+    for steps in (20, 80):
+        family = Orbits(CHAIN.replace(sites=3), Nucleus(1), steps)
+        found = family.measured(point, 0.0, fold_of(0.3, 0.0, point.u))
+        assert (found.error, found.fold_error) == (0.625, 0.25)
+        _, u, c, rounding, of_coupling = asked[-1]
+        assert (u.tolist(), c, of_coupling) == (point.u.tolist(), 0.2, 0.25)
+        each = EPSILON * 2.0
+        assert each * math.sqrt(steps) <= rounding <= each * 2.0 * steps
+
+
 @pytest.mark.parametrize(
-    "worst", [[0.5, -1.0, 0.25], [1.0, -0.5, 0.25], [-0.25, -0.5, 1.0], [1.0, 1.0, 1.0]]
+    "worst",
+    [
+        [0.5, -1.0, 0.25, 0.0],
+        [1.0, -0.5, 0.25, 0.0],
+        [-0.25, -0.5, 1.0, 0.0],
+        [1.0, 1.0, 1.0, 0.0],
+        [1.0, 0.5, 0.5, 1.0],
+    ],
 )
 def test_multipliers_err_by_what_the_error_of_an_orbit_along_its_worst_direction_changes(
     worst: list[float],
 ) -> None:
-    """As its largest part is off by the error; the matrix changes by twice a part of the state."""
-    direction, error = np.append(worst, 0.0), 1e-4
+    """As its largest part is off by the error; the matrix changes by twice a part of the state.
+
+    The change is measured a millionth of the state or of the period away, whichever is nearer.
+    """
+    direction, error = np.array(worst), 1e-4
+    asked: list[Any] = []
     slope = np.eye(4) - 0.9 * np.outer(direction, direction) / (direction @ direction)
 
     class Made(Orbits):
         def flow(self, c: float, start: Any, duration: float, steps: int) -> Flow:
+            asked.append(np.append(start, duration))
             return Flow(start, np.diag(2.0 * start), np.zeros(3), np.zeros((1, 1)), steps)
 
         def system(self, refinement: int = 1, centre: int | None = None) -> Any:
             return lambda u, c: (np.zeros(4), slope, np.zeros(4))
 
-    for state in np.array([[0.3, -2.0, 0.5], [0.0, 0.0, -2.0]]):
-        point = BranchPoint(np.append(state, 6.0), 0.2, np.zeros(5), 0.0, 0.0, 1, 1.0)
-        found = Made(CHAIN, Nucleus(1), 30)._monodromy_error(point, error, np.diag(2.0 * state))
-        assert found == pytest.approx(2.0 * error, rel=1e-6)
+    for *state, period in ([0.3, -2.0, 0.5, 6.0], [0.0, 0.0, -2.0, 6.0], [0.3, -2.0, 0.5, 0.01]):
+        u, matrix = np.array([*state, period]), np.diag(2.0 * np.array(state))
+        point = BranchPoint(u, 0.2, np.zeros(5), 0.0, 0.0, 1, 1.0)
+        found = Made(CHAIN, Nucleus(1), 30)._monodromy_error(point, error, matrix)
+        assert found == pytest.approx(2.0 * error, rel=1e-5)
+        away = np.abs(asked[-1] - u) / np.array([2.0, 2.0, 2.0, period])
+        assert away.max() == pytest.approx(1e-6, rel=1e-3)
 
 
 def test_a_fold_is_off_by_what_twice_the_steps_leave_of_it() -> None:
@@ -483,6 +536,28 @@ def test_a_multiplier_has_its_rate_and_its_frequency_in_slow_time() -> None:
         matrix, -period, eps, parity=0
     )  # the same, backwards in time
     assert growing.growth == pytest.approx(-sigma)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_frequency_of_a_multiplier_is_positive_whichever_of_its_pair_leads(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: Any = SimpleNamespace(
+        values=np.zeros(0), trivial=0.0, leader=0.5 * np.exp(0.3j * side), symmetric=None,
+        antisymmetric=None, error=0.0,
+    )  # fmt: skip
+    monkeypatch.setattr(floquet, "modes_of", lambda *_, **__: made)
+    found = floquet.floquet_multipliers(np.eye(2), 6.0, 0.1, parity=0)
+    assert found.frequency == pytest.approx(0.3 / (0.1 * 6.0))
+
+
+@pytest.mark.parametrize(("error", "bound"), [(0.05, 0.1), (0.15, 0.8)])
+def test_of_a_multiplier_that_may_be_zero_no_rate_is_known(error: float, bound: float) -> None:
+    """A matrix of two entries is off by twice the error; discs that meet are as one."""
+    found = floquet.floquet_multipliers(np.diag([1.0, 0.5]), 6.0, 0.1, parity=0, error=error)
+    assert found.error == pytest.approx(bound)
+    rate = -math.log1p(-bound / 0.5) / (0.1 * 6.0) if bound < 0.5 else math.inf
+    assert found.growth_error == pytest.approx(rate)
 
 
 @pytest.mark.parametrize("b", [0.5, 0.0016])
@@ -535,8 +610,19 @@ def test_the_parity_of_an_orbit_is_that_of_what_moves(
         assert edge._parity(exact) == 0
 
 
+def test_beyond_zero_the_equations_of_an_orbit_are_those_of_the_opposite_coupling() -> None:
+    """So that a last step may lead there; slopes are those of differences at the other one."""
+    system = Orbits(VdpChain(a=2.5, b=0.5, c=0.1, eps=0.1, sites=2), Nucleus(1)).system()
+    u, step = np.array([0.3, -1.0, 1.5, 0.4, 6.2]), 1e-6
+    value, slope, _ = system(u, -0.2)
+    assert value.tolist() == system(u, 0.2)[0].tolist()
+    for k, unit in enumerate(np.eye(5)):
+        ahead, behind = system(u + step * unit, 0.2)[0], system(u - step * unit, 0.2)[0]
+        assert slope[:, k] == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-7)
+
+
 def test_a_branch_of_orbits_is_followed_down_to_any_coupling() -> None:
-    """Its last step may lead past zero, beyond which the equations are those of |c|."""
+    """Its last step may lead past zero."""
     chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=3)
     for lowest in (1e-3, 1e-9):
         assert Orbits(chain, Nucleus(1)).start(2.0, lowest).parameter <= lowest
@@ -613,6 +699,10 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     assert found.frequency_error == pytest.approx(eps * share + EPSILON * found.frequency)
     assert found.wave_error == 4.0 * found.error  # the centre is the largest
     u[-1] = 0.25  # Ω, of which the rounding of φ' is another multiple than of c
+    with monkeypatch.context() as exact:  # but for its own rounding
+        exact.setattr(envelope, "_rounding", lambda *_: 0.0)
+        turning = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1, 1.0), 0.0)
+    assert turning.frequency_error == pytest.approx(EPSILON * (1.0 + 0.25 * eps), abs=0.0)
     rounding: list[Any] = []
     monkeypatch.setattr(envelope, "solution_error", lambda *given: rounding.append(given[3]) or 0.0)
     family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1, 1.0), 0.0)
@@ -622,6 +712,11 @@ def test_the_frequency_of_an_averaged_breather_errs_as_its_amplitudes_do(
     monkeypatch.setattr(envelope, "fold_shift", lambda *given: seen_by_fold.append(given[2]))
     family.step_error(fold)
     assert rounding[0].tolist() == seen_by_fold[0].tolist()
+    assert found.growth_error == found.stability.growth_error
+    assert found.fold is None
+    monkeypatch.setattr(RotatingWaves, "fold_error", lambda *_: 0.0)
+    beside = family.measured(BranchPoint(u, chain.c, np.zeros(12), 0.0, 0.0, 1, 1.0), 0.0, fold)
+    assert beside.fold == chain.c
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -635,6 +730,40 @@ def test_the_frequency_of_a_growing_mode_is_positive_whichever_of_its_pair_leads
     monkeypatch.setattr(exponents_of, "modes_of", lambda *_, **__: made)
     found = exponents(np.ones(AVERAGED.sites, dtype=complex), 0.0, AVERAGED)
     assert (found.growth, found.frequency) == (0.1, 0.3)
+
+
+@pytest.mark.parametrize("c", [0.3, 3.0])
+@pytest.mark.parametrize("parity", [-1.0, 1.0])
+def test_exponents_of_two_sites_on_their_cycle_are_those_of_their_sum_and_difference(
+    parity: float, c: float
+) -> None:
+    """φ = (r, ±r) rotates at 0 or c; r relaxes at g = -r f'(r), f the damping.
+
+    Of the other parity are both roots of λ² + gλ + c² = 0, the second of which is its phase.
+    """
+    chain = AveragedChain(a=2.5, b=0.5, c=c, sites=2)
+    r, omega = chain.stable_amplitude, 0.5 * c * (1.0 - parity)
+    g = -r * (0.25 * chain.a * r - 0.25 * chain.b * r**3)
+    found = exponents(np.array([r, parity * r], dtype=complex), omega, chain, mirrored=True)
+    other = np.roots([1.0, g, c**2])
+    assert found.trivial == pytest.approx(0.0, abs=1e-12)
+    assert found.symmetric == pytest.approx(-g, rel=1e-12)
+    assert found.antisymmetric == pytest.approx(other.real.max(), rel=1e-12)
+    assert np.sort_complex(found.values) == pytest.approx(
+        np.sort_complex(np.array([0.0, -g, *other])), abs=1e-12
+    )
+
+
+def test_exponents_err_by_what_the_rotation_does() -> None:
+    """At rest they are -1/2 ± iΩ; of a split breather all errors are the same."""
+    chain, off = AveragedChain(a=2.5, b=0.5, c=0.0, sites=2), 1e-4
+    rest = np.zeros(2, complex)
+    found = exponents(rest, 0.3, chain, omega_error=off)
+    moved = exponents(rest, 0.3 + off, chain)
+    apart = np.abs(np.sort(found.values.imag) - np.sort(moved.values.imag)).max()
+    assert apart == pytest.approx(off, rel=1e-9)
+    assert apart <= found.error < 1.1 * off
+    assert found.growth_error == found.symmetric_error == found.error
 
 
 @pytest.mark.parametrize("error", [1e-6, 1e-3])
@@ -739,15 +868,16 @@ def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
     assert found.growth == pytest.approx(math.log(0.9) / (CHAIN.eps * 2.0 * math.pi / 1.25))
 
 
+@pytest.mark.parametrize("which", [0, 1])
 @pytest.mark.parametrize("entry", [math.inf, math.nan])
 def test_variations_along_sinusoids_that_overflow_in_any_part_are_refused(
-    entry: float, monkeypatch: pytest.MonkeyPatch
+    entry: float, which: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    matrix = np.eye(6)
-    matrix[4, 1] = entry
-    monkeypatch.setattr(
-        floquet, "integrate_along_sinusoids", lambda *_, **__: SimpleNamespace(monodromy=matrix)
-    )
+    """By few steps or by many."""
+    matrices = [np.eye(6), np.eye(6)]
+    matrices[which][4, 1] = entry
+    made = iter(SimpleNamespace(monodromy=each) for each in matrices)
+    monkeypatch.setattr(floquet, "integrate_along_sinusoids", lambda *_, **__: next(made))
     closed: Any = SimpleNamespace(alpha_0=1.0, amplitudes=np.ones, phase_step=0.1, frequency=1.25)
     with pytest.raises(ParameterError, match="so small that variations stay finite"):
         floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
@@ -775,8 +905,18 @@ def test_multipliers_of_the_closed_form_are_those_of_an_odd_chain(
     monkeypatch.setattr(breathers, "approximate_multipliers", along)
     monkeypatch.setattr(breathers, "_compared", compared)
     choice = breathers._Choice(Reading.NEIGHBOUR, 0)
+    closed = solve_breather(CHAIN)
+    assert closed.alpha_0 is not None
     for sites in (8, 9, 30, 31, 40):
         found = breathers._closed_form(AVERAGED.replace(sites=sites), Nucleus(1), choice)
+        # (9): each site is smaller than the one before it, and lags behind it by a quarter turn.
+        outwards = np.abs(np.arange(sites) - found.amplitudes.argmax())
+        expected = closed.alpha_0 * (closed.decay * -1j) ** outwards
+        assert found.waves == pytest.approx(expected, rel=1e-12)
+        assert found.amplitudes == pytest.approx(np.abs(expected), rel=1e-12)
+        assert (found.error, found.decay_error) == pytest.approx(
+            (closed.error * closed.alpha_0, closed.error * closed.decay), rel=1e-12, abs=0.0
+        )
         assert (found.stable, found.growth, found.trivial) == (False, 0.5, 0.125)
         assert replace(found, error=None).stable is None
         assert found.multipliers is known.values
@@ -899,7 +1039,11 @@ def test_stability_is_not_decided_where_the_growth_may_be_of_either_sign(
     growth: float, error: float, stable: bool | None
 ) -> None:
     found = exponents(np.ones(2, complex), 0.1, AVERAGED.replace(sites=2))
-    assert replace(found, growth=growth, growth_error=error).stable is stable
+    found = replace(found, growth=growth)
+    assert replace(found, growth_error=error).stable is stable
+    # Of a breather it is that of the error from the breather of its own chain.
+    own = _breather(BreatherMethod.ENVELOPE, stability=replace(found, growth_error=0.0), error=0.5)
+    assert replace(own, growth_error=error).stable is stable
 
 
 @pytest.mark.parametrize("coupling", [1e-5, 3e-5])
@@ -946,6 +1090,40 @@ def test_a_branch_is_followed_in_as_many_steps_as_reach_its_coupling_up_to_a_lim
     for c_end, steps in ((0.0, 0.0), (2.0, 2.0 * PARAMETER_WEIGHT / usual.longest), (1e9, 1e9)):
         limit = min(usual.max_steps + math.ceil(steps), MAX_STEPS)
         assert waves.step_control(c_end).max_steps == limit
+    # Branches of a mirror-symmetric nucleus are crossed by others.
+    edge = RotatingWaves(AVERAGED, Nucleus(1, place=Place.EDGE))
+    assert (waves.step_control(2.0).generic, edge.step_control(2.0).generic) == (False, True)
+
+
+@pytest.mark.parametrize(("given", "monitored"), [({}, True), ({"monitored": False}, False)])
+def test_along_a_branch_growth_is_monitored_by_default(
+    given: dict[str, bool], monitored: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waves, traced = RotatingWaves(AVERAGED, Nucleus(1)), []
+    monkeypatch.setattr(families, "trace", lambda *arguments: traced.append(arguments))
+    monkeypatch.setattr(RotatingWaves, "start", lambda *_, **__: "start")
+    waves.branch(1.5, **given)
+    ((_, start, end, monitor, steps),) = traced
+    assert (start, end, steps) == ("start", 1.5, waves.step_control(1.5))
+    assert (monitor is not None) is monitored
+
+
+@pytest.mark.parametrize(("c", "exists"), [(0.1, True), (0.29, True), (0.31, False)])
+def test_a_breather_exists_up_to_the_first_fold_of_its_branch(
+    c: float, exists: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A branch may pass its fold on the step on which it passes the coupling."""
+    fold = fold_of(0.3, 0.0, np.zeros(1))
+    monkeypatch.setattr(RotatingWaves, "directly", lambda _: None)
+    monkeypatch.setattr(RotatingWaves, "branch", lambda *_, **__: SimpleNamespace(fold=fold))
+    monkeypatch.setattr(RotatingWaves, "fold_error", lambda *_: 0.125)
+    monkeypatch.setattr(RotatingWaves, "measured", lambda _, point, __, near: (point, near))
+    monkeypatch.setattr(families, "arrive", lambda _, __, at: at)
+    found: Any = RotatingWaves(AVERAGED.replace(c=c), Nucleus(1)).solve()
+    if exists:
+        assert found == (c, fold)
+    else:
+        assert (found.status, found.fold, found.fold_error) == (BreatherStatus.NONE, 0.3, 0.125)
 
 
 @pytest.mark.parametrize(("a", "b"), [(1.0, 0.0), (0.0, 1.0)])
@@ -1009,12 +1187,41 @@ def test_a_solution_far_from_its_start_is_another_pattern() -> None:
 def test_side_by_side_stand_the_methods_that_apply(
     chain: Any, nucleus: Nucleus, methods: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = {each: lambda *_, each=each: _breather(each) for each in BreatherMethod}
+    asked: list[Any] = []
+    made = {
+        each: lambda *given, each=each: asked.append(given) or _breather(each)
+        for each in BreatherMethod
+    }
     monkeypatch.setattr(breathers, "_METHODS", made)
-    found = breathers.breather(chain.replace(sites=8), nucleus=nucleus, method="all")
+    chain = chain.replace(sites=8)
+    found = breathers.breather(chain, nucleus=nucleus, method="all")
     assert set(found.methods) == methods
     for name, each in found.methods.items():
         assert each.method == name
+    assert asked == [(chain, nucleus, breathers._Choice(Reading.NEIGHBOUR, 0))] * len(methods)
+
+
+def test_only_a_nucleus_of_the_whole_chain_is_in_phase_at_an_edge() -> None:
+    """Elsewhere a breather of three sites in phase has no pattern of its own."""
+    edge = Nucleus(3, place=Place.EDGE)
+    assert breathers.with_pattern(edge, 3).pattern == "00"
+    assert breathers.with_pattern(Nucleus(2, place=Place.EDGE), 4).pattern == "0"
+    with pytest.raises(ParameterError, match="pattern"):
+        breathers.with_pattern(edge, 4)
+
+
+@pytest.mark.parametrize("frequency", [1.01, None])
+def test_of_the_averaged_chain_the_averaged_breather_is_compared_with_no_other(
+    frequency: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = _breather(BreatherMethod.ENVELOPE, frequency=frequency, error=0.5)
+    compared = replace(own, error=0.25)
+    monkeypatch.setattr(breathers, "solve_envelope_breather", lambda *_: own)
+    monkeypatch.setattr(breathers, "_compared", lambda *_: compared)
+    choice = breathers._Choice(Reading.NEIGHBOUR, 0)
+    assert breathers._envelope(AVERAGED, Nucleus(1), choice) is own
+    expected = own if frequency is None else compared
+    assert breathers._envelope(CHAIN, Nucleus(1), choice) is expected
 
 
 @pytest.mark.parametrize(
@@ -1256,6 +1463,7 @@ def test_a_run_of_the_averaged_chain_ends_when_its_drift_is_small(
     assert (found.error_unknown, found.stable) == ("", None)
     assert found.amplitudes == pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0])
     assert found.error == pytest.approx(run._remaining_distance([1e-6, 0.99 * run.TOLERANCE]))
+    assert found.wave_error == pytest.approx(2.0 * (1.0 + 5.0 / 3.0) * found.error)
     noise = made.starts[0] - Nucleus(1).envelope(chain)
     parts = np.random.default_rng(0).normal(size=(2, 5))
     assert noise == pytest.approx(run.NOISE * (parts[0] + 1j * parts[1]), abs=1e-15)
@@ -1319,16 +1527,21 @@ def test_a_run_of_the_chain_ends_as_one_of_its_average_does(
     chain = VdpChain(a=10.0, b=8.0, c=0.1, eps=0.098, sites=3)
     times: list[float] = []
     measured: list[float] = []
+    begun: list[Any] = []
+    taken: list[int] = []
     level = chain.unstable_amplitude
 
-    def integrate(_: object, __: object, time: float, *___: object) -> Any:
+    def integrate(_: object, start: Any, time: float, steps: int, *___: object) -> Any:
         times.append(time)
+        begun.append(start)
+        taken.append(steps)
         beside = 0.75 * level if len(times) == far else 0.7 * level
         state = np.array([0.0, 3.0 * level, beside, 0.0, 0.0, beside])
         return SimpleNamespace(state=state, samples=np.full((64, 3), 3.0 * level))
 
     def period(_: object, __: object, guess: float, steps: int) -> tuple[float, float]:
         measured.append(guess)
+        assert steps == 2 * run._steps(chain)  # half the step of the run
         return 6.5, drifts[min(len(measured), len(drifts)) - 1]
 
     monkeypatch.setattr(run, "integrate_chain", integrate)
@@ -1339,6 +1552,11 @@ def test_a_run_of_the_chain_ends_as_one_of_its_average_does(
     assert found.time == pytest.approx(sum(times[:-1]))
     assert found.time == pytest.approx(8.0 * (2.0 * math.pi + (blocks - 1) * 6.5))
     assert found.drift == (None if not measured else drifts[-1])
+    # At the start y = Im φ is zero and ẏ = Re φ that of the cycle, but for noise.
+    noise = np.abs(begun[0] - [0.0, 0.0, 0.0, 0.0, chain.stable_amplitude, 0.0])
+    assert 0.0 < noise.min() < noise.max() < 5e-6
+    assert taken[0] == 8 * run._steps(chain)
+    assert taken[-1] >= 2 * run._steps(chain) > 64  # samples of the last period
 
 
 def test_a_run_of_the_chain_is_refused_where_its_step_is_too_long(
@@ -1356,12 +1574,13 @@ def test_a_run_of_the_chain_is_refused_where_its_step_is_too_long(
         run.run_breather(replace(CHAIN, eps=0.2001), Nucleus(1))
 
 
+@pytest.mark.parametrize("moved", [-1e-5, 1e-5])
 def test_the_period_of_a_run_is_that_after_which_it_is_nearest_to_where_it_was(
-    monkeypatch: pytest.MonkeyPatch,
+    moved: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By as many steps as are asked for; here it turns faster, and is moved by 1e-5 in a turn."""
     asked: set[tuple[int, int]] = set()
-    period, moved = 6.25, 1e-5
+    period = 6.25
     chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=2)
 
     def integrate(_: Any, state: Any, time: float, steps: int, order: int) -> Any:
@@ -1376,7 +1595,7 @@ def test_the_period_of_a_run_is_that_after_which_it_is_nearest_to_where_it_was(
     monkeypatch.setattr(run, "integrate_chain", integrate)
     found, drift = run._period(chain, np.array([0.0, 0.0, 0.0, 2.0]), 2.0 * math.pi, 44)
     assert found == pytest.approx(period, abs=1e-12)
-    assert drift == pytest.approx(moved / (chain.eps * period))
+    assert drift == pytest.approx(abs(moved) / (chain.eps * period))
     assert asked == {(44, run.ORDER)}
 
 
@@ -1412,6 +1631,34 @@ def test_a_nucleus_that_was_followed_is_the_one_of_the_finer_run(
     assert (found.mirrored, found.confirmed, found.same_until) == (mirrored, False, 5.0)
 
 
+def test_the_outcome_of_a_run_is_that_of_its_whole_time_and_of_its_last_width() -> None:
+    """In slow time; a nucleus that has grown at once and stays as wide is a larger one."""
+    arrivals = np.array([math.nan, 300.0, 0.0, 300.0, math.nan])
+    made: Any = SimpleNamespace(
+        chain=CHAIN.replace(eps=0.1, sites=5), arrivals=arrivals, width=np.array([1, 3, 2, 3]),
+        times=np.array([0.0, 10.0, 900.0, 2000.0]),
+    )  # fmt: skip
+    found = outcome.evolution_of(made)
+    assert (found.outcome, found.size) == (outcome.NucleusOutcome.LARGER, 3)
+    assert found.sizes == ((0.0, 1), (30.0, 3))
+
+
+@pytest.mark.parametrize("perturbation", [0.0, 0.5])
+def test_the_start_of_a_nucleus_is_perturbed_if_that_is_asked_for(
+    perturbation: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class StopError(Exception): ...
+
+    def begun(_: object, start: Any, *__: object, **___: object) -> Any:
+        farthest = np.abs(start[:, [0, 1, 7, 8]]).max()
+        assert (farthest > 0.1) == (farthest > 0.0) == (perturbation > 0.0)
+        raise StopError
+
+    monkeypatch.setattr(outcome, "simulate", begun)
+    with pytest.raises(StopError):
+        outcome.follow_nucleus(replace(CHAIN, sites=9), perturbation=perturbation, seed=0)
+
+
 @pytest.mark.parametrize("size", [1, 3])
 def test_a_nucleus_is_begun_in_the_middle(size: int, monkeypatch: pytest.MonkeyPatch) -> None:
     class StopError(Exception): ...
@@ -1443,9 +1690,9 @@ def test_a_run_is_as_far_from_the_orbit_of_its_size_as_the_farthest_of_its_sites
     monkeypatch.setattr(outcome, "solve_orbit", solve)
     for sites in (9, 41):
         chain = replace(CHAIN, sites=sites)
-        amplitude = np.zeros((2, sites))
-        amplitude[0] = 7.0
-        amplitude[1, sites // 2 - 1] = 2.0 + 0.25 * side
+        amplitude = np.zeros((3, sites))
+        amplitude[:2] = 7.0
+        amplitude[2, sites // 2 - 1] = 2.0 + 0.25 * side
         made: Any = SimpleNamespace(
             evolution=SimpleNamespace(size=3), run=SimpleNamespace(chain=chain, amplitude=amplitude)
         )

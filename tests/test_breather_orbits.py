@@ -448,6 +448,11 @@ def test_the_amplitude_of_a_fold_is_off_by_what_both_parts_of_its_state_may_be()
     shift = FoldShift(0.0, 0.0)
     found = _described(family, replace(fold, transverse_error=0.0), 1)
     assert np.finfo(float).eps * found.height < found.height_error < 1e-12  # rounding is left
+    for along in (-1e-3, 1e-3):  # to the fold, on which the amplitude is smaller or larger
+        away = np.array([along, 0.0])
+        found = _described(family, replace(fold, transverse_error=0.0, offset=away), 1)
+        apart = abs(amplitude(fold.u + away) - found.height)
+        assert found.height_error == pytest.approx(apart, rel=1e-9)
 
 
 @pytest.mark.parametrize("averaged", [False, True])

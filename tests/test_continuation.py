@@ -208,6 +208,43 @@ def test_a_step_that_ends_far_beside_its_tangent_is_halved(apart: float, same: b
     assert (new.u[0], length) == ((apart, 1.0) if same else (0.0, 0.25))
 
 
+@pytest.mark.parametrize(("turn", "length"), [(0.4, 1.0), (0.55, 0.5)])
+def test_a_step_over_too_sharp_a_turn_is_halved(turn: float, length: float) -> None:
+    """Of a line that turns half a step ahead: its end is near the tangent, but leads elsewhere."""
+
+    def bent(u: Any, c: float) -> tuple[Any, Any, Any]:
+        beyond = PARAMETER_WEIGHT * max(c - 0.05 - 1e-9, 0.0)
+        by_c = -turn * PARAMETER_WEIGHT if beyond else 0.0
+        return u - turn * beyond, np.eye(1), np.array([by_c])
+
+    start = solve_at(bent, np.zeros(1), 0.0)
+    new, taken = branches._next(bent, start, 1.0, StepControl())
+    assert taken == length
+    assert (new.parameter > 0.06) is (length == 1.0)
+
+
+def test_along_a_straight_line_a_step_begins_where_it_ends() -> None:
+    """In every unknown, so that nothing is corrected."""
+    start = solve_at(_linear(1.0), np.full(3, 0.25), 0.25)
+    end = step_along(_linear(1.0), start, 2.0)
+    assert (end.iterations, end.parameter > 0.3) == (2, True)
+    assert end.u == pytest.approx(end.parameter, rel=1e-14)
+
+
+def test_a_step_ends_where_rounding_keeps_its_corrections_from_vanishing() -> None:
+    """Of F = 1e-4 (u - c), evaluated to 1e-13: corrections of 1e-9 are left for ever."""
+
+    def rounded(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = 1e-4 * (u - c) + 1e-13 * np.sin(1e12 * u)
+        return value, np.diag([1e-4]), np.array([-1e-4])
+
+    start = BranchPoint(
+        np.zeros(1), 0.0, np.array([1.0, 10.0]) / math.sqrt(101.0), 0.0, 0.0, 1, 1.0
+    )
+    end = step_along(rounded, start, 0.5)
+    assert end.u[0] == pytest.approx(end.parameter, abs=1e-8)
+
+
 @pytest.mark.parametrize("c", [1.0, 1e-6, 1e-12])
 @pytest.mark.parametrize("off", [1e-16, 1e-13, 1e-9])
 def test_a_solution_beside_a_fold_errs_by_no_more_than_is_stated(c: float, off: float) -> None:
@@ -291,15 +328,16 @@ def test_the_curvature_in_an_error_is_that_along_the_largest_of_the_steps() -> N
     assert solution_error(system, np.zeros(2), 0.0, off) == pytest.approx(farthest, rel=1e-6)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
-def test_the_correction_of_a_solution_is_how_far_it_still_is(tolerance: float) -> None:
+def test_the_correction_of_a_solution_is_how_far_it_still_is(tolerance: float, side: float) -> None:
     """Of two unknowns, one of which is known exactly."""
 
     def system(u: Any, c: float) -> tuple[Any, Any, Any]:
         return np.array([u[0] ** 2 - c, u[1] - 2.0]), np.diag([2.0 * u[0], 1.0]), np.array([-1, 0])
 
-    rough = solve_at(system, np.array([1.2, 2.0]), 1.0, tolerance)
-    apart = np.abs(rough.u - [1.0, 2.0]).max()
+    rough = solve_at(system, np.array([1.2 * side, 2.0]), 1.0, tolerance)
+    apart = np.abs(rough.u - [side, 2.0]).max()
     assert 0.0 < apart <= 2.0 * rough.correction
     assert rough.correction <= 2.0 * apart
 
@@ -489,6 +527,17 @@ def test_a_solution_on_the_wrong_side_of_a_fold_is_looked_for_on_the_other(
         assert bool(solved) == (begun != 0.1 * side)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_where_there_is_none_on_the_other_side_of_a_fold_the_solution_stays(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Newton's method may lead back to the same side, and farther away."""
+    found = BranchPoint(np.array([-0.1 * side]), -0.01, np.ones(2), 0.0, 0.0, 1, 1.0)
+    monkeypatch.setattr(branches, "solve_at", lambda *_: replace(found, u=np.array([-3.0 * side])))
+    fold = fold_of(0.0, 0.0, np.zeros(1), tangent=np.ones(1))
+    assert branches._on_side(circle, found, fold, side) is found
+
+
 def test_what_displaces_a_fold_is_in_the_errors_of_its_parameter_and_of_its_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -503,6 +552,28 @@ def test_what_displaces_a_fold_is_in_the_errors_of_its_parameter_and_of_its_solu
         (displaced.transverse_error, exact.transverse_error),
     ):
         assert error - without == pytest.approx(0.125, rel=1e-8)  # beside errors below 1e-9
+    # Across the branch ten times the last correction is added.
+    step = branches.step_along
+    monkeypatch.setattr(
+        branches, "step_along", lambda *given: replace(step(*given), correction=0.0625)
+    )
+    found = trace(circle, first, 5.0).fold
+    assert found is not None
+    assert found.transverse_error == pytest.approx(0.125 + 0.625, rel=1e-12)
+    assert found.error == displaced.error
+
+
+@pytest.mark.parametrize("off", [-1e-9, 1e-9, 0.0])
+def test_a_fold_is_displaced_by_the_residual_and_the_rounding_of_its_equations(off: float) -> None:
+    """F = ((x² - c + 1 - z)/100, z - 1): c is off by a hundred times what the first is."""
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.array([0.01 * (u[0] ** 2 - c + 1.0 - u[1]) + off, u[1] - 1.0])
+        return value, np.array([[0.02 * u[0], -0.01], [0.0, 1.0]]), np.array([-0.01, 0.0])
+
+    point = BranchPoint(np.array([0.0, 1.0]), 0.0, np.array([1.0, 0.0, 0.0]), abs(off), 0.0, 1, 1.0)
+    least = 100.0 * abs(off) + 2.0 * np.finfo(float).eps  # z has one rounding, as has F
+    assert least <= branches._fold_displacement(system, point) < 3.0 * least
 
 
 def test_errors_of_an_equation_shift_a_fold_and_move_its_solution_across_the_branch() -> None:
@@ -518,10 +589,40 @@ def test_errors_of_an_equation_shift_a_fold_and_move_its_solution_across_the_bra
         assert shift == pytest.approx((sum(errors), errors[1]), rel=1e-12)
 
 
-def test_continuation_finds_the_fold_of_a_circle() -> None:
-    branch = trace(circle, solve_at(circle, np.array([0.7]), 1.0), 5.0)
-    assert abs(branch.fold.parameter - 1.7) <= branch.fold.error < 1e-9
-    assert branch.fold.place == len(branch.points) - 1  # it ends a step beyond
+@pytest.mark.parametrize("beside", [-3.0, 3.0])
+def test_continuation_finds_the_fold_of_a_circle(
+    beside: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Alone, and beside an unknown that changes three times as fast and does not turn.
+
+    Across a fold the change of c is linear, so that two or three secants lead there; at three
+    places before it an earlier fold is looked for.
+    """
+    steps: list[float] = []
+    step, find = branches.step_along, branches._find_fold
+
+    def counted(*given: Any) -> Any:
+        steps.append(given[2])
+        return step(*given)
+
+    def found(*given: Any) -> Any:
+        steps.clear()
+        with monkeypatch.context() as changed:
+            changed.setattr(branches, "step_along", counted)
+            return find(*given)
+
+    monkeypatch.setattr(branches, "_find_fold", found)
+
+    def system(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value, slope, by_c = circle(u[:1], c)
+        whole = np.array([[slope[0, 0], 0.0], [-beside, 1.0]])
+        return np.append(value, u[1] - beside * u[0]), whole, np.append(by_c, 0.0)
+
+    for equations, u in ((circle, [0.7]), (system, [0.7, 0.7 * beside])):
+        branch = trace(equations, solve_at(equations, np.array(u), 1.0), 5.0)
+        assert abs(branch.fold.parameter - 1.7) <= branch.fold.error < 1e-9
+        assert branch.fold.place == len(branch.points) - 1  # it ends a step beyond
+        assert len(steps) <= 6
 
 
 def test_a_fold_where_c_turns_upwards_is_found_like_its_mirror_image() -> None:
@@ -633,14 +734,19 @@ def test_a_crossing_is_where_a_monitored_value_becomes_positive(at: float) -> No
     assert found.u[0] == pytest.approx(math.sqrt(0.49 - (at - 1.0) ** 2), abs=1e-9)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
 @pytest.mark.parametrize("at", [1.3, math.pi / 2, 1.7])
-def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(at: float) -> None:
-    """Along a straight branch, of a value that is linear."""
+def test_a_crossing_that_a_secant_hits_at_once_is_no_better_than_rounding(
+    at: float, side: float
+) -> None:
+    """Along a straight branch, upwards or downwards, of a value that is linear."""
 
     def monitor(u: Any, c: float) -> tuple[float]:
-        return (c - at,)
+        return (side * (c - at),)
 
-    branch = trace(_linear(1.0), solve_at(_linear(1.0), np.array([1.0]), 1.0), 2.0, monitor)
+    begin = 1.5 - 0.5 * side
+    start = solve_at(_linear(1.0), np.array([begin]), begin)
+    branch = trace(_linear(1.0), start, 3.0 - begin, monitor)
     found = first_crossing(_linear(1.0), branch, monitor, 0)
     assert abs(found.parameter - at) <= found.error
     assert np.spacing(at) < found.error < 1e-9
@@ -747,7 +853,7 @@ def test_a_crossing_beyond_the_last_point_before_the_fold_is_looked_for_there() 
 def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
     """Interpolated between two solutions; the start of the range is found once."""
     points = tuple(
-        BranchPoint(np.array([c]), c, np.ones(2), 0.0, 0.0, 1, 1.0) for c in (0.0, 1.0, 2.0)
+        BranchPoint(np.array([c]), c, np.ones(2), 0.0, 0.0, 1, 1.0) for c in (0.0, 2.0, 4.0)
     )
     branch = ContinuationBranch(points, (), ())
     asked: list[float] = []
@@ -758,10 +864,10 @@ def test_a_branch_of_a_single_step_has_what_its_ends_are() -> None:
 
     found = [
         (point.parameter, passed)
-        for point, passed in solutions_at(line, branch, [2.0, 0.0, 1.0, 0.5])
+        for point, passed in solutions_at(line, branch, [4.0, 0.0, 2.0, 0.5])
     ]
-    assert found == [(0.0, 0), (0.5, 0), (1.0, 0), (2.0, 0)]
-    assert asked == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 2.0, 2.0]  # each is begun at the solution
+    assert found == [(0.0, 0), (0.5, 0), (2.0, 0), (4.0, 0)]
+    assert asked == [0.0, 0.0, 0.5, 0.5, 2.0, 2.0, 4.0, 4.0]  # each is begun at the solution
 
 
 def test_where_interpolation_fails_a_value_is_approached_in_steps() -> None:
@@ -781,6 +887,9 @@ def test_where_interpolation_fails_a_value_is_approached_in_steps() -> None:
 
     ((found, passed),) = solutions_at(narrow, branch, [1.0 / 64.0])
     assert (found.u.tolist(), found.parameter, passed) == ([1.0 / 64.0], 1.0 / 64.0, 0)
+    upwards = ContinuationBranch((point, replace(beyond, parameter=20.0)), (), ())
+    ((found, _),) = solutions_at(narrow, upwards, [16.0])
+    assert (found.u.tolist(), found.parameter) == ([16.0], 16.0)
     with pytest.raises(NotConvergedError, match=r"from c = 0\.01\S* to 0\.005: take") as refusal:
         list(solutions_at(narrow, branch, [0.005]))
     assert refusal.value.at == 0.005

@@ -26,12 +26,13 @@ from verification.breathers.own import (
     _settled_start,
     integrate_with_tangents,
 )
-from verification.breathers.periodic_motion import largest_displacements
+from verification.breathers.periodic_motion import first_harmonics, largest_displacements
 from verification.breathers.result import Breather, BreatherMethod
 from verification.continuation.newton import BranchPoint, NotConvergedError, solve_at
 from verification.references.equations import pull_matrix
 from verification.references.network import oscillator_rate
 from verification.runs.smooth_integration import SmoothIntegration
+from verification.steppers.variational import Flow
 from verification.thresholds.continuation import _Report, breather_threshold
 from verification.thresholds.result import ThresholdMethod
 from verification.thresholds.threshold import choices, threshold
@@ -170,9 +171,12 @@ def test_in_a_disordered_network_each_site_moves_by_its_own_coefficient() -> Non
     rate = oscillator_rate(
         lambda y: y, lambda y, v: 1.0 - a * y**2 + 0.5 * y**4, square, c=0.3, eps=0.5
     )
-    columns = np.random.default_rng(6).normal(size=(8, 2))
+    columns = np.random.default_rng(6).normal(size=(8, 3))
     found = _rate_of(chain)(columns)
-    np.testing.assert_allclose(found[:, 0], rate(0.0, columns[:, 0]), rtol=1e-13, atol=1e-13)
+    state, along, size = columns[:, 0], columns[:, 1], 1e-6
+    np.testing.assert_allclose(found[:, 0], rate(0.0, state), rtol=1e-13, atol=1e-13)
+    apart = rate(0.0, state + size * along) - rate(0.0, state - size * along)
+    np.testing.assert_allclose(found[:, 1], apart / (2.0 * size), atol=1e-7)
 
 
 def test_tangents_of_a_cell_whose_slopes_are_the_same_everywhere_are_those_of_every_site() -> None:
@@ -209,6 +213,15 @@ def test_a_motion_and_its_tangents_are_stepped_by_dop853() -> None:
     kick = 1e-6 * np.array([0.3, -1.0, 0.2, 0.5, 0.4, -0.7])
     ends = [states_by_scipy(rate, start + each, times)[-1] for each in (kick, -kick)]
     np.testing.assert_allclose(flow.monodromy @ kick, 0.5 * (ends[0] - ends[1]), atol=1e-12)
+    ends = [
+        states_by_scipy(
+            oscillator_rate(
+                lambda y: y, lambda y, v: 1.0 - 2.5 * y**2 + 0.5 * y**4, pull_matrix(3), c=c,
+                eps=0.5,
+            ), start, times)[-1]
+        for c in (0.3 + 1e-4, 0.3 - 1e-4)
+    ]  # fmt: skip
+    np.testing.assert_allclose(flow.by_c, (ends[0] - ends[1]) / 2e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("eps", [0.05, 0.5])
@@ -278,6 +291,44 @@ def test_multipliers_of_a_chain_whose_sites_may_differ_are_not_split(
     assert parities == [0]
 
 
+@pytest.mark.parametrize("size", [3e-9, 0.03, 1.0, 2.8, 9.9, 5e6])
+def test_unknowns_of_an_orbit_are_of_order_one_in_their_unit(size: float) -> None:
+    unit: Any = OwnOrbits.unit
+    found = unit.fget(SimpleNamespace(chain=SimpleNamespace(stable_amplitude=size)))
+    assert 1.0 - 1e-12 <= size / found < 10.0
+    assert not OwnOrbits.symmetric_chain  # whose sites may differ, and with them both halves
+
+
+def test_an_orbit_is_solved_for_in_units_of_its_amplitude(monkeypatch: pytest.MonkeyPatch) -> None:
+    """States, samples and changes with c are divided by it; periods and slopes are not."""
+    chain: Any = SimpleNamespace(c=0.1, replace=SimpleNamespace)
+    family: Any = SimpleNamespace(
+        chain=chain, unit=100.0, nucleus="nucleus", system=lambda: "system",
+        _settled=lambda of: OwnOrbits._settled(family, of),
+    )  # fmt: skip
+    asked: list[Any] = []
+
+    def integrate(*given: Any) -> Flow:
+        asked.append(given)
+        return Flow(given[1] + 100.0, np.eye(2), np.full(2, 300.0), np.full((4, 1), 500.0), 4)
+
+    monkeypatch.setattr(own, "integrate_with_tangents", integrate)
+    flow = OwnOrbits.flow(family, 0.3, np.array([1.0, 2.0]), 6.0, 4)
+    ((at, start, duration, steps),) = asked
+    assert (at.c, start.tolist(), duration, steps) == (0.3, [100.0, 200.0], 6.0, 4)
+    assert (flow.state.tolist(), flow.by_c.tolist()) == ([2.0, 3.0], [3.0, 3.0])
+    assert flow.samples.tolist() == [[5.0]] * 4
+    assert flow.monodromy.tolist() == np.eye(2).tolist()
+
+    monkeypatch.setattr(own, "_rate_of", lambda of: lambda columns: of.c * columns**2)
+    assert OwnOrbits.rate(family, 0.5, np.array([1.0, 2.0])).tolist() == [50.0, 200.0]
+
+    monkeypatch.setattr(own, "_settled_start", lambda *_: np.array([100.0, 200.0, 300.0, 6.0]))
+    monkeypatch.setattr(own, "solve_at", lambda *given: given)
+    system, guess, c = OwnOrbits.directly(family)
+    assert (system, guess.tolist(), c) == ("system", [1.0, 2.0, 3.0, 6.0], 0.1)
+
+
 @pytest.mark.parametrize("centre", [0, 2])
 def test_an_orbit_begins_where_the_site_that_is_named_is_at_rest(centre: int) -> None:
     u = np.append(np.random.default_rng(3).normal(size=6), 0.5)
@@ -296,6 +347,7 @@ def test_along_a_circle_without_damping_an_orbit_has_the_fewest_steps() -> None:
 
 def test_orbits_are_of_at_most_a_hundred_and_one_sites() -> None:
     own.check_orbits(OscillatorChain(**PAPER, c=0.1, sites=101))
+    assert own.MAX_SITES == 101
     with pytest.raises(
         ParameterError, match=r"number of sites n = 102 .* at most 101 for an orbit"
     ):
@@ -369,6 +421,15 @@ def test_a_nucleus_too_slow_to_be_seen_twice_is_refused(monkeypatch: pytest.Monk
     monkeypatch.setattr(own, "_LAST", 1)
     with pytest.raises(RunError, match=r"at eps = 0\.3 .* oscillates more slowly .* smaller eps"):
         _settled_start(OscillatorChain(**PAPER, c=0.1, eps=0.3, sites=5), Nucleus(1))
+
+
+@pytest.mark.parametrize("angle", [-2.0, 0.0, 0.5, 3.0])
+def test_the_first_harmonic_has_the_phase_at_which_a_site_leads(angle: float) -> None:
+    """y = Im(h exp(iωt)), so that a site that rises through rest has a real one."""
+    time = 2.0 * np.pi * np.arange(8) / 8
+    samples = 3.0 * np.sin(time + angle) + 0.5 * np.cos(3.0 * time)
+    (found,) = first_harmonics(samples[:, None])
+    assert found == pytest.approx(3.0 * np.exp(1j * angle), abs=1e-13)
 
 
 @pytest.mark.parametrize("count", [5, 6, 7])

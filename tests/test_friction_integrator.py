@@ -20,6 +20,7 @@ from verification.cells.friction import cycle_end_velocity, stick_slip_cycle
 from verification.fronts.measure import measure_front
 from verification.fronts.status import FrontStatus
 from verification.references.friction_events import _Law, run_events
+from verification.runs import friction_integration
 from verification.runs.excite import StartPoint, excite
 from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.simulate import simulate
@@ -414,9 +415,11 @@ def test_a_site_that_is_displaced_to_either_side_of_steady_sliding_is_in_the_win
     chain = FrictionChain(c=0.02, sites=41)
     start = np.zeros((2, 41))
     start[0] = chain.cell.steady_sliding
-    start[0, [5, 35]] += [away, -away]
+    start[0, [15, 25]] += [away, -away]
+    start[1, [0, 40]] = -away, away
     state = FrictionIntegration(chain, start).state
     assert state[0].tolist() == start[0].tolist()
+    assert state[1, [0, 40]] == pytest.approx([-away, away], rel=1e-15)  # kept relative to the belt
 
 
 def test_sites_outside_of_the_window_slide_steadily_to_the_last_bit() -> None:
@@ -499,6 +502,37 @@ def test_a_run_can_be_taken_in_parts() -> None:
         parts.advance_to(t)
     assert np.abs(whole.state - parts.state).max() < 1e-8
     assert np.array_equal(whole.stuck, parts.stuck)
+
+
+def test_a_chain_at_rest_without_an_end_goes_on_in_finite_frames() -> None:
+    chain = FrictionChain(c=0.05, sites=3)
+    run = FrictionIntegration(chain, np.tile(np.array(chain.rest_state)[:, None], 3))
+    times = [0.0]
+    for _ in range(3):
+        run.advance(run.default_budget)
+        times.append(run.time)
+    assert np.all(np.diff(times) > 0.0)
+    assert np.isfinite(times[-1])
+
+
+def test_compiled_code_is_left_at_intervals_but_takes_a_step_of_the_longest_chain(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    chain = FrictionChain(c=0.05, sites=3)
+    run = FrictionIntegration(chain, excite(chain, [2]), [100.0])
+    asked: list[int] = []
+
+    def advance(_: object, __: float, steps: int) -> StopCode:
+        asked.append(steps)
+        assert steps > 0
+        return StopCode.BUDGET_SPENT
+
+    monkeypatch.setattr(friction, "advance", advance)
+    for piece, steps in ((1, [1, 1, 1]), (4, [2, 1])):  # sites times steps
+        monkeypatch.setattr(friction_integration, "_PIECE", piece)
+        asked.clear()
+        run.advance_to(100.0, max_steps=3)
+        assert asked == steps
 
 
 def test_a_run_full_of_events_is_left_when_its_budget_is_spent() -> None:

@@ -208,6 +208,8 @@ def test_the_middle_site_is_excited_if_nothing_is_said(
     duffing = OscillatorChain(damping="y**2 - 1", stiffness="y + k*y**3", values={"k": 0.01}, c=0.1)
     averaging_error(duffing)
     assert shares[-3:] == [1.0, 0.5, 0.25]
+    linear = OscillatorChain(damping="y**2 - 1", c=0.1, eps=0.04, sites=3)  # has nothing to halve
+    assert averaging_error_module._at_eps(linear, 0.02) == linear.replace(eps=0.02)
     fisher = OscillatorChain(damping=0, stiffness="y*(1 - y)*(0.2 - y)", overdamped=True, c=0.1)
     with pytest.raises(ParameterError, match="overdamped"):  # before anything is run
         averaging_error(fisher)

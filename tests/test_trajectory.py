@@ -102,6 +102,7 @@ def _made_up(samples: FloatArray, arrivals: FloatArray) -> Any:
     [
         ([0.0, math.nan], [0.0, math.nan], 0.0),
         ([0.0, 2.0], [0.0, 2.0], 0.1),
+        ([0.0, 0.5], [0.0, 0.5], 0.1),
         ([0.0, 2.0], [0.0, 2.5], 1.5),
     ],
 )
@@ -124,6 +125,25 @@ def test_a_chain_at_rest_is_resolved_and_one_whose_runs_differ_at_once_never_was
         assert (found.status, found.resolved_until) == (status, until)
 
 
+@pytest.mark.parametrize("apart", [0, 1, 2, 3])
+def test_a_run_is_resolved_up_to_the_sample_before_its_error_exceeds_it(apart: int) -> None:
+    """Of samples of size one that are one apart from the given one on, which is three in error.
+
+    That the number of events differs is said only of runs that are resolved.
+    """
+    samples = np.zeros((3, 2, 1))
+    samples[:, 0] = 1.0
+    first, other = (_made_up(samples.copy(), np.full(1, math.nan)) for _ in range(2))
+    other.samples[apart:, 1] = 1.0
+    resolved = apart == 3
+    for events in ({}, {"sticks": 1}):
+        other.events = events
+        found = simulate_module._trajectory(FRONT, 2.0, [first, other], 0.0)
+        differ = RunStatus.EVENTS_DIFFER if events else RunStatus.RESOLVED
+        assert found.status is (differ if resolved else RunStatus.NOT_RESOLVED)
+        assert found.resolved_until == (2.0 if resolved else max(0.0, apart - 1.0))
+
+
 @pytest.mark.parametrize(
     ("tolerance", "other"), [(1e-6, 1e-7), (1e-12, 1e-13), (2e-13, 2e-14), (5e-14, 5e-13)]
 )
@@ -136,6 +156,7 @@ def test_a_run_is_compared_with_a_tenth_of_its_tolerance_down_to_1e_14(
 def test_201_samples_are_taken_unless_another_number_is_asked_for() -> None:
     chain = FrictionChain(c=0.02, sites=2)
     run = simulate(chain, excite(chain, [1]), 1.0, estimate_error=False)
+    assert run.times.size == simulate_module.DEFAULT_SAMPLES
     assert run.times.tolist() == np.linspace(0.0, 1.0, 201).tolist()
 
 
@@ -216,10 +237,22 @@ def test_runs_are_also_compared_in_the_middle_of_equal_parts_of_their_time(
     assert places is None or len(set(places)) == len(asked)
 
 
-def test_a_run_that_is_not_compared_takes_the_samples_alone() -> None:
+def test_a_run_that_is_not_compared_takes_the_samples_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[int] = []
+
+    def integration(chain: Any, start: Any, times: Any, **options: Any) -> Any:
+        asked.append(len(times))
+        return SmoothIntegration(chain, start, times, **options)
+
+    monkeypatch.setattr(simulate_module, "integration", integration)
     chain = VdpChain(a=4.0, b=0.5, c=0.6, sites=3)
-    found = simulate(chain, excite(chain, [1]), 20.0, times=[3.0, 3.0, 7.0], estimate_error=False)
-    same = simulate(chain, excite(chain, [1]), 20.0, times=[3.0, 3.0, 7.0])
+    start, times = excite(chain, [1]), [3.0, 3.0, 7.0]
+    found = simulate(chain, start, 20.0, times=times, level=0.7, estimate_error=False)
+    same = simulate(chain, start, 20.0, times=times)
+    assert asked == [3, 200, 200]
+    assert (found.level, same.level) == (0.7, chain.unstable_amplitude)
     assert found.times.tolist() == same.times.tolist() == [3.0, 3.0, 7.0]
     assert np.array_equal(found.states, same.states)
     assert np.array_equal(found.amplitude, same.amplitude)
@@ -248,7 +281,7 @@ def test_a_trajectory_becomes_json(model: str) -> None:
     assert isinstance(run.chain, CHAINS[model])
     if model != "friction":  # sites above the level, and not all that have ever been
         amplitude = run.amplitude.copy()
-        amplitude[-1, :3] = 2.0 * run.level
+        amplitude[-1, :3], amplitude[-1, 4] = 2.0 * run.level, run.level
         passed = replace(run, arrivals=np.zeros(run.arrivals.size), amplitude=amplitude)
         assert passed.to_dict()["width"] == 3
 
@@ -279,7 +312,8 @@ def test_sites_stick_that_go_with_the_belt_at_the_end() -> None:
     chain = FrictionChain(c=0.0, sites=3)
     cell = chain.cell
     start = np.array([[0.0, cell.release - 1e-3, cell.steady_sliding], [cell.v_d, cell.v_d, 0.0]])
-    run = simulate(chain, start, 0.01, samples=2)
+    run = simulate(chain, start, 0.01, times=[0.0, 1e-4, 0.01])
+    assert run.event_log.shape == (0, 3)  # which nobody asked for
     assert run.stuck.tolist() == [True, False, False]
     assert np.array_equal(run.phase, np.angle(run.psi))  # in no turning frame
     assert run.to_dict()["width"] == 2  # sites that have stuck
@@ -299,6 +333,8 @@ def test_a_start_may_be_complex_or_a_pair_of_rows() -> None:
     psi = rows[1] + 1j * rows[0]
     one, other = (simulate(FRONT, each, 20.0, samples=2) for each in (rows, psi))
     assert np.array_equal(one.states, other.states)
+    with pytest.raises(ParameterError, match=r"start = a complex array .* must be real;"):
+        simulate(FRONT, rows + 0j, 20.0)
 
 
 @pytest.mark.parametrize(

@@ -72,8 +72,9 @@ TAKE_A_CHAIN: dict[str, tuple[Callable[[Any], object], set[str]]] = {
 def test_what_is_no_chain_is_refused(name: str, given: str) -> None:
     if (name, given) == ("cell", "cell"):
         return
-    with pytest.raises(fr.ParameterError, match="is not allowed: it must be"):
+    with pytest.raises(fr.ParameterError, match="is not allowed: it must be") as refused:
         TAKE_A_CHAIN[name][0](NO_CHAINS[given])
+    assert refused.value.quantity == ("cell" if name == "cell" else "chain")
 
 
 @pytest.mark.parametrize(

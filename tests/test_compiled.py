@@ -29,6 +29,7 @@ from theory.compiled_code import FOLDER
 from theory.piecewise.sums import compiled as rules
 from verification.execution import compiled
 from verification.execution.compiled import files_with_compiled_functions, inner, outer
+from verification.steppers import friction_series
 from verification.steppers.specialise import pointer
 
 ROOT = Path(__file__).parents[1]
@@ -276,6 +277,15 @@ def test_compiled_code_is_kept_on_disk(
     monkeypatch.setattr(config, FOLDER, str(cache))
     assert outer(unrolled=unrolled, cache=True)(module.twice)(1.5) == 3.0
     assert len(list(cache.rglob("*.nbc"))) == 1
+
+
+def _twice(x: float) -> float:
+    return 2.0 * x
+
+
+def test_code_of_friction_that_python_calls_is_kept_on_disk() -> None:
+    found: Any = friction_series.friction_outer(_twice)
+    assert not isinstance(found._cache, caching.NullCache)
 
 
 def test_places_for_compiled_code_are_tried_and_left_as_they_were(

@@ -571,6 +571,7 @@ def test_a_friction_chain_is_integrated_to_a_tolerance_of_1e_10_and_has_no_ampli
     assert start[1].tolist() == excite(chain, [2], 2.0)[1].tolist() == [0.0, 0.0, 0.0]
     run = FrictionIntegration(chain, start, [0.0, 0.1])
     assert run.tolerance == 1e-10
+    assert run._run.series.shape[1] == 1 + 16  # of order 4 - ln(1e-10)/2, rounded up
     run.finish()
     assert run.sampled_amplitude.tolist() == [[0.0] * 3] * 2
 

@@ -108,6 +108,12 @@ def test_the_closed_forms_are_those_of_the_force() -> None:
     assert friction_coefficient(CELL, 1e3) == CELL.mu_d
 
 
+def test_a_phase_ends_in_one_of_five_ways() -> None:
+    """Compiled code knows them by their numbers."""
+    ends = {phases.HIGHEST, phases.LOWEST, phases.TOUCH, phases.FASTEST, phases.SLOWEST}
+    assert len(ends) == 5
+
+
 def test_the_stick_slip_cycle_is_that_of_many_digits() -> None:
     cycle = stick_slip_cycle(CELL)
     (slip, touch), (_, low) = precise_phases(CELL, CELL.release, CELL.v_d, (CELL.v_d, 0.0))

@@ -716,6 +716,19 @@ def test_a_wave_beyond_the_left_end_is_as_many_quarter_turns_ahead_as_fronts_lag
         assert 0 <= kernel.slope_of(chain) < 4
 
 
+def test_the_right_hand_side_of_a_network_is_made_of_its_kernel_and_layout(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(kernel, "network_slope", lambda *given: given)
+    chain: Any = SimpleNamespace(
+        kernel=lambda: vdp_acceleration, network="links", kernel_layout=(3, 2, 1)
+    )
+    made: Any = kernel.slope_of(chain)
+    assert made[0] is vdp_acceleration
+    assert isinstance(made[1], str)
+    assert made[2:] == (3, 2, 1)
+
+
 def test_disturbances_that_share_a_row_are_those_that_have_one_each(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

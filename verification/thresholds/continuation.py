@@ -108,7 +108,6 @@ def breather_threshold(
     crossing = _loss_of_stability(family, branch, report)
     beside = _loss_of_stability(longer, other, report)
     there = _half_way(family, branch, started)
-    mirrored = nucleus.mirrored(here.sites)
     c_stable = _stable_to(crossing, branch.fold)
     error_stable = None
     if c_stable is not None:
@@ -129,8 +128,8 @@ def breather_threshold(
         lost_by=_mechanism(crossing, family, branch),
         growth_half_way=there.growth,
         growth_half_way_error=there.growth_error,
-        growth_half_way_mirrored=there.symmetric if mirrored else None,
-        growth_half_way_mirrored_error=there.symmetric_error if mirrored else None,
+        growth_half_way_mirrored=there.symmetric,
+        growth_half_way_mirrored_error=None if there.symmetric is None else there.symmetric_error,
         seconds=time.perf_counter() - started,
     )
 

@@ -287,6 +287,11 @@ def test_the_growth_half_way_is_that_of_differences_at_half_the_coupling() -> No
     h = 1e-5 * np.eye(2 * sites + 1)
     matrix = np.array([(off(u + each) - off(u - each)) / 2e-5 for each in h]).T[:-1, :-1]
     rates = np.sort(np.linalg.eigvals(matrix).real)
+    mirror = np.kron(np.eye(2), np.eye(sites)[::-1])
+    even = np.linalg.eigvals(matrix @ (np.eye(2 * sites) + mirror) / 2.0).real
+    # The others, which have no mirror symmetry, become zero, as is that of the phase.
+    own = max(even[np.abs(even) > 1e-9])
+    assert abs(own - found.growth_half_way_mirrored) <= found.growth_half_way_mirrored_error + 1e-8
     assert rates[-1] == pytest.approx(0.0, abs=1e-9)  # the phase
     assert abs(rates[-2] - found.growth_half_way) <= found.growth_half_way_error + 1e-8
     assert found.growth_half_way_error < 1e-7
@@ -535,13 +540,20 @@ def test_a_point_of_a_cycle_is_no_start_with_a_displacement_or_of_a_chain_withou
             thresholds._start_point(chain, StartPoint.MAXIMUM, displacement)
 
 
+@pytest.mark.parametrize(
+    ("high", "tolerance", "expected"),
+    [(0.2 + 1e-4, 1e-4, [1e-4 * 2.0**n for n in range(5)]), (0.75, 0.05, [0.05, 0.1])],
+)
 def test_runs_that_show_whether_a_nucleus_escapes_later_take_twice_the_time(
-    monkeypatch: pytest.MonkeyPatch,
+    high: float, tolerance: float, expected: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Below 0.2, in distances that are doubled from the tolerance to a hundredth of it."""
+    """Below 0.2, in distances that are doubled from the tolerance to a hundredth of it.
+
+    Or, where that is more, to as far as the range is wide, at couplings above zero.
+    """
     given: Any = None
     runs = escape._EscapeRuns(given, given, 100.0)
-    monkeypatch.setattr(runs, "range", lambda: (0.2, 0.2 + 1e-4), raising=False)
+    monkeypatch.setattr(runs, "range", lambda: (0.2, high), raising=False)
     asked: list[tuple[float, float]] = []
 
     def hold_for(_: object, __: object, c: float, duration: float) -> Any:
@@ -549,7 +561,6 @@ def test_runs_that_show_whether_a_nucleus_escapes_later_take_twice_the_time(
         return SimpleNamespace(escaped=False)
 
     monkeypatch.setattr(escape, "hold", hold_for)
-    assert runs.end_by_longer_runs(1e-4) == pytest.approx(0.2 - 1e-4)
+    assert runs.end_by_longer_runs(tolerance) == pytest.approx(0.4 - high)
     assert [duration for _, duration in asked] == [200.0] * len(asked)
-    expected = [1e-4 * 2.0**n for n in range(5)]
     assert [distance for distance, _ in asked] == pytest.approx(expected)

@@ -1625,7 +1625,7 @@ def test_what_is_never_stable_is_stable_up_to_nowhere() -> None:
 
 
 class _Growth:
-    """Solutions u = c whose growth is rate (c - at); half the steps change ``at``."""
+    """Solutions u = c whose growth is rate (c - at) near ``at``; half the steps change ``at``."""
 
     def __init__(self, at: float, finer: float, rate: float = 0.5) -> None:
         self.at, self.steps, self.slope = at, finer, rate
@@ -1640,7 +1640,8 @@ class _Growth:
         return SimpleNamespace(marginal=1e-7)
 
     def monitor(self, u: Any, c: float) -> tuple[float]:
-        return (self.slope * (u[0] - self.at) - 1e-7,)
+        off = u[0] - self.at
+        return (self.slope * off * (1.0 + (off / 1e-4) ** 4) - 1e-7,)
 
 
 @pytest.mark.parametrize("shift", [0.0, 3e-5, -3e-5])
@@ -1650,6 +1651,8 @@ def test_the_error_of_a_loss_of_stability_is_that_of_its_growth_over_its_rate(sh
     found = Crossing(0.17 + 2e-7, 1e-12, np.array([0.17 + 2e-7]), from_start=False)
     error = continuation._crossing_error(family, found)
     assert abs(found.parameter - family.steps) <= error < 3.0 * (abs(shift) + 4e-7)
+    less_exact = continuation._crossing_error(family, replace(found, error=1e-5))
+    assert less_exact - error == pytest.approx(1e-5, rel=1e-6)
     falls: Any = _Growth(0.17, 0.17, -0.5)
     assert continuation._crossing_error(falls, found) == found.parameter
 
@@ -1684,17 +1687,21 @@ def test_a_search_along_a_branch_reports_how_far_it_is() -> None:
     assert 0.5 < parts[-1] < 1.0
 
 
-def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_large(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("change", [None, 1e-3, -1e-3])
+def test_a_threshold_errs_by_what_a_longer_chain_changes_or_by_itself_without_a_fold_there(
+    change: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[int] = []
     family = continuation.own_family
+    own = family(AVERAGED.replace(sites=3), Nucleus(1)).branch(monitored=False).fold
+    assert own is not None
+    there = None if change is None else fold_of(own.parameter + change, 0.0, np.zeros(1))
 
     def of(chain: Any, nucleus: Nucleus) -> Any:
         made.append(chain.sites)
         longer: Any = SimpleNamespace(
-            branch=lambda **_: SimpleNamespace(fold=None, points=[], monitored=[]),
-            system=lambda: None, reported_monitor=lambda _: None,
+            branch=lambda **_: SimpleNamespace(fold=there, points=[], monitored=[]),
+            system=lambda: None, reported_monitor=lambda _: lambda *_: (-1.0,),
         )  # fmt: skip
         return family(chain, nucleus) if len(made) == 1 else longer
 
@@ -1703,7 +1710,51 @@ def test_a_threshold_without_a_longer_chain_beside_it_is_as_uncertain_as_it_is_l
         AVERAGED.replace(sites=9), Nucleus(1), margin=1, method=ThresholdMethod.ENVELOPE
     )
     assert made == [3, 9]
-    assert found.c_crit <= found.error < 2.001 * found.c_crit
+    assert found.error == pytest.approx(2.0 * abs(change or found.c_crit), rel=1e-6)
+
+
+def test_what_is_not_split_by_parity_has_no_growth_of_its_own_parity(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As a nucleus at an edge, or one of a chain whose sites may differ, which has a mirror image.
+
+    The error of a growth that there is not is given as infinite.
+    """
+    for own, error, stated in ((None, math.inf, (None, None)), (-0.25, 1e-3, (-0.25, 1e-3))):
+        there = SimpleNamespace(
+            growth=0.5, growth_error=1e-6, symmetric=own, symmetric_error=error
+        )  # fmt: skip
+        monkeypatch.setattr(continuation, "_half_way", lambda *_, there=there: there)
+        found = continuation.breather_threshold(
+            AVERAGED.replace(sites=3), Nucleus(1), ThresholdMethod.ENVELOPE
+        )
+        assert (found.growth_half_way, found.growth_half_way_error) == (0.5, 1e-6)
+        assert (found.growth_half_way_mirrored, found.growth_half_way_mirrored_error) == stated
+
+
+@pytest.mark.parametrize(
+    ("chain", "nucleus", "method", "kind", "sites"),
+    [
+        (VdpChain(a=2.5, b=0.5, c=0.1, sites=99), Nucleus(3, "--"), "envelope", AveragedChain, 13),
+        (AveragedChain(a=2.5, b=0.5, c=0.1, sites=99), Nucleus(1), "orbit", VdpChain, 11),
+        (VdpChain(a=2.5, b=0.5, c=0.1, sites=9), Nucleus(1), "orbit", VdpChain, 9),
+        (
+            VdpChain(a=2.5, b=0.5, c=0.1, sites=99),
+            Nucleus(2, "0", Place.EDGE),
+            "envelope",
+            AveragedChain,
+            7,
+        ),
+        (OscillatorChain(damping="y**2 - 1", c=0.1, sites=99), Nucleus(1, place=Place.EDGE),
+         "orbit", OscillatorChain, 6),
+    ],
+)  # fmt: skip
+def test_of_a_chain_the_nucleus_is_solved_for_with_five_sites_beside_it(
+    chain: Any, nucleus: Nucleus, method: str, kind: type, sites: int
+) -> None:
+    """On either side in the bulk, on one side at an edge, and fewer where there are no more."""
+    here = continuation._sized(chain, nucleus, ThresholdMethod(method), 5)
+    assert (type(here), here.sites, here.ends) == (kind, sites, chain.ends)
 
 
 @pytest.mark.parametrize(
@@ -1722,9 +1773,10 @@ def test_how_stability_is_lost_is_read_from_who_crosses_first(
     own: float | None, turns: float, mirrored: bool, mechanism: Mechanism,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(
-        continuation, "first_crossing", lambda *given: None if own is None else _crossing(own)
-    )
+    def first(_: object, __: object, ___: object, entry: int) -> Crossing | None:
+        return None if own is None or entry != 1 else _crossing(own)
+
+    monkeypatch.setattr(continuation, "first_crossing", first)
     family: Any = SimpleNamespace(
         nucleus=SimpleNamespace(mirrored=lambda _: mirrored), chain=AVERAGED, system=lambda: None,
         monitor=None, stability=lambda *_, **__: SimpleNamespace(frequency=turns),
@@ -1803,13 +1855,16 @@ def test_a_loss_of_stability_is_told_from_a_fold_beyond_the_errors_of_both() -> 
         assert (continuation._before(family, fold, crossing) is crossing) is told
 
 
-def test_the_growth_half_way_is_solved_for_where_the_branch_begins_above_half_its_fold() -> None:
-    """On u² + (c - 1)² = 0.49, whose fold at c = 1.7 is followed from 1.2 on: u² = 0.4675."""
+@pytest.mark.parametrize("begins", [1.2, 1.6999])
+def test_the_growth_half_way_is_solved_for_where_the_branch_begins_above_half_its_fold(
+    begins: float,
+) -> None:
+    """On u² + (c - 1)² = 0.49, whose fold at c = 1.7 is followed from below it: u² = 0.4675."""
 
     def circle(u: Any, c: float) -> tuple[Any, Any, Any]:
         return u**2 + (c - 1.0) ** 2 - 0.49, np.diag(2.0 * u), np.array([2.0 * (c - 1.0)])
 
-    branch = trace(circle, solve_at(circle, np.array([0.6]), 1.2), 5.0)
+    branch = trace(circle, solve_at(circle, np.array([0.6]), begins), 5.0)
     family: Any = SimpleNamespace(
         system=lambda: circle, measured=lambda point, _: SimpleNamespace(stability=point)
     )
@@ -1876,7 +1931,8 @@ def test_a_nucleus_that_always_holds_or_always_escapes_or_never_soon_is_refused(
         return SimpleNamespace(escaped=share < math.inf, time=share * duration)
 
     monkeypatch.setattr(escape, "hold", hold)
-    with pytest.raises(ParameterError, match="take another size") as refusal:
+    allowed = r"one that holds at some c from 0\.001 and escapes at some up to 2; take another size"
+    with pytest.raises(ParameterError, match=allowed) as refusal:
         escape._EscapeRuns(AVERAGED, escape.NucleusPreparation(3), 100.0).bracket()
     assert (refusal.value.quantity, refusal.value.value) == ("nucleus", 3)
     with pytest.raises(ParameterError, match="tolerance"):
@@ -1938,6 +1994,8 @@ def test_what_is_not_tested_of_a_threshold_is_not_said(monkeypatch: pytest.Monke
     found = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=0, lowest=1e-3)
     assert (found.monotone, found.c_crit_at_twice_the_time, found.fuzzy) == (None, None, None)
     assert found.runs == len(made)
+    # Each coupling is tried once, but the ends of the bracket: at the finer tolerance as well.
+    assert sorted(c for c in {*made} if made.count(c) > 1) == [found.low, found.high]
     made.clear()
     tested = spreading.spreading_threshold(chain, Spreading(), accuracy=1e-4, tests=4, lowest=1e-3)
     assert (tested.monotone, tested.c_crit_at_twice_the_time) == (True, tested.c_crit)
@@ -2000,13 +2058,17 @@ def test_a_threshold_names_the_point_of_the_cycle_that_its_sites_start_from(
 
 def test_what_is_usual_of_a_threshold() -> None:
     """Numbers that users rely on where they say nothing; `threshold` passes them on."""
-    usual = {"final_time": 1000.0, "lowest": 1e-3, "highest": 0.5, "accuracy": 1e-6, "tests": 12}
+    usual = {
+        "final_time": 1000.0, "lowest": 1e-3, "highest": 0.5, "accuracy": 1e-6, "tests": 12,
+        "perturbation": 0.0, "seed": 0,
+    }  # fmt: skip
     whole = inspect.signature(thresholds.threshold).parameters
     assert {name: whole[name].default for name in usual} == usual
     search = inspect.signature(spreading.spreading_threshold).parameters
     assert search["highest"].default == usual["highest"]
     assert Spreading().final_time == usual["final_time"]
-    assert inspect.signature(escape.escape_range).parameters["duration"].default == 2000.0
+    held = inspect.signature(escape.escape_range).parameters
+    assert (held["duration"].default, held["tolerance"].default) == (2000.0, 1e-5)
 
 
 def test_a_threshold_is_refused_where_it_could_not_be_compared_with_a_finer_one() -> None:
@@ -2054,6 +2116,28 @@ def test_the_progress_of_a_search_grows_within_a_run(monkeypatch: pytest.MonkeyP
     assert 0.0 < told[0] < told[-1] < 1.0
 
 
+def test_a_bracket_ends_between_neighbouring_numbers_and_a_search_at_its_highest_coupling(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Doubles are 6e-11 apart there, farther than the accuracy that is asked for."""
+    monkeypatch.setattr(spreading, "spreads", lambda chain, *_: chain.c > 314159.26)
+    low, high = spreading._Search(AVERAGED, Spreading(), 1e-12, 1e5, 1e6).bracket()
+    assert low <= 314159.26 < high == np.nextafter(low, 1e6)
+    with pytest.raises(ParameterError, match="highest coupling = 300000"):
+        spreading._Search(AVERAGED, Spreading(), 1e-12, 1e5, 3e5).bracket()
+
+
+def test_the_widest_nucleus_whose_breather_is_followed_has_41_sites(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(thresholds, "breather_threshold", lambda *given, **_: given[1].size)
+    chain = AVERAGED.replace(sites=61)
+    found: Any = thresholds.threshold(chain, Nucleus(41, "0" * 40))
+    assert found == 41
+    with pytest.raises(ParameterError, match=r"nucleus = 42 .* at most 41 sites"):
+        thresholds.threshold(chain, Nucleus(42, "0" * 41))
+
+
 def test_several_sites_to_be_reached_are_three_on_each_side() -> None:
     several = Spreading(2, Place.BULK, Definition.SEVERAL)
     assert several.watched(12) == (3, 4, 5, 8, 9, 10)
@@ -2063,11 +2147,49 @@ def test_several_sites_to_be_reached_are_three_on_each_side() -> None:
 def test_the_limit_of_sweeps_errs_by_the_step_within_which_each_escape_is_noticed(
     steps: tuple[float, ...],
 ) -> None:
-    """Escapes are those of the law, each as late as it may be; the weights alternate in sign."""
+    """Escapes are those of the law, each as late as it may be; the weights alternate in sign.
+
+    With a suitable linear term the two extrapolations of the law agree: the error is that alone.
+    """
     speed = np.array(slow_sweep.RATES[-3:])
     late = np.array(steps) * speed * slow_sweep.STEP
     found = slow_sweep._extrapolated(speed, 0.2 + 0.5 * speed ** (2.0 / 3.0) + late)
     assert abs(found[0] - 0.2) <= found[1] * (1.0 + 1e-9)
+
+    def apart(linear: float) -> float:
+        escapes = 0.2 + 0.5 * speed ** (2.0 / 3.0) + linear * speed + late
+        three = np.column_stack([np.ones(3), speed ** (2.0 / 3.0), speed])
+        limit = np.linalg.solve(three[1:, :2], escapes[1:])[0]
+        return float(np.linalg.solve(three, escapes)[0] - limit)
+
+    linear = apart(0.0) / (apart(0.0) - apart(1.0))
+    escapes = 0.2 + 0.5 * speed ** (2.0 / 3.0) + linear * speed + late
+    c_0, error = slow_sweep._extrapolated(speed, escapes)
+    assert error == pytest.approx(abs(c_0 - 0.2), rel=1e-6)
+
+
+def test_the_limit_of_sweeps_errs_by_the_next_term_of_the_law() -> None:
+    """It is of order rate^{4/3}; beside it the step within which escapes are noticed is small."""
+    speed = np.array(slow_sweep.RATES)
+    escapes = 0.2 + 50.0 * speed ** (2.0 / 3.0) + 300.0 * speed + 2e3 * speed ** (4.0 / 3.0)
+    c_0, error = slow_sweep._extrapolated(speed, escapes)
+    assert 100.0 * slow_sweep.STEP * speed[-3] < abs(c_0 - 0.2) <= error
+
+
+def test_sweeps_and_runs_begin_where_a_nucleus_is_excited_though_it_may_die_above() -> None:
+    """Near η = 1/8 it goes to rest at higher couplings, and does not escape there."""
+    prepared = escape.NucleusPreparation(1)
+    chain = AveragedChain(a=1.0, b=0.115, c=0.0)
+    here, phi = slow_sweep._settled(chain, prepared)
+    assert np.abs(phi).max() > here.unstable_amplitude
+    dead = escape.hold(chain, prepared, 0.24, slow_sweep.SETTLING)
+    assert np.abs(dead.phi).max() < 1e-9
+    assert not dead.escaped
+    chain = chain.replace(b=0.098)
+    fold = continuation.breather_threshold(chain, Nucleus(1), ThresholdMethod.ENVELOPE)
+    found = escape.escape_threshold(chain, prepared, duration=200.0, tolerance=1e-3)
+    assert abs(found.c_crit - fold.c_crit) <= found.error
+    assert not escape.hold(chain, prepared, 0.4, 200.0).escaped
 
 
 @pytest.mark.parametrize(("off", "extrapolated"), [(0.0, True), (0.09, False), (-0.09, False)])

@@ -273,9 +273,18 @@ def test_of_some_definitions_one_site_is_enough_and_of_others_all_are_needed(
     run.arrivals[[site - 1 for site in reached]] = 1.0
     run.arrivals[4] = 0.0  # the nucleus itself
     run.advance = lambda _: None
-    monkeypatch.setattr(thresholds, "integration", lambda *_, **__: run)
-    asked = Spreading(place=Place.BULK, definition=definition, displacement=1.0)
-    assert spreads(AveragedChain(a=2.5, b=0.5, c=0.1, sites=9), asked) is enough
+    ends: list[float] = []
+
+    def integration(*_: object, end: float, **__: object) -> Any:
+        ends.append(end)
+        return run
+
+    monkeypatch.setattr(thresholds, "integration", integration)
+    asked = Spreading(place=Place.BULK, definition=definition, displacement=1.0, final_time=20.0)
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, sites=9, eps=0.01)
+    assert spreads(chain, asked) is enough
+    assert spreads(chain, asked, 40.0) is enough
+    assert ends == pytest.approx([2000.0, 4000.0])  # in t, of times in εt
 
 
 C_TRUE = 0.0314159
@@ -286,15 +295,14 @@ def _known(
 ) -> None:
     """Let a nucleus spread from `C_TRUE` on; from elsewhere in finer or longer runs.
 
-    Near one other coupling it is otherwise.
+    With each doubling of the time it is as much lower. Near one other coupling it is otherwise.
     """
 
     def made_up(chain: Any, spreading: Spreading, final_time: float, _: Any) -> bool:
         limit = C_TRUE
         if spreading.tolerance < 1e-8:
             limit += finer
-        if final_time > spreading.final_time:
-            limit -= later
+        limit -= later * math.log2(final_time / spreading.final_time)
         return bool((chain.c > limit) is not (abs(chain.c - other) < 1e-4))
 
     monkeypatch.setattr(thresholds, "spreads", made_up)

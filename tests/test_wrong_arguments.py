@@ -377,6 +377,11 @@ OUTSIDE: list[tuple[str, Callable[[Any], object], tuple[float, ...]]] = [
     ("duration", lambda one: escape_range(AVERAGED, PREPARED, one), (0.0, -1.0)),
     ("tolerance", lambda one: escape_range(AVERAGED, PREPARED, tolerance=one), (0.0, -1.0)),
     ("number of seeds", lambda one: escape_range(AVERAGED, PREPARED, seeds=one), (0, 101)),
+    (
+        "perturbation",
+        lambda one: fr.threshold(AVERAGED, method="sweep", perturbation=one),
+        (-1e-9, 0.1001),
+    ),
     ("sweep rate", lambda one: sweep_envelope(AVERAGED, PREPARED, one), (0.0, -1.0)),
     ("nucleus size", Spreading, (0, 100_001)),
     ("final time", lambda one: Spreading(final_time=one), (0.99, 1.01e6)),

@@ -439,10 +439,23 @@ def test_the_run_that_shows_the_error_of_the_multipliers_has_twice_the_steps() -
         assert known.multipliers is not None
         apart = [np.abs(found.multipliers - each).min() for each in known.multipliers]
         assert max(apart) <= found.stability.error + 1e-9
-    # Where an error is so large that a multiplier may be zero nothing is known of its rate.
-    far = Spied(chain, Nucleus(1), 20).measured(replace(point, correction=1e3), 0.0)
-    assert (far.stability.growth_error, far.growth_error) == (math.inf, None)
-    assert found.growth_error == found.stability.growth_error < 1e-6
+
+
+@pytest.mark.parametrize(("off", "known"), [(1e-6, True), (1e3, False)])
+def test_of_an_orbit_whose_multipliers_may_be_zero_no_error_of_its_growth_is_known(
+    off: float, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    samples = np.sin(2.0 * math.pi * np.arange(64) / 64)[:, None] * np.ones(3)
+    flow = Flow(np.zeros(6), np.diag([1.0, 0.5, 0.4, 0.3, 0.2, 0.1]), np.zeros(6), samples, 30)
+    monkeypatch.setattr(Orbits, "flow", lambda *_: flow)
+    monkeypatch.setattr(Orbits, "_monodromy_error", lambda *_: off)
+    monkeypatch.setattr(orbits, "solution_error", lambda *_: 0.0)
+    point = BranchPoint(np.array([0.0] * 6 + [6.0]), 0.2, np.zeros(8), 0.0, 0.0, 1, 1.0)
+    edge = Nucleus(1, place=Place.EDGE)  # without parity
+    found = Orbits(CHAIN.replace(sites=3), edge, 30).measured(point, 0.0)
+    assert found.growth == pytest.approx(math.log(0.5) / (CHAIN.eps * 6.0))
+    assert math.isfinite(found.stability.growth_error) is known
+    assert found.growth_error == (found.stability.growth_error if known else None)
 
 
 def test_an_orbit_errs_by_the_rounding_of_its_steps_and_beside_a_fold_by_that_of_its_coupling(

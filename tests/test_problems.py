@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +18,20 @@ from theory.parameters import ParameterError
 from theory.piecewise.dispersion import root_free_strip
 from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import ETA_PIN_END
+from theory.piecewise.sums.bessel import sum_by_bessel
+from theory.piecewise.sums.integral import sum_by_integral
+from theory.piecewise.sums.precise import precise_sum_by_integral
+from theory.piecewise.sums.quadrature import sum_by_quadrature
+from theory.piecewise.sums.series import sum_by_roots
 from verification.quantities import registry
 from verification.quantities.problems import PROBLEMS, Problem, timed
 from verification.quantities.quantity import Quantity
-from verification.quantities.registry import all_computations, all_quantities, quantity_named
+from verification.quantities.registry import (
+    all_computations,
+    all_quantities,
+    computation_named,
+    quantity_named,
+)
 
 RECORDS = Path(__file__).parents[1] / "benchmarks" / "results"
 NO_AXES = {"low", "high", "order", "t", "sites", "rows", "a"}
@@ -181,6 +193,47 @@ def test_a_problem_has_the_number_that_its_name_says() -> None:
         ("derivation", "first-order", "order"): 1,
         ("derivation", "second-order", "order"): 2,
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "inside", "outside"),
+    [
+        ("c-pin", "eta", 0.03, 0.1),
+        ("c-retreat", "eta", 0.1, 0.03),
+        ("strong-coupling-velocity", "eta", 0.03, 0.1),
+        ("eta-pin", "c", 0.3, None),
+    ],
+)
+def test_a_limit_is_confirmed_where_it_exists_and_denied_elsewhere(
+    name: str, number: str, inside: float, outside: float | None
+) -> None:
+    row = computation_named(name)
+    stated = row.compute({number: inside})
+    assert row.check({number: inside}, stated).distance <= stated.error
+    assert row.check({number: inside}, replace(stated, value=None)).distance == math.inf
+    if outside is not None:
+        assert row.check({number: outside}, row.compute({number: outside})).distance == 0.0
+        assert row.check({number: outside}, stated).distance == math.inf
+
+
+@pytest.mark.parametrize("name", ["roots", "profile"])
+def test_both_half_planes_are_among_the_points(name: str) -> None:
+    (side,) = (axis for axis in computation_named(name).axes if axis.name == "side")
+    assert side.whole
+    assert side.low < 2.0 <= side.high
+
+
+def test_each_method_of_the_sum_is_tried_under_its_name_and_not_by_itself() -> None:
+    for name, method, without in (
+        ("integral", sum_by_integral, ""),
+        ("series", sum_by_roots, "series"),
+        ("precise-integral", precise_sum_by_integral, "integral"),
+        ("bessel", sum_by_bessel, ""),
+        ("quadrature", sum_by_quadrature, ""),
+    ):
+        row: Any = computation_named(f"sigma-{name}")
+        assert row.title.startswith("the sum (53) ")
+        assert (row.compute.args, row.check.args) == ((method,), (without,))
 
 
 @pytest.mark.parametrize("name", [each.name for each in all_quantities() if each.useful])

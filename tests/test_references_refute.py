@@ -201,14 +201,22 @@ def test_below_the_fold_no_velocity_near_its_own_is_above_the_target(
         assert (check.distance == 0.0) is (reached == 0.0)
 
 
-@pytest.mark.parametrize(("missed", "held"), [(1e-16, True), (1e-13, False)])
+@pytest.mark.parametrize(
+    ("missed", "v", "error", "held"),
+    [
+        (1e-16, 0.3, 3e-7, True),
+        (1e-13, 0.3, 3e-7, False),
+        (1e-16, 0.05, 4e-10, True),
+        (1e-16, 5.0, 4e-9, False),  # known to below 1e-9 of itself, as v at a fold is not
+    ],
+)
 def test_a_branch_without_a_change_of_sign_is_a_fold_touched_to_within_rounding(
-    missed: float, held: bool, monkeypatch: pytest.MonkeyPatch
+    missed: float, v: float, error: float, held: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(kinetic_relation, "_excess", lambda *_: missed)
     monkeypatch.setattr(kinetic_relation, "_changes_of_sign", lambda _: 1)
-    relation = SimpleNamespace(branches=[SimpleNamespace(v=0.3, error=3e-7)])
-    stated = StatedValue(value=np.array([0.3]), error=1e-6, extra=relation)
+    relation = SimpleNamespace(branches=[SimpleNamespace(v=v, error=error)])
+    stated = StatedValue(value=np.array([v]), error=1e-6, extra=relation)
     check = kinetic_relation._check_velocities({"c": 0.5, "eta": 0.03}, stated)
     assert (check.distance == 0.0) is held
 
@@ -301,6 +309,9 @@ def test_a_chain_of_ones_own_is_the_one_that_is_asked_for() -> None:
     assert np.ptp(own_chains.chain_of({**at, "spread": 0.2}).site_values["a"]) > 0.2
     assert np.ptp(own_chains.chain_of(at).site_values["a"]) == 0.0
     assert (own_chains.chain_of(at).sites, own_chains.chain_of(at).coupling[:4]) == (12, "next")
+    assert own_chains.chain_of(at).shape is None
+    assert own_chains.chain_of(at).values == {"a": 4.0, "b": 0.5}
+    assert own_chains.chain_of(at).drive != own_chains.chain_of({**at, "force": 0.3}).drive
 
 
 def test_the_equation_of_a_chain_of_ones_own_is_written_a_second_time() -> None:

@@ -90,8 +90,13 @@ def test_a_breather_is_stated_with_its_unknowns_unless_there_is_none(
         status=BreatherStatus.NONE if none else BreatherStatus.EXISTS, error=1e-9,
         unknowns=np.array([1.0, 2.0, 6.3]), waves=np.array([1.0, 2.0j]), alpha_0=1.5, decay=0.1,
     )  # fmt: skip
+
+    def solved(chain: VdpChain, *_: object) -> SimpleNamespace:
+        assert (chain.b, chain.c) == (0.08, 0.1)
+        return made
+
     for name in ("solve_orbit", "solve_envelope_breather", "solve_breather"):
-        monkeypatch.setattr(breathers, name, lambda *_: made)
+        monkeypatch.setattr(breathers, name, solved)
     at = {"a": 1.0, "eta": 0.08, "c": 0.1, "eps": 0.01, "reading": 1.0}
     for state, value in (
         (breathers._orbit, [1.0, 2.0, 6.3]), (breathers._envelope, [1.0, 2.0j, 6.3]),
@@ -329,6 +334,20 @@ def test_a_breather_may_be_missing_below_a_fold_by_as_much_as_that_is_off(
     for c, held in ((0.18, False), (0.195, True), (0.25, True)):
         check = breathers._check_breather({"a": 1.0, "eta": 0.08, "c": c, "reading": 1.0}, none)
         assert (check.distance == 0.0) is held
+
+
+@pytest.mark.parametrize(("above", "held"), [(0.0, True), (1e-6, True), (3e-6, False)])
+def test_a_breather_may_lie_below_the_fold_by_twice_its_error(
+    above: float, held: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the two meet, S of the fold is known no better than S of the breather."""
+    row = computation_named("closed-form-breather")
+    at = {"a": 2.5, "eta": 0.08, "c": 0.1, "reading": 1.0}
+    stated = row.compute(at)
+    fold = mp.mpf(float(stated.value[0]) ** 2 * (1.0 + above))
+    monkeypatch.setattr(breathers, "_true_fold", lambda _: (fold, mp.mpf(0.2)))
+    check = row.check(at, replace(stated, error=1e-6))
+    assert (check.distance < 1e-12) is held
 
 
 def test_a_fold_of_the_averaged_chain_is_as_far_off_as_it_is() -> None:
@@ -786,6 +805,17 @@ def test_whole_parameters_are_drawn_whole_and_special_ones_approached_from_both_
     low, high, *beside = near.ends()
     assert (low, high) == (0.01, 0.2)
     assert sorted(beside) == pytest.approx([0.07992, 0.08008, 0.124875, 0.125125], rel=1e-12)
+
+
+def test_a_bad_value_is_none_of_the_range() -> None:
+    axis, rng = Axis(name="c", low=0.5, high=40.0), np.random.default_rng(7)
+    drawn = [axis.bad(rng) for _ in range(200)]
+    assert not [value for value in drawn if 0.5 <= value <= 40.0]
+    assert {0.0, math.inf} <= set(drawn)
+    assert min(drawn) < 0.0
+    assert any(math.isnan(value) for value in drawn)
+    assert any(40.0 < value < math.inf for value in drawn)
+    assert any(0.0 < value < 0.5 for value in drawn)
 
 
 def test_one_point_in_four_approaches_a_special_value_by_decades_on_either_side() -> None:

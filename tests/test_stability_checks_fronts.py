@@ -18,7 +18,7 @@ import pytest
 from theory.chains.vdp import VdpChain
 from theory.piecewise.folds import fold_coupling, fold_eta
 from theory.piecewise.kinetic_relation import kinetic_relation
-from theory.piecewise.limits import ETA_PIN_END, pinning_coupling
+from theory.piecewise.limits import ETA_PIN_END, pinning_coupling, static_sum_distance
 from theory.piecewise.root_count import count_in_strips
 from theory.piecewise.roots import labelled_roots
 from verification.fronts.result import LeftBoundary
@@ -49,7 +49,7 @@ def test_distances_are_of_as_many_digits_as_are_asked() -> None:
 
 
 def test_a_reference_has_four_digits_more_than_the_error_that_it_judges() -> None:
-    assert [sums.needed_digits(error) for error in (0.0, 1e-40, 1e-16, 1e-3)] == [304, 44, 20, 20]
+    assert [sums.needed_digits(error) for error in (0.0, 3e-41, 1e-16, 1e-3)] == [304, 45, 20, 20]
 
 
 def test_the_reference_of_the_sum_is_one_that_reaches_there() -> None:
@@ -88,6 +88,9 @@ def test_the_static_limit_has_as_many_digits_as_are_asked() -> None:
     value, uncertainty, _ = sums.reference_sum(1e-7, 1.0, 40)
     with mp.workdps(60):
         assert abs(value - static_sum(mp.mpf(1))) <= uncertainty < 1e-40
+    _, uncertainty, by = sums.reference_sum(0.01, 1.0, 20, without="series")
+    assert by == "static limit"
+    assert 1e-22 < static_sum_distance(0.01, 1.0) <= uncertainty < 1e-20
 
 
 @pytest.mark.parametrize("name", ["integral", "series", "precise-integral", "bessel", "quadrature"])
@@ -145,6 +148,7 @@ def test_far_ahead_of_a_front_is_rest_and_far_behind_it_the_excited_state() -> N
         assert abs(roots._profile({**at, "side": side}).value - 1.0) < 1e-6
     # Where all waves have died off, the sum is still rounded.
     stated = roots._profile({**at, "distance": 1e3, "side": 3.0})
+    assert stated.error == stated.extra.error > 0.0
     assert 1e-16 < roots._check_profile({**at, "side": 3.0}, stated).uncertainty < 1e-14
 
 
@@ -222,6 +226,7 @@ def test_where_both_cycles_meet_the_sum_touches_the_threshold_and_there_is_no_fr
     at = {"c": 0.5, "eta": 0.125}
     stated = relation._velocities(at)
     assert stated.extra.branches == ()
+    assert stated.error == 0.0
     assert relation._check_velocities(at, stated).distance == 0.0
 
 
@@ -375,6 +380,13 @@ def test_a_sum_within_twice_its_error_of_the_limit_has_no_sign(
     target = 2.0 * float(relation.threshold_ratio(at["eta"]))
     monkeypatch.setattr(relation, "sums", made)
     assert relation._changes_of_sign(at) == changes
+
+
+def test_a_limit_that_is_zero_is_substituted() -> None:
+    none = StatedValue(value=0.0, error=0.0)
+    for defect, held in ((lambda x, eta: x * eta, True), (lambda x, eta: x + eta, False)):
+        check = relation._by_newton(defect, lambda _: True, "eta")({"eta": 0.05}, none)
+        assert (check.distance == 0.0) is held
 
 
 @pytest.mark.parametrize("value", [None, 0.0])
@@ -656,6 +668,13 @@ def test_a_front_is_measured_and_timed_on_the_chain_of_which_it_is(
     row = computation_named(name)
     stated = row.compute(at)
     assert asked == [("vdp" if full else "averaged", LeftBoundary.WAVE, 1e-6)]
+    for other in (
+        SimpleNamespace(status=FrontStatus.UNSTEADY, v=0.3, error=1e-9),
+        SimpleNamespace(status=FrontStatus.STEADY, v=0.3, error=None),
+    ):
+        monkeypatch.setattr(fronts, "measure_front", lambda *_, other=other, **__: other)
+        none = row.compute(at)
+        assert (none.value, none.error, none.note) == (None, 0.0, other.status.value)
     assert (stated.value, stated.error, stated.note) == (0.3, 1e-9, "")
     assert row.check(at, stated).distance < 1e-12
 
@@ -929,7 +948,15 @@ def test_a_reference_follows_all_sites_that_move() -> None:
     # What is missing beyond its sites is seen by the looser run, which has more.
     assert looser > tight
     assert check.uncertainty == pytest.approx(1.0 / tight - 1.0 / looser + 1e-3)
-    true[130:] = 2e-16  # far below rounding, and not at rest
+    # At rest is what is below a part of the displacement, on the last two sites.
+    true[130:] = 5e-14
+    runs._where_it_moves(replace(stated, extra=1e3 * stated.extra), precise, 0.0)
+    assert max(followed) < 300
+    true[119:] = 5e-17
+    followed.clear()
+    runs._where_it_moves(stated, precise, 0.0)
+    assert max(followed[:-1]) == 240
+    true[119:130], true[130:] = 1.0, 2e-16  # far below rounding, and not at rest
     runs._where_it_moves(stated, precise, 0.0)
     assert max(followed) == 300
     with pytest.raises(NoReferenceError, match="Python includes"):

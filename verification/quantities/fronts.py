@@ -161,7 +161,7 @@ def _timed(reached: FloatArray, v: float, by: str) -> ReferenceCheck:
         raise NoReferenceError("scipy's front does not run through the chain")
     before, last = map(mean_interval, np.array_split(reached, 2))
     uncertain = 6.0 * abs(last - before) / last**2 + 1e-7 / last
-    if uncertain > 0.1 * abs(v):
+    if uncertain > 0.1 * v:
         raise NoReferenceError("scipy's front does not settle within the chain")
     return ReferenceCheck(distance=abs(v - 1.0 / last), uncertainty=uncertain, method=by)
 

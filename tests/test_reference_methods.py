@@ -37,7 +37,9 @@ from verification.references import (
     phase_locked,
     piecewise,
     precise_breather,
+    switch_model,
 )
+from verification.references import friction_events as events
 from verification.references import (
     front_wave as waves,
 )
@@ -49,6 +51,7 @@ from verification.references.friction_events import (
     EventRun,
     _earliest,
     _Law,
+    _located,
     run_events,
 )
 from verification.references.pace import NoReferenceError
@@ -117,6 +120,34 @@ def test_roundings_of_a_run_are_of_its_largest_size_at_each_of_its_steps() -> No
     assert long == pytest.approx(10.0 * short, rel=0.2, abs=0.0)
 
 
+def test_steps_of_a_run_are_allowed_an_error_relative_to_its_largest_size_so_far(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They are those of a run beside which something as large as its start stands still."""
+    unit = float(np.finfo(np.longdouble).eps) * extrapolation._ENLARGED
+    parts: list[float] = []
+    monkeypatch.setattr(extrapolation, "Pace", lambda: SimpleNamespace(check=parts.append))
+    alone, beside = (
+        extrapolation.integrate(
+            lambda _, y: np.array([-1, 0][: y.size]) * y, extrapolation.extended(start), 30.0, 1e-15
+        )
+        for start in ([1.0], [1.0, 1.0])
+    )
+    assert alone.uncertainty == beside.uncertainty
+    assert alone.value[0] == beside.value[0]
+    parts.clear()
+    still = extrapolation.integrate(lambda _, y: 0 * y, extrapolation.extended([1.0]), 30.0, 1e-15)
+    assert still.uncertainty == pytest.approx(len(parts) * unit, rel=1e-12)  # none is refused
+
+
+def test_a_step_has_the_order_of_its_last_column() -> None:
+    """Sixteen, which has the integral of t¹⁵ exactly; that before it is of order fourteen."""
+    zero, one = extrapolation.extended([0.0, 1.0])
+    state, error = extrapolation._step(lambda t, y: 0 * y + t**15, zero, np.array([zero]), one)
+    assert abs(float(state[0] - one / 16)) < 1e-17
+    assert error > 1e-13
+
+
 def test_a_run_may_take_its_share_of_the_time_and_a_beginning(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -168,11 +199,21 @@ def test_a_cell_rises_after_slip_as_high_as_in_the_chain(belt: float) -> None:
     assert (run.when(BEGINS).size > 0) is (highest > -1e-9)
 
 
+def test_friction_in_slip_depends_on_the_distance_from_the_speed_of_the_belt() -> None:
+    """μ_d + (μ_st - μ_d) e^{-|w - v_d|/v₀}, here also above the belt, where it is not turned."""
+    cell, y = friction_cell.CELL, 0.3
+    for w in (0.5, 2.0):
+        friction = cell.mu_d + (cell.mu_st - cell.mu_d) * math.exp(-0.75 / cell.v0)
+        rate = friction_cell.slip_rate(1.25)(0.0, np.array([y, w]))
+        assert rate == pytest.approx([w, -2.0 * cell.xi * w - y + friction], rel=1e-14)
+
+
 @pytest.mark.parametrize("belt", [0.8, 1.25])
 def test_the_averaged_damping_is_the_work_over_a_turn(belt: float) -> None:
     """By scipy's quadrature of (6), split where the cell overtakes the belt."""
     cell = friction_cell.CELL
     amplitudes, damping = friction_cell.averaged_damping(belt)
+    assert (amplitudes[0], damping[0]) == (0.0, pytest.approx(0.0, abs=1e-14))
 
     def work(angle: float, R: float) -> float:
         slip = R * math.cos(angle) - belt
@@ -200,6 +241,7 @@ def test_an_averaged_amplitude_is_pulled_by_its_neighbours_and_damped_against_it
     assert friction_cell.averaged_front(1.0, 8) == 1.0
     rate, _, start = seen
     cycle = start[0]
+    assert set(start[3:]) == {0.0}
     r = np.array([1.5, -0.7, 0.2])
     drag = [1.5 * 0.55 * -0.55, -(0.7 * -0.25 * -1.35), 0.2 * -0.75 * -1.85]
     pull = [0.5 * (cycle + 0.7), 0.5 * (1.5 - 0.2), 0.5 * -0.7]
@@ -318,20 +360,58 @@ def test_of_two_releases_within_a_step_the_earlier_one_is_first() -> None:
     assert run.log[:, 0] == pytest.approx(np.sort(times), abs=1e-9)
 
 
-@pytest.mark.parametrize("slope", [1.0, 1e-6, -1e-6])
-def test_an_event_is_due_however_slowly_it_is_come_to(slope: float) -> None:
-    """Made up: the velocity over the belt is zero to rounding, and was not a moment before."""
+@pytest.mark.parametrize("slope", [1.0, 1e-6, -1e-6, 1e4])
+def test_an_event_is_due_however_slowly_or_fast_it_is_come_to(slope: float) -> None:
+    """Made up: the velocity over the belt is zero to rounding, and was not a moment before.
+
+    Or it would be zero at a time that differs by rounding.
+    """
     cell = FrictionCell(v_d=0.5, mu_st=1.0, xi=0.1)
     law = _Law(FrictionChain.of(cell, c=0.0, sites=1))
 
     def dense(t: float) -> np.ndarray:
-        return np.array([0.3, 1e-16 + slope * (t - 2.0)])
+        return np.array([0.3, 1e-16 + slope * (t - 2.0 - 1e-13)])
 
     modes = np.array([-1 if slope > 0.0 else 1])
     state, kinds = law.switched(dense(2.0), dense, 2.0, modes)
     assert kinds == [(0, BEGINS)]
     assert modes.tolist() == [0]
     assert state.tolist() == [0.3, 0.0]
+
+
+def test_a_site_that_stays_at_an_event_has_none() -> None:
+    law = _Law(FrictionChain.of(FrictionCell(v_d=0.5, mu_st=1.0, xi=0.1), c=0.0, sites=1))
+    modes = np.array([1])
+    _, kinds = law.switched(np.array([0.3, 0.0]), lambda _: np.array([0.3, 0.0]), 2.0, modes)
+    assert (kinds, modes.tolist()) == ([], [1])
+
+
+@pytest.mark.parametrize("root", [0.3, 0.7, 1.1])
+def test_an_event_is_located_to_rounding(root: float) -> None:
+    """Made up, and bent at its root: (root - t) + 100 (root - t)³."""
+
+    def dense(t: float) -> np.ndarray:
+        return np.array([(root - t) + 100.0 * (root - t) ** 3])
+
+    law: Any = SimpleNamespace(distance=lambda z, _: z)
+    found = _located(law, dense, np.zeros(1, dtype=np.int64), 0, low=0.0, high=2.0)
+    assert found == pytest.approx(root, abs=2e-15)
+
+
+def test_a_run_with_events_has_the_tolerances_that_are_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[dict[str, float]] = []
+
+    def noted(*given: Any, **how: float) -> Any:
+        asked.append(how)
+        return solver(*given, **how)
+
+    solver = events.DOP853
+    monkeypatch.setattr(events, "DOP853", noted)
+    chain = FrictionChain(c=0.0, sites=1)
+    run_events(chain, np.array([[2.0], [0.0]]), 0.1, tolerance=1e-9, longest_step=0.04)
+    assert asked == [{"rtol": 1e-9, "atol": pytest.approx(1e-10), "max_step": 0.04}]
 
 
 def test_a_site_that_starts_on_an_event_is_no_reference() -> None:
@@ -379,7 +459,9 @@ def test_the_pattern_of_regularised_friction_is_that_of_its_derivatives() -> Non
     assert np.array_equal(found, np.abs(np.array(slope).T) > 1e-6)
 
 
-@pytest.mark.parametrize(("end", "refused"), [(0.0, False), (-1e-12, False), (-1e-6, True)])
+@pytest.mark.parametrize(
+    ("end", "refused"), [(0.0, False), (-1e-12, False), (-2e-9, True), (-1e-6, True)]
+)
 def test_a_site_may_start_on_an_event_if_it_stays_there(end: float, refused: bool) -> None:
     """Within rounding; what it would do beyond its event is not known."""
     law: Any = SimpleNamespace(distance=lambda z, _: z)
@@ -394,6 +476,42 @@ def test_a_site_may_start_on_an_event_if_it_stays_there(end: float, refused: boo
             run()
     else:
         assert run() is None
+
+
+def test_the_switch_model_is_run_with_the_numbers_that_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its longest step is 1/(√(1 + 4c) + 2ξ), or the whole run."""
+    seen: list[Any] = []
+
+    def run(rule: Any, z: np.ndarray, record: Any) -> float:
+        seen[:] = rule, z, record
+        record.counters[:] = 7, 5, 3, 0
+        record.states[1] = 2.0
+        record.arrivals[0] = 0.5
+        return 3.5
+
+    monkeypatch.setattr(switch_model, "_trapezoid", run)
+    chain = FrictionChain.of(FrictionCell(xi=0.3), c=2.0, sites=2)
+    start, most = np.array([[2.0, 0.5], [0.0, 0.1]]), 1.0 / (3.0 + 0.6)
+    found = run_switch(chain, start, 4.0, step=0.999 * most, relative=1e-4, absolute=1e-7,
+                       samples=5)  # fmt: skip
+    rule, z, record = seen
+    assert (rule.t_end, rule.relative, rule.absolute, rule.free) == (4.0, 1e-4, 1e-7, True)
+    assert rule.fixed == pytest.approx(4.0 / 15.0, rel=1e-12)
+    assert np.array_equal(z, start)
+    assert record.times.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert (found.steps, found.rejected, found.unconverged, found.reached) == (7, 5, 3, 3.5)
+    assert (found.y[1].tolist(), found.velocity[0].tolist()) == ([2.0, 2.0], [0.0, 0.0])
+    assert found.arrivals.tolist() == [0.5, pytest.approx(math.nan, nan_ok=True)]
+    for step, steps in ((0.01, 400), (4.0 / (400.0 + 1e-7), 401)):  # a whole number, to rounding
+        run_switch(chain, start, 4.0, step=step)
+        assert seen[0].fixed == pytest.approx(4.0 / steps, rel=1e-12)
+    run_switch(chain, start, 4.0)
+    assert (seen[0].fixed, seen[0].relative, seen[0].absolute) == (0.0, 1e-3, 1e-6)
+    for end, step in ((4.0, 1.001 * most), (0.1, 0.1001), (4.0, 0.0)):
+        with pytest.raises(ParameterError, match="step"):
+            run_switch(chain, start, end, step=step)
 
 
 def test_steps_of_the_switch_model_are_bounded_and_their_refusals_counted() -> None:
@@ -458,6 +576,29 @@ def test_a_wave_by_differences_is_free_of_roundings_of_doubles(
 
     monkeypatch.setattr(waves, "_guess", other)
     assert abs(waves.front_velocity(0.6, 0.03125, **given) - v) < 2e-17
+
+
+def test_a_wave_is_looked_for_from_a_run_of_the_chain_between_both_cycles(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The velocity of the run is that of the wave but for what is left of its start."""
+    eta, given = 0.03125, []
+    guess = waves._guess
+
+    def noted(*known: Any) -> Any:
+        given.extend(known)
+        raise ArithmeticError("seen")
+
+    monkeypatch.setattr(waves, "_guess", noted)
+    with pytest.raises(ArithmeticError, match="seen"):
+        waves.front_velocity(0.6, eta)
+    unstable, stable = np.sqrt(np.sort(np.roots([eta / 8.0, -0.25, 1.0])))
+    assert given[3:] == pytest.approx([stable, unstable], rel=1e-12)
+    R, v = guess(0.6, eta, np.array([-12.0, -0.5, 0.0, 0.5, 20.0]), stable, unstable)
+    assert v == pytest.approx(0.722566, abs=1e-3)  # as in the docstring of front_velocity
+    assert R[[0, 2]] == pytest.approx([stable, unstable], rel=1e-2)
+    assert stable > R[1] > R[2] > R[3] > 0.0
+    assert abs(R[4]) < 0.1 * unstable
 
 
 @pytest.mark.parametrize("guessed", [0.5, 1.0])
@@ -562,6 +703,43 @@ def test_a_front_of_quarter_turns_is_timed_until_it_has_run_through(c: float, et
     assert found == pytest.approx(wave, abs=1e-8)
 
 
+def test_a_front_of_quarter_turns_is_run_longer_until_all_sites_are_passed_or_it_is_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Made up: sites are passed one after the other, at some velocity or at none."""
+    c, sites, v = 0.3, 24, 0.25
+    ends: list[float] = []
+    rates: list[Any] = []
+
+    def run(rate: Any, span: tuple[float, float], start: np.ndarray, **_: Any) -> Any:
+        ends.append(span[1])
+        rates.append(rate)
+        t = np.linspace(*span, 2000)
+
+        def heights(t: Any) -> Any:
+            return np.maximum(10.0 + v * t - np.arange(sites).reshape(-1, *[1] * np.ndim(t)), 0.0)
+
+        return SimpleNamespace(t=t, y=heights(t), sol=heights)
+
+    monkeypatch.setattr(passages, "solve_ivp", run)
+    assert passages.quarter_turn_velocity(1.0, 0.05, c, sites) == pytest.approx(v, rel=1e-9)
+    assert ends[0] == pytest.approx(sites / c)
+    chain = VdpChain(a=1.0, b=0.05, c=c)
+    r = np.cos(np.arange(sites))
+    damping = 0.5 * r[0] * (1.0 - r[0] ** 2 / 4.0 + 0.05 * r[0] ** 4 / 8.0)
+    pull = 0.5 * c * (chain.stable_amplitude - r[1])
+    assert rates[0](0.0, r)[0] == pytest.approx(pull - damping, rel=1e-12)
+    v = 0.07  # too slow for the first run, which then ends beside the first of the sites watched
+    ends.clear()
+    assert passages.quarter_turn_velocity(1.0, 0.05, c, sites) == pytest.approx(v, rel=1e-9)
+    assert len(ends) > 1
+    v = 0.0
+    ends.clear()
+    with pytest.raises(ArithmeticError, match="does not end"):
+        passages.quarter_turn_velocity(1.0, 0.05, c, sites)
+    assert 25.0 < max(ends) * c / sites <= 100.0
+
+
 def test_a_front_of_quarter_turns_at_strong_coupling_obeys_the_law() -> None:
     """v = c + κ (c/6)^{1/3}, to the next order."""
     law = 100.0 + strong_coupling_front(0.03125).kappa * (100.0 / 6.0) ** (1.0 / 3.0)
@@ -655,8 +833,9 @@ def test_no_pattern_of_phase_steps_is_tried_twice(size: int) -> None:
 
 
 def test_a_pattern_that_newton_does_not_lead_to_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(phase_locked, "solve", lambda *_: None)
-    assert phase_locked._distinct([np.zeros(1)], 2, A, B) == []
+    for found in (None, np.zeros(2 * (2 + 2 * phase_locked.MARGIN) + 1)):  # or to rest
+        monkeypatch.setattr(phase_locked, "solve", lambda *_, found=found: found)
+        assert phase_locked._distinct([np.zeros(1)], 2, A, B) == []
 
 
 def test_breathers_are_the_same_but_for_their_phase_and_a_reflection() -> None:
@@ -934,6 +1113,19 @@ def test_the_fold_is_as_uncertain_as_roundings_at_its_own_coupling_make_it(
     monkeypatch.setattr(precise_breather, "_rounding", noted)
     found = precise_breather.locked_fold(eta, fold, near.waves, float(near.unknowns[-1]))
     assert asked == [(eta, pytest.approx(fold, rel=1e-8))]
+    # Where a matrix maps to zero from the left, its equation moves with c alone.
+    keep, whole = precise_breather._mirrored(3)
+    x, c = found.value[:-1], found.value[-1]
+
+    def locked(x: Any, c: Any) -> Any:
+        return precise_breather._defect(x[whole], eta, c, 1)[keep]
+
+    h = extrapolation.extended(1e-6 * np.eye(keep.size))
+    slopes = [(locked(x[keep] + each, c) - locked(x[keep] - each, c)) / 2e-6 for each in h]
+    left = np.linalg.svd(np.array(slopes).T.astype(float))[0][:, -1]
+    by_c = (locked(x[keep], c + 1e-6) - locked(x[keep], c - 1e-6)).astype(float) / 2e-6
+    expected = np.abs(left) @ roundings(x, eta, float(c))[keep] / abs(left @ by_c)
+    assert found.uncertainty == pytest.approx(expected, rel=1e-2)
     assert 0.0 < found.uncertainty < 1e-15
 
 
@@ -974,16 +1166,16 @@ def test_roundings_of_a_state_are_larger_than_those_of_each_of_its_terms() -> No
 def test_after_each_step_of_a_reference_the_arrivals_so_far_are_shown() -> None:
     seen: list[tuple[float, np.ndarray]] = []
     found = passages.arrivals_by_scipy(
-        lambda t, y: np.ones(2),
-        np.array([0.0, -1.0]),
+        lambda t, y: np.ones(3),
+        np.array([0.0, -1.0, 0.7]),
         amplitude=lambda y: y,
         level=0.5,
-        watched=slice(0, 2),
+        watched=slice(0, 3),
         rtol=1e-9,
         atol=1e-9,
         each_step=lambda t, times: seen.append((t, times.copy())),
     )
-    assert found == pytest.approx([0.5, 1.5], rel=1e-9)
+    assert found == pytest.approx([0.5, 1.5, 0.0], rel=1e-9)  # the last is above it at the start
     for t, times in seen:
         assert np.isnan(times).tolist() == (found > t).tolist()
     assert len(seen) > 1
@@ -1001,6 +1193,13 @@ def test_the_pace_of_a_run_is_asked_for_at_the_part_of_it_that_is_done(
     assert asked == [0.0, 0.25, 1.0]
     pace.paced(lambda t, y: -y, -4.0)(-1.0, 2.0)  # backwards
     assert asked[3:] == [0.25]
+
+
+def test_intervals_have_the_weights_that_are_said() -> None:
+    """Of three, s = 1/4, 1/2 and 3/4; those of n² lie evenly on either side of their middle."""
+    middle = math.exp(-4.0) / (math.exp(-4.0) + 2.0 * math.exp(-16.0 / 3.0))
+    assert passages.mean_interval(np.array([0.0, 1.0, 3.0, 4.0])) == pytest.approx(1.0 + middle)
+    assert passages.mean_interval(np.arange(10.0) ** 2) == pytest.approx(9.0, rel=1e-12)
 
 
 def test_a_site_passes_a_level_when_it_first_exceeds_it() -> None:

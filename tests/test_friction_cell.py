@@ -1168,6 +1168,27 @@ def test_slip_that_is_followed_no_longer_has_settled_where_little_of_its_way_is_
         assert friction_cycles.largest_after_release(cell, 1e-8) == found[2]
 
 
+@pytest.mark.parametrize(
+    "cell",
+    [
+        FrictionCell(mu_d=0.0, xi=0.5, v0=0.01, v_d=1.0),
+        FrictionCell(mu_st=1e6, mu_d=1e6 - 1.0, xi=0.5, v0=1e4, v_d=1e-3),
+    ],
+    ids=["released in steady sliding at y = 0", "on a slow belt"],
+)
+def test_slip_has_settled_within_the_rounding_of_its_velocity_or_of_its_place(
+    cell: FrictionCell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rounding = np.spacing(max(cell.v_d, cell.steady_sliding))
+    assert friction_cycles._SETTLED * abs(cell.release - cell.steady_sliding) < rounding
+    for few, settled in ((4.0, True), (400.0, False)):
+        y = cell.steady_sliding + few * rounding
+        abandoned = (phases.ABANDONED, y, -cell.v_d)
+        monkeypatch.setattr(friction_cycles, "_phase", lambda *_, at=abandoned, **__: at)
+        with nullcontext() if settled else pytest.raises(ParameterError, match="so weak"):
+            assert friction_cycles.largest_after_release(cell, 1e-8) == -cell.v_d
+
+
 def test_slip_that_is_followed_no_longer_is_refused_with_its_damping(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -18,7 +18,7 @@ import pytest
 from paper_checks import prose, run, shipped
 from paper_checks.claim import Claim, Method, Repeat, Verdict
 from paper_checks.discover import Entry, find_entries
-from paper_checks.finding import Finding, Picture
+from paper_checks.finding import Finding, Formula, Picture
 from paper_checks.outcome import JudgedClaim, Judgement, Provenance, slug
 from paper_checks.report import measurements, render, state_picture
 from paper_checks.report.document import make_report, to_json
@@ -197,7 +197,8 @@ def test_claims_are_counted_by_their_methods_and_those_that_cannot_be_judged_are
 
 
 def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> None:
-    finding = replace(FINDING, remarks=("By the way.",))
+    printed = Formula("As printed", "x = 1")
+    finding = replace(FINDING, remarks=("By the way.",), formulas=(printed,))
     held, failed = to_json(report_of(outcome("a", finding), outcome("b", None)))["claims"]
     for name in ("methods", "remarks"):
         assert (held[name], failed[name]) == (list(getattr(finding, name)), [])
@@ -207,6 +208,7 @@ def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> Non
     assert (held["verdict"], failed["verdict"]) == ("holds only in part", None)
     assert (held["failure"], failed["failure"]) == (None, "ArithmeticError: no root.")
     assert held["pictures"][0]["svg"] == "fig16-speed.svg"
+    assert (held["formulas"], failed["formulas"]) == ([vars(printed)], [])
 
 
 def test_pictures_of_the_gallery_are_captioned_with_their_figure_or_else_the_first() -> None:
@@ -239,12 +241,18 @@ def test_test_problems_stand_with_the_reference_of_their_quantity(tmp_path: Path
     record = {"agreement": {problem.name: 2e-13}, "command": "c", "date": "d", "versions": {},
               "machine": {"processor": "made up", "cores": 2}}  # fmt: skip
     found = measurements._problems({quantity.name: record}, tmp_path)
+    assert (found.key, found.title) == ("problems", "The test problems")
     row = dict(zip(found.head, found.rows[0], strict=True))
     assert (row["Quantity"], row["Problem"]) == (quantity.name, problem.name)
     assert row["Reference"] == quantity.reference
     assert float(row["To within"]) == pytest.approx(quantity.accuracy, rel=0.5)
     assert row["Measured apart"] == "2e-13"
     assert len(found.rows) == sum(len(each.test_problems) for each in all_quantities())
+
+
+def test_text_on_the_page_is_no_markup() -> None:
+    template = render._environment().from_string("{{ words }} {{ 'c < 1' | typeset }}")
+    assert template.render(words="<b> & c") == "&lt;b&gt; &amp; c c &lt; 1"
 
 
 def test_the_schema_is_of_the_version_that_is_written() -> None:
@@ -411,6 +419,7 @@ def test_where_a_range_ends_before_its_parameter_does_the_reason_is_beside_it(
     assert found is not None
     rows = [dict(zip(found.head, row, strict=True)) for row in found.rows]
     assert [row["Over"] for row in rows] == ["c to 10 (no reference)", "v", ""]
+    assert [row["What"] for row in rows] == ["Σ", "Σ", ""]
     assert [row["Slow"] for row in rows] == ["-", "-", "0"]
     assert [row["Slowest"] for row in rows] == ["0.5 s", "0.5 s", ""]
     assert rows[-1]["Points"] == "6"
@@ -428,6 +437,7 @@ def test_growth_is_shown_with_its_diagram_and_why_it_is_not_as_expected(tmp_path
         (tmp_path / "growth.svg").write_text("<svg/>", encoding="utf-8")
     one, other = (dict(zip(found.head, row, strict=True)) for row in found.rows)
     assert (one["Size"], one["Time"], one["Power"]) == ("N, 10 to 100", "0.1 to 1 s", "1.00")
+    assert (found.key, found.title) == ("growth", "Cost as the work grows")
     reasons = "Reason for the difference"
     assert (one[reasons], other[reasons]) == ("", "a cache")
 
@@ -452,8 +462,56 @@ def test_a_diagram_without_its_numbers_is_shown_and_numbers_without_one_are_not(
     (tmp_path / "sum.svg").write_text("<svg/>", encoding="utf-8")
     for data in ("", "c,v\n1,2\n"):
         found = measurements._diagram("sum", {}, tmp_path)
-        assert (found.svg, found.data) == ("<svg/>", data)
+        assert (found.name, found.svg, found.data, found.failures) == ("sum", "<svg/>", data, ())
         (tmp_path / "sum.csv").write_text("c,v\n1,2\n", encoding="utf-8")
+    failed = {"method": "quad", "problem": "narrow", "knob": 1e-3, "reason": "too slow"}
+    (failure,) = measurements._diagram("sum", {"failures": [failed]}, tmp_path).failures
+    assert vars(failure) == failed | {"knob": "0.001"}
+
+
+_ORIGIN = {
+    "command": "c", "date": "d", "versions": {"numpy": "2.0", "zarr": None, "mpmath": "1.3"},
+    "machine": {"processor": "made up", "cores": 2},
+}  # fmt: skip
+
+
+def test_targets_and_first_calls_are_rows_of_their_quantities(tmp_path: Path) -> None:
+    target = {"claim": "ours to theirs", "relation": "at least", "limit": 2.0, "unit": "times",
+              "measured": 2.5, "verdict": "met"}  # fmt: skip
+    call = {"method": "series", "cold": 1.5, "loaded": 0.25, "again": None, "reason": "none"}
+    record = {"targets": [target, target | {"limit": None}], "first_calls": [call]} | _ORIGIN
+    records: dict[str, Any] = {"sum": record, "other": {**_ORIGIN}}
+    (tmp_path / "sum.svg").write_text("<svg/>", encoding="utf-8")
+    speed = measurements._speed(records, tmp_path)
+    assert speed is not None
+    assert (speed.key, speed.title) == ("speed", "Error against run time")
+    assert speed.head == ("Quantity", "What is compared", "Required", "Measured", "Verdict")
+    assert speed.rows == (("sum", "ours to theirs", "at least 2 times", "2.5", "met"),)
+    assert [each.name for each in speed.diagrams] == ["sum"]
+    first = measurements._first_calls(records, tmp_path)
+    assert first is not None
+    assert (first.key, first.title) == ("first-calls", "First calls")
+    assert first.rows == (("sum", "series", "1.5 s", "0.25 s", "-", "none"),)
+    for found in (speed, first):
+        assert found.lead.endswith(".")
+        (origin,) = found.origins
+        place = "made up, 2 cores; numpy 2.0, mpmath 1.3"
+        assert (origin.command, origin.date, origin.machine) == ("c", "d", place)
+        assert origin.stale.startswith("it does not state the code")
+    for maker in (measurements._speed, measurements._first_calls, measurements._work_reduction):
+        assert maker({"other": {**_ORIGIN}}, tmp_path) is None
+
+
+def test_what_is_not_computed_stands_with_its_bound_its_change_and_its_test(tmp_path: Path) -> None:
+    row = {"what": "a tail", "decided": "by its bound", "bound": "1e-9", "changed": "1e-10",
+           "measured": "1 s and 2 s", "test": "tests/test_x.py"}  # fmt: skip
+    record = {"work_reduction": [row]} | _ORIGIN
+    found = measurements._work_reduction({"work_reduction": record}, tmp_path)
+    assert found is not None
+    assert (found.key, found.title) == ("work-reduction", "What is not computed")
+    assert found.head == ("What", "How it is decided", "Bound", "Changed", "Cost", "Test")
+    assert found.rows == (tuple(row.values()),)
+    assert found.lead.startswith("Computations that are truncated")
 
 
 # ------------------------------------------------------------------------- pictures and equations

@@ -55,7 +55,7 @@ from verification.runs.friction_integration import FrictionIntegration
 from verification.runs.integration import StandstillError
 from verification.runs.simulate import simulate
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import friction, smooth, stiff_stage
+from verification.steppers import active, friction, smooth, stiff_stage
 from verification.steppers.friction_series import CLOCK
 from verification.thresholds import escape
 from verification.thresholds.preparation import NucleusPreparation
@@ -544,6 +544,13 @@ def test_on_a_ring_every_site_is_stepped() -> None:
     for ends, window in ((Ends.PERIODIC, [0, 60]), (Ends.FREE, [0, 1 + smooth_integration.MARGIN])):
         chain = AveragedChain(a=4, b=0.5, c=0.1, sites=60, ends=ends)
         assert stepped_sites(SmoothIntegration(chain, excite(chain, [1]), [10.0])) == window
+
+
+@pytest.mark.parametrize(("wave", "first"), [(False, active.FREE), (True, active.FOLLOWING)])
+def test_before_the_first_site_there_is_nothing_or_a_wave(wave: bool, first: int) -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.6, sites=3)
+    run = SmoothIntegration(chain, np.zeros((2, 3)), [1.0], left_boundary_wave=wave)
+    assert run._task.first == first
 
 
 def test_the_errors_of_a_driven_chain_are_relative_to_its_force_while_it_is_at_rest() -> None:

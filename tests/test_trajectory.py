@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from time import perf_counter
 from types import SimpleNamespace
 from typing import Any
@@ -29,6 +30,7 @@ from verification.references import equations
 from verification.runs import simulate as simulate_module
 from verification.runs.comparison import other_tolerance
 from verification.runs.excite import excite
+from verification.runs.integration import checked_state
 from verification.runs.simulate import _with_comparisons, simulate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import RunStatus, Trajectory
@@ -333,8 +335,30 @@ def test_a_start_may_be_complex_or_a_pair_of_rows() -> None:
     psi = rows[1] + 1j * rows[0]
     one, other = (simulate(FRONT, each, 20.0, samples=2) for each in (rows, psi))
     assert np.array_equal(one.states, other.states)
+
+
+def test_a_pair_of_complex_rows_is_refused_as_such() -> None:
     with pytest.raises(ParameterError, match=r"start = a complex array .* must be real;"):
-        simulate(FRONT, rows + 0j, 20.0)
+        checked_state(FRONT, np.zeros((2, FRONT.sites), dtype=complex))
+
+
+def test_a_run_is_given_its_end_its_budget_its_checkpoint_and_whom_it_reports_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+
+    def run_to_end(runs: list[SmoothIntegration], *given: Any) -> float:
+        asked.extend(given)
+        assert [each.end for each in runs] == [5.0]
+        return 0.0
+
+    monkeypatch.setattr(simulate_module, "run_to_end", run_to_end)
+    file = tmp_path / "run.npz"
+    simulate(
+        FRONT, np.zeros((2, 8)), 5.0, samples=2, estimate_error=False, budget=7, checkpoint=file,
+        progress=asked.append,
+    )  # fmt: skip
+    assert asked == [5.0, 7, file, asked.append]
 
 
 @pytest.mark.parametrize(

@@ -1001,6 +1001,15 @@ def test_the_controls_say_eta_or_what_follows_from_a_and_b() -> None:
 
     controls = Controls()
     assert (controls.a.visible, controls.b.visible, controls.eta.visible) == (False, False, True)
+    for number in (
+        controls.c,
+        controls.eta,
+        controls.a,
+        controls.b,
+        controls.eps,
+        controls.nucleus,
+    ):
+        assert number.start <= number.value <= number.end
     controls.c.value = 0.75
     assert (controls.settings().eta, controls.settings().a) == (controls.eta.value, None)
     controls.damping.value = True

@@ -336,8 +336,8 @@ def test_a_breather_may_be_missing_below_a_fold_by_as_much_as_that_is_off(
         assert (check.distance == 0.0) is held
 
 
-@pytest.mark.parametrize(("above", "held"), [(0.0, True), (1e-6, True), (3e-6, False)])
-def test_a_breather_may_lie_below_the_fold_by_twice_its_error(
+@pytest.mark.parametrize(("above", "held"), [(0.0, True), (1e-6, True), (1e-5, False)])
+def test_a_breather_may_lie_below_the_fold_by_about_its_error(
     above: float, held: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where the two meet, S of the fold is known no better than S of the breather."""

@@ -575,6 +575,25 @@ def test_a_run_of_ones_own_chain_is_that_of_the_equation_written_again(
     assert len(known) == 3
 
 
+def test_a_run_of_ones_own_chain_is_as_far_off_as_its_worst_number(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Any] = []
+
+    def precise(rate: Any, start: np.ndarray, end: float) -> PreciseState:
+        asked.append((rate(0.0, start).shape, start.tolist(), end))
+        return PreciseState(value=np.arange(10.0), uncertainty=1e-9)
+
+    monkeypatch.setattr(own_chains, "precise_state", precise)
+    at = {"k": 0.1, "far": 0.2, "d": 0.3, "spread": 0.1, "c": 2.0, "eps": 0.05, "sites": 5.0}
+    value = np.arange(10.0).reshape(2, 5)
+    for off in (1e-3, -1e-3):
+        stated = StatedValue(value=value + off * np.eye(5)[:2], error=0.0, extra=np.ones((2, 5)))
+        check = own_chains.own_precisely(at, stated)
+        assert (check.distance, check.uncertainty) == (pytest.approx(1e-3), 1e-9)
+    assert asked == [((10,), [1.0] * 10, own_chains._END)] * 2
+
+
 def test_springs_do_not_act_on_equal_places_in_extended_precision_either() -> None:
     """The sum of a row is zero to the last bit, also of 2 + 2·0.3 in long doubles."""
     state = np.concatenate([np.full(6, np.longdouble(1.0)), np.zeros(6, dtype=np.longdouble)])

@@ -683,6 +683,25 @@ def test_the_part_of_a_stiff_stage_is_widened_until_its_margins_stay_at_rest(
     assert set(spans) == {(5.0, 6.0)}  # the end of the run comes before that of a piece
 
 
+def test_a_stiff_stage_that_begins_at_the_second_site_is_widened_to_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where the second one moves."""
+    chain, rest, pad = VdpChain(a=4, b=0.5, c=0.6, sites=99), 1e-6, 2 * stiff_stage._PAD
+
+    def solve(part: Any, x: Any, *_: Any) -> Any:
+        y = np.zeros((2 * part.sites, 2))
+        y[: part.sites, 1] = np.where(x[0] == 1.0, 2.0 * rest, 0.0)
+        return SimpleNamespace(t=np.array([0.0, 1.0]), y=y, sol="path")
+
+    monkeypatch.setattr(stiff_stage, "_radau", solve)
+    state = np.array([np.arange(99.0), np.zeros(99)])
+    piece = stiff_stage.solve_stiff_piece(
+        chain, state, (pad + 1, pad + 2), 0.0, 1.0, 1e-9, rest, 2, steps_taken=0
+    )
+    assert (piece.first, piece.last) == (0, pad + 2 + 4 * pad)
+
+
 def test_a_chain_without_an_implicit_method_says_that_it_is_too_stiff() -> None:
     chain = AveragedChain(a=4e4, b=1e8, c=0.6, sites=3)
     with pytest.raises(StandstillError, match="run \\(8\\), which has a stiff method"):

@@ -13,6 +13,7 @@ import pytest
 from scipy.integrate import simpson
 
 from theory.cells.friction import FrictionCell
+from theory.cells.friction_law import FrictionLaw
 from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError, RunError
@@ -27,6 +28,8 @@ from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
 from verification.steppers.friction_series import (
+    BINOMIALS,
+    DRAG,
     LAST_MAXIMUM,
     LAST_MINIMUM,
     _polish,
@@ -502,6 +505,29 @@ def test_a_run_can_be_taken_in_parts() -> None:
         parts.advance_to(t)
     assert np.abs(whole.state - parts.state).max() < 1e-8
     assert np.array_equal(whole.stuck, parts.stuck)
+
+
+@pytest.mark.parametrize("law", [FrictionLaw.EXPONENTIAL, FrictionLaw.STRIBECK])
+def test_a_run_has_room_for_its_series_and_work(law: FrictionLaw) -> None:
+    """Compiled code does not ask: a row of series for y, ẏ, friction, and Gauss's curve if any.
+
+    Of the work space, binomials up to the order are followed by a stack of 48 halvings and two.
+    """
+    chain = FrictionChain(c=0.05, sites=3, law=law, viscous=0.3)
+    run = FrictionIntegration(chain, excite(chain, [2], 0.5))
+    rows = 4 if law is FrictionLaw.STRIBECK else 3
+    assert run._run.series.shape == (rows, run.order + 1, chain.sites + 2)
+    assert run._run.work.shape == (BINOMIALS + (run.order + 1) + 48 + 2, run.order + 1)
+    assert run._run.numbers[DRAG] == pytest.approx(2.0 * chain.cell.xi + 0.3)
+
+
+def test_sites_that_stick_when_a_run_begins_have_arrived() -> None:
+    chain = FrictionChain(c=0.0, sites=2)
+    start = np.array([[0.0, chain.cell.steady_sliding], [chain.cell.v_d, 0.0]])
+    run = FrictionIntegration(chain, start)
+    run.advance_to(0.01)
+    assert run.stuck.tolist() == [True, False]
+    assert run.arrivals.tolist() == pytest.approx([0.0, np.nan], nan_ok=True)
 
 
 def test_a_chain_at_rest_without_an_end_goes_on_in_finite_frames() -> None:

@@ -406,6 +406,8 @@ def test_a_site_passes_a_level_between_two_implicit_steps(level: float) -> None:
     )  # fmt: skip
     late = {5: pytest.approx(2.0 * level, rel=1e-12)} if level <= 2.0 else {}
     assert piece.passes(level) == {4: pytest.approx(level, rel=1e-12), **late}
+    beyond = replace(piece, times=np.array([8.0, 9.0]))
+    assert beyond.passes(level) == {4: 8.0, 5: 8.0}  # from the beginning
 
 
 @pytest.mark.parametrize(

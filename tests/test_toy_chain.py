@@ -321,6 +321,7 @@ def test_a_run_of_another_right_hand_side_is_another_run(monkeypatch: pytest.Mon
     monkeypatch.setattr(NagumoChain, "_right_hand_side", staticmethod(slower))
     other = metadata()
     assert {key for key in one if one[key] != other[key]} == {"right_hand_side"}
+    assert None not in (one["right_hand_side"], other["right_hand_side"])  # not of this project
 
 
 @pytest.mark.parametrize("eta", ["0.1", "0.01:0.1:3"])

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import shlex
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -1101,6 +1102,23 @@ def test_without_damping_and_weakening_no_cycle_is_unstable() -> None:
         assert unstable_once(FrictionCell(law="coulomb", xi=0.0, v_d=v_d), 1e-12) is None
 
 
+def _cycle_of_map(after: Callable[[float], float], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Return the unstable cycle of turns in which a distance d from sliding becomes after(d)."""
+    cell = FrictionCell()
+    centre = cell.steady_sliding
+
+    def following(_: object, y: float, end: int, __: float) -> tuple[float, float, float]:
+        d = y - centre
+        return 6.0, centre + (after(d) if end == phases.HIGHEST else -d), 0.125
+
+    monkeypatch.setattr(friction_cycles, "largest_after_release", lambda *_: 1.0)
+    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: (3.0, centre + 1.0, 0.0))
+    monkeypatch.setattr(friction_cycles, "_slip_from", following)
+    found = unstable_once(cell, 1e-12)
+    assert found is not None
+    return found
+
+
 @pytest.mark.parametrize(("beyond", "known"), [(1.0, True), (1.02, True), (3.0, False)])
 def test_a_multiplier_that_differs_to_both_sides_is_unknown_as_is_its_error(
     beyond: float, known: bool, monkeypatch: pytest.MonkeyPatch
@@ -1109,20 +1127,8 @@ def test_a_multiplier_that_differs_to_both_sides_is_unknown_as_is_its_error(
 
     The slopes on both sides may differ by a hundredth of their size.
     """
-    cell = FrictionCell()
-    centre = cell.steady_sliding
-
-    def following(_: object, y: float, end: int, __: float) -> tuple[float, float, float]:
-        d = y - centre
-        after = d + (beyond if d > 0.5 else 1.0) * d * (d - 0.5)
-        return 6.0, centre + (after if end == phases.HIGHEST else -d), 0.125
-
-    monkeypatch.setattr(friction_cycles, "largest_after_release", lambda *_: 1.0)
-    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: (3.0, centre + 1.0, 0.0))
-    monkeypatch.setattr(friction_cycles, "_slip_from", following)
-    found = unstable_once(cell, 1e-12)
-    assert found is not None
-    assert found.max == pytest.approx(centre + 0.5)
+    found = _cycle_of_map(lambda d: d + (beyond if d > 0.5 else 1.0) * d * (d - 0.5), monkeypatch)
+    assert found.max == pytest.approx(FrictionCell().steady_sliding + 0.5)
     if known:
         assert found.multiplier == pytest.approx(0.5 * (1.5 + 1.0 + 0.5 * beyond))
     assert (found.multiplier is not None, found.multiplier_error is not None) == (known, known)
@@ -1133,20 +1139,12 @@ def test_the_error_of_a_multiplier_covers_the_third_derivative_of_the_map_of_eit
     third: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a made-up map with the slope 1.5 at its fixed point, and a term of third order there."""
-    cell = FrictionCell()
-    centre = cell.steady_sliding
 
-    def following(_: object, y: float, end: int, __: float) -> tuple[float, float, float]:
-        d = y - centre
+    def after(d: float) -> float:
         off = d - 0.5
-        after = d + d * off + third * off**3 * math.exp(-((1e3 * off) ** 2))
-        return 6.0, centre + (after if end == phases.HIGHEST else -d), 0.125
+        return d + d * off + third * off**3 * math.exp(-((1e3 * off) ** 2))
 
-    monkeypatch.setattr(friction_cycles, "largest_after_release", lambda *_: 1.0)
-    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: (3.0, centre + 1.0, 0.0))
-    monkeypatch.setattr(friction_cycles, "_slip_from", following)
-    found = unstable_once(cell, 1e-12)
-    assert found is not None
+    found = _cycle_of_map(after, monkeypatch)
     assert 1e-6 < abs(found.multiplier - 1.5) <= found.multiplier_error < 1e-3
 
 

@@ -64,6 +64,8 @@ from theory.piecewise.folds import fold_eta
 from theory.piecewise.limits import pinning_eta
 from verification.breathers.outcome import Evolution, NucleusOutcome
 from verification.execution.table import Table
+from verification.references.equations import averaged_rate, full_rate
+from verification.references.pace import last_state
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
@@ -138,6 +140,23 @@ def test_the_hysteresis_of_fig_18_is_run_at_eta_below_pinning_and_up_to_the_fold
 
 def test_the_chain_of_figs_7_to_9_has_a_site_in_the_middle() -> None:
     assert _orbits.SITES == 2 * _orbits.CENTRE + 1
+
+
+def test_breathers_of_figs_7_to_9_are_of_the_middle_site_and_solve_their_equations() -> None:
+    c, sites = 0.12, _orbits.SITES
+    known = {"a": _breathers.A, "b": _breathers.B, "c": c, "sites": sites}
+    averaged = _orbits.averaged_of.__wrapped__(c)
+    phi = averaged.unknowns[:sites] + 1j * averaged.unknowns[sites:-1]
+    turning = 1j * averaged.unknowns[-1] * phi
+    assert averaged_rate(VdpChain(**known))(0.0, phi) == pytest.approx(turning, abs=1e-10)
+    orbits = {eps: _orbits.orbit_of.__wrapped__(c, eps) for eps in (_breathers.EPS, 0.02)}
+    for eps, orbit in orbits.items():
+        rate = full_rate(VdpChain(**known, eps=eps))
+        end = last_state(rate, orbit.period, orbit.state, 1e-11, 1e-11)
+        assert end == pytest.approx(orbit.state, abs=1e-9)
+    for size in (np.abs(phi), *(orbit.amplitudes for orbit in orbits.values())):
+        excited = np.flatnonzero(size > VdpChain(**known).unstable_amplitude)
+        assert excited.tolist() == [_orbits.CENTRE]
 
 
 def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:

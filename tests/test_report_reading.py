@@ -62,6 +62,17 @@ def test_figures_named_by_a_place_are_found() -> None:
     assert modules_named("Figures without numbers, Eq. (5)") == ()
 
 
+def test_a_report_that_names_files_elsewhere_removes_none(tmp_path: Path) -> None:
+    path = tmp_path / "report.json"
+    names = ["../a.svg", "/etc/passwd", "a.svg", 3, ".hidden"]
+    pictures = [{"svg": name, "data": "a.csv"} for name in names]
+    path.write_text(json.dumps({"claims": [{"pictures": pictures}]}))
+    assert pictures_listed(path) == {"a.svg", "a.csv"}
+    for broken in ("", "[]", "{}", '{"claims": [{}]}', '{"claims": 1}'):
+        path.write_text(broken)
+        assert pictures_listed(path) == set()
+
+
 @pytest.mark.usefixtures("example_claims")
 def test_many_claims_are_told_in_ten_lines(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -110,17 +121,6 @@ def test_a_smaller_report_leaves_no_pictures_of_a_larger_one(
     assert there == pages | {"mine.csv", STORE} | pictures
     assert main(["check", "fig9", "--out", str(tmp_path)]) == 0
     assert "removed" not in capsys.readouterr().out
-
-
-def test_a_report_that_names_files_elsewhere_removes_none(tmp_path: Path) -> None:
-    path = tmp_path / "report.json"
-    names = ["../a.svg", "/etc/passwd", "a.svg", 3, ".hidden"]
-    pictures = [{"svg": name, "data": "a.csv"} for name in names]
-    path.write_text(json.dumps({"claims": [{"pictures": pictures}]}))
-    assert pictures_listed(path) == {"a.svg", "a.csv"}
-    for broken in ("", "[]", "{}", '{"claims": [{}]}', '{"claims": 1}'):
-        path.write_text(broken)
-        assert pictures_listed(path) == set()
 
 
 def _claim(shared: Callable[[], object]) -> Claim:

@@ -21,6 +21,7 @@ from paper_checks.discover import Entry, find_entries
 from paper_checks.finding import Finding, Formula, Picture
 from paper_checks.outcome import JudgedClaim, Judgement, Provenance, slug
 from paper_checks.report import measurements, render, state_picture
+from paper_checks.report import section as sections
 from paper_checks.report.document import make_report, to_json
 from paper_checks.report.figure_links import pictures_of
 from paper_checks.report.inline_svg import width_of
@@ -194,6 +195,15 @@ def test_claims_are_counted_by_their_methods_and_those_that_cannot_be_judged_are
         outcome("e", methods=two), outcome("f", recorded=Verdict.UNTESTABLE),
     )  # fmt: skip
     assert found.confirmed == (3, 2)
+
+
+def test_shared_work_of_earlier_runs_is_none_of_this_one() -> None:
+    def judged(key: str, shared: float, stored: bool) -> JudgedClaim:
+        judgement = Judgement(FINDING, None, 1.0, "now", stored=stored, shared=shared)
+        return JudgedClaim(Entry("fig16", claim(key)), judgement)
+
+    found = report_of(judged("a", 2.0, False), judged("b", 4.0, True), judged("c", 8.0, False))
+    assert found.shared == 10.0
 
 
 def test_a_record_has_what_was_found_and_none_of_it_if_the_judge_failed() -> None:
@@ -453,6 +463,15 @@ def test_sections_have_an_address_a_title_and_a_lead(monkeypatch: pytest.MonkeyP
         assert section.title[0].isupper()
         assert not section.title.endswith(".")
         assert section.lead.endswith(".")
+
+
+def test_a_lead_names_the_records_that_are_stale_with_others_of_the_same_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sections, "staleness", lambda why: why)
+    records = {"a": {"code": "old"}, "b": {"code": ""}, "c": {"code": "gone"}, "d": {"code": "old"}}
+    assert sections.warned("Times.", records) == "Times. Stale: a, d; old. Stale: c; gone."
+    assert sections.warned("Times.", {"b": records["b"]}) == "Times."
 
 
 def test_a_diagram_without_its_numbers_is_shown_and_numbers_without_one_are_not(

@@ -159,6 +159,21 @@ def test_breathers_of_figs_7_to_9_are_of_the_middle_site_and_solve_their_equatio
         assert excited.tolist() == [_orbits.CENTRE]
 
 
+def test_the_derivative_of_a_flow_is_that_of_a_map_that_is_known(monkeypatch: Patch) -> None:
+    known = np.array([[2.0, -1.0], [0.5, 1.5]])
+
+    def flow(states: Any, c: float, period: float, _: float) -> Any:
+        assert (c, period) == (0.12, 6.5)
+        return np.sin(known @ states)
+
+    monkeypatch.setattr(_breathers, "flow", flow)
+    state = np.array([0.3, -0.8])
+    found = _breathers.monodromy_by_differences(state, 0.12, 6.5)
+    exact = np.cos(known @ state)[:, None] * known
+    # The square of a step of 1e-6, and rounding over it.
+    assert found == pytest.approx(exact, abs=1e-9)
+
+
 def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:
     for module in (fig13, fig17, text_simplified):
         assert eta_from_damping(module.A, module.B) == module.ETA == 1.0 / 32.0
@@ -520,7 +535,8 @@ def test_thresholds_of_fig_4_are_searched_for_from_below_all_of_them(monkeypatch
     assert 0.0 < fig04._threshold(1, "edge") < 0.9 * min(found)
 
 
-def test_the_chain_of_figs_12_and_13_is_that_of_their_captions() -> None:
+def test_the_chains_of_figs_7_to_13_are_those_of_their_captions() -> None:
+    assert (_breathers.A, _breathers.B, _breathers.EPS) == (2.5, 0.5, 0.01)
     assert (_fronts.A, _fronts.B, _fronts.EPS) == (4.0, 0.5, 0.01)
 
 

@@ -303,6 +303,8 @@ def test_the_list_of_claims_has_a_line_for_each_and_is_never_too_narrow_to_read(
         assert row == [claim.key, claim.place, slug(claim.recorded), claim.statement]
     assert max(map(len, entries_as_text(entries, 100).splitlines())) <= 100
     assert entries_as_text(entries, 10) == entries_as_text(entries, NARROWEST)
+    longest = max(find_entries(), key=lambda entry: len(entry.claim.key))
+    assert f"\n{longest.claim.key} " in entries_as_text([longest], NARROWEST)  # as it is asked for
 
 
 def test_a_claim_as_text_has_everything_that_was_found_in_this_order() -> None:

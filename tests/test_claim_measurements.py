@@ -12,7 +12,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeVar
@@ -59,6 +59,7 @@ from theory.averaged.breather import Reading, solve_breather
 from theory.averaged.front import strong_coupling_front
 from theory.cells.friction import FrictionCell
 from theory.cells.vdp import eta_from_damping
+from theory.chains.nucleus import Nucleus, outward_pattern
 from theory.chains.vdp import VdpChain
 from theory.piecewise.folds import fold_eta
 from theory.piecewise.limits import pinning_eta
@@ -89,12 +90,13 @@ def table(**columns: Any) -> Table:
 
 @pytest.mark.parametrize(
     "sampled",
-    [fig05.COUPLINGS, fig05.VELOCITIES, fig05.LASTING, fig06.COUPLINGS, fig06.BELOW, fig06.LARGE,
-     fig08.COUPLINGS, fig09.ALONG, fig09.EXACT, fig10.TIMES, fig11.ODD, fig11.RANGE, fig11.FAMILY,
-     fig11.MIRRORED_AT, fig12.TIMES, fig13.AVERAGED, fig13.FULL, fig13.CHECKED, fig13.LAW_ETAS,
-     fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS, fig15.EMPTIED_AT,
-     fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION, *text_friction.PATTERNS,
-     text_nuclei.COUPLINGS, text_nuclei.DRAWN, text_nuclei.SEEDS],
+    [fig02.VELOCITIES, fig03.TIMES_A, fig03.TIMES_B, fig04.SIZES, fig05.COUPLINGS, fig05.VELOCITIES,
+     fig05.LASTING, fig06.COUPLINGS, fig06.BELOW, fig06.LARGE, fig08.COUPLINGS,
+     fig08.EPSILONS[::-1], fig09.ALONG, fig09.EXACT, fig10.TIMES, fig11.ODD, fig11.RANGE,
+     fig11.FAMILY, fig11.MIRRORED_AT, fig12.TIMES, fig13.AVERAGED, fig13.FULL, fig13.CHECKED,
+     fig13.LAW_ETAS, fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS,
+     fig15.EMPTIED_AT, fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION,
+     *text_friction.PATTERNS, text_nuclei.COUPLINGS, text_nuclei.DRAWN, text_nuclei.SEEDS],
 )  # fmt: skip
 def test_what_a_curve_is_sampled_at_increases(sampled: Any) -> None:
     assert all(low < high for low, high in pairwise(sampled))
@@ -123,6 +125,15 @@ def test_nuclei_are_enumerated_size_by_size_and_a_family_has_even_ones_beyond() 
 def test_the_phases_are_followed_up_to_the_end_at_which_they_are_judged() -> None:
     assert (fig10.TIMES[0], fig10.TIMES[-1]) == (0.0, fig10.END)
     assert np.diff(fig10.TIMES).max() <= 5.0
+
+
+def test_the_curves_of_fig_9_cross_it_and_are_finer_where_multipliers_leave_the_circle() -> None:
+    for curve in (fig09.ALONG, fig09.EXACT):  # of an axis from 0 to 0.2
+        assert 0.0 < curve[0] < 0.05
+        assert np.diff(curve).max() < 0.05
+    last = [c for c in fig09.ALONG if c > float(fig09.PRINTED)]
+    assert np.diff(last).max() < 0.1 * fig09.TOGETHER
+    assert last[-1] < 0.2
 
 
 def test_the_sinusoids_of_fig_9_are_followed_to_just_below_their_end() -> None:
@@ -172,6 +183,12 @@ def test_the_derivative_of_a_flow_is_that_of_a_map_that_is_known(monkeypatch: Pa
     exact = np.cos(known @ state)[:, None] * known
     # The square of a step of 1e-6, and rounding over it.
     assert found == pytest.approx(exact, abs=1e-9)
+
+
+def test_figs_7_and_8_are_judged_where_their_texts_say() -> None:
+    assert (fig07.C, fig07.STRONGER, fig07.SEEN) == (0.1, 0.19, 0.01)
+    assert (fig08.C, fig08.EPSILONS[2]) == (0.1, 0.01)
+    assert all(eps == 2.0 * half for eps, half in pairwise(fig08.EPSILONS))
 
 
 def test_figures_of_a_and_b_are_at_the_eta_of_these() -> None:
@@ -484,21 +501,23 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
     """
     cell = FrictionCell(v_d=fig02.V_D, mu_st=1.25)
     log = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.0, 0, 0], [7.0, 0, 1]])
-    later = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.25, 0, 0], [7.0, 0, 1]])
+    longer = np.array([[1.0, 0, 0], [3.0, 0, 1], [5.125, 0, 0], [7.5, 0, 1]])
 
-    def run(release: float = 0.0) -> Any:
-        def made(_: Any, start: Any, end: float, *, times: Any = None, **__: Any) -> Any:
+    def run(release: float = 0.0, last: float = 7.0) -> Any:
+        def made(chain: Any, start: Any, end: float, *, times: Any = None, **_: Any) -> Any:
+            assert chain is None or chain.sites == 1
             assert np.array_equal(start, [[2.0], [0.0]])
             assert end == 40.0 or end == times[-1]
             at = np.arange(0.0, 8.0) if times is None else np.asarray(times)
             sticks = ((at >= 1) & (at <= 3)) | (at >= 5)
-            force = (0.75 if release == 0.0 else 0.5) * cell.mu_st
+            force = (0.75 if release == 0.0 else 0.5) * cell.mu_st * np.where(at == 2.0, 1.0, 0.5)
             if times is not None:
+                assert at.tolist() == [3.0, last]  # the releases of the same run
                 force = cell.mu_st + release * (at == 3.0)
             y = np.where(sticks, side * force - 2.0 * cell.xi * fig02.V_D, -9.0)
             velocity = np.where(sticks, fig02.V_D, 0.0)
             return SimpleNamespace(
-                y=y[:, None], velocity=velocity[:, None], log=log, event_log=later
+                y=y[:, None], velocity=velocity[:, None], log=log, event_log=longer
             )
 
         return made
@@ -507,17 +526,20 @@ def test_the_force_at_release_is_off_by_as_much_below_as_above(
     monkeypatch.setattr(fig02, "_scipy", lambda _, y, end: run()(None, [[y], [0.0]], end))
     for first, second in ((off, 0.0), (0.0, off)):
         monkeypatch.setattr("verification.references.friction_events.run_events", run(first))
-        monkeypatch.setattr("verification.runs.simulate.simulate", run(second))
+        monkeypatch.setattr("verification.runs.simulate.simulate", run(second, 7.5))
         found = fig02.stick()
         assert found.at_release == pytest.approx(0.25)
         assert found.largest == pytest.approx(0.75)
         assert found.releases == 2
-        assert found.gap == pytest.approx(0.25)
+        assert found.gap == pytest.approx(0.375)
 
 
 def test_the_cell_of_fig_2_is_run_from_rest(monkeypatch: Patch) -> None:
-    def run(chain: Any, start: Any, end: float, *, times: Any, tolerance: float, **_: Any) -> Any:
+    def run(
+        chain: Any, start: Any, end: float, *, times: Any, tolerance: float, longest_step: float
+    ) -> Any:
         assert tolerance <= 1e-3 * fig02.AGREE  # of which a run may make many steps
+        assert longest_step < 0.1 * 2.0 * math.pi  # so that no stick begins and ends within one
         return chain.sites, start.tolist(), end, times.tolist()
 
     monkeypatch.setattr("verification.references.friction_events.run_events", run)
@@ -533,6 +555,17 @@ def test_thresholds_of_fig_4_are_searched_for_from_below_all_of_them(monkeypatch
         lambda *_, lowest, **__: SimpleNamespace(c_crit=lowest),
     )
     assert 0.0 < fig04._threshold(1, "edge") < 0.9 * min(found)
+
+
+def test_figs_3_to_5_are_computed_where_the_paper_or_the_text_says() -> None:
+    assert (fig03.TIMES_A, fig03.TIMES_B) == ((200.0, 400.0, 600.0), (400.0, 700.0, 1000.0))
+    assert fig03.CORE == (15, 16, 17)
+    assert fig04.SIZES == (1, 3, 5, 7, 9)
+    assert (fig04.ACCURACY, fig04.ASIDE) == (2e-5, 0.02)
+    # Both falls that are told are from one site to three.
+    assert fig04.KINDS == (("edge", 1), ("edge", 3), ("bulk", 1), ("bulk", 3), ("bulk", 7))
+    assert fig05.WIDE_AT == (1.38, 1.4)  # of which the claim tells
+    assert fig05.REFINED == 1.0 / 8.0  # "an eighth of the spacing"
 
 
 def test_the_chains_of_figs_7_to_13_are_those_of_their_captions() -> None:
@@ -583,7 +616,10 @@ def test_a_start_that_stuck_once_and_then_slides_slides(monkeypatch: Patch) -> N
 
     def run(cell: Any, y: float, *given: Any, **options: Any) -> Any:
         assert y > EDGE or 0.05 < abs(y - cell.steady_sliding) < 0.2  # to depart from it
-        return made_up_run(cell, y, *given, **options)
+        held = made_up_run(cell, y, *given, **options)
+        if y <= EDGE and cell.v_d == fig02.VELOCITIES[0]:
+            held.log = held.log[:0]  # one that has not stuck at all
+        return held
 
     monkeypatch.setattr(fig02, "_scipy", run)
     monkeypatch.setattr("verification.cells.diagram.cell_diagram", diagram)
@@ -607,7 +643,7 @@ def test_sliding_is_expected_above_hopf_and_sticking_below_the_end() -> None:
 
 
 def test_the_unstable_cycle_repels_if_runs_from_both_sides_leave_it(monkeypatch: Patch) -> None:
-    cycle = SimpleNamespace(amplitude=1.0, max=EDGE)
+    cycle = SimpleNamespace(amplitude=2.0, max=EDGE)
     monkeypatch.setattr("verification.cells.friction.unstable_cycle", lambda _: cycle)
 
     def leaving(growth: Callable[[float], float]) -> Any:
@@ -626,7 +662,8 @@ def test_the_unstable_cycle_repels_if_runs_from_both_sides_leave_it(monkeypatch:
         monkeypatch.setattr(fig02, "_scipy", leaving(growth))
         starts: list[float] = []
         assert fig02.subcritical().repels == repels
-        assert len(starts) == 2  # at the largest of three distances
+        # Of the largest of three distances, 5 % inside and outside, as the text says.
+        assert starts == pytest.approx([EDGE - 0.05 * 2.0, EDGE + 0.05 * 2.0])
 
 
 def test_the_unstable_cycle_is_held_against_its_expansion_beside_the_hopf_velocity(
@@ -726,7 +763,7 @@ def test_thresholds_are_checked_beside_that_of_one_site_and_of_three(monkeypatch
     assert {excited for excited, _ in checked} == {(1,), (1, 2, 3)}
     ones = sorted(part for excited, part in checked if excited == (1,))
     threes = sorted(part for excited, part in checked if excited == (1, 2, 3))
-    assert ones == pytest.approx([1.0 - fig04.ASIDE, 1.0 + fig04.ASIDE])
+    assert ones == pytest.approx([0.98, 1.02])  # 2 % aside, as the text says
     # Just above this threshold a new site takes longer than a run by scipy lasts.
     assert 0.95 < threes[0] < 1.0
     assert threes[-1] > 1.2
@@ -793,17 +830,52 @@ def test_sites_are_counted_until_all_have_stuck_or_none_does_for_the_stall_time(
     assert fig04._reached(0.01, 1, "edge", at.size, stall) == reached
 
 
+def test_the_breather_of_fig_3_is_told_by_its_sites_and_by_the_spread_of_its_envelopes(
+    monkeypatch: Patch,
+) -> None:
+    """That is largest at site 18, where the amplitude falls from 0.5 to a quarter."""
+    envelope = np.zeros((3, SITES))
+    envelope[:, 14:20] = (
+        [1.0, 2.0, 1.0, 0.5, 0.3, 0.1], [1.0, 2.0, 1.1, 0.4, 0.2, 0.1],
+        [1.0, 1.9, 1.0, 0.25, 0.125, 0.0625],
+    )  # fmt: skip
+
+    def run(chain: Any, start: Any, end: float, *, times: Any) -> Any:
+        assert (chain.c, start, end, times) == (0.004, (15, 16, 17), 600.0, fig03.TIMES_A)
+        arrivals = np.full(chain.sites, np.nan)
+        arrivals[14:17] = (0.0, 1.0, 0.0)
+        return SimpleNamespace(arrivals=arrivals, amplitude=envelope)
+
+    def disagreement(chain: Any, excited: tuple[int, ...], end: float) -> float:
+        assert (chain.c, chain.sites) == (0.004, 7)  # as the text says
+        assert (excited, end) == ((3, 4, 5), 60.0)
+        return 1e-6
+
+    monkeypatch.setattr("verification.runs.excite.excite", lambda _, excited: excited)
+    monkeypatch.setattr("verification.runs.simulate.simulate", run)
+    monkeypatch.setattr(fig03, "disagreement", disagreement)
+    found = fig03.breather.__wrapped__()
+    assert (found.stuck, found.gap) == ((15, 16, 17), 1e-6)
+    assert (found.apart, found.where, found.own) == (0.125, 18, 1.0)
+    assert (found.core, found.beside) == (1.9, (0.25, 0.125, 0.0625))
+
+
 def test_amplitudes_of_fig_3_are_compared_behind_the_front_and_well_ahead_of_it(
     monkeypatch: Patch,
 ) -> None:
-    def run(chain: Any, _: Any, end: float, *, times: Any) -> Any:
-        assert (end, times) == (fig03.TIMES_B[-1], fig03.TIMES_B)
+    def run(chain: Any, start: Any, end: float, *, times: Any) -> Any:
+        assert (chain.c, start, end, times) == (0.02, [1], fig03.TIMES_B[-1], fig03.TIMES_B)
         sites = np.arange(chain.sites)
         amplitude = 100.0 * np.arange(1.0, 4.0)[:, None] - sites
         return SimpleNamespace(arrivals=100.0 * sites, amplitude=amplitude, arrival_error=1e-9)
 
+    def disagreement(chain: Any, excited: tuple[int, ...], end: float) -> float:
+        assert (chain.c, chain.sites, excited, end) == (0.02, 8, (1,), 180.0)  # as the text says
+        return 1e-6
+
+    monkeypatch.setattr("verification.runs.excite.excite", lambda _, excited: excited)
     monkeypatch.setattr("verification.runs.simulate.simulate", run)
-    monkeypatch.setattr(fig03, "disagreement", lambda *_: 1e-6)
+    monkeypatch.setattr(fig03, "disagreement", disagreement)
     found = fig03.front()
     assert found.arrived == (5, 8, 11)  # at the time itself, too
     assert (found.trailing, found.ahead) == ((97.0, 194.0, 291.0), (90.0, 187.0, 284.0))
@@ -854,10 +926,18 @@ def test_the_checks_of_fig_5_are_off_by_the_worst_of_their_comparisons(
     monkeypatch.setattr(fig05, "disagreement", apart)
     monkeypatch.setattr(fig05, "arrivals_by_scipy", arrivals)
     monkeypatch.setattr(fig05, "_lasting", lambda v_d, size: (10 * size, size))
-    monkeypatch.setattr("verification.execution.sweep.sweep", lambda *_, **__: None)
-    monkeypatch.setattr("verification.maps.boundary.boundary_lines", lambda *_: None)
-    found = fig05.state_map()
-    assert (found.gap, found.seen) == (2e-6, (7, 7, 0))
+    monkeypatch.setattr("verification.execution.sweep.sweep", lambda *given, **_: given)
+    monkeypatch.setattr("verification.maps.boundary.boundary_lines", lambda *given: given)
+    monkeypatch.setattr("verification.cells.friction.cycle_end_velocity", lambda cell: cell.v_d)
+    found: Any = fig05.state_map()
+    assert (found.gap, found.seen, found.cycle_end) == (2e-6, (7, 7, 0), 1.25)
+    task, points = found.states
+    assert (task.chain.sites, task.chain.v_d) == (SITES, 1.25)
+    places = [(point["c"], point["v_d"]) for point in points]
+    assert places == list(product(fig05.COUPLINGS, fig05.VELOCITIES))
+    bisection, (states, axes) = found.boundary
+    assert (bisection.tolerance, bisection.task.chain) == (fig05.REFINED, task.chain)
+    assert (states, axes) == (found.states, ("c", "v_d"))
     assert compared == [(c, v_d) for c, v_d, _ in fig05.CHECKED]
     compared.clear()
     if worst < 2:
@@ -1282,29 +1362,49 @@ def test_phase_steps_are_followed_along_the_run_and_shapes_are_those_without_noi
     assert found.gap == 0.5  # all in phase at first, as the start is
 
 
+def test_the_closed_form_is_that_of_figs_7_to_9_read_as_is_asked(monkeypatch: Patch) -> None:
+    def solved(chain: Any, reading: Any) -> Any:
+        assert (chain.a, chain.b, chain.eps) == (fig08.A, fig08.B, fig08.EPS)
+        far = {Reading.NEIGHBOUR: 1.0, Reading.TAIL: 2.0}[reading]
+        return SimpleNamespace(amplitudes=lambda count: far + chain.c * np.arange(count))
+
+    monkeypatch.setattr("theory.averaged.breather.solve_breather", solved)
+    places = np.array([0.125, 0.25])
+    assert fig08.closed_form(Reading.NEIGHBOUR, places).tolist() == [[1.0, 1.125], [1.0, 1.25]]
+    assert fig08.closed_form(Reading.TAIL, places).tolist() == [[2.0, 2.125], [2.0, 2.25]]
+
+
 def test_of_two_orbits_the_one_that_closes_worse_counts(monkeypatch: Patch) -> None:
     def orbit(c: float) -> Any:
-        return SimpleNamespace(amplitudes=c + np.arange(11.0), error=c, state=np.ones(4), period=c)
+        return SimpleNamespace(
+            amplitudes=c + np.arange(11.0), error=c, state=np.ones(4), period=64.0 * c
+        )
 
     def flow(state: Any, c: float, period: float) -> Any:
-        assert period == c
+        assert period == 64.0 * c
         return state + slack[c == fig08.COUPLINGS[-1]] * (np.arange(4) == 2)  # in one number
 
     slack = [0.25, -0.5]
 
     monkeypatch.setattr(fig08, "orbit_of", orbit)
     monkeypatch.setattr(fig08, "flow", flow)
-    none = SimpleNamespace(status=SimpleNamespace(value="none"))
-    monkeypatch.setattr("theory.averaged.breather.solve_breather", lambda *_: none)
+
+    def solved(chain: Any, reading: Any) -> Any:
+        assert (chain.a, chain.b, chain.c, chain.eps) == (fig08.A, fig08.B, fig08.C, fig08.EPS)
+        return SimpleNamespace(
+            status=SimpleNamespace(value="none" if reading is Reading.CENTRE else "found")
+        )
+
+    monkeypatch.setattr("theory.averaged.breather.solve_breather", solved)
     monkeypatch.setattr(
-        fig08, "closed_form",
-        lambda reading, c: np.stack([5.25 + c, 6 + c * (1 + (reading is Reading.TAIL))], 1),
+        fig08, "closed_form",  # below the orbit: by c/2 at n = 0, and in the tail by c at n = 1
+        lambda reading, c: np.stack([5 + 0.5 * c, 6 + c * (reading is not Reading.TAIL)], 1),
     )  # fmt: skip
     assert fig08.amplitudes().closing == pytest.approx(0.5)
     slack.reverse()
     found = fig08.amplitudes()
     assert found.closing == pytest.approx(0.5)
-    assert found.off == pytest.approx((0.25, 0.0))
+    assert found.off == pytest.approx((0.5 * max(fig08.COUPLINGS), 0.0))
     assert found.off_tail == pytest.approx(max(fig08.COUPLINGS))
     assert found.error == max(fig08.COUPLINGS)
     assert found.centre_has_none
@@ -1315,13 +1415,13 @@ def test_both_assumptions_are_measured_on_orbits_and_in_the_averaged_chain(
     side: float, monkeypatch: Patch
 ) -> None:
     def orbit(c: float, eps: float) -> Any:
-        waves = np.full(2 * fig08.CENTRE + 1, 2.0 + 0j)
-        waves[fig08.CENTRE + 1] = 50.0 * eps * np.exp(1j * (side * eps - 0.5 * np.pi))
+        waves = np.full(2 * fig08.CENTRE + 1, 2.0 * np.exp(0.7j))
+        waves[fig08.CENTRE + 1] *= 25.0 * eps * np.exp(1j * (side * eps - 0.5 * np.pi))
         period = 2.0 * np.pi / (1.0 + eps * (c - 3.0 * side * eps**2))
         return SimpleNamespace(waves=waves, amplitudes=np.abs(waves), period=period)
 
     def averaged(c: float) -> Any:
-        return SimpleNamespace(unknowns=[9.0, c + 0.25 * side])
+        return SimpleNamespace(unknowns=[9.0, 7.0, c + 0.25 * side])
 
     monkeypatch.setattr(fig08, "orbit_of", orbit)
     monkeypatch.setattr(fig08, "averaged_of", averaged)
@@ -1340,6 +1440,7 @@ def test_both_assumptions_are_measured_on_orbits_and_in_the_averaged_chain(
 
 def test_a_crossing_is_where_the_growth_of_its_own_parity_changes_sign(monkeypatch: Patch) -> None:
     def along(c: float, *, misprinted: bool = False) -> Any:
+        assert c <= fig09.ALONG[-1]  # just beyond which the closed form ends
         at = (0.196, 0.197) if misprinted else (0.194, 0.195)
         growth = [math.tanh(300.0 * (c - each)) for each in at]
         return SimpleNamespace(symmetric=growth[0], antisymmetric=growth[1])
@@ -1410,21 +1511,28 @@ def test_a_breather_that_does_not_lose_stability_is_stable_up_to_its_fold(
 def test_multipliers_are_apart_by_their_moduli_and_cross_by_parity_and_print(
     stable: float | None, other: float, own: float, monkeypatch: Patch
 ) -> None:
-    def orbit(_: float) -> Any:
-        values = np.array([0.5, 1.0, 1.0, own])
+    def orbit(c: float) -> Any:
+        assert 0.0 < c < 0.1916  # at which the breather ends
+        values = np.array([0.5, 0.75, 1.0, own])
         return SimpleNamespace(
-            state=np.zeros(4), period=1.0, stability=SimpleNamespace(values=values)
+            state=np.full(4, c), period=8.0 * c, stability=SimpleNamespace(values=values)
         )
+
+    def differences(state: Any, c: float, period: float) -> Any:
+        assert (state.tolist(), c, period) == ([0.19] * 4, 0.19, 8.0 * 0.19)
+        return np.diag([0.5, 0.75, 1.0, other])
+
+    def known(chain: Any, nucleus: Any, by: Any) -> Any:
+        assert (chain.a, chain.b, chain.eps) == (_breathers.A, _breathers.B, _breathers.EPS)
+        assert (chain.sites, nucleus.size, by.value) == (_orbits.SITES, 1, "orbit")
+        return SimpleNamespace(c_crit=0.5, stable_to=stable)
 
     def crossing(parity: str, *, misprinted: bool = False) -> float:
         return {"symmetric": 0.196, "antisymmetric": 0.197}[parity] + misprinted
 
-    known = SimpleNamespace(c_crit=0.5, stable_to=stable)
-    threshold = "verification.thresholds.continuation.breather_threshold"
-    monkeypatch.setattr(threshold, lambda *_: known)
+    monkeypatch.setattr("verification.thresholds.continuation.breather_threshold", known)
     monkeypatch.setattr(fig09, "orbit_of", orbit)
-    monkeypatch.setattr(fig09, "monodromy_by_differences",
-                        lambda *_: np.diag([0.5, 1.0, 1.0, other]))  # fmt: skip
+    monkeypatch.setattr(fig09, "monodromy_by_differences", differences)
     monkeypatch.setattr(fig09, "_crossing", crossing)
     along = SimpleNamespace(values=np.ones(4), trivial=0.0)
     monkeypatch.setattr(fig09, "_approximate", lambda _: along)
@@ -1432,6 +1540,60 @@ def test_multipliers_are_apart_by_their_moduli_and_cross_by_parity_and_print(
     assert (found.true_odd, found.true_fold) == (0.5 if stable is None else stable, 0.5)
     assert found.gap == 0.25
     assert (found.even, found.odd, found.odd_misprinted) == (0.196, 0.197, 1.197)
+
+
+def test_the_jacobian_is_the_misprinted_one_only_where_this_is_asked_for(
+    monkeypatch: Patch,
+) -> None:
+    def along(chain: Any, breather: Any, *, misprinted: bool) -> Any:
+        assert (chain.a, chain.b, chain.eps) == (_breathers.A, _breathers.B, _breathers.EPS)
+        return chain.c, chain.sites, breather, misprinted
+
+    monkeypatch.setattr("theory.averaged.breather.solve_breather", lambda chain: chain.c)
+    monkeypatch.setattr("verification.breathers.floquet.approximate_multipliers", along)
+    assert fig09._approximate(0.125) == (0.125, _orbits.SITES, 0.125, False)
+    assert fig09._approximate(0.125, misprinted=True) == (0.125, _orbits.SITES, 0.125, True)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_perturbation_along_the_leading_vector_changes_by_its_multiplier(
+    sign: float, monkeypatch: Patch
+) -> None:
+    """In made-up linear flows, with a multiplier of one and one that is the nearest to it."""
+    state, period = np.array([0.5, -1.0, 2.0]), 2.5
+    vectors = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 3.0], [1.0, 0.0, 1.0]])
+    leading = {1: sign * 0.96, 3: sign * 1.04}
+    sizes: list[int] = []
+
+    def power(turns: float) -> Any:
+        each = np.array([1.0, leading[sizes[-1]], 0.5]) ** turns
+        return vectors @ np.diag(each) @ np.linalg.inv(vectors)
+
+    def orbit(chain: Any, nucleus: Any) -> Any:
+        assert (chain.a, chain.b, chain.eps) == (_breathers.A, _breathers.B, _breathers.EPS)
+        assert chain.c == 0.15  # as the text says
+        assert nucleus == Nucleus(nucleus.size, outward_pattern(nucleus.size))
+        sizes.append(nucleus.size)
+        values = np.array([0.5, 1.0, 1.01 * leading[nucleus.size]])
+        return SimpleNamespace(state=state, period=period, stability=SimpleNamespace(values=values))
+
+    def differences(start: Any, c: float, time: float) -> Any:
+        assert (start.tolist(), c, time) == (state.tolist(), 0.15, period)
+        return power(1.0)
+
+    def flow(starts: Any, c: float, time: float) -> Any:
+        assert c == 0.15
+        turns = round(time / period)
+        assert time == turns * period
+        return state[:, None] + power(turns) @ (starts - state[:, None])
+
+    monkeypatch.setattr("verification.breathers.orbits.solve_orbit", orbit)
+    monkeypatch.setattr(fig09, "monodromy_by_differences", differences)
+    monkeypatch.setattr(fig09, "flow", flow)
+    found = fig09.escape()
+    assert sizes == [1, 3]
+    assert found.inside == pytest.approx((1.01 * 0.96, 0.96))
+    assert found.outside == pytest.approx((1.01 * 1.04, 1.04))
 
 
 def test_nuclei_are_followed_without_noise_and_with_that_of_each_seed(monkeypatch: Patch) -> None:
@@ -2230,3 +2392,8 @@ def test_the_decay_of_a_chain_with_one_rate_is_that_rate_and_off_by_nothing() ->
     assert found.off == pytest.approx(0.0, abs=1e-12)
     assert found.first_off == pytest.approx(0.0, abs=1e-12)
     assert found.gap == 0.25
+    for off in (0.6, -0.6):  # a fifth of the largest, at one end and not in what is fitted
+        uneven = orbit + off * (np.arange(fig07.SITES) == 0)
+        assert replace(found, orbit=uneven).off == pytest.approx(0.2)
+    lower = orbit * np.where(place == 0, 0.8, 1.0)
+    assert replace(found, orbit=lower).first_off == pytest.approx(0.25)

@@ -454,6 +454,7 @@ def test_amplitudes_are_drawn_over_coupling_beside_the_closed_form(
             "periodic orbit of (8)", "paper: (29), (37), (38)"))  # fmt: skip
         assert orbit == points(fig08.COUPLINGS, exact[:, n])
         assert np.array(theory)[:, 1] == pytest.approx(2.0 * (n == 0) + np.array(theory)[:, 0])
+        assert theory == sorted(theory)
         assert panel.fills([x for x, _ in orbit + theory])
         assert panel.reaches((), [y for _, y in orbit + theory])
     assert stated(panel.title) == {"A": fig08.A, "B": fig08.B, "EPS": fig08.EPS}

@@ -77,9 +77,15 @@ class PiecewiseScaling:
 
     @property
     def linear_range(self) -> tuple[float, float]:
-        """Couplings between which the exponent is within 0.1 of one, beginning with the first."""
-        chosen = [c for c, p in zip(self.c, self.exponent, strict=True) if abs(p - 1.0) < 0.1]
-        return min(chosen), max(c for c in chosen if c < 5.0)
+        """Couplings below the resonances between which the exponent is within 0.1 of one."""
+        c, off = np.array(self.c), np.abs(np.array(self.exponent) - 1.0) - 0.1
+        within = np.flatnonzero((off < 0.0) & (c < 5.0))
+
+        def edge(k: int) -> float:
+            """Return where the line through two points of the exponent leaves this range."""
+            return float(c[k] - off[k] * (c[k + 1] - c[k]) / (off[k + 1] - off[k]))
+
+        return edge(within[0] - 1), edge(within[-1])
 
 
 @lru_cache(maxsize=1)

@@ -62,6 +62,7 @@ from theory.cells.vdp import eta_from_damping
 from theory.chains.nucleus import Nucleus, outward_pattern
 from theory.chains.vdp import VdpChain
 from theory.piecewise.folds import fold_eta
+from theory.piecewise.kinetic_relation import kinetic_relation
 from theory.piecewise.limits import pinning_eta
 from verification.breathers.outcome import Evolution, NucleusOutcome
 from verification.execution.table import Table
@@ -94,7 +95,7 @@ def table(**columns: Any) -> Table:
      fig05.LASTING, fig06.COUPLINGS, fig06.BELOW, fig06.LARGE, fig08.COUPLINGS,
      fig08.EPSILONS[::-1], fig09.ALONG, fig09.EXACT, fig10.TIMES, fig11.ODD, fig11.RANGE,
      fig11.FAMILY, fig11.MIRRORED_AT, fig12.TIMES, fig13.AVERAGED, fig13.FULL, fig13.CHECKED,
-     fig13.LAW_ETAS, fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS,
+     fig13.BELTS, fig13.LAW_ETAS, fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS,
      fig15.EMPTIED_AT, fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION,
      *text_friction.PATTERNS, text_nuclei.COUPLINGS, text_nuclei.DRAWN, text_nuclei.SEEDS],
 )  # fmt: skip
@@ -333,6 +334,7 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
         f"tolerance: {plain(fig13.LAW)} between law and run", f"velocities to {plain(fig13.LAW)};",
         f"at η = {fig13.LAW_ETAS[0]}, 1/{1.0 / fig13.LAW_ETAS[1]:g} and {fig13.LAW_ETAS[2]}, ",
         f"at c = {fig13.BELT_COUPLING}, divided", f"--c {plain(fig13.ONE)} ",
+        f"v_d = {fig13.BELTS[1]} of Figs. 3, 4 and 6",
     ),
     "fig14-collapse": lambda: (
         f"for a = {listed(fig14.SHARES, ' and ')} agree", f"tolerance: {plain(fig14.AGREE)},",
@@ -1879,6 +1881,15 @@ def test_velocities_are_held_against_a_line_and_the_law_at_the_last_coupling() -
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_largest_residual_of_a_line_counts_on_either_side(side: float) -> None:
+    c = np.arange(3.0)
+    v = 1.0 + 2.0 * c + 0.125 * side * np.array([1.0, -2.0, 1.0])  # by which no line is changed
+    found = evidence(fig13.AveragedScaling, full_c=tuple(c), full_v=tuple(v))
+    assert found.line == pytest.approx((1.0, 2.0))
+    assert found.residual == pytest.approx(0.25 / v[-1])
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_law_is_off_by_what_the_error_of_the_run_does_not_explain(side: float) -> None:
     rows = (
         (0.01, 10.0, 2.0, 0.0, 3.0, 1.0), (0.01, 100.0, 4.0, 0.5, 4.0 + side, 3.0),
@@ -1920,15 +1931,23 @@ def test_a_front_of_the_law_has_a_velocity_if_it_is_steady(monkeypatch: Patch) -
 
     monkeypatch.setattr("verification.fronts.measure.measure_front", measure)
     passages = "verification.references.passages.velocity_on_few_sites"
-    monkeypatch.setattr(passages, lambda _: 1.0)
+    monkeypatch.setattr(passages, lambda chain: (chain.b / chain.a**2, chain.c))
     monkeypatch.setattr(fig13, "_belt", lambda v_d: (v_d, 1.0, 0.1, 1.0))
     for run.steady, v in ((False, None), (True, 1.0)):
         at.clear()
-        rows = fig13.velocity_law().rows
+        law: Any = fig13.velocity_law()
+        rows = law.rows
         assert {(found, error) for _, _, found, error, *_ in rows} == {(v, 0.1)}
         assert at == [*((eta, c) for eta, c, *_ in rows), (fig13.ETA, fig13.ONE)]
+        assert (law.one, law.one_error, law.by_scipy) == (1.0, 0.1, (fig13.ETA, 100.0))
+        assert [v_d for v_d, *_ in law.belt] == list(fig13.BELTS)
+        assert strong_coupling_front(law.turning).kappa == pytest.approx(0.0, abs=1e-9)
     kappa = {eta: (law - waves) / _bend(c)[1] for eta, c, _, _, law, waves in rows}
     assert kappa == pytest.approx({eta: strong_coupling_front(eta).kappa for eta in kappa}, 1e-4)
+    for name in ("error", "v"):
+        setattr(run, name, None)
+        with pytest.raises(ArithmeticError, match=r"front of \(8\) at c = 1$"):
+            fig13.velocity_law()
 
 
 def test_averaged_cells_agree_if_they_are_on_the_same_side_of_one() -> None:
@@ -2125,7 +2144,11 @@ def test_the_map_is_of_both_equations_and_its_boundaries_are_of_the_averaged_one
 def test_a_chain_is_watched_after_the_front_has_filled_it(monkeypatch: Patch) -> None:
     counts = [1, 9, 16, 16, 12, 7, 11]
 
-    def run(chain: Any, *_: Any, **__: Any) -> Any:
+    def run(chain: Any, start: Any, end: float, samples: int, **_: Any) -> Any:
+        assert (chain.b / chain.a**2, chain.c) == pytest.approx((0.09, 0.5))
+        assert chain.eps * end == fig15.WATCHED  # in slow time, and a sample in each unit of it
+        assert samples >= fig15.WATCHED
+        assert np.argwhere(start).tolist() == [[0, chain.sites - 1]]
         on, off = chain.stable_amplitude, 1.01 * chain.unstable_amplitude
         rows = [np.where(np.arange(chain.sites) < n, on, off) for n in counts]
         return SimpleNamespace(amplitude=np.array(rows))
@@ -2243,6 +2266,68 @@ def test_the_exponent_from_sums_is_that_of_the_curve_on_which_they_are_constant(
         assert fig17._exponent_by_series(4.0, 0.7) == pytest.approx(power, rel=1e-6)
 
 
+def test_the_exponent_is_that_of_the_fastest_solution_and_the_curve_shows_its_thresholds(
+    monkeypatch: Patch,
+) -> None:
+    """Of the law v = 3 c^(3/4), the fastest and not admissible one of four solutions."""
+    ends = kinetic_relation(0.5, fig17.ETA)
+    fold, pin = ends.c_fold, ends.c_pin
+    assert fold is not None
+    assert pin is not None
+    law: list[float | None] = [2.5]
+
+    def relation(c: float, eta: float) -> Any:
+        assert eta == fig17.ETA
+        v = 3.0 * c**0.75
+        found = [
+            SimpleNamespace(v=part * v, admissible=part < 1.0, by_c=0.75 * part**2 * v / c)
+            for part in (0.125, 0.25, 0.5, 1.0)
+        ]
+        return SimpleNamespace(c=c, branches=found, c_fold=fold, c_pin=pin)
+
+    def trace(c: Any, eta: float, admissibility: bool = True) -> list[Any]:
+        assert np.all(np.diff(c) > 0.0)
+        return [relation(x, eta) for x in c]
+
+    at = "theory.piecewise."
+    monkeypatch.setattr(at + "kinetic_relation.kinetic_relation", relation)
+    monkeypatch.setattr(at + "kinetic_relation.trace_kinetic_relation", trace)
+    monkeypatch.setattr(at + "limits.strong_coupling_velocity", lambda eta: law[eta != fig17.ETA])
+    simulation = "verification.piecewise.simulation."
+    monkeypatch.setattr(simulation + "hysteresis", lambda *given: given)
+    monkeypatch.setattr(simulation + "simulate_front", lambda *given: given)
+    monkeypatch.setattr(fig17, "_exponent_by_series", lambda *given: given)
+    found: Any = fig17.scaling.__wrapped__()
+    c = np.array(found.c)
+    assert found.v == pytest.approx(3.0 * c**0.75)
+    assert found.exponent == pytest.approx(np.full(c.size, 0.75))
+    assert found.by_series == (found.c[-1], found.v[-1])
+    assert found.theory == pytest.approx([1.5 * x**0.75 for x in fig17.RUNS])
+    assert found.runs == tuple((x, fig17.ETA) for x in fig17.RUNS)
+    assert (found.limit, found.c_fold, found.c_pin) == (2.5, fold, pin)
+    # From just above depinning up to the last coupling, and closer where there are resonances.
+    assert pin < c[0] < 1.02 * pin
+    assert c[-1] == pytest.approx(fig17.LAST)
+    steps = c[1:] / c[:-1]
+    assert steps.max() < 1.1
+    assert steps[(c[:-1] > 3.0) & (c[:-1] < 99.0)].max() < 1.0125
+    # The curve is drawn from below its fold to the end of the figure, and beside its thresholds.
+    assert found.solutions.x[0] < fold
+    assert found.solutions.x[-1] == fig17.RUNS[-1]
+    kinds = (True, True, True, False)
+    assert found.solutions.admissible[:4] == found.near.admissible[:4] == kinds
+    assert 0.99 * fold < found.near.x[0] < fold
+    assert pin < found.near.x[-1] < 1.1 * pin
+    eta, couplings = found.hysteresis
+    assert eta == fig17.ETA
+    assert couplings[0] < fold
+    assert pin < couplings[-1] < found.near.x[-1]
+    assert sum(fold < each < pin for each in couplings) > 2
+    law[0] = None
+    with pytest.raises(ArithmeticError, match="no law for strong coupling"):
+        fig17.scaling.__wrapped__()
+
+
 def test_any_set_is_off_by_the_worst_of_its_runs(monkeypatch: Patch) -> None:
     one = SimpleNamespace(branches=[SimpleNamespace(v=1.0), SimpleNamespace(v=-9.0)])
     monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", lambda *_: one)
@@ -2287,7 +2372,8 @@ def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_b
     fold, pin = 0.0625, 0.03125
 
     def front(chain: Any, **_: Any) -> Any:
-        return SimpleNamespace(v=None if chain.b / chain.a**2 > end["eta"] else 0.5)
+        eta = chain.b / chain.a**2
+        return SimpleNamespace(v=None if eta > end["eta"] else 0.5 + eta)
 
     def branches(c: float, eta: Any) -> Any:
         assert c == fig18.C
@@ -2298,7 +2384,9 @@ def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_b
         assert np.all(np.diff(etas) > 0.0)
         return [branches(c, eta) for eta in etas]
 
-    def run(_: float, __: float, start: str = "") -> Any:
+    def run(c: float, eta: float, start: str = "") -> Any:
+        assert c == fig18.C
+        assert eta in (fig18.CROSSING if start else fig18.ETAS)
         return SimpleNamespace(v={"": 0.5, "moving": 0.75, "resting": None}[start], steady=True)
 
     monkeypatch.setattr("verification.fronts.measure.measure_front", front)
@@ -2309,15 +2397,17 @@ def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_b
     monkeypatch.setattr("verification.piecewise.simulation.simulate_front", run)
     velocity = "verification.references.passages.quarter_turn_velocity"
     expected = (1.0, fig18.ETAS[0], fig18.C)  # a = 1: the velocity depends on η alone
-    monkeypatch.setattr(velocity, lambda *of: 0.625 if of[:3] == expected else math.inf)
-    end = {"eta": fig18.ETAS[-2]}
+    first = 0.5 + fig18.ETAS[0]
+    monkeypatch.setattr(velocity, lambda *of: off * first if of[:3] == expected else math.inf)
+    off, end = 0.75, {"eta": fig18.ETAS[-2]}
     with pytest.raises(ArithmeticError, match=rf"no front of \(43\) at η = {fig18.ETAS[-1]:g}"):
         fig18.alike()
     for end["eta"], reaches in ((fig18.ETAS[-1], fold), (fold, fold), (9.0, 2.0 * fold)):
         found = fig18.alike()
-        assert found.averaged == (0.5,) * len(fig18.ETAS)
+        assert found.averaged == tuple(0.5 + eta for eta in fig18.ETAS)
         assert found.averaged_reaches == reaches
-    assert found.scipy_gap == pytest.approx(0.25)
+        assert found.scipy_gap == pytest.approx(0.25)  # on either side
+        off = 1.25
     assert found.gap == 0.25
     assert (found.fold, found.pin) == (fold, pin)
     assert set(found.moving) == {0.75}
@@ -2326,6 +2416,7 @@ def test_fronts_of_the_averaged_chain_must_run_up_to_the_last_eta_and_may_stop_b
     assert found.solutions.x[0] < fig18.ETAS[0]
     assert fold < found.solutions.x[-1] == found.near.x[-1] < 1.1 * fold
     assert 0.9 * pin < found.near.x[0] < pin
+    assert np.diff(found.solutions.x).max() < 0.01 * fold
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -510,6 +510,7 @@ def test_velocity_and_its_exponent_are_drawn_over_coupling(drawn: Any) -> None:
     assert left.lines["(8), ε = 0.01"] == [(0.5, 2.0), (1.0, 3.0)]
     (line,) = (found for name, found in left.lines.items() if name.startswith("line"))
     assert np.array(line)[:, 1] == pytest.approx(1.0 + 2.0 * np.array(line)[:, 0])
+    assert (line[0][0], line[-1][0]) == (fig13.FULL[0], fig13.FULL[-1])
     assert np.array(right.lines["averaged chain (43)"])[:, 1] == pytest.approx(2.0)
     ((middle, exponent),) = right.lines["(8), ε = 0.01"]
     assert middle == pytest.approx(np.sqrt(full[0] * full[1]))

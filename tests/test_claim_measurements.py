@@ -95,8 +95,9 @@ def table(**columns: Any) -> Table:
      fig05.LASTING, fig06.COUPLINGS, fig06.BELOW, fig06.LARGE, fig08.COUPLINGS,
      fig08.EPSILONS[::-1], fig09.ALONG, fig09.EXACT, fig10.TIMES, fig11.ODD, fig11.RANGE,
      fig11.FAMILY, fig11.MIRRORED_AT, fig12.TIMES, fig13.AVERAGED, fig13.FULL, fig13.CHECKED,
-     fig13.BELTS, fig13.LAW_ETAS, fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS, fig15.COUPLINGS,
-     fig15.EMPTIED_AT, fig17.RUNS, fig18.ETAS, fig18.CROSSING, text_friction.FRICTION,
+     fig13.BELTS, fig13.LAW_ETAS, fig13.LAW_COUPLINGS, fig14.ETAS, fig14.FULL, fig15.ETAS,
+     fig15.COUPLINGS, fig15.EMPTIED_AT, fig17.RUNS, fig18.ETAS, fig18.CROSSING,
+     text_friction.FRICTION,
      *text_friction.PATTERNS, text_nuclei.COUPLINGS, text_nuclei.DRAWN, text_nuclei.SEEDS],
 )  # fmt: skip
 def test_what_a_curve_is_sampled_at_increases(sampled: Any) -> None:

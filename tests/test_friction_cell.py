@@ -1007,6 +1007,32 @@ def test_limits_near_those_at_another_tolerance_are_searched_for_beside_them(
     assert len(slips) < 0.7 * whole
 
 
+@pytest.mark.parametrize("part", [-1e-6, 1e-6])
+def test_cycles_that_begin_at_the_hopf_velocity_up_to_round_off_are_found_to_begin_there(
+    part: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up excess whose first limit round-off has moved to either side of that velocity."""
+    given = FrictionCell(law="stribeck", xi=1e-5)
+    first, end = given.unstable_sliding.low * (1.0 + part), 0.9
+    monkeypatch.setattr(
+        friction, "largest_after_release", lambda at, _: (at.v_d - first) * (end - at.v_d)
+    )
+    assert first < 1e-3 * given.v_s  # the search begins below the velocity that is usual
+    assert friction.cycle_velocities(given, 1e-8) == pytest.approx((first, end), rel=1e-14)
+
+
+@pytest.mark.parametrize("v_s", [1e-3, 30.0])
+def test_cycles_are_looked_for_up_to_ten_times_the_velocity_of_the_law(
+    v_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up excess, as no velocity but v_s is in the law."""
+    given, first, end = FrictionCell(law="stribeck", v_s=v_s, xi=0.01), 7.0 * v_s, 20.0 * v_s
+    monkeypatch.setattr(
+        friction, "largest_after_release", lambda at, _: (at.v_d - first) * (end - at.v_d)
+    )
+    assert friction.cycle_velocities(given, 1e-8) == pytest.approx((first, end), rel=1e-14)
+
+
 @pytest.mark.parametrize("at", [1e-9, 0.1234, 3e8])
 def test_a_change_of_sign_is_found_to_the_last_digits_where_it_is_a_jump(at: float) -> None:
     found = friction._zero(lambda v_d: 1.0 if v_d < at else -1.0, 0.5 * at, 1.25 * at)

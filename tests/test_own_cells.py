@@ -13,7 +13,7 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import ode, solve_ivp
 from scipy.special import ai_zeros
 
 from fronts.cli import main
@@ -639,6 +639,12 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
     assert (found.unstable_cycle and found.unstable_cycle.at) == unstable
     assert chain.cell.cycles[stable].amplitude == chain.stable_amplitude
     assert status is not CellStatus.CYCLES or found.basin is None
+
+
+def test_the_codes_of_scipy_are_those_of_stiff_motion_and_of_steps_too_small() -> None:
+    said = ode(lambda *_: 0.0).set_integrator("dop853")._integrator.messages
+    assert "stiff" in said[shooting._STIFF]
+    assert "step size becomes too small" in said[shooting._SINGULAR]
 
 
 def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:

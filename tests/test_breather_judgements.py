@@ -281,6 +281,14 @@ def test_where_the_chain_itself_has_no_breather_the_error_of_another_is_unknown(
     assert found.error_unknown.startswith(f"{which} has no such ")
 
 
+def test_a_step_beyond_a_coupling_of_zero_finds_the_orbits_of_the_positive_coupling() -> None:
+    """As a step along a branch that begins at small c may."""
+    system = Orbits(CHAIN.replace(sites=3), Nucleus(1), 30).system()
+    u = np.array([0.1, 0.0, 0.1, 0.3, -2.0, 0.3, 6.0])
+    for here, there in zip(system(u, 0.125)[:2], system(u, -0.125)[:2], strict=True):
+        assert np.array_equal(here, there)
+
+
 def test_an_orbit_errs_by_the_step_that_twice_the_steps_ask_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -868,15 +876,23 @@ def test_multipliers_of_either_parity_are_within_the_error_that_is_stated(parity
 def test_multipliers_along_sinusoids_err_by_what_twice_the_steps_change(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def integrate(*_: object, steps: int, **__: object) -> Any:
+    """Along the amplitudes and phases of the closed form, at the distances from the middle."""
+    asked: list[Any] = []
+
+    def integrate(chain: VdpChain, *of: Any, steps: int, misprinted: bool) -> Any:
+        asked.append((chain.sites, misprinted, *(np.asarray(each).tolist() for each in of)))
         matrix = np.diag([0.5, 0.9, 0.5, 0.3, 1.0, 0.3])
         if steps == floquet.STEPS:
             matrix[1, 1] += 1e-6
         return SimpleNamespace(monodromy=matrix)
 
     monkeypatch.setattr(floquet, "integrate_along_sinusoids", integrate)
-    closed: Any = SimpleNamespace(alpha_0=1.0, amplitudes=np.ones, phase_step=0.1, frequency=1.25)
+    closed: Any = SimpleNamespace(
+        alpha_0=2.0, amplitudes=lambda sites: 2.0 * 0.25 ** np.arange(sites), phase_step=0.1,
+        frequency=1.25,
+    )  # fmt: skip
     found = floquet.approximate_multipliers(replace(CHAIN, sites=3), closed)
+    assert asked == 2 * [(3, False, [0.5, 2.0, 0.5], [0.1, 0.0, 0.1], 1.25)]
     assert 6e-6 <= found.error < 6.1e-6  # six entries of a row
     assert found.growth == pytest.approx(math.log(0.9) / (CHAIN.eps * 2.0 * math.pi / 1.25))
 

@@ -973,6 +973,7 @@ def test_a_front_dies_away_by_its_tails(c: float, eta: float, v: float) -> None:
     """vλ = c sinh λ + f'(ρ): the one root ahead, and behind the one with the least real part."""
     window = wave.Window(resting.amplitudes_of(c, eta), 4, 6, np.append(np.ones(10), v))
     behind, ahead = window._decay(v)
+    assert min(behind, ahead) > 0.0
     assert abs(c * math.sinh(ahead) - v * ahead - 0.5) < 1e-10
     turns = np.linspace(-math.pi, math.pi, 4001)
     on_line = behind + 1j * turns
@@ -1711,6 +1712,35 @@ def test_a_threshold_errs_by_what_a_longer_chain_changes_or_by_itself_without_a_
     )
     assert made == [3, 9]
     assert found.error == pytest.approx(2.0 * abs(change or found.c_crit), rel=1e-6)
+
+
+def test_a_breather_that_loses_no_stability_is_stable_up_to_its_fold_within_errors_of_both(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The fold errs by its own error and by what a longer chain changes, here 0.01."""
+    families: list[Any] = []
+
+    def of(chain: Any, _: Nucleus) -> Any:
+        fold = SimpleNamespace(parameter=0.25 if families else 0.26)
+        families.append(SimpleNamespace(
+            chain=chain, system=lambda: None, fold_error=lambda _: 2e-4,
+            branch=lambda **_: SimpleNamespace(fold=fold), reported_monitor=lambda _: None,
+        ))  # fmt: skip
+        return families[-1]
+
+    monkeypatch.setattr(continuation, "own_family", of)
+    monkeypatch.setattr(continuation, "first_crossing", lambda *_: None)
+    there = SimpleNamespace(
+        growth=-0.5, growth_error=1e-6, symmetric=None, symmetric_error=math.inf
+    )
+    monkeypatch.setattr(continuation, "_half_way", lambda *_: there)
+    found = continuation.breather_threshold(
+        AVERAGED.replace(sites=9), Nucleus(1), ThresholdMethod.ENVELOPE, margin=1
+    )
+    assert [each.chain.sites for each in families] == [3, 9]
+    assert (found.c_crit, found.stable_to, found.lost_by) == (0.26, 0.26, Mechanism.FOLD)
+    assert found.error == pytest.approx(2e-4 + 2.0 * 0.01)
+    assert found.stable_to_error == pytest.approx(2e-4 + 4.0 * 0.01)
 
 
 def test_what_is_not_split_by_parity_has_no_growth_of_its_own_parity(

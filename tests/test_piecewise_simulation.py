@@ -226,8 +226,11 @@ def test_a_wave_switches_each_period_and_first_after_half_of_one(c, v):
 
 @pytest.mark.parametrize(
     ("c", "eta"),
-    [(0.46, 0.03125), (0.5, 0.03125), (1.0, 0.005), (12.0, 0.03125), (2.0, 0.11), (10.0, 0.1)],
-)
+    [
+        (0.46, 0.03125), (0.5, 0.03125), (1.0, 0.005), (12.0, 0.03125), (2.0, 0.11), (10.0, 0.1),
+        (60.0, 0.1),
+    ],
+)  # fmt: skip
 def test_a_moving_start_is_a_little_faster_than_the_fastest_wave_that_fits(c, eta):
     v = starting_velocity(c, ratio(eta))
     excess = [abs(kinetic_sum(v / 1.05 * part, c)) - 2 * ratio(eta) for part in (0.99, 1.01)]
@@ -430,6 +433,13 @@ def test_a_start_of_ones_own_has_32_sites_or_more():
         assert simulation._start_state(0.5, 0.4, given, None) is given
     with pytest.raises(ParameterError, match="31 sites"):
         simulation._start_state(0.5, 0.4, piecewise_window.step_state(31), None)
+
+
+def test_the_smallest_coupling_of_a_simulation_is_allowed() -> None:
+    """Below it the decay of a tail to the next site, about 1/2c, is soon no finite number."""
+    assert simulation._coupling(1e-300) == 1e-300
+    with pytest.raises(ParameterError, match="at least 1e-300 in a simulation"):
+        simulation._coupling(0.999e-300)
 
 
 def test_the_smallest_eta_of_a_simulation_is_allowed() -> None:

@@ -24,7 +24,8 @@ from scipy.special import zeta
 from fronts.cli import main
 from fronts.commands import bench
 from theory.cells.vdp import threshold_ratio
-from theory.chains.vdp import VanDerPolChain, VdpChain
+from theory.chains.vdp import VanDerPolChain, VdpChain, effective_epsilon
+from theory.parameters import ParameterError
 from theory.piecewise.folds import fold_coupling
 from theory.piecewise.roots import labelled_roots
 from theory.piecewise.sums.series import RootSeries, tail_sum
@@ -366,6 +367,14 @@ def test_steps_left_out_between_crossings_move_them_by_rounding_only(c: float, e
         exact = mp.findroot(gap, (step.wait - 1e-6, step.wait + 1e-6), tol=1e-50)
         assert 0 < step.jitter < 1e-13
         assert abs(exact - step.wait) <= step.jitter
+
+
+def test_as_many_steps_as_suffice_for_every_chain_are_those_of_the_stiffest() -> None:
+    chain = VdpChain(a=2.5, b=0.5, c=0.1, eps=1.0)
+    eps = breather_orbits.STIFFEST * (1.0 - 1e-12) / effective_epsilon(chain)
+    assert breather_orbits.steps_for(chain.replace(eps=eps)) == orbits._MAX_STEPS
+    with pytest.raises(ParameterError, match="at most 10 for a true orbit"):
+        breather_orbits.steps_for(chain.replace(eps=eps * (1.0 + 1e-9)))
 
 
 @pytest.mark.parametrize("eta", [0.05, 0.08, 0.11])

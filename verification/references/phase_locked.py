@@ -332,7 +332,7 @@ def outward_breather(size: int, c: float, a: float, b: float) -> FloatArray:
         If the branch ends before that.
     """
     outward = np.where(np.arange(size - 1) < (size - 1) // 2, -0.5 * np.pi, 0.5 * np.pi)
-    couplings = np.linspace(START, c, 1 + round((c - START) / 0.002))
+    couplings = np.linspace(START, c, max(2, 1 + round(abs(c - START) / 0.002)))
     return _solved_along(start_from(outward, a, b, START), couplings, size, a, b)
 
 

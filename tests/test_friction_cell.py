@@ -1549,10 +1549,14 @@ def test_cycles_that_slip_are_looked_for_up_to_the_one_that_sticks(
 def test_where_sliding_is_unstable_a_single_change_of_growth_is_a_stable_cycle(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Where it is stable, one change is the unstable cycle, within which motion decays."""
-    for v_d, refused in ((1.0, True), (1.3, False)):
+    """Where it is stable, one change is the unstable cycle, within which motion decays.
+
+    It is stable, too, where slip from release no longer sticks.
+    """
+    for v_d, refused, sticks in ((1.0, True, True), (1.3, False, True), (3.0, False, False)):
         cell = replace(CELL, v_d=v_d)
         assert (cell.effective_damping < 0.0) is refused
+        assert (friction_cycles.largest_after_release(cell, 1e-8) > 0.0) is sticks
         middle = cell.steady_sliding + 0.1
         monkeypatch.setattr(
             friction_cycles, "_grows",

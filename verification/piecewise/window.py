@@ -181,7 +181,8 @@ def switching_amplitude(coupling: float, velocity: float) -> float:
 def starting_velocity(coupling: float, threshold: float) -> float:
     """Velocity for a moving start: five per cent above the fastest wave that fits the threshold.
 
-    If no advancing wave fits, the fastest retreating one is taken; if none fits at all, the
+    Waves are tried in a range of velocities that contains the fastest one unless the threshold is
+    small. If no advancing wave fits, the fastest retreating one is taken; if none fits at all, the
     advancing one that comes nearest.
     """
     speeds = np.geomspace(0.05, 6.0, 48) * coupling / (1 + 0.3 * math.sqrt(coupling))

@@ -65,11 +65,11 @@ def test_messages_and_loop_limits_are_left_alone() -> None:
         "default 2.0 -> 4.0",
         "x < 0 -> x >= 0",
         "x < 0 -> x <= 0",
-        "0 -> 1",
+        "0 -> 1 in if x < 0:",
         "exp(-x) -> exp(--x)",
         "-x -> x",
         "sinh(x) -> cosh(x)",
-        "0 -> 1 #2",
+        "0 -> 1 in y = [exp(-x), sinh(x)][0]",
         f"{sum_} -> {sum_.replace('+', '-')}",
         f"{sum_} -> abs(y) * 1e-12",
         f"{sum_} -> sum((x for _ in range(5)))",
@@ -185,6 +185,37 @@ def of_functions(source: str, wanted: set[str]) -> str:
             begin = min(node.lineno for node in (each, *each.decorator_list))
             lines[begin - 1 : each.end_lineno] = [""] * (each.end_lineno - begin + 1)
     return "\n".join(lines)
+
+
+def test_equal_changes_are_told_apart_by_their_statement() -> None:
+    """An edit elsewhere in the function leaves the names; an edit of the statement changes them."""
+    sums = " + ".join(f"exp({q} * x)" for q in ("alpha", "beta", "gamma", "delta", "epsilon"))
+    lines = [
+        "def f(x, y=(1, 2)):",
+        "z = g(2, h(2))",
+        f"z += {sums} + 2 * p(2, x) + 3 * x * y",
+        "z *= 2",
+    ]
+    names = [
+        "2 -> 3 in z = g(2, h(2))",
+        "2 -> 3 in z = g(2, h(2)) #2",
+        "2 -> 3 in 2 * p(2, x)",  # the sum is too long
+        "2 -> 3 in 2 * p(2, x) #2",
+        "2 -> 3 in z *= 2",
+    ]
+
+    def found(*lines: str) -> list[str]:
+        return [
+            m.change for m in mutants_of("m.py", "\n ".join(lines)) if " 2 -> 3" in f" {m.change}"
+        ]
+
+    assert found(*lines) == ["default 2 -> 3", *names]
+    assert found(*lines[:1], "w = 2", *lines[2:]) == [
+        "default 2 -> 3",
+        "2 -> 3 in w = 2",
+        *names[2:],
+    ]
+    assert found(lines[0], lines[3]) == ["default 2 -> 3", "2 -> 3"]
 
 
 def test_every_explanation_is_about_a_change_that_can_be_made() -> None:

@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from benchmarks.mutation.places import ExpressionPlace, Scope, called, places_of
@@ -89,6 +89,9 @@ SYMMETRIC = frozenset(
 LOGS = frozenset({"info", "debug"})
 """Calls that are neither dropped nor changed, since their output only serves debugging."""
 
+LONGEST = 90
+"""Number of characters of an expression in the name of a change; a longer one is shortened."""
+
 SMALLEST, LARGEST = 1e-5, 1e4
 """Numbers below the first are treated as tolerances, numbers above the second as limits."""
 
@@ -108,7 +111,8 @@ class Mutant:
     outermost : str
         Qualified name of the outermost function around it; empty outside any.
     change : str
-        ``before -> after``, with ``#2`` for the second equal change in the function.
+        ``before -> after``. Equal changes of one function are told apart by what surrounds them,
+        ``before -> after in statement``, and if this is equal too, by ``#2`` for the second.
     tree, place, changed
         The module as a syntax tree, the place of the change in it, and the new expression.
     """
@@ -178,7 +182,6 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
     tree = ast.parse(source)
     timed = "perf_counter" in source
     found = []
-    seen: Counter[tuple[str, str]] = Counter()
     for place in places_of(tree, Scope()):
         node, scope = place.node, place.scope
         if timed and "perf_counter()" in ast.unparse(node):
@@ -188,14 +191,53 @@ def mutants_of(module: str, source: str) -> list[Mutant]:
             changed = ast.copy_location(ast.fix_missing_locations(new), node)
             old = old or _short(node)
             text = f"{old} -> {_short(changed)}"
-            if scope.default:  # counted separately
+            if scope.default:
                 text = f"default {text}"
-            seen[scope.function, text] += 1
-            if seen[scope.function, text] > 1:
-                text += f" #{seen[scope.function, text]}"
             where = (scope.function, node.lineno, scope.outermost)
             found.append(Mutant(module, *where, text, tree, place, changed))
-    return found
+    return _told_apart(_told_apart(found, _surroundings(tree)), _number())
+
+
+def _told_apart(mutants: list[Mutant], mark: Callable[[Mutant], str]) -> list[Mutant]:
+    """Return the changes, with a mark added to those whose names are equal."""
+    count = Counter(mutant.name for mutant in mutants)
+    return [
+        replace(mutant, change=mutant.change + mark(mutant)) if count[mutant.name] > 1 else mutant
+        for mutant in mutants
+    ]
+
+
+def _surroundings(tree: ast.Module) -> Callable[[Mutant], str]:
+    """Return the mark of a change: the largest part of its statement that fits into a name.
+
+    An edit of the statement then gives the change another name, so that an explanation of the old
+    one is not taken for its explanation.
+    """
+    parents = {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}
+
+    def mark(mutant: Mutant) -> str:
+        node: ast.AST = mutant.place.node
+        around = []
+        while not isinstance(node, ast.stmt | ast.arguments):
+            node = parents[node]
+            around.append(
+                ast.unparse(node).split("\n")[0]
+            )  # of an ``if`` or a loop, the first line
+        short = [text for text in around if len(text) <= LONGEST]
+        return f" in {short[-1] if short else _short(parents[mutant.place.node])}" if around else ""
+
+    return mark
+
+
+def _number() -> Callable[[Mutant], str]:
+    """Return the mark of a change: nothing for the first of one name, #2 for the second."""
+    seen: Counter[str] = Counter()
+
+    def mark(mutant: Mutant) -> str:
+        seen[mutant.name] += 1
+        return f" #{seen[mutant.name]}" if seen[mutant.name] > 1 else ""
+
+    return mark
 
 
 def by_statement(mutants: list[Mutant]) -> list[list[Mutant]]:
@@ -218,7 +260,7 @@ def by_statement(mutants: list[Mutant]) -> list[list[Mutant]]:
 
 def _short(node: ast.AST) -> str:
     text = " ".join(ast.unparse(node).split())
-    return text if len(text) <= 90 else f"{text[:43]} ... {text[-42:]}"
+    return text if len(text) <= LONGEST else f"{text[:43]} ... {text[-42:]}"
 
 
 def _changes(place: ExpressionPlace) -> Iterator[ast.expr | ast.AugAssign]:

@@ -154,14 +154,14 @@ def _fronts(
         found = follow_front_wave(moving, chain.eta if along == "c" else chain.c, along)
         followed = [(getattr(wave, along), wave) for wave in found.fronts]
         fronts = [(value, front_of_wave(at(value), wave)) for value, wave in followed]
-        for fold, place in found.folds:
+        for fold, index in found.folds:
             there = at(float(fold.parameter))
             folds.append(
                 BranchFold(
                     c=there.c,
                     eta=there.eta,
                     error=float(fold.error),
-                    place=before + place,
+                    points_before=before + index,
                     height=float(fold.u[-1]),
                 )
             )

@@ -224,7 +224,9 @@ def _branch(result: Any, axes: Axes, **style: Any) -> None:
     words = [point.to_dict().get("stable") is not False for point in result.points]
     nodes: list[Any] = list(zip(result.values, table[name].astype(float), words, strict=True))
     along = result.along
-    turns = [(fold.place, (getattr(fold, along), fold.height, None)) for fold in result.folds]
+    turns = [
+        (fold.points_before, (getattr(fold, along), fold.height, None)) for fold in result.folds
+    ]
     pin = getattr(result, f"{along}_pin")
     if pin is not None:
         end = (sum(node[0] > pin for node in nodes), (pin, 0.0, None))

@@ -291,7 +291,7 @@ def test_the_errors_of_a_fold_cover_those_from_extended_precision(eta: float, si
     chain = AveragedChain(a=1.0, b=eta, c=0.0, sites=sites)
     branch = follow(chain, [0.01], nucleus=Nucleus(1), folds=1)
     fold = branch.folds[0]
-    assert (fold.place, len(branch.points)) == (1, 2)
+    assert (fold.points_before, len(branch.points)) == (1, 2)
     near = solve_envelope_breather(
         AveragedChain(a=1.0, b=eta, c=fold.c * (1.0 - 1e-6), sites=sites), Nucleus(1)
     )

@@ -1274,7 +1274,7 @@ def test_along_a_branch_fronts_at_rest_are_last_in_c_and_first_in_eta(
     assert branch.values.tolist() == order
     assert {type(chain) for chain in branch.points} == {fr.AveragedChain}
     assert [getattr(chain, along) for chain in branch.points] == pytest.approx(order)
-    assert [(fold.place, fold.error) for fold in branch.folds] == [(place, 1e-6)]
+    assert [(fold.points_before, fold.error) for fold in branch.folds] == [(place, 1e-6)]
 
 
 def test_progress_is_told_of_a_claim_before_and_after_it_is_judged(

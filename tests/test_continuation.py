@@ -621,7 +621,7 @@ def test_continuation_finds_the_fold_of_a_circle(
     for equations, u in ((circle, [0.7]), (system, [0.7, 0.7 * beside])):
         branch = trace(equations, solve_at(equations, np.array(u), 1.0), 5.0)
         assert abs(branch.fold.parameter - 1.7) <= branch.fold.error < 1e-9
-        assert branch.fold.place == len(branch.points) - 1  # it ends a step beyond
+        assert branch.fold.index == len(branch.points) - 1  # it ends a step beyond
         assert len(steps) <= 6
 
 
@@ -651,7 +651,7 @@ def test_a_branch_goes_either_way_and_ends_where_it_leaves_the_range() -> None:
 def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     found = trace(circle, start, 5.0, lambda u, c: (c, float(u[0])), StepControl(folds=1))
-    first = found.folds[0].place
+    first = found.folds[0].index
     assert [c for c, _ in found.monitored] == [point.parameter for point in found.points[:first]]
     assert [u for _, u in found.monitored] == [point.u[0] for point in found.points[:first]]
 
@@ -659,7 +659,7 @@ def test_what_is_watched_is_watched_up_to_the_first_fold() -> None:
 def test_on_both_sides_of_a_fold_a_solution_is_found_with_how_often_it_has_turned() -> None:
     start = solve_at(circle, np.array([0.7]), 1.0)
     branch = trace(circle, start, 5.0, None, StepControl(folds=1))
-    last = branch.points[branch.fold.place - 1].parameter
+    last = branch.points[branch.fold.index - 1].parameter
     beside = [1.0, 1.2, 1.5, 0.5 * (last + branch.fold.parameter)]  # the last within its step
     found = list(solutions_at(circle, branch, beside))
     assert [(point.parameter, turned) for point, turned in found] == [
@@ -901,7 +901,7 @@ def test_beside_a_fold_the_start_is_that_of_a_parabola(after: bool) -> None:
     side = 1.0 if after else -1.0
     point = BranchPoint(np.array([1.0]), 1.0, np.ones(2), 0.0, 0.0, 1, orientation=side)
     other = replace(point, u=np.array([-1.0]))
-    fold = fold_of(0.0, 0.0, np.zeros(1), place=1)
+    fold = fold_of(0.0, 0.0, np.zeros(1), index=1)
     begun: list[float] = []
 
     def parabola(u: Any, c: float) -> tuple[Any, Any, Any]:

@@ -463,8 +463,8 @@ def test_a_search_runs_for_the_time_and_with_the_tolerance_that_it_is_given(
     search = spreading._Search(FrictionChain(c=0.0), how, 1e-4, 0.1, 0.5)
     search.spreads(0.2)
     search.spreads(0.3, longer=2.0)
-    search.spreads(0.4, tolerance=1e-9)
-    assert asked == [(0.2, 300.0, 1e-7), (0.3, 600.0, 1e-7), (0.4, 300.0, 1e-9)]
+    search.spreads(0.4, finer=10.0)
+    assert asked == [(0.2, 300.0, 1e-7), (0.3, 600.0, 1e-7), (0.4, 300.0, 1e-7 / 10.0)]
     monkeypatch.setattr(spreading, "spreads", lambda *_: True)
     assert search.spreads(0.4)
 

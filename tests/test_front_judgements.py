@@ -883,10 +883,10 @@ def test_another_velocity_counts_only_where_the_longest_chain_is_not_long_enough
         assert settled.arrivals.size == sites
 
 
-def test_a_front_is_steady_only_if_it_has_travelled_for_the_relaxation_time() -> None:
+def test_a_front_is_steady_only_if_it_has_travelled_for_the_settling_time() -> None:
     """Otherwise no error of its velocity is known."""
     prepared = smooth._prepare_smooth(AVERAGED, _request(), LeftBoundary.WAVE)
-    assert prepared.relaxation_time == pytest.approx(2.0 / AVERAGED.eps)
+    assert prepared.settling_time == pytest.approx(2.0 / AVERAGED.eps)
 
     def trial(sites: int) -> Trial:
         times = np.arange(sites) / (2.0 if sites < 100 else 2.125)
@@ -897,7 +897,7 @@ def test_a_front_is_steady_only_if_it_has_travelled_for_the_relaxation_time() ->
         (16.1, 63, 32, math.inf, FrontStatus.UNSTEADY),
         (65.0, 128, 128, math.inf, FrontStatus.UNSTEADY),
     ):  # fmt: skip
-        found = settle(trial, sites=32, max_sites=most, accuracy=0.1, relaxation_time=time)
+        found = settle(trial, sites=32, max_sites=most, accuracy=0.1, settling_time=time)
         assert (found.sites, found.status) == (sites, status)
         assert found.error == pytest.approx(error, abs=1e-7)
 

@@ -565,7 +565,7 @@ def test_a_fold_of_the_branch_has_both_parameters(monkeypatch: pytest.MonkeyPatc
     assert branch.values.tolist() == [0.08, 0.07, 0.02]
     (turn,) = branch.folds
     assert (turn.c, turn.eta, turn.error) == (0.15, 0.05, 1e-12)
-    assert (turn.place, turn.height) == (2, 0.125)
+    assert (turn.points_before, turn.height) == (2, 0.125)
     branch.plot()
 
 

@@ -101,7 +101,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_dashed_where_it_is_not() -> No
 def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
     """A fold after two points, and beyond the last but one of them the end, where v = 0."""
     place = {"c": 0.45, "eta": 0.45}
-    turn = BranchFold(**place, error=0.0, place=2, height=0.9)
+    turn = BranchFold(**place, error=0.0, points_before=2, height=0.9)
     axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": 0.25}))
     chained = _segments(axes, "-")
     # 0.6, 0.5, fold 0.45, 0.4, 0.3, end 0.25, 0.2
@@ -122,7 +122,7 @@ def test_a_branch_goes_through_its_folds_in_their_order(along: str) -> None:
 
 @pytest.mark.parametrize("along", ["c", "eta"])
 def test_a_fold_beyond_the_end_of_a_branch_stands_beyond_it(along: str) -> None:
-    turn = BranchFold(c=0.25, eta=0.25, error=0.0, place=4, height=0.9)
+    turn = BranchFold(c=0.25, eta=0.25, error=0.0, points_before=4, height=0.9)
     axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": 0.45}))
     order = [each for each in _segments(axes, "-") if each[0] != each[1]]
     assert np.allclose(np.ravel(order), np.repeat([0.6, 0.5, 0.45, 0.4, 0.3, 0.25, 0.2], 2)[1:-1])
@@ -132,7 +132,7 @@ def test_a_fold_beyond_the_end_of_a_branch_stands_beyond_it(along: str) -> None:
 def test_a_branch_has_no_gap_where_a_fold_follows_the_other_without_a_point(along: str) -> None:
     """In descending order: fronts at rest are at the end along c, and at the beginning along η."""
     place = {"c": 3, "eta": 2}[along]
-    turn = BranchFold(c=0.45, eta=0.45, error=0.0, place=place, height=0.9)
+    turn = BranchFold(c=0.45, eta=0.45, error=0.0, points_before=place, height=0.9)
     pin = {"c": 0.35, "eta": 0.45}[along]
     axes = draw(_branch(along, [True] * 5, folds=(turn,), **{f"{along}_pin": pin}))
     ends = [(0.45, 0.9), (pin, 0.0)]

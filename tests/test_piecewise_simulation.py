@@ -444,7 +444,7 @@ def test_the_smallest_coupling_of_a_simulation_is_allowed() -> None:
 
 def test_the_smallest_eta_of_a_simulation_is_allowed() -> None:
     assert simulation._threshold(1e-8) == pytest.approx(ratio(1e-8), rel=1e-12)
-    with pytest.raises(ParameterError, match="at least 1e-08"):
+    with pytest.raises(ParameterError, match="at least 1e-8"):
         simulation._threshold(0.999e-8)
 
 

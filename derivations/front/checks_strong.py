@@ -139,8 +139,8 @@ class StrongChecks(SampledChecks):
             slopes = [float(mp.diff(_shape, z, j)) for j in range(4)]
             point: dict[Any, Any] = {s.inner: slopes[0], s.length: numbers["length"],
                                      s.w_1: numbers["w"], **sample.chain.values}  # fmt: skip
-            point |= {s.inner.diff((s.inner_place, j)) if j > 1 else s.inner.diff(s.inner_place):
-                      slopes[j] for j in (1, 2, 3)}  # fmt: skip
+            for order in (1, 2, 3):
+                point[s.inner.diff(*[s.inner_position] * order)] = slopes[order]
             numbers |= {"d1": slopes[1], "d3": slopes[3], "loss": sample.rate(slopes[0])}
             yield sample, point, numbers
 

@@ -29,7 +29,7 @@ from derivations.front.symbols import (
     deviation_field,
     envelope,
     inner,
-    inner_place,
+    inner_position,
     kappa_front,
     length,
     position,
@@ -89,8 +89,8 @@ def _outer(draft: Draft, checks: StrongChecks) -> None:
                      "a maximum of the second", check=checks.sizes)
     draft.derived("inner front", (Substitute(), Divide(epsilon)), "front in the inner scale",
                   "speed and dispersion", check=checks.inner_named)
-    demands = (((inner.diff((inner_place, 3)),), sp.S.One),
-               ((inner.diff(inner_place),), -kappa_front))
+    demands = (((inner.diff((inner_position, 3)),), sp.S.One),
+               ((inner.diff(inner_position),), -kappa_front))
     draft.derived("speed by the group velocity",
                   (Rewrite(Form.ON_THE_LEFT), PrescribeCoefficients(demands, (length, v))),
                   "inner front", check=checks.speed_law,

@@ -46,8 +46,8 @@ kappa_front = sp.Symbol("kappa_f", real=True)
 deviation_field = sp.Function("z", real=True)
 envelope = sp.Function("psi", real=True)(position, t)
 profile = sp.Function("rho", real=True)
-inner_place = sp.Symbol("z", real=True)
-inner = profile(inner_place)
+inner_position = sp.Symbol("z", real=True)
+inner = profile(inner_position)
 
 
 def over_roots(numerator: sp.Expr | int, roots: sp.Symbol) -> SumOver:

@@ -85,8 +85,8 @@ def follow(
         started = time.perf_counter()
     described = []
     for number, fold in enumerate(branch.folds):
-        place = sum(each <= number for each in folds_passed)
-        described.append(_described(family, fold, place))
+        points_before = sum(each <= number for each in folds_passed)
+        described.append(_described(family, fold, points_before))
     reached = {point.chain.c for point in points}
     points += [
         Breather(
@@ -117,7 +117,7 @@ def _end(folds: Sequence[tuple[Fold, float]]) -> dict[str, Any]:
     return {"fold": last.parameter, "fold_error": error}
 
 
-def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
+def _described(family: BreatherFamily, fold: Fold, points_before: int) -> BranchFold:
     """Return a fold with the errors of its coupling and of its amplitude.
 
     Its coupling is known to the square of its distance along the branch, its amplitude only to this
@@ -137,5 +137,5 @@ def _described(family: BreatherFamily, fold: Fold, place: int) -> BranchFold:
         height_error=abs(height - height_away)
         + 2.0 * family.unit * (fold.transverse_error + shift.solution)
         + 1e-14 * height,
-        place=place,
+        points_before=points_before,
     )

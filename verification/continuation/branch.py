@@ -51,7 +51,7 @@ class BranchFold(Result):
         Coupling and η = b/a² of the fold, dimensionless.
     error : float
         Bound on the error of c or η, whichever was varied along the branch.
-    place : int
+    points_before : int
         Number of points of the branch before the fold.
     height : float
         Amplitude at the centre for breathers; velocity for fronts.
@@ -62,7 +62,7 @@ class BranchFold(Result):
     c: float
     eta: float
     error: float
-    place: int
+    points_before: int
     height: float
     height_error: float | None = None
 
@@ -89,7 +89,7 @@ class Fold:
         last correction.
     tangent : float array
         Change of ``u`` along the branch at the fold.
-    place : int
+    index : int
         Index of the first point of the branch beyond the fold.
     """
 
@@ -99,7 +99,7 @@ class Fold:
     offset: FloatArray
     transverse_error: float
     tangent: FloatArray
-    place: int = 0
+    index: int = 0
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ def trace(
             fold_passed = new.tangent[-1] * point.tangent[-1] <= 0.0
             if fold_passed:
                 fold = _find_fold(system, point, new, length, steps)
-                folds.append(replace(fold, place=len(points)))
+                folds.append(replace(fold, index=len(points)))
         except NotConvergedError:
             length *= 0.5
             if length >= _MIN_LENGTH:
@@ -287,15 +287,15 @@ def solutions_at(
     ]
     passed = 0
     for fold in reversed(branch.folds):
-        nodes.insert(fold.place, (fold.u, fold.parameter, fold))
+        nodes.insert(fold.index, (fold.u, fold.parameter, fold))
     required = np.unique(np.asarray(values, dtype=float))
-    for place, ((u, p, from_fold), (u_next, p_next, to_fold)) in enumerate(
+    for index, ((u, p, from_fold), (u_next, p_next, to_fold)) in enumerate(
         itertools.pairwise(nodes)
     ):
         inside = required[
             (required >= min(p, p_next))
             & (required <= max(p, p_next))
-            & ((required != p) | (place == 0))
+            & ((required != p) | (index == 0))
         ]
         for value in (inside if p_next > p else inside[::-1]).tolist():
             fraction = (value - p) / (p_next - p)
@@ -484,14 +484,14 @@ def first_crossing(
     if branch.fold is not None:
         nodes.append((branch.fold.u, branch.fold.parameter))
         values.append(monitor(*nodes[-1])[entry])
-    positive = [place for place, value in enumerate(values) if value > 0.0]
+    positive = [index for index, value in enumerate(values) if value > 0.0]
     if not positive:
         return None
-    place = positive[0]
-    if place == 0:
+    first = positive[0]
+    if first == 0:
         return Crossing(branch.points[0].parameter, 0.0, branch.points[0].u, from_start=True)
-    ends = [(values[at], nodes[at][1], nodes[at][0]) for at in (place - 1, place)]
-    return _crossing(system, branch.points[place - 1], ends, lambda u, p: monitor(u, p)[entry])
+    ends = [(values[at], nodes[at][1], nodes[at][0]) for at in (first - 1, first)]
+    return _crossing(system, branch.points[first - 1], ends, lambda u, p: monitor(u, p)[entry])
 
 
 def _crossing(
@@ -525,8 +525,8 @@ def _crossing(
             f"where stability changes between c = {ends[0][1]:.6g} and {ends[1][1]:.6g} was not "
             f"found in {_MAX_CROSSING} steps: take an eta farther from 1/8."
         ) from None
-    low = max(place for place, (found, _, _) in evaluated.items() if found <= 0.0)
-    high = min(place for place, (found, _, _) in evaluated.items() if found > 0.0)
+    low = max(index for index, (found, _, _) in evaluated.items() if found <= 0.0)
+    high = min(index for index, (found, _, _) in evaluated.items() if found > 0.0)
     bracket_width = abs(evaluated[high][1] - evaluated[low][1])
     nearest = evaluated[low if length is None else length]
     return Crossing(nearest[1], bracket_width + 1e-12, nearest[2], from_start=False)

@@ -80,6 +80,6 @@ def friction_front(chain: FrictionChain, request: Request) -> Front:
         stall_time=STALL_TIME.number(request.stall_time),
         settling_tolerance=1e-4,
         kind=FrictionIntegration,
-        relaxation_time=TEN_PERIODS,
+        settling_time=TEN_PERIODS,
     )
     return preparation.front(preparation.settled(request.progress), None, False)

@@ -125,7 +125,7 @@ class FrontPreparation:
         not.
     disordered : bool
         Whether sites differ at random, so that arrivals deviate from a line like a random walk.
-    relaxation_time : float
+    settling_time : float
         Time (in t) within which a front is not steady. Before disturbances ahead of it have
         decayed, its velocity can pass through a minimum, where no fit of arrivals shows that it
         will change; nor does one show it of a front that has stopped and started only once or
@@ -148,7 +148,7 @@ class FrontPreparation:
     unsettled: Callable[[Integration], float] = field(default=lambda run: 0.0)
     compared: bool = False
     disordered: bool = False
-    relaxation_time: float = 0.0
+    settling_time: float = 0.0
 
     def settled(self, progress: ProgressCallback | None) -> Settled:
         """Measure on successively longer chains until v has settled or the front has stopped."""
@@ -169,7 +169,7 @@ class FrontPreparation:
             error = max(error_beside(v, error, other, self.tolerance), behind * v)
             if self.disordered:
                 error = max(error, error_by_disorder(arrivals))
-            if sites < self.relaxation_time * v:
+            if sites < self.settling_time * v:
                 error = math.inf
             if self.compared and math.isfinite(v):
                 error, before = max(error, abs(v - before)), v

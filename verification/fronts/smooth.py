@@ -264,7 +264,7 @@ def _prepare_smooth(
         tail_amplitude=TAIL * chain.unstable_amplitude,
         unsettled=_unsettled if waves == 0.0 and not chain.oscillates else _not_measured,
         disordered=bool(getattr(chain, "disorder", {})),
-        relaxation_time=chain.relaxation_time,
+        settling_time=chain.relaxation_time,
         # Velocities are coupled only where cells oscillate.
         compared=getattr(chain, "velocity_coupling", 0.0) != 0.0,
     )

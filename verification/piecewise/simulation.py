@@ -16,7 +16,7 @@ from enum import StrEnum
 import numpy as np
 
 from theory.cells.vdp import threshold_ratio
-from theory.parameters import ParameterError, Range, count_within, positive, within
+from theory.parameters import ParameterError, Range, at_least, count_within, positive, within
 from verification.piecewise.chain import PiecewiseMotion
 from verification.piecewise.run import FrontRun
 from verification.piecewise.verdict import BLOCK, History
@@ -135,7 +135,7 @@ def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:
     >>> [run.status.value for run in runs.moving]
     ['steady', 'pinned']
     """
-    descending = tuple(sorted((positive("coupling c", c) for c in couplings), reverse=True))
+    descending = tuple(sorted(map(_coupling, couplings), reverse=True))
     moving: list[FrontRun] = []
     for c in descending:
         start = moving[-1].final if moving else Start.MOVING
@@ -145,25 +145,16 @@ def hysteresis(eta: float, couplings: Sequence[float]) -> Hysteresis:
 
 
 def _coupling(coupling: float) -> float:
-    c = positive("coupling c", coupling)
-    if c < SMALLEST_COUPLING:
-        raise ParameterError(
-            "coupling c", c, f"at least {SMALLEST_COUPLING:g} in a simulation",
-            "take a larger one, at which the sites are independent of each other as well",
-        )  # fmt: skip
-    return c
+    remedy = "take a larger one, at which the sites are independent of each other as well"
+    return at_least("coupling c of a simulation", coupling, SMALLEST_COUPLING, remedy)
 
 
 def _threshold(eta: float) -> float:
     remedy = "take b/a^2 below 1/8, where the unit cell is bistable"
     if positive("eta = b/a^2", eta, remedy) >= 0.125:
         raise ParameterError("eta = b/a^2", eta, "below 1/8", remedy)
-    if eta < SMALLEST_ETA:
-        raise ParameterError(
-            "eta = b/a^2", eta, f"at least {SMALLEST_ETA:g} in a simulation",
-            "use the kinetic relation",
-        )  # fmt: skip
-    return threshold_ratio(float(eta))
+    remedy = "use the kinetic relation"
+    return threshold_ratio(at_least("eta = b/a^2 of a simulation", eta, SMALLEST_ETA, remedy))
 
 
 def _start_state(

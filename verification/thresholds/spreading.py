@@ -203,14 +203,12 @@ class _Search:
         self._expected += runs
         self._progress = progress
 
-    def spreads(self, c: float, *, longer: float = 1.0, tolerance: float | None = None) -> bool:
-        """Run the chain at a coupling, with a factor on the final time or another tolerance."""
+    def spreads(self, c: float, *, longer: float = 1.0, finer: float = 1.0) -> bool:
+        """Run the chain at a coupling, to a longer final time or with a smaller tolerance."""
         self.runs += 1
         self._report(0.0)
         final = longer * self._spreading.final_time
-        spreading = self._spreading
-        if tolerance is not None:
-            spreading = replace(spreading, tolerance=tolerance)
+        spreading = replace(self._spreading, tolerance=self._spreading.tolerance / finer)
         return spreads(self._chain.replace(c=c), spreading, final, self._report)
 
     def _report(self, part: float) -> None:
@@ -219,12 +217,10 @@ class _Search:
             done = self.runs + part
             self._progress(done / (done + self._expected))
 
-    def bracket(
-        self, *, longer: float = 1.0, tolerance: float | None = None
-    ) -> tuple[float, float]:
+    def bracket(self, *, longer: float = 1.0, finer: float = 1.0) -> tuple[float, float]:
         """Search upwards from the lowest coupling by a constant factor, then bisect."""
         low, high = self._lowest, self._lowest
-        while not self.spreads(high, longer=longer, tolerance=tolerance):
+        while not self.spreads(high, longer=longer, finer=finer):
             if high >= self._highest:
                 raise ParameterError(
                     "highest coupling", self._highest, "one up to which the nucleus spreads",
@@ -240,7 +236,7 @@ class _Search:
             )  # fmt: skip
         while high - low > self._accuracy and low < 0.5 * (low + high) < high:
             middle = 0.5 * (low + high)
-            if self.spreads(middle, longer=longer, tolerance=tolerance):
+            if self.spreads(middle, longer=longer, finer=finer):
                 high = middle
             else:
                 low = middle
@@ -252,10 +248,9 @@ class _Search:
         It is three times the difference from the threshold at a hundredth of the tolerance. That at
         a larger tolerance, or one closer to it, can err alike: steps change at intervals only.
         """
-        finer = self._spreading.tolerance / FINER
-        if not self.spreads(low, tolerance=finer) and self.spreads(high, tolerance=finer):
+        if not self.spreads(low, finer=FINER) and self.spreads(high, finer=FINER):
             return 0.0
-        return SAFETY * 0.5 * abs(low + high - sum(self.bracket(tolerance=finer)))
+        return SAFETY * 0.5 * abs(low + high - sum(self.bracket(finer=FINER)))
 
     def exceptions(self, c: float, tests: int) -> tuple[list[float], list[float]]:
         """Return couplings below c at which the nucleus spreads, and above at which it does not."""

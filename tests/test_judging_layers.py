@@ -41,6 +41,7 @@ from theory.chains.oscillator import OscillatorChain
 from theory.chains.vdp import AveragedChain, VdpChain, vdp_acceleration
 from theory.parameters import ParameterError, RunError, positive
 from theory.piecewise.kinetic_relation import kinetic_relation
+from theory.piecewise.limits import retreat_coupling
 from verification.breathers import breather as breathers
 from verification.breathers import exponents
 from verification.breathers import outcome as nuclei
@@ -1482,6 +1483,14 @@ def test_a_velocity_off_by_more_than_its_error_is_as_far_off_as_it_is(side: floa
         )  # fmt: skip
         check = velocities._check_velocities(at, stated)
         assert check.distance == pytest.approx(off, rel=1e-2)
+
+
+def test_velocities_are_counted_on_a_grid_down_to_the_slowest_that_are_searched_for() -> None:
+    """Above c_retreat by 1e-9 of it: the only front is hardly faster than |v| = 0.018."""
+    at = {"c": (1.0 + 1e-9) * retreat_coupling(0.12), "eta": 0.12}
+    (slow,) = kinetic_relation(at["c"], at["eta"]).branches
+    assert 0.018 < abs(slow.v) < 0.03
+    assert velocities._changes_of_sign(at) == 1
 
 
 @pytest.mark.parametrize(

@@ -851,8 +851,12 @@ def test_a_record_is_read_as_its_kind_and_format_only_and_as_it_was_written(
     assert '"η"' in (tmp_path / "out.json").read_text("utf-8")
     written = Record(kind="map", content={"c": [0.5, 1e-300]}).to_dict()
     assert Record.from_dict(written, "map").content == {"c": [0.5, 1e-300]}
-    for kind, change in (("table", {}), ("map", {"format": 2}), ("map", {"c": [0.5, 0.0]})):
-        with pytest.raises(ParameterError, match="record"):
+    for kind, change, said in (
+        ("table", {}, "of the kind 'table' in format"),
+        ("map", {"format": 2}, "of the kind 'map' in format"),
+        ("map", {"c": [0.5, 0.0]}, "as it was written"),
+    ):
+        with pytest.raises(ParameterError, match=f"must be {said}"):
             Record.from_dict(written | change, kind)
 
 

@@ -84,6 +84,9 @@ def test_variations_and_the_jacobian_are_derivatives_of_the_rate(ends: Ends) -> 
     slope = np.array(columns).T
     # Central differences: step² times third derivatives of order one.
     assert np.abs(equations.full_jacobian(chain)(0.0, state).toarray() - slope).max() < 1e-9
+    several = rate(0.0, np.column_stack([state, 2.0 * state, -state]).ravel()).reshape(12, 3)
+    for k, factor in enumerate((1.0, 2.0, -1.0)):
+        assert np.array_equal(several[:, k], rate(0.0, factor * state))
     start = np.column_stack([state, np.eye(12)]).ravel()
     both = equations.variational_rate(chain)(0.0, start).reshape(12, 13)
     assert np.abs(both[:, 0] - rate(0.0, state)).max() == 0.0

@@ -99,7 +99,7 @@ def full_rate(chain: VanDerPolChain, wave: bool = False) -> Rate:
     n, a, b, c, eps, ends = chain.sites, chain.a, chain.b, chain.c, chain.eps, chain.ends
 
     def rate(_: float, state: FloatArray) -> FloatArray:
-        x = state if state.size == 2 * n else state.reshape(2 * n, -1)
+        x = state.reshape(2 * n, -1)
         y, w = x[:n], x[n:]
         springs = pull(y, ends)
         if wave:

@@ -28,13 +28,21 @@ from verification.runs.simulate import simulate
 from verification.runs.trajectory import RunStatus, Trajectory
 from verification.steppers import friction
 from verification.steppers.friction_series import (
+    BEYOND,
     BINOMIALS,
     DRAG,
+    DUE,
+    FIRST,
     LAST_MAXIMUM,
     LAST_MINIMUM,
+    LAST_TERM,
+    MODE,
+    RELEASED,
     _polish,
     first_root,
     friction_outer,
+    law_of,
+    new_numbers,
     new_work,
 )
 from verification.steppers.stop_code import StopCode
@@ -58,6 +66,16 @@ def holding_force(chain: FrictionChain, y: np.ndarray) -> np.ndarray:
         bend[:, 0] -= y[:, 0]
         bend[:, -1] -= y[:, -1]
     return 2 * chain.cell.xi * chain.cell.v_d + y + chain.c * bend
+
+
+def test_a_new_run_has_a_row_for_each_number_that_compiled_code_keeps() -> None:
+    """Indices are not checked there: what has no row would be written beside the array."""
+    run = friction.new_run(new_numbers(CELL, 0.1, 1e-9), law_of(CELL), np.zeros((2, 3)), np.ones(3),
+                           times=np.zeros(5), logged=7, order=12)  # fmt: skip
+    assert len(run.mode) > max(MODE, RELEASED, DUE, FIRST, BEYOND)
+    assert len(run.counters) >= friction.KINDS + len({BEGINS, ENDS, REVERSES})
+    assert len(run.site) > max(LAST_MAXIMUM, LAST_MINIMUM, LAST_TERM)
+    assert (run.samples.shape[0], run.log.shape) == (5, (7, 3))
 
 
 @pytest.mark.parametrize("direction", [-1.0, 1.0])

@@ -656,6 +656,23 @@ def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
     assert 100 < np.isfinite(found).sum() < 300
 
 
+@pytest.mark.parametrize(
+    ("coefficients", "root"),
+    [
+        ([1.0, -2.0], 0.5),
+        ([1.0, -0.5], np.inf),
+        ([0.5, 1.0], np.inf),
+        ([1.0, 0.0, -4.0], 0.5),
+        ([1.0, -5.0, 4.0], 0.25),
+        ([1.0, -2.0, 2.0], np.inf),
+    ],
+)
+def test_a_line_or_a_parabola_has_its_first_root(coefficients: list[float], root: float) -> None:
+    found = np.zeros(1)
+    first_roots(new_work(len(coefficients) - 1), np.array([coefficients]), found)
+    assert found[0] == pytest.approx(root, rel=1e-15)
+
+
 @pytest.mark.parametrize("v_d", [0.01, 0.5, 1.25])
 def test_excited_sites_start_where_the_cycle_turns(v_d: float) -> None:
     """The run of one site that finds the turning points, against shooting by phases of slip."""

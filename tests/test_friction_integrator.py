@@ -619,6 +619,13 @@ def test_the_time_of_an_event_takes_a_dozen_evaluations_at_most() -> None:
         assert f.reads <= 12 * 4
 
 
+@pytest.mark.parametrize("root", [0.55, 0.8, 0.95])
+def test_the_time_of_an_event_is_looked_for_in_its_bracket(root: float) -> None:
+    """There are two earlier ones at 0.2 and 0.4."""
+    f = -np.polynomial.polynomial.polyfromroots([0.2, 0.4, root])
+    assert _polish.py_func(f, 3, 0.5, 1.0) == pytest.approx(root, rel=1e-13)
+
+
 @friction_outer
 def first_roots(work: np.ndarray, polynomials: np.ndarray, found: np.ndarray) -> None:
     """Put the first root of each polynomial in [0, 1] into ``found``."""
@@ -665,6 +672,13 @@ def test_a_first_root_is_the_first_of_all_roots_of_a_polynomial() -> None:
         ([1.0, 0.0, -4.0], 0.5),
         ([1.0, -5.0, 4.0], 0.25),
         ([1.0, -2.0, 2.0], np.inf),
+        # What is zero at first, or has just left it, turns with its next coefficient.
+        ([0.0, -1.0], 0.0),
+        ([0.0, 0.0, -1.0], 0.0),
+        ([0.0, 1.0, -2.0], 0.5),
+        ([-1e-17, 1.0, -4.0], 0.25),
+        ([0.0, 1.0, 1.0], np.inf),
+        ([0.0, 0.0, 0.0], np.inf),
     ],
 )
 def test_a_line_or_a_parabola_has_its_first_root(coefficients: list[float], root: float) -> None:

@@ -426,6 +426,49 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
                                       "noticed": record["counts"]["all"]["run"]}  # fmt: skip
 
 
+TWO_WITH_FILES = """
+import os, time
+from pathlib import Path
+def wait_for(name):
+    while not Path(name).exists(): time.sleep(0.01)
+def test_first(tmp_path):
+    (tmp_path / "file").touch()
+    Path("first").touch()
+    wait_for("second")
+    assert (tmp_path / "file").exists()
+def test_second(request):
+    wait_for("first")
+    assert request.getfixturevalue("tmp_path").exists()
+    Path("second").touch()
+"""
+AT_ONCE = """
+import os
+from pathlib import Path
+from benchmarks.mutation import session
+session.compile_steppers = session.read_sources = lambda: None
+made = session.Session(Path.cwd(), set())
+def work():
+    children = []
+    for name in ("test_first", "test_second"):
+        children.append(os.fork())
+        if not children[-1]:
+            os._exit(made.first_failing([f"test_small.py::{name}"], None, 20.0) is not None)
+    assert [os.waitpid(child, 0)[1] for child in children] == [0, 0]
+raise SystemExit(made.collect(["test_small.py"], work))
+"""
+
+
+def test_files_of_tests_that_run_at_once_are_not_removed(tmp_path: Path) -> None:
+    (tmp_path / "test_small.py").write_text(TWO_WITH_FILES, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", AT_ONCE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_a_child_that_crashes_or_does_not_end_answers_so() -> None:
     answers: list[list[Answer]] = []
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import FunctionType
+from typing import Any
 
 import pytest
 
@@ -109,6 +110,10 @@ class Session:
         read_sources()
         self.before_tests = self.on_import | self.names
         gc.freeze()
+        # pytest removes what is in its temporary folder when this is first asked for: not in each
+        # child, which would remove the files of tests that another one runs.
+        config: Any = session.config
+        config._tmp_path_factory.getbasetemp()
         self._work()
         return True
 

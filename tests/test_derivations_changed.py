@@ -138,7 +138,8 @@ def test_a_check_notices_each_change_that_it_can_and_no_other(
     # What is changed is noticed where it enters first, and a looser check by what it refused.
     multiplied = "factor() * source.rhs -> factor() / source.rhs"
     assert found[f"Multiply.__call__:{multiplied}"] == "small: twice"
-    assert found["Write.__call__:1 -> 2 #2"] == "small: twice in other words"
+    written = "return equation(source.lhs, source.rhs + 1 - 1)"
+    assert found[f"Write.__call__:1 -> 2 in {written} #2"] == "small: twice in other words"
     assert found["given:equation(p, q) -> equation(q, p)"] == "small: start"
     # Outside functions, and what a check is made from.
     assert found["<module>:2 -> 3"] == "small: twice"

@@ -152,7 +152,7 @@ def test_a_friction_chain_is_measured_as_is_asked_or_as_is_usual(
     unknown: Any = None  # whatever the run: all sites are kept, and all are alike
     assert [each.unsettled(unknown) for each in made] == [0.0, 0.0]
     assert not any(each.compared or each.disordered for each in made)
-    periods = [each.relaxation_time / (2.0 * math.pi) for each in made]  # of free oscillation
+    periods = [each.settling_time / (2.0 * math.pi) for each in made]  # of free oscillation
     assert periods == pytest.approx([10.0, 10.0])
 
 

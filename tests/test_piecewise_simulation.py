@@ -438,7 +438,7 @@ def test_a_start_of_ones_own_has_32_sites_or_more():
 def test_the_smallest_coupling_of_a_simulation_is_allowed() -> None:
     """Below it the decay of a tail to the next site, about 1/2c, is soon no finite number."""
     assert simulation._coupling(1e-300) == 1e-300
-    with pytest.raises(ParameterError, match="at least 1e-300 in a simulation"):
+    with pytest.raises(ParameterError, match="at least 1e-300"):
         simulation._coupling(0.999e-300)
 
 

@@ -435,6 +435,7 @@ def test_the_rounding_of_large_terms_that_cancel_is_in_the_error_of_a_fold() -> 
     fold = trace(system, start, 2.0, None, StepControl(fold_tolerance=1e-13)).fold
     assert fold is not None
     assert 1e-10 < abs(fold.parameter - 1.0) <= fold.error < 1e-8
+    assert fold.tangent == pytest.approx([1.0, 0.0], abs=1e-6)  # only u changes along the branch
 
 
 def test_where_two_branches_nearly_cross_the_one_that_is_followed_is_not_left() -> None:

@@ -843,6 +843,23 @@ def test_the_diagram_is_the_cells_one_by_one() -> None:
     assert bifurcation([CELL], "xi", [0.1, 0.2]) is None
 
 
+def test_the_columns_of_a_diagram_have_both_ends_of_both_cycles() -> None:
+    two = np.arange(2.0)
+    found = diagram.Bifurcation(
+        cell=CELL, v_d=two, sliding=two + 2, stable=np.array([[4.0, 6.0], [5.0, 7.0]]),
+        stable_error=two + 8, unstable=np.array([[10.0, 12.0], [11.0, 13.0]]),
+        unstable_error=two + 14, stick_time=two + 16, multiplier=two + 18,
+        multiplier_error=two + 20, cycle_end_velocity=22.0, cycle_end_error=23.0, seconds=0.0,
+    )  # fmt: skip
+    expected = {
+        "v_d": 0, "sliding": 2, "stable_min": 4, "stable_max": 6, "stick_time": 16,
+        "stable_error": 8, "unstable_min": 10, "unstable_max": 12, "unstable_error": 14,
+    }  # fmt: skip
+    columns = {name: column.tolist() for name, column in found.columns().items()}
+    assert columns == {name: [first, first + 1] for name, first in expected.items()}
+    assert found.is_curve
+
+
 def test_the_errors_of_a_diagram_are_in_every_form_of_it(tmp_path: Path) -> None:
     """Of a coarse one they bound the differences from a fine one."""
     line = "cell friction --v-d 1.2:2:5 --tolerance"
@@ -1021,6 +1038,28 @@ def test_cycles_that_begin_at_the_hopf_velocity_up_to_round_off_are_found_to_beg
     assert friction.cycle_velocities(given, 1e-8) == pytest.approx((first, end), rel=1e-14)
 
 
+def test_a_limit_that_no_search_has_found_is_not_searched_for_at_another_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At so little damping the first limit is the velocity at which sliding becomes unstable."""
+    given, end = FrictionCell(law="stribeck", xi=1e-8), 0.9
+    first = given.unstable_sliding.low
+    slips: list[float] = []
+
+    def excess(at: FrictionCell, _: float) -> float:
+        slips.append(at.v_d)
+        return (at.v_d - first) * (end - at.v_d)
+
+    monkeypatch.setattr(friction, "largest_after_release", excess)
+    limits = friction.cycle_velocities(given, 1e-8)
+    assert limits == (first, pytest.approx(end, rel=1e-14))
+    whole = len(slips)
+    slips.clear()
+    assert friction._limits_beside(given, limits, 1e-8, None) == pytest.approx(limits, rel=1e-14)
+    assert len(slips) < 0.7 * whole
+    assert min(slips) > 0.5 * end
+
+
 @pytest.mark.parametrize("v_s", [1e-3, 30.0])
 def test_cycles_are_looked_for_up_to_ten_times_the_velocity_of_the_law(
     v_s: float, monkeypatch: pytest.MonkeyPatch
@@ -1097,6 +1136,18 @@ def test_slip_that_creeps_longer_than_it_is_followed_is_refused() -> None:
         patch.setattr(friction_cycles, "_LONGEST", 5.0)
         low, _ = friction_cycles.cycle_turning_points(sliding)
     assert low == sliding.steady_sliding
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("part", "settled"), [(1e-10, True), (1e-8, False)])
+def test_slip_has_settled_within_a_thousand_millionth_of_its_way_on_either_side(
+    part: float, settled: bool, side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of made-up slip that is still backwards after the longest time."""
+    y = CELL.steady_sliding + side * part * (CELL.release - CELL.steady_sliding)
+    monkeypatch.setattr(friction_cycles, "_phase", lambda *_, **__: (phases.ABANDONED, y, -0.5))
+    with nullcontext() if settled else pytest.raises(ParameterError, match="so weak that slip"):
+        assert friction_cycles.largest_after_release(CELL, 1e-8) == -CELL.v_d
 
 
 @pytest.mark.parametrize(("xi", "v0"), [(1.1, 2.0), (1.2, 1.0), (1.4, 2.0)])
@@ -1248,6 +1299,29 @@ def test_a_maximum_after_which_the_cell_creeps_into_sliding_does_not_grow(
     excited = replace(CELL, v_d=0.5)
     far = excited.steady_sliding + 30.0
     assert friction_cycles._growth(excited, far, 1e-8) == 1.0
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1.0, 30.0])
+def test_linear_slip_grows_by_its_decrement_or_creeps_into_sliding(distance: float) -> None:
+    """Under Coulomb's law: of ü + 2ξu̇ + u = 0 from rest the next maximum is e^{-2πξ/ω} of it."""
+    for xi in (1e-3, 0.1, 0.5):
+        weak = FrictionCell(law="coulomb", xi=xi)
+        left = math.expm1(-2.0 * math.pi * xi / math.sqrt(1.0 - xi * xi))
+        found = friction_cycles._growth(weak, weak.steady_sliding + distance, 1e-12)
+        assert found == pytest.approx(left, abs=1e-9)
+    strong = FrictionCell(law="coulomb", xi=1.5)
+    assert friction_cycles._growth(strong, strong.steady_sliding + distance, 1e-12) == -1.0
+
+
+def test_near_the_hopf_velocity_the_amplitude_is_that_of_averaging_where_there_is_a_cycle() -> None:
+    """8δ/F₃, F₃ = (μ_st - μ_d) e^{-u}/v₀³; under Stribeck's law none is unstable below √1.5 v_s."""
+    fall = math.exp(-CELL.v_d / CELL.v0) * (CELL.mu_st - CELL.mu_d)
+    expected = math.sqrt(8.0 * (2.0 * CELL.xi - fall / CELL.v0) * CELL.v0**3 / fall)
+    assert friction_cycles._amplitude_near_hopf(CELL) == pytest.approx(expected, rel=1e-12)
+    for v_d, known in ((1.22, False), (1.23, True)):
+        cell = FrictionCell(law="stribeck", v_s=1.0, v_d=v_d, xi=5.0)
+        assert math.isfinite(friction_cycles._amplitude_near_hopf(cell)) is known
+    assert friction_cycles._amplitude_near_hopf(FrictionCell(law="coulomb")) == math.inf
 
 
 def test_a_curve_of_cells_has_the_tolerance_that_is_documented() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import fields, replace
 from functools import cache
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -383,7 +384,7 @@ def test_motion_too_stiff_for_its_steps_is_given_up(monkeypatch: pytest.MonkeyPa
     """From the 1000th step on scipy stops where stability limits them: each time it is resumed."""
     cell = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): 1.0})
     limit = OscillatorCycle(1.0, 1.0, 2.0 * np.pi, True)
-    monkeypatch.setattr(shooting, "_MAX_STEPS", 5000)
+    monkeypatch.setattr(shooting, "_MAX_STEPS", 2500)
     asked: list[float] = []
     force = cell.force
     monkeypatch.setattr(
@@ -391,7 +392,7 @@ def test_motion_too_stiff_for_its_steps_is_given_up(monkeypatch: pytest.MonkeyPa
         lambda _, y, v, eps, step: (asked.append(y), force(y, v, eps, step))[1],
     )  # fmt: skip
     assert shooting._turn(cell, 1e4, 1.0, limit, 1e-6) is None
-    assert 2000 * 12 < len(asked) < 5000 * 24  # of 12 stages; at most every second is rejected
+    assert 1000 * 12 < len(asked) < 2500 * 24  # of 12 stages; at most every second is rejected
 
 
 @pytest.mark.parametrize("ahead", [0.5, 2.0])
@@ -641,6 +642,40 @@ def test_rest_is_stable_as_small_motions_are_damped_or_not(
     assert status is not CellStatus.CYCLES or found.basin is None
 
 
+@pytest.mark.parametrize(
+    ("damping_at_rest", "limits", "rests", "named"),
+    [
+        (0.5, "us", True, (1, 0)),
+        (-0.5, "s", False, (0, None)),
+        (0.0, "us", True, (1, 0)),
+        (0.0, "s", False, (0, None)),
+        (-0.5, "sus", False, (2, 1)),
+        (0.5, "usus", True, (1, 0)),
+    ],
+)
+def test_of_several_cycles_those_are_named_between_which_rest_ends(
+    damping_at_rest: float, limits: str, rests: bool, named: tuple[int, int | None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Of made-up cycles, stable or unstable in turn: they are checked with rest as it is."""
+    cycles = tuple(range(len(limits)))
+    checked: list[Any] = []
+    monkeypatch.setattr(oscillator, "shot_cycles", lambda *_: cycles)
+    monkeypatch.setattr(oscillator, "check_turns", lambda *given: checked.append(given[2:]))
+    chain: Any = SimpleNamespace(
+        eps=0.1, model="chain", overdamped=False, parameters=dict, check_unforced=lambda _: None,
+        cell=SimpleNamespace(
+            damping_at=lambda y, v: y + v + damping_at_rest,
+            cycles=[SimpleNamespace(stable=each == "s") for each in limits],
+        ),
+    )  # fmt: skip
+    found = oscillator.oscillator_cell(chain, 1e-9)
+    assert checked == [(cycles, rests)]
+    assert (found.stable_cycle, found.unstable_cycle) == named
+    assert found.status is oscillator._status(rests, limits.count("s"))
+    assert found.effective_damping == 0.1 * damping_at_rest
+
+
 def test_the_codes_of_scipy_are_those_of_stiff_motion_and_of_steps_too_small() -> None:
     said = ode(lambda *_: 0.0).set_integrator("dop853")._integrator.messages
     assert "stiff" in said[shooting._STIFF]
@@ -656,6 +691,8 @@ def test_the_error_of_a_cell_is_the_larger_of_those_of_its_cycles() -> None:
             effective_damping=0.1, stable_cycle=stable, unstable_cycle=unstable, seconds=0.0,
         )  # fmt: skip
         assert found.error == 1e-3
+        assert found.basin == (-1.0, 1.0)
+        assert replace(found, status=CellStatus.CYCLES).basin is None  # no motion comes to rest
         given = {each.name: getattr(found, each.name) for each in fields(found)}
         own_cell = OwnCell(**given, cycles=(stable, unstable))
         assert own_cell.error == 1e-3
@@ -1071,21 +1108,27 @@ def test_cycles_of_very_different_amplitudes_are_both_found() -> None:
     assert [each.amplitude for each in given.cycles] == pytest.approx(expected, rel=1e-7)
 
 
+@pytest.mark.parametrize("size", [1.0, 1e-3])
 def test_turns_are_tried_where_the_damping_has_both_signs_and_is_not_strong(
-    monkeypatch: pytest.MonkeyPatch,
+    size: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of ÿ + 4y + ½ε(y² - 1)ẏ = 0, with a damping from -½ to ½(y² - 1); none turns back twice."""
+    """Of ÿ + 4y + ½ε(y² - 1)ẏ = 0, with a damping from -½ to ½(y² - 1); none turns back twice.
+
+    In units of another size, the same parts of it are tried.
+    """
     tried = []
     monkeypatch.setattr(
         shooting, "_turn", lambda _, __, y, limit, ___: tried.append((y, limit)) or None
     )
-    given = OscillatorCell(stiffness={1: 4.0}, damping={(0, 0): -0.5, (2, 0): 0.5})
+    given = OscillatorCell(stiffness={1: 4.0}, damping={(0, 0): -0.5, (2, 0): 0.5 / size**2})
     shooting.check_turns(given, 1.0, (), rests=True)
     strongest = 10.0 * 2.0  # ten times the frequency
     expected = [
-        y for y in shooting._TRIED.tolist() if y > 1.0 and max(0.5, 0.5 * (y * y - 1.0)) < strongest
+        y * size
+        for y in shooting._TRIED.tolist()
+        if y > 1.0 and max(0.5, 0.5 * (y * y - 1.0)) < strongest
     ]
-    assert [y for y, _ in tried] == expected
+    assert [y for y, _ in tried] == pytest.approx(expected, rel=1e-14)
     assert len(expected) > 10
     for y, limit in tried:
         assert limit.amplitude == y
@@ -1096,16 +1139,20 @@ def test_turns_are_tried_where_the_damping_has_both_signs_and_is_not_strong(
 def test_a_turn_that_decays_where_no_cycle_lets_it_is_refused_as_one_that_grows_is(
     rests: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without cycles every turn decays if rest is stable, and grows if it is not."""
+    """Without cycles every turn decays if rest is stable, and grows if it is not.
+
+    Outside of each cycle it is the other way round.
+    """
     given = OscillatorCell(stiffness={1: 1.0}, damping={(0, 0): -0.5, (2, 0): 0.5})
-    for part in (0.9, 1.1):
+    inside = CellCycle(max=1e-6, min=-1e-6, period=6.0, slip_time=6.0, error=0.0)
+    for part, cycles in product((0.9, 1.1), range(4)):
         monkeypatch.setattr(
             shooting, "_turn", lambda _, __, y, *___, part=part: SimpleNamespace(top=part * y)
         )
-        wrong = (part > 1.0) == rests
+        wrong = (part > 1.0) == (rests if cycles in (0, 2) else not rests)
         said = f"y = .* {'grows' if part > 1.0 else 'decays'}"
         with pytest.raises(ParameterError, match=said) if wrong else nullcontext():
-            shooting.check_turns(given, 1.0, (), rests)
+            shooting.check_turns(given, 1.0, (inside,) * cycles, rests)
 
 
 def test_turns_that_change_by_their_errors_alone_are_not_refused(

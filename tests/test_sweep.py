@@ -438,7 +438,8 @@ def test_the_points_of_axes_are_those_asked_for_one_by_one() -> None:
     assert list(axes) == asked == pickle.loads(pickle.dumps(asked))
     assert dict(asked[3]) == {"eta": 2, "c": math.inf, "n": 0}
     assert axes.distinct_axes == ("eta", "c", "n")
-    assert Grid({"eta": [0.1, 2], "c": [1, 2, 1]}).distinct_axes == ()
+    for values in ([1, 2, 1], [math.nan, 1.0]):
+        assert Grid({"eta": [0.1, 2], "c": values}).distinct_axes == ()
     written = json.dumps([[list(item) for item in point.items()] for point in asked])
     for points in (axes, asked):
         assert digest_of_points(points) == hashlib.sha256(written.encode()).hexdigest()
@@ -950,6 +951,15 @@ def _other_names_at_the_end(point: Point) -> dict[str, float]:
 def test_the_columns_of_a_table_cannot_be_written_to() -> None:
     table = sweep(lambda point: {"square": point["x"] ** 2}, {"x": [1, 2]}, workers=1)
     for array in (table["x"], table["square"], columns.read_only(np.zeros(2))):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 7
+
+
+def test_columns_that_are_filled_and_coordinates_cannot_be_written_to() -> None:
+    filled = columns.Columns(1)
+    filled.put(0, {"number": 1.5, "word": "a", "pair": np.ones(2)})
+    grid, listed = (coordinates(points_of(points)) for points in ({"x": [1]}, [{"x": 1}]))
+    for array in (*filled.arrays().values(), grid["x"], listed["x"]):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 7
 

@@ -228,6 +228,8 @@ def test_a_phase_is_uncertain_by_how_far_its_wave_may_turn() -> None:
     assert found.phases_error == pytest.approx([1.0 / 6.0, 0.0, 1.0 / 6.0], rel=1e-12)
     turns = math.asin(0.5 / 2.0) + math.asin(0.5)  # of the centre, and of the site beyond
     assert found.phase_step_error == pytest.approx(turns, rel=1e-12)
+    longer = replace(found, chain=replace(CHAIN, sites=5), waves=np.array([1.0, 1.0, 2.0, 1j, 1.0]))
+    assert longer.phase_step_error == pytest.approx(turns, rel=1e-12)  # of these two sites alone
     nearer = replace(found, wave_error=np.array([0.25, 0.5, 0.5]))
     assert nearer.phase_step_error == pytest.approx(turns, rel=1e-12)
     each = replace(found, wave_error=np.array([0.5, 7.0, 1.0]))
@@ -249,6 +251,51 @@ def test_phases_far_from_a_nucleus_are_known_as_well_as_those_in_it(c: float) ->
     apart = np.abs((true.phases - found.phases + 1.0) % 2.0 - 1.0)
     assert np.all(apart <= found.phases_error + 1e-12)
     assert apart[4] > 0.5 * found.phases_error[4]
+
+
+def test_a_branch_begins_at_the_rate_at_which_its_sites_turn(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two sites in antiphase are at their solution there: springs turn them at Ω = c."""
+    begun: list[Any] = []
+
+    def solve(system: Any, guess: Any, c: float) -> BranchPoint:
+        begun.append((guess, system(guess, c)[0]))
+        return BranchPoint(guess, c, np.zeros(6), 0.0, 0.0, 1, 1.0)
+
+    monkeypatch.setattr(envelope, "solve_at", solve)
+    point = RotatingWaves(AVERAGED.replace(sites=2), Nucleus(2, "x")).start(1.0)
+    ((guess, value),) = begun
+    assert guess[-1] == pytest.approx(point.parameter, rel=1e-12) != 0.0
+    assert value == pytest.approx(np.zeros(5), abs=1e-14)
+
+
+def test_an_orbit_is_begun_with_the_displacements_and_velocities_of_its_waves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """φ e^{it} is ẏ + iy: displacements are Im φ, velocities are Re φ."""
+    found = _breather(BreatherMethod.ENVELOPE, waves=np.array([1j, 2.0, 3.0 - 1j]), frequency=2.0)
+    monkeypatch.setattr(orbits, "solve_envelope_breather", lambda *_: found)
+    guess = orbits.orbit_guess(CHAIN.replace(sites=3), Nucleus(1))
+    assert guess.tolist() == [1.0, 0.0, -1.0, 0.0, 2.0, 3.0, math.pi]
+
+
+def test_an_orbit_closes_after_its_own_number_of_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unless finer ones are asked for; its multipliers are split if it is its own mirror image."""
+    asked: list[int] = []
+    samples = np.sin(2.0 * math.pi * np.arange(64) / 64)[:, None] * np.ones(3)
+    made = Flow(np.zeros(6), np.diag([1.0, 0.5, 0.4, 0.3, 0.2, 0.1]), np.zeros(6), samples, 30)
+    monkeypatch.setattr(Orbits, "flow", lambda *given: asked.append(given[-1]) or made)
+    monkeypatch.setattr(Orbits, "_monodromy_error", lambda *_: 0.0)
+    monkeypatch.setattr(orbits, "solution_error", lambda *_: 0.0)
+    family = Orbits(CHAIN.replace(sites=3), Nucleus(1), 30)
+    unknowns = np.array([0.0, 0.0, 0.0, 0.1, 1.0, 0.1, 6.0])
+    family.system()(unknowns, 0.2)
+    family.system(2)(unknowns, 0.2)
+    assert asked == [30, 60]
+    found = family.measured(BranchPoint(unknowns, 0.2, np.zeros(8), 0.0, 0.0, 1, 1.0), 0.0)
+    assert found.stability is not None
+    assert None not in (found.stability.symmetric, found.stability.antisymmetric)
 
 
 @pytest.mark.parametrize(("moved", "left"), [(0.29, False), (0.31, True)])
@@ -1731,10 +1778,16 @@ def test_a_run_is_as_far_from_the_orbit_of_its_size_as_the_farthest_of_its_sites
 
 
 def test_the_rounding_of_a_rotating_wave_is_that_of_all_its_terms() -> None:
-    """Of a site with φ = 1 + i, |φ|² = 2: 1/2 + 2a/8 + 4b/16, Ω, and c/2 at it and beside it."""
+    """Of a site with |φ|² = 2: 1/2 + 2a/8 + 4b/16, Ω, and c/2 at it and beside it.
+
+    Damping leaves the real and the imaginary part what they are, the others turn them into each
+    other.
+    """
     family = RotatingWaves(AveragedChain(a=8.0, b=4.0, c=0.0, sites=2), Nucleus(1))
-    for c, site in ((0.0, 1.0 + 1.0j), (2.0, 1.0 + 1.0j), (2.0, -1.0 - 1.0j)):
+    for c, site in ((0.0, 1.0 + 1.0j), (2.0, 1.4 + 0.2j), (2.0, -0.2 - 1.4j)):
         off = family._f_rounding(np.array([site, 0.0]), -0.25, c) * family.unit * family.rate_unit
-        one, beside = 0.5 + 2.0 + 1.0 + 0.25 + 0.5 * c, 0.5 * c
-        terms = 4.0 * EPSILON * np.array([one, beside, one, beside, 0.0])
+        damped, turned, beside = 0.5 + 2.0 + 1.0, 0.25 + 0.5 * c, 0.5 * c
+        x, y = abs(site.real), abs(site.imag)
+        sites = [damped * x + turned * y, beside * y, damped * y + turned * x, beside * x]
+        terms = 4.0 * EPSILON * np.array([*sites, 0.0])
         assert off.tolist() == pytest.approx(terms.tolist(), rel=1e-12, abs=0.0)

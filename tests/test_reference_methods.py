@@ -238,10 +238,13 @@ def test_an_averaged_amplitude_is_pulled_by_its_neighbours_and_damped_against_it
     damping = amplitudes * (amplitudes - 0.95) * (amplitudes - 2.05)
     seen: list[Any] = []
     monkeypatch.setattr(friction_cell, "averaged_damping", lambda _: (amplitudes, damping))
-    monkeypatch.setattr(friction_cell, "solve_ivp", lambda *given, **_: seen.extend(given))
+    monkeypatch.setattr(friction_cell, "solve_ivp", lambda *x, **how: seen.extend((*x, how)))
     monkeypatch.setattr(friction_cell, "passage_velocity", lambda _, sites, level: [*sites, level])
     assert friction_cell.averaged_front(1.0, 44) == [33, pytest.approx(0.95, abs=0.1)]
-    rate, _, start = seen
+    rate, span, start, how = seen
+    assert span[0] == 0.0
+    assert span[1] > 44  # a front is at least about as fast as the waves
+    assert how["dense_output"]  # arrivals are between steps
     cycle = start[0]
     assert set(start[12:]) == {0.0}
     r = np.array([1.5, -0.7, 0.2])
@@ -366,19 +369,19 @@ def test_of_two_releases_within_a_step_the_earlier_one_is_first() -> None:
 def test_an_event_is_due_however_slowly_or_fast_it_is_come_to(slope: float) -> None:
     """Made up: the velocity over the belt is zero to rounding, and was not a moment before.
 
-    Or it would be zero at a time that differs by rounding.
+    Or it would be zero at a time that differs by rounding. The first of two sites goes on to slip.
     """
     cell = FrictionCell(v_d=0.5, mu_st=1.0, xi=0.1)
-    law = _Law(FrictionChain.of(cell, c=0.0, sites=1))
+    law = _Law(FrictionChain.of(cell, c=0.0, sites=2))
 
     def dense(t: float) -> np.ndarray:
-        return np.array([0.3, 1e-16 + slope * (t - 2.0 - 1e-13)])
+        return np.array([0.2, 0.3, 0.1, 1e-16 + slope * (t - 2.0 - 1e-13)])
 
-    modes = np.array([-1 if slope > 0.0 else 1])
+    modes = np.array([1, -1 if slope > 0.0 else 1])
     state, kinds = law.switched(dense(2.0), dense, 2.0, modes)
-    assert kinds == [(0, BEGINS)]
-    assert modes.tolist() == [0]
-    assert state.tolist() == [0.3, 0.0]
+    assert kinds == [(1, BEGINS)]
+    assert modes.tolist() == [1, 0]
+    assert state.tolist() == [0.2, 0.3, 0.1, 0.0]
 
 
 @pytest.mark.parametrize("slope", [1.0, 1e3])
@@ -736,6 +739,30 @@ def test_a_front_on_few_sites_has_the_velocity_of_the_engine(
     assert passages.velocity_on_few_sites(chain, filled) == pytest.approx(v, rel=3e-4)
 
 
+def test_a_front_on_few_sites_is_timed_over_the_last_half_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Made up: sites 25 to 31 are passed one after the other, and the others later than that."""
+    chain, filled, v = VdpChain(a=1.0, b=0.05, c=1.0, eps=0.1, sites=40), 10, 0.7
+    n = np.arange(40)
+    passed = n / (chain.eps * v) + np.where((n >= 25) & (n < 32), 0.0, 3.0)
+
+    def run(_: object, span: tuple[float, float], start: np.ndarray, **how: Any) -> Any:
+        assert how["rtol"] <= 1e-6
+        assert how["atol"] <= 1e-7
+        # y and its derivative at t = 0, of cos(t - φ), where φ grows by a quarter turn per site.
+        turned = chain.stable_amplitude * 1j ** np.arange(filled)
+        assert start[:filled] + 1j * start[40 : 40 + filled] == pytest.approx(turned, abs=1e-12)
+        assert not start[filled:40].any()
+        assert not start[40 + filled :].any()
+        t = np.linspace(0.0, 600.0, 437)
+        size = np.maximum(chain.unstable_amplitude + 0.01 * (t - passed[:, None]), 0.0)
+        return SimpleNamespace(t=t, y=np.concatenate([size * np.cos(t), size * np.sin(t)]))
+
+    monkeypatch.setattr(passages, "solve_ivp", run)
+    assert passages.velocity_on_few_sites(chain, filled) == pytest.approx(v, rel=1e-9)
+
+
 @pytest.mark.parametrize("eta", [0.11, 0.115])
 def test_a_front_that_passes_some_or_none_of_the_sites_has_no_velocity(
     eta: float, monkeypatch: pytest.MonkeyPatch
@@ -776,23 +803,31 @@ def test_a_front_of_quarter_turns_is_run_longer_until_all_sites_are_passed_or_it
 ) -> None:
     """Made up: sites are passed one after the other, at some velocity or at none."""
     c, sites, v = 0.3, 24, 0.25
+    chain = VdpChain(a=1.0, b=0.05, c=c)
     ends: list[float] = []
     rates: list[Any] = []
 
-    def run(rate: Any, span: tuple[float, float], start: np.ndarray, **_: Any) -> Any:
+    late = np.where(np.arange(sites) < sites - 4, 0.0, 0.5)  # those beside the end are not timed
+
+    def run(rate: Any, span: tuple[float, float], start: np.ndarray, **how: Any) -> Any:
+        assert span[0] == 0.0
+        assert how["rtol"] <= 1e-8
+        assert how["atol"] <= 1e-9
+        assert sorted(set(start)) == [0.0, chain.stable_amplitude]
+        assert np.all(np.diff(start) <= 0.0)  # the cycle is on the left
         ends.append(span[1])
         rates.append(rate)
         t = np.linspace(*span, 2000)
 
         def heights(t: Any) -> Any:
-            return np.maximum(10.0 + v * t - np.arange(sites).reshape(-1, *[1] * np.ndim(t)), 0.0)
+            behind = (np.arange(sites) + late).reshape(-1, *[1] * np.ndim(t))
+            return np.maximum(10.0 + v * t - behind, 0.0)
 
         return SimpleNamespace(t=t, y=heights(t), sol=heights)
 
     monkeypatch.setattr(passages, "solve_ivp", run)
     assert passages.quarter_turn_velocity(1.0, 0.05, c, sites) == pytest.approx(v, rel=1e-9)
     assert ends[0] == pytest.approx(sites / c)
-    chain = VdpChain(a=1.0, b=0.05, c=c)
     r = np.cos(np.arange(sites))
     damping = 0.5 * r[0] * (1.0 - r[0] ** 2 / 4.0 + 0.05 * r[0] ** 4 / 8.0)
     pull = 0.5 * c * (chain.stable_amplitude - r[1])

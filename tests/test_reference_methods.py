@@ -755,7 +755,7 @@ def test_a_front_on_few_sites_is_timed_over_the_last_half_of_them(
         assert start[:filled] + 1j * start[40 : 40 + filled] == pytest.approx(turned, abs=1e-12)
         assert not start[filled:40].any()
         assert not start[40 + filled :].any()
-        t = np.linspace(0.0, 600.0, 437)
+        t = np.linspace(0.0, 24.5, 437) ** 2
         size = np.maximum(chain.unstable_amplitude + 0.01 * (t - passed[:, None]), 0.0)
         return SimpleNamespace(t=t, y=np.concatenate([size * np.cos(t), size * np.sin(t)]))
 

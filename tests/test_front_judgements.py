@@ -2289,3 +2289,24 @@ def _held(c: float, seconds: float) -> RunThreshold:
         mechanism=Mechanism.HELD, model="averaged", nucleus=Nucleus(1), low=c, high=c,
         final_time=1.0, runs=1, seconds=seconds,
     )  # fmt: skip
+
+
+def test_what_is_usual_is_allowed() -> None:
+    options = [
+        each
+        for module in (friction, network, smooth)
+        for name in ("ACCURACY", "TOLERANCE", "EXCITED", "STALL_TIME", "DIRECTIONS")
+        if isinstance(each := getattr(module, name, None), request.Option)
+    ]
+    assert len(options) >= 9
+    for each in options:
+        assert each.allowed.low <= each.default <= each.allowed.high, each.quantity
+    for allowed, usual in (
+        (simulation.ACCURACIES, simulation.ACCURACY),
+        (simulation.MAX_SITES_RANGE, simulation.MAX_SITES),
+        (wave.COUPLINGS, 0.6),
+    ):
+        assert allowed.low <= usual <= allowed.high
+    assert simulation._threshold(1e-7) < simulation._threshold(0.1)
+    with pytest.raises(ParameterError, match="at least 1e-8"):
+        simulation._threshold(1e-9)

@@ -23,6 +23,7 @@ import numba
 import numpy as np
 import pytest
 from numpy.lib import format as npy
+from scipy.optimize import brentq
 
 from fronts.catalogue import COMMANDS
 from fronts.cli import main
@@ -35,6 +36,7 @@ from tests.settling import prepared
 from theory.averaged.breather import Reading, closed_form_fold
 from theory.cells.friction import FrictionCell
 from theory.cells.oscillator import OscillatorCell
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.chains.nucleus import Nucleus, Place
 from theory.chains.oscillator import OscillatorChain
@@ -64,9 +66,12 @@ from verification.fronts.status import FrontStatus
 from verification.fronts.watch import MARGIN, Stall, Tail, cycle_period
 from verification.fronts.watch import follow as followed
 from verification.maps import friction_rules, smooth_rules, state_run, vdp_rules
+from verification.maps import rules as map_rules
 from verification.maps import task as map_task
 from verification.maps.boundary import _bracketed
 from verification.maps.state import Reason, State
+from verification.maps.state_map import StateMap
+from verification.maps.task import StateTask
 from verification.piecewise import verdict as front_verdict
 from verification.quantities import fronts as fronts_of
 from verification.quantities import judging, robustness
@@ -449,6 +454,50 @@ def test_a_bracket_is_as_narrow_as_asked_to_within_rounding(over: float, runs: i
     asked: list[float] = []
     _bracketed(lambda x: bool(asked.append(x)), (0.0, 1.0), 0.5 / (1.0 + over), None)
     assert len(asked) == runs
+
+
+def test_a_bracket_ends_where_no_number_is_left_between_its_ends() -> None:
+    """Along values so large that the width asked for is below the distance between two of them."""
+    asked: list[float] = []
+
+    def is_low(x: float) -> bool:
+        asked.append(x)
+        assert len(asked) < 100
+        return x < 1e20 + 5e4
+
+    low, high = _bracketed(is_low, (1e20, 1e20 + 1e5), 1e-3, None)
+    assert low < 1e20 + 5e4 <= high
+    assert high == np.nextafter(low, math.inf)
+
+
+def test_the_noise_of_a_map_is_relative_to_the_largest_displacement_of_either_sign() -> None:
+    start = np.array([[0.0, 0.5, -3.0], [0.0, 0.0, 0.0]])
+    noise, of_twice, of_opposite = (
+        map_rules._noisy(each, 1e-3, 5) - each for each in (start, 2.0 * start, -start)
+    )
+    assert 0.0 < np.abs(noise).max() < 10.0 * 1e-3 * 3.0
+    np.testing.assert_allclose(of_twice, 2.0 * noise, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(of_opposite, noise, rtol=1e-9, atol=1e-12)
+
+
+def test_the_chain_of_fig_15_is_that_of_its_caption() -> None:
+    """With b as in Figs. 7 to 13; η and c vary."""
+    chain = vdp_rules.FIGURE_15
+    assert (chain.sites, chain.eps, chain.b, chain.ends) == (16, 0.01, 0.5, Ends.FREE)
+    assert np.argwhere(vdp_rules.start(chain, None)).tolist() == [[0, 15]]
+    assert vdp_rules.start(chain, None)[0, 15] == 6.0
+
+
+@pytest.mark.parametrize(("held", "follows"), [("a", "b"), ("b", "a")])
+def test_of_a_map_over_eta_the_coefficient_that_is_held_is_told(held: str, follows: str) -> None:
+    chain = AveragedChain(a=4, b=0.5, c=0.6, sites=16)
+    task = StateTask(chain=chain, held=held)
+    nothing: Any = None
+    found = StateMap(
+        task=task, axes=("eta", "c"), states=nothing, boundary=None, map_seconds=0.0, seconds=0.0
+    )
+    assert found.held[held] == getattr(chain, held)
+    assert not {follows, "c"} & found.held.keys()
 
 
 def test_the_noise_of_a_map_and_its_excited_sites_are_those_that_are_given(
@@ -1243,6 +1292,22 @@ def test_a_site_that_goes_up_and_down_in_either_stall_time_does_not_grow() -> No
         run.time, run.amplitude = time, np.full(2, height)
         status = stall.status()
     assert status is FrontStatus.CREEPING
+
+
+def test_the_time_of_a_cycle_contains_its_relaxation_at_large_eps() -> None:
+    """Half of it on a slow branch ε(1 - ay² + by⁴)ẏ = -y, which ends at its fold."""
+    a, b, eps = 4.0, 0.5, 10.0
+    fold = math.sqrt((a + math.sqrt(a * a - 4.0 * b)) / (2.0 * b))
+
+    def force(y: float) -> float:
+        return y - a * y**3 / 3.0 + b * y**5 / 5.0
+
+    def time(y: float) -> float:
+        return eps * (math.log(y) - a * y**2 / 2.0 + b * y**4 / 4.0)
+
+    # The jump from the fold on the other side, at the same ẏ + ε force.
+    top = brentq(lambda y: force(y) + force(fold), fold, 3.0 * fold)
+    assert cycle_period(VdpChain(a=a, b=b, c=0.1, eps=eps)) > 2.0 * (time(top) - time(fold))
 
 
 @pytest.mark.parametrize("eps", [1e-4, 0.01])

@@ -27,7 +27,8 @@ from fronts.pictures import BLUE, DRAWINGS, SLOW_VELOCITY, VERMILION, _threshold
 from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
-from verification.pictures.figures import COLOURS, new_axes, new_panels, use_style
+from verification.pictures import figures
+from verification.pictures.figures import COLOURS, new_axes, new_panels, picture, use_style
 from verification.runs.trajectory import Trajectory
 
 mpl.use("Agg")
@@ -1136,3 +1137,19 @@ def test_what_is_newest_is_shown_by_the_pictures_that_need_it_or_take_it_too() -
         assert "updated in" not in page.status.object  # the first one includes compiling
     ExplorerPage._shower(page, Settings(), dict(list(results.items())[:3]))()
     assert "; updated in " in page.status.object
+
+
+def test_a_picture_may_have_guides_and_is_emptied_and_a_large_one_is_told(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(figures, "_render", lambda name, figure: "x" * 12_300_000)
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([0.0, 1.0], [0.0, 2.0])
+    axes.plot([0.0, 1.0], [0.0, 3.0], label="slope")
+    data = {"x": [0.0, 1.0], "y": [0.0, 2.0]}
+    with pytest.raises(ValueError, match="draws 'slope'"):
+        picture("line", figure, data, encoded=False)
+    assert picture("line", figure, data, guides=True, encoded=False).png == ""
+    assert "the picture line has 12.3 MB" in caplog.text
+    assert figure.axes == []

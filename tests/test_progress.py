@@ -41,6 +41,9 @@ def test_compiling_is_not_taken_for_the_pace_of_the_work() -> None:
         clock.now = 11.0 + second
         left.add((0.1 + second) / 60.0)
         assert left.seconds == pytest.approx(60.0 - 0.1 - second)
+    clock.now = 11.0 + 60.0 - 0.1
+    left.add(1.0)
+    assert left.seconds == 0.0
 
 
 def test_what_an_earlier_run_did_is_not_taken_for_the_pace_either() -> None:

@@ -250,6 +250,22 @@ def test_a_store_that_can_be_neither_read_nor_begun_anew_does_not_keep_the_lock(
     assert refusal.value.errno == errno.EIO
 
 
+@pytest.mark.parametrize(
+    "words", ["database or disk is full", "attempt to write a readonly database"]
+)
+def test_results_that_cannot_be_read_for_want_of_space_are_not_deleted(
+    words: str, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise sqlite3.OperationalError(words)
+
+    with monkeypatch.context() as during:
+        during.setattr(Store, "_open", fail)
+        with pytest.raises(FileError):
+            found(path, replace=True)
+    assert found(path) == RESULTS
+
+
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no file system without new files")
 def test_where_no_file_can_be_made_a_store_says_why() -> None:
     with pytest.raises(FileError) as refusal:

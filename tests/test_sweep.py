@@ -964,6 +964,20 @@ def test_columns_that_are_filled_and_coordinates_cannot_be_written_to() -> None:
             array[0] = 7
 
 
+def test_a_table_of_a_function_without_a_known_code_is_no_table_of_another(tmp_path: Path) -> None:
+    """A function that holds an object of which nothing can be told is computed without a file."""
+    untold = sweep(partial(_second_power, held=object()), {"x": [1, 2]}, workers=1)
+    assert untold.metadata is not None
+    assert untold.metadata.code is None
+    untold.save(tmp_path / "out.csv")
+    table = sweep(_second_power, {"x": [3]}, out=tmp_path / "out.csv", resume=True, workers=1)
+    assert (table["value"].tolist(), table.resumed) == ([9], 0)
+
+
+def _second_power(point: Point, held: object = None) -> Any:
+    return point["x"] ** 2
+
+
 def test_a_zarr_store_may_be_put_where_nothing_is(tmp_path: Path) -> None:
     xr = pytest.importorskip("xarray")
     pytest.importorskip("zarr")

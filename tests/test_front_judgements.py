@@ -2307,6 +2307,3 @@ def test_what_is_usual_is_allowed() -> None:
         (wave.COUPLINGS, 0.6),
     ):
         assert allowed.low <= usual <= allowed.high
-    assert simulation._threshold(1e-7) < simulation._threshold(0.1)
-    with pytest.raises(ParameterError, match="at least 1e-8"):
-        simulation._threshold(1e-9)

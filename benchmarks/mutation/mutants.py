@@ -220,9 +220,8 @@ def _surroundings(tree: ast.Module) -> Callable[[Mutant], str]:
         around = []
         while not isinstance(node, ast.stmt | ast.arguments):
             node = parents[node]
-            around.append(
-                ast.unparse(node).split("\n")[0]
-            )  # of an ``if`` or a loop, the first line
+            # Of an ``if`` or a loop, the first line.
+            around.append(ast.unparse(node).split("\n")[0])
         short = [text for text in around if len(text) <= LONGEST]
         return f" in {short[-1] if short else _short(parents[mutant.place.node])}" if around else ""
 

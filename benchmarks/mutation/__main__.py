@@ -32,7 +32,7 @@ EXAMPLE = """examples:
 
 Changes chosen at random are tested in random order, so that those tested within --minutes are a
 random sample too. The working tree is not modified, and must not be edited during a run. Code
-compiled by numba is compiled again for each of its changes, which takes half a minute or more; such
+compiled by numba is compiled again for each of its changes, which takes one to ten seconds; such
 changes are tested only with --compiled. A change in derivations/ that no test notices is submitted,
 after all tests, to the checks of the derivation steps that use it; for this purpose all equations
 are derived and checked once, which takes a minute. --record writes the counts and every unnoticed

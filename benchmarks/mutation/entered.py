@@ -15,6 +15,7 @@ from types import CodeType, FunctionType
 from typing import Any
 
 from benchmarks.mutation.places import outermost_functions
+from benchmarks.mutation.recompiled import made
 
 ENTER = "enter_function_of_the_project"
 PACKAGES = ("theory", "derivations", "verification", "paper_checks", "fronts")
@@ -79,6 +80,7 @@ def _compile_as_written(
     def given_what_is_written(begin: Any) -> Any:
         def initialise(self: Any, py_func: Any, *more: Any, **options: Any) -> None:
             begin(self, as_written(py_func), *more, **options)
+            made.append(self)
 
         return initialise
 

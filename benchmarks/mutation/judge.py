@@ -3,8 +3,9 @@
 A child begins with everything imported and all tests collected. The existing functions, classes and
 constants are changed in memory, the files are left as they are, and tests run until one fails.
 Code that is entered or named while modules are imported has left its results in them. If no test
-fails, such changes are therefore tested again with the project imported again; changes of
-functions that numba compiles are tested only in this way. numba's cache is never written to.
+fails, such changes are therefore tested again with the project imported again. What numba compiled
+from the changed code is compiled again in memory; its cache on disk is not written to, and not read
+in such a child.
 """
 
 from __future__ import annotations
@@ -19,9 +20,10 @@ import pytest
 from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.put import fits, names_bound, put_statement
+from benchmarks.mutation.places import names_bound
+from benchmarks.mutation.put import fits, put_statement
+from benchmarks.mutation.recompiled import compile_again, concerned_by, plain
 from benchmarks.mutation.session import OPTIONS, Failures, Session, dotted
-from theory.compiled_code import FOLDER
 
 if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
@@ -40,12 +42,16 @@ class Judge:
         from numba.core import caching
 
         caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
-        compiled = mutant.qualified in entered.compiled
-        if not compiled and self._put(mutant):
+        again = concerned_by(mutant)
+        if again:
+            caching.Cache.load_overload = lambda *_: None  # type: ignore[method-assign]
+        if self._put(mutant):
+            compile_again(again)
             failed = self._session.first_failing(tests)
-            if failed or not self._used_on_import(mutant):
+            compiled = mutant.qualified in entered.compiled
+            if failed or compiled or not self._used_on_import(mutant):
                 return write({"by": failed})
-        write({"by": self._anew(mutant, tests, compiled) if tests else None})
+        write({"by": self._anew(mutant, tests) if tests else None})
 
     def by_checks(
         self, mutant: Mutant, checks: DerivationChecks, write: Callable[[Answer], None]
@@ -68,7 +74,7 @@ class Judge:
     def seconds_to_begin(self, mutant: Mutant) -> float:
         """Return the processor seconds allowed, besides tests, for compiling or importing again."""
         if mutant.qualified in entered.compiled:
-            return 120.0
+            return 12.0
         return 15.0 if self.made_on_import(mutant) else 2.0
 
     def _put(self, mutant: Mutant) -> bool:
@@ -79,31 +85,31 @@ class Judge:
             code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
         tops = [c for c in entered.codes_in(code) if c.co_qualname == mutant.outermost]
         new = [c for top in tops for c in entered.codes_in(top)]  # also nested ones it returned
+        compiled = [plain(each) for each in concerned_by(mutant)]
         pairs = [
             (old, c)
             for c in new
-            for old in self._session.living[f"{mutant.module}:{c.co_firstlineno}"]
-            if fits(old.__code__, c)
+            for old in [*self._session.living[f"{mutant.module}:{c.co_firstlineno}"], *compiled]
+            if old.__code__.co_filename == c.co_filename
+            and old.__code__.co_firstlineno == c.co_firstlineno
+            and fits(old.__code__, c)
         ]
         for old, changed in pairs:
             old.__code__ = changed
         return bool(pairs)
 
-    def _anew(self, mutant: Mutant, tests: Sequence[str], compiled: bool) -> str | None:
+    def _anew(self, mutant: Mutant, tests: Sequence[str]) -> str | None:
         """Import the project again with a change and run tests, in a session within this one."""
         with mutant.made() as tree:
             code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
         entered.replaced[mutant.module] = code
+        packages = (*entered.PACKAGES, "benchmarks", "tests")
         for name in list(sys.modules):
-            if name.split(".")[0] in (*entered.PACKAGES, "tests"):
+            if name.split(".")[0] in packages and not name.startswith("benchmarks.mutation"):
                 del sys.modules[name]
         files = {name.split("::")[0] for name in tests}
         failures = Failures(tests)
         with tempfile.TemporaryDirectory(prefix="fronts-mutation-") as base:
-            if compiled:  # callers of the function would come unchanged from the cache
-                from numba.core import config
-
-                vars(config)[FOLDER] = base
             options = [*OPTIONS, "-x", f"--basetemp={base}/pytest"]
             code_ = pytest.main([*options, *sorted(files)], plugins=[failures])
         return failures.first or (None if code_ in (0, 5) else f"exit code {int(code_)}")

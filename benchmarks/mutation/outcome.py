@@ -44,18 +44,18 @@ def still_known(
 ) -> dict[str, str]:
     """Return the outcomes in an earlier record of changes whose module has not been edited since.
 
-    Changes that were left open or left out, changes of modules that were not run completely, and
-    changes whose explanation has since been withdrawn are not included.
+    Changes that were left open, left out or not run, and changes whose explanation has since been
+    withdrawn are not included.
     """
-    sources, counts = record.get("sources", {}), record["counts"]
+    sources = record.get("sources", {})
     same = {
         module
         for module in dict.fromkeys(mutant.module for mutant in mutants)
         if sources.get(module) == source_digest(root, module)
-        and counts[module]["run"] == counts[module]["chosen"]
     }
     withdrawn = (n for n in record["explained"] if not any(matches(form, n) for form in explained))
-    unknown = {*record["open"], *record["selection"].get("left_out", ()), *withdrawn}
+    left = (*record["selection"].get("left_out", ()), *record["not_run"])
+    unknown = {*record["open"], *left, *withdrawn}
     return {
         mutant.name: SURVIVED if mutant.name in record["explained"] else KILLED
         for mutant in mutants
@@ -167,6 +167,7 @@ class MutationOutcome:
             "explained": {name: why for name, why in self.why.items() if why},
             "open": [mutant.name for mutant in self.open],
             "unreached": [mutant.name for mutant in self.unreached],
+            "not_run": [m.name for m in self.mutants if m.name not in self.found],
         }
         path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 

@@ -147,3 +147,17 @@ def outermost_functions(tree: ast.AST, within: str = "") -> Iterator[tuple[str, 
         else:
             inner = f"{within}{node.name}." if isinstance(node, ast.ClassDef) else within
             yield from outermost_functions(node, inner)
+
+
+def names_bound(statement: ast.stmt) -> frozenset[str]:
+    """Return the names that a statement of a module binds.
+
+    Examples
+    --------
+    >>> sorted(names_bound(ast.parse("A, B = 1, 2").body[0])), names_bound(ast.parse("f()").body[0])
+    (['A', 'B'], frozenset())
+    """
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return frozenset({statement.name})
+    stored = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
+    return frozenset(each.id for each in stored if isinstance(each.ctx, ast.Store))

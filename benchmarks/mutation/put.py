@@ -11,24 +11,12 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from benchmarks.mutation.entered import PACKAGES
+from benchmarks.mutation.places import names_bound
+from benchmarks.mutation.recompiled import made, plain
 
 _OF_ITS_OWN = frozenset({"__dict__", "__weakref__", "__module__", "__doc__", "__qualname__",
                          "__annotations__", "__abstractmethods__", "_abc_impl"})  # fmt: skip
 """Attributes that every class has of its own, and that a changed class statement leaves as is."""
-
-
-def names_bound(statement: ast.stmt) -> frozenset[str]:
-    """Return the names that a statement of a module binds.
-
-    Examples
-    --------
-    >>> sorted(names_bound(ast.parse("A, B = 1, 2").body[0])), names_bound(ast.parse("f()").body[0])
-    (['A', 'B'], frozenset())
-    """
-    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
-        return frozenset({statement.name})
-    stored = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
-    return frozenset(each.id for each in stored if isinstance(each.ctx, ast.Store))
 
 
 def names_used_on_import(files: Iterable[Path]) -> frozenset[str]:
@@ -88,9 +76,10 @@ def _replaced(name: str, old: Any, new: Any) -> bool:
         return _function(old, new)
     if isinstance(old, type) and isinstance(new, type):
         return _class(old, new)
-    for other in list(sys.modules.values()):
-        if isinstance(other, ModuleType) and vars(other).get(name) is old:
-            setattr(other, name, new)
+    spaces = [vars(other) for other in list(sys.modules.values()) if isinstance(other, ModuleType)]
+    for space in (*spaces, *(plain(each).__globals__ for each in made)):
+        if space.get(name) is old:
+            space[name] = new
     return True
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections import defaultdict
@@ -9,10 +10,11 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from benchmarks.mutation.children import HUNG, STOPPED, Answer, ChildTask
+from benchmarks.mutation.children import Answer, ChildTask
 from benchmarks.mutation.judge import Judge
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
+from benchmarks.mutation.recompiled import concerned_by, plain
 from benchmarks.mutation.session import Session
 from benchmarks.mutation.survey import OVERHEAD, Survey
 
@@ -48,7 +50,7 @@ class Runs:
         self, session: Session, survey: Survey, importing: dict[str, frozenset[str]], seconds: float
     ) -> None:
         self._survey, self._seconds = survey, seconds
-        self._importing, self._judge = importing, Judge(session)
+        self._importing, self._judge, self._root = importing, Judge(session), session.root
         self._texts = {
             file: (session.root / file).read_text(encoding="utf-8") for file in importing
         }
@@ -93,8 +95,11 @@ class Runs:
 
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes nearby, then others as time allows."""
-        on_import = self._judge.made_on_import(mutant)
-        reaching = self._survey.reaching(mutant, on_import, self._importing, self._texts)
+        on_import, again = self._judge.made_on_import(mutant), concerned_by(mutant)
+        callers = {os.path.relpath(plain(each).__code__.co_filename, self._root) for each in again}
+        reaching = self._survey.reaching(
+            mutant, on_import, self._importing, self._texts, sorted(callers)
+        )
         known = self._killers[mutant.function_at]
         known = [*known, *self._killers[mutant.module]]
         picked = [test for test in dict.fromkeys(known) if test in reaching][:MAX_KNOWN]
@@ -102,7 +107,7 @@ class Runs:
         files = {test.partition("::")[0] for test in picked}
         for test in reaching:
             cost, file = self._survey.seconds[test] + OVERHEAD, test.partition("::")[0]
-            another = on_import and file not in files and len(files) == MAX_FILES
+            another = on_import and not again and file not in files and len(files) == MAX_FILES
             if test not in picked and cost <= left and not another:
                 left -= cost
                 files.add(file)
@@ -116,7 +121,7 @@ class Runs:
             word = "noticed" if asked else "reached"
             print(f"not {word}: {mutant.module}:{mutant.line} {mutant.function}: {mutant.change}",
                   file=sys.stderr, flush=True)  # fmt: skip
-        if by in (STOPPED, HUNG):
+        if by and by not in self._survey.seconds:
             print(f"noticed by {by}: {mutant.name}", file=sys.stderr, flush=True)
         if by in self._survey.seconds:
             for place in (mutant.function_at, mutant.module):

@@ -185,19 +185,26 @@ class Failures:
 
 
 def compile_steppers() -> None:
-    """Make numba compile or load the steppers of the chains once for all children.
+    """Make numba compile the steppers of the chains once for all children, inner functions too.
 
     Otherwise each child would do so during its first test, and that test would count as too long.
+    Code loaded from disk does not contain the inner functions separately, so that all of them would
+    be compiled again for a change of one.
     """
+    from numba.core import caching
+
     from theory.chains.friction import FrictionChain
     from theory.chains.vdp import AveragedChain, VdpChain
     from verification.fronts.measure import measure_front
 
+    load = caching.Cache.load_overload
+    caching.Cache.load_overload = lambda *_: None  # type: ignore[method-assign]
     for chain in (
         AveragedChain(a=4, b=0.5, c=0.6), VdpChain(a=4, b=0.5, c=0.6),
         FrictionChain(c=0.02, sites=31),
     ):  # fmt: skip
         measure_front(chain)
+    caching.Cache.load_overload = load  # type: ignore[method-assign]
     forget()
 
 

@@ -13,8 +13,7 @@ from pathlib import Path
 from benchmarks.mutation.children import STOPPED, Answer, ChildTask, in_children
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.mutants import Mutant
-from benchmarks.mutation.places import outermost_functions
-from benchmarks.mutation.put import names_bound
+from benchmarks.mutation.places import names_bound, outermost_functions
 from benchmarks.mutation.records import Records
 from benchmarks.mutation.session import Session, dotted
 
@@ -66,6 +65,7 @@ class Survey:
         on_import: bool,
         importing: dict[str, frozenset[str]],
         texts: dict[str, str],
+        callers: Iterable[str] = (),
     ) -> list[str]:
         """Return the tests that can notice a change; those of few functions and fast ones first.
 
@@ -76,7 +76,7 @@ class Survey:
         These tests enter the function. A change of code that runs on import may affect other tests.
         Of those of the files that import the module the first are those of files that name what is
         changed (a constant, say), and those that enter a function of the module that uses it; then
-        those that enter any function of the module.
+        those that enter any function of the module, or of the modules that call what is compiled.
         """
         near = [file for file, modules in importing.items() if mutant.module in modules]
         tiers = [self._entering[mutant.function_at]]
@@ -93,7 +93,7 @@ class Survey:
                 )
             )
             tiers.append(naming.union(*using))
-            tiers.append(self._entering[mutant.module])
+            tiers.append(set().union(*(self._entering[each] for each in (mutant.module, *callers))))
             tiers.append({test for test in self.seconds if test.partition("::")[0] in near})
 
         def cost(test: str) -> tuple[float, str]:

@@ -1,0 +1,81 @@
+"""Compiling again, in memory, the functions compiled by numba that a change concerns.
+
+These are the functions whose code or constants are changed, and all compiled functions that call
+them, which contain a copy of their code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import FunctionType
+from typing import TYPE_CHECKING, Any
+
+from benchmarks.mutation.places import names_bound
+
+if TYPE_CHECKING:
+    from benchmarks.mutation.mutants import Mutant
+
+made: list[Any] = []
+"""All dispatchers and C callbacks that exist, in the order in which they were made."""
+
+
+def plain(compiled: Any) -> FunctionType:
+    """Return the Python function of a dispatcher or a C callback."""
+    function: FunctionType = getattr(compiled, "py_func", None) or compiled._pyfunc
+    return function
+
+
+def named_by(function: FunctionType) -> Iterator[Any]:
+    """Yield the values that a function captures, and the global ones that it names."""
+    for cell in function.__closure__ or ():
+        yield cell.cell_contents
+    for name in function.__code__.co_names:
+        if name in function.__globals__:
+            yield function.__globals__[name]
+
+
+def concerned_by(mutant: Mutant) -> list[Any]:
+    """Return the compiled functions that are changed, and those that call them, also indirectly.
+
+    Functions that name a changed constant of a module contain its value.
+    """
+    names = names_bound(mutant.statement) if not mutant.outermost or mutant.of_default else ()
+
+    def changed(function: FunctionType) -> bool:
+        code = function.__code__
+        if names:
+            return not names.isdisjoint(code.co_names)
+        top = code.co_qualname.partition(".<locals>")[0]
+        return top == mutant.outermost and code.co_filename.endswith(f"/{mutant.module}")
+
+    found = {id(each) for each in made if changed(plain(each))}
+    while True:
+        more = {
+            id(each)
+            for each in made
+            if id(each) not in found and any(id(value) in found for value in named_by(plain(each)))
+        }
+        if not more:
+            return [each for each in made if id(each) in found]
+        found |= more
+
+
+def compile_again(compiled: list[Any]) -> None:
+    """Forget the machine code of functions, and compile it for the same types of arguments."""
+    from numba.core.caching import NullCache
+
+    signatures: list[tuple[Any, list[Any]]] = []
+    for each in compiled:
+        each._cache = NullCache()
+        if not hasattr(each, "overloads"):
+            continue
+        signatures.append((each, list(each.overloads)))
+        each._make_finalizer()()
+        each._reset_overloads()
+    for each, types in signatures:
+        each._can_compile = True  # also where numba was given its signature
+        for signature in types:
+            each.compile(signature)
+    for each in compiled:
+        if not hasattr(each, "overloads"):
+            each.compile()

@@ -12,7 +12,7 @@ import numpy as np
 
 from theory.arrays import FloatArray
 from theory.parameters import ParameterError
-from theory.result import Result, is_cell, plain
+from theory.result import Result, is_cell, json_value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +96,7 @@ class Curve(Result):
             {self.along: float(value)} | point.to_dict()
             for value, point in zip(self.values, self.points, strict=True)
         ]
-        return {"along": self.along, "points": points, "seconds": plain(self.seconds)}
+        return {"along": self.along, "points": points, "seconds": json_value(self.seconds)}
 
 
 def curve(

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from fronts.answer import UsageError
 from fronts.arguments import check_writable
-from theory.result import Result, is_cell, optional_package, plain
+from theory.result import Result, is_cell, json_value, optional_package
 from verification.execution.files import write_by, write_csv
 from verification.execution.metadata import COMMAND_LINE, installed_versions
 from verification.execution.table import commented, zarr_writer
@@ -153,7 +153,7 @@ def write_result(
     writer = _WRITERS.get(path.suffix.lower(), _picture)
     provenance = {
         "command": COMMAND_LINE.get(),
-        "parameters": plain(parameters),
+        "parameters": json_value(parameters),
         "versions": installed_versions(),
     }
     try:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from theory.chains.ends import Ends
 from theory.chains.vdp import VanDerPolChain
-from theory.result import plain
+from theory.result import json_value
 
 if TYPE_CHECKING:
     from verification.runs.trajectory import Trajectory
@@ -34,9 +34,9 @@ def evolution_in_time(run: Trajectory) -> dict[str, Any]:
     found = evolution(run.arrivals, end, size, pause=PAUSE / chain.eps)
     return {
         "nucleus": {
-            "end": plain(found.outcome),
+            "end": json_value(found.outcome),
             "size": found.size,
-            "sizes": plain(found.sizes),
-            "longest_pause": plain(found.longest_pause),
+            "sizes": json_value(found.sizes),
+            "longest_pause": json_value(found.longest_pause),
         }
     }

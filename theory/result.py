@@ -126,7 +126,7 @@ class Result:
             If a field has a value that JSON cannot represent.
         """
         listed = [each.name for each in _fields(self) if "json" not in each.metadata]
-        return {name: plain(getattr(self, name)) for name in (*listed, *self.derived)}
+        return {name: json_value(getattr(self, name)) for name in (*listed, *self.derived)}
 
     def row(self) -> dict[str, Any]:
         """Return the entries of `to_dict` as cells of one row of a table.
@@ -281,7 +281,7 @@ def is_cell(value: object) -> bool:
     return value is None or isinstance(value, (bool, int, float, str))
 
 
-def plain(value: object) -> Any:
+def json_value(value: object) -> Any:
     """Return a value converted to JSON types.
 
     Parameters
@@ -302,33 +302,33 @@ def plain(value: object) -> Any:
 
     Examples
     --------
-    >>> plain({"v": 0.5, "late": float("inf"), "phi": 1 + 2j, "counts": (1, 2)})
+    >>> json_value({"v": 0.5, "late": float("inf"), "phi": 1 + 2j, "counts": (1, 2)})
     {'v': 0.5, 'late': None, 'phi': {'re': 1.0, 'im': 2.0}, 'counts': [1, 2]}
     """
     if isinstance(value, Enum):
-        return plain(value.value)
+        return json_value(value.value)
     if value is None or isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     if isinstance(value, complex):
-        return {"re": plain(value.real), "im": plain(value.imag)}
+        return {"re": json_value(value.real), "im": json_value(value.imag)}
     if isinstance(value, PurePath):
         return str(value)
     if hasattr(value, "dtype") and hasattr(value, "tolist"):
         if value.dtype.kind == "c" and getattr(value, "ndim", 0):
             parts: Any = value
-            return {"re": plain(parts.real.tolist()), "im": plain(parts.imag.tolist())}
-        return plain(value.tolist())
+            return {"re": json_value(parts.real.tolist()), "im": json_value(parts.imag.tolist())}
+        return json_value(value.tolist())
     for method in ("to_dict", "parameters"):
         if hasattr(value, method):
-            return plain(getattr(value, method)())
+            return json_value(getattr(value, method)())
     if is_dataclass(value) and not isinstance(value, type):
-        return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
+        return {each.name: json_value(getattr(value, each.name)) for each in fields(value)}
     if isinstance(value, Mapping):
-        return {str(plain(key)): plain(each) for key, each in value.items()}
+        return {str(json_value(key)): json_value(each) for key, each in value.items()}
     if isinstance(value, Collection):
-        return [plain(each) for each in value]
+        return [json_value(each) for each in value]
     raise TypeError(f"a value of type {type(value).__name__} cannot be represented in JSON.")
 
 

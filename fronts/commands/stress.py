@@ -11,7 +11,7 @@ from fronts.files import check_files, write_result
 from fronts.interrupted import resumable_tables
 from fronts.options import refuse_beside
 from theory.parameters import count_within
-from theory.result import plain
+from theory.result import json_value
 from verification.execution.metadata import Code, Metadata
 from verification.execution.progress import Progress
 from verification.execution.record import Record
@@ -141,7 +141,7 @@ def _payload(found: Robustness, seed: int) -> dict[str, object]:
         "quantities": [
             vars(line) | _range_of(computation_named(line.quantity)) for line in found.lines
         ],
-        "bad": plain(found.bad),
+        "bad": json_value(found.bad),
         "seconds": found.table.seconds,
     }
 

@@ -13,7 +13,7 @@ from theory.arrays import EPS, ComplexArray, FloatArray
 from theory.averaged.breather import BreatherStatus
 from theory.chains.nucleus import Nucleus
 from theory.parameters import RunError
-from theory.result import Result, plain
+from theory.result import Result, json_value
 from theory.status import Status
 from verification.breathers.exponents import BreatherStability
 
@@ -250,17 +250,17 @@ class Breather(Result):
         return found | {
             "pattern": self.nucleus.pattern,
             "c": self.chain.c,
-            "amplitudes": plain(self.outward),
-            "left": plain(self.inward),
-            "phases": plain(self.phases),
-            "phases_error": plain(self.phases_error),
+            "amplitudes": json_value(self.outward),
+            "left": json_value(self.inward),
+            "phases": json_value(self.phases),
+            "phases_error": json_value(self.phases_error),
             "phase_step": self.phase_step,
             "phase_step_error": self.phase_step_error,
         }
 
     def row(self) -> dict[str, Any]:
         """Return the entries of one table row, with the amplitudes at the centre and next to it."""
-        shown = dict(zip(("centre", "neighbour"), plain(self.outward), strict=False))
+        shown = dict(zip(("centre", "neighbour"), json_value(self.outward), strict=False))
         return super().row() | {"centre": None, "neighbour": None} | shown
 
 

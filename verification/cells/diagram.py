@@ -13,7 +13,7 @@ from theory.arrays import BoolArray, FloatArray
 from theory.cells.friction import FrictionCell
 from theory.cells.friction_law import FrictionLaw
 from theory.parameters import count_within
-from theory.result import Result, plain
+from theory.result import Result, json_value
 from verification.cells.friction import cycle_limits, friction_cell
 from verification.cells.result import TOLERANCE, CellCycle
 from verification.execution.progress import ProgressCallback, of_part
@@ -93,10 +93,10 @@ class Bifurcation(Result):
     def to_dict(self) -> dict[str, Any]:
         """Return the limits of the belt velocity with their error, the columns, and ``seconds``."""
         return {
-            "hopf_velocity": plain(self.hopf_velocity),
-            "cycle_end_velocity": plain(self.cycle_end_velocity),
-            "cycle_end_error": plain(self.cycle_end_error),
-            **plain(self.columns()),
+            "hopf_velocity": json_value(self.hopf_velocity),
+            "cycle_end_velocity": json_value(self.cycle_end_velocity),
+            "cycle_end_error": json_value(self.cycle_end_error),
+            **json_value(self.columns()),
             "seconds": self.seconds,
         }
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from theory.arrays import FloatArray
-from theory.result import Result, plain
+from theory.result import Result, json_value
 from theory.status import Status
 from verification.fronts.status import FrontStatus
 
@@ -77,26 +77,26 @@ class Front(Result):
         """Return the result for JSON, with the number of arrivals in place of their list."""
         found = {
             "model": self.chain.model,
-            "v": plain(self.v),
-            "error": plain(self.error),
+            "v": json_value(self.v),
+            "error": json_value(self.error),
             "steady": self.steady,
             "status": self.status.value,
             "arrivals": int(self.arrivals.size),
             "sites": getattr(self.chain, "sites", None),
             "excited": self.excited,
-            "left_boundary": plain(self.left_boundary),
+            "left_boundary": json_value(self.left_boundary),
             "outruns_waves": self.outruns_waves,
             "steps": self.steps,
-            **plain(self.counts),
+            **json_value(self.counts),
             "method": self.method,
             "seconds": self.seconds,
-            "chain": plain(self.chain),
+            "chain": json_value(self.chain),
         }
         group_velocity = getattr(self.chain, "largest_group_velocity", None)
         if group_velocity is not None:
             found["largest_group_velocity"] = group_velocity
         for name in getattr(self.detail, "shown", ()):
-            found[name] = plain(getattr(self.detail, name))
+            found[name] = json_value(getattr(self.detail, name))
         return found
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from theory.arrays import AnyArray, BoolArray, ComplexArray, FloatArray, IntArray
 from theory.chains.chain import SmoothChain
-from theory.result import Result, plain
+from theory.result import Result, json_value
 from theory.status import Status
 
 
@@ -108,17 +108,17 @@ class Trajectory(Result):
         return {
             "model": self.chain.model,
             "t_end": self.t_end,
-            "amplitudes": plain(self.amplitude[-1]),
+            "amplitudes": json_value(self.amplitude[-1]),
             "width": width,
-            "arrivals": plain(self.arrivals),
+            "arrivals": json_value(self.arrivals),
             "level": self.level,
-            "error": plain(self.error),
-            "arrival_error": plain(self.arrival_error),
+            "error": json_value(self.error),
+            "arrival_error": json_value(self.arrival_error),
             "status": self.status.value,
-            "resolved_until": plain(self.resolved_until),
+            "resolved_until": json_value(self.resolved_until),
             "tolerance": self.tolerance,
             "method": self.method,
-            **plain(self.counts),
+            **json_value(self.counts),
             "mean_active": self.mean_active,
             "seconds": self.seconds,
         }

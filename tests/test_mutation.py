@@ -381,7 +381,6 @@ def test_long():
 
 MORE = """
 def test_unseen(): assert small.unseen(1) == 2
-def test_idle(): assert small.idle(2.0) == 3.0
 def test_spare(): assert KEPT == 12
 """
 TWO_RUNS = f"""
@@ -394,15 +393,16 @@ def run(*words):
     sys.stdout.flush()
     child = os.fork()
     if not child:
-        more = ["--tests", "tests/test_small.py", "--longest", "0.3", "--jobs", "1", "--compiled"]
+        more = ["--tests", "tests/test_small.py", "--longest", "0.3", "--jobs", "1"]
         sys.exit(runner.main([*words, *more]))
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 session.compile_steppers = session.read_sources = lambda: None  # the project's own
 codes = [run("fronts/small.py", "--record", "first.json")]
+codes.append(run("fronts/small.py", "--compiled", "--record", "compiled.json"))
 with Path("tests/test_small.py").open("a") as tests:
     tests.write({MORE!r})
 codes.append(run("--again", "first.json", "--record", "second.json"))
-sys.exit(codes != [1, 0] and f"exit codes {{codes}}")
+sys.exit(codes != [1, 1, 0] and f"exit codes {{codes}}")
 """
 
 
@@ -426,22 +426,28 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
         capture_output=True, text=True, check=False, timeout=240,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    record, again = (
+    record, compiled, again = (
         json.loads((tmp_path / name).read_text(encoding="utf-8"))
-        for name in ("first.json", "second.json")
+        for name in ("first.json", "compiled.json", "second.json")
     )
-    assert [name.removeprefix("fronts/small.py:") for name in record["open"]] == [
+    assert [name.removeprefix("fronts/small.py:") for name in compiled["open"]] == [
         "idle:x + 1.0 -> x - 1.0",
         "idle:x + 1.0 -> x",
         "idle:x + 1.0 -> 1.0",
         "idle:1.0 -> 2.0",
+    ]
+    everything = {mutant.name for mutant in mutants_of("fronts/small.py", CODE)}
+    left_out = [set(each["selection"]["left_out"]) for each in (record, compiled)]
+    assert {name.split(":")[1] for name in left_out[0]} == {"grown", "shifted", "idle", "twice"}
+    assert left_out[1] == everything - left_out[0]
+    assert [name.removeprefix("fronts/small.py:") for name in record["open"]] == [
         "<module>:4 -> 5",
         "unseen:x + 1 -> x - 1",
         "unseen:x + 1 -> x",
         "unseen:x + 1 -> 1",
         "unseen:1 -> 2",
     ]
-    assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 9
+    assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 5
     assert (tmp_path / "fronts" / "small.py").read_text(encoding="utf-8") == CODE
     kept = next(tmp_path.glob("fronts-mutation-*.jsonl"))
     what = json.loads(kept.read_text(encoding="utf-8").splitlines()[0])
@@ -451,7 +457,7 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     by_test = {each["test"].split("::")[1]: each["entered"] for each in what["answers"]}
     assert by_test["test_sum"] == ["fronts/small.py:Sum.value"]
     assert not {"test_fails", "test_long"} & by_test.keys()
-    assert [each["changes"] for each in again["runs"]] == [record["counts"]["all"]["run"], 9]
+    assert [each["changes"] for each in again["runs"]] == [record["counts"]["all"]["run"], 5]
     assert again["counts"]["all"] == {**record["counts"]["all"], "open": 0, "unreached": 0,
                                       "noticed": record["counts"]["all"]["run"]}  # fmt: skip
 

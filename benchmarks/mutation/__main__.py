@@ -32,11 +32,11 @@ EXAMPLE = """examples:
 
 Changes chosen at random are tested in random order, so that those tested within --minutes are a
 random sample too. The working tree is not modified, and must not be edited during a run. Code
-compiled by numba is compiled again for each of its changes, which takes one to ten seconds; such
-changes are tested only with --compiled. A change in derivations/ that no test notices is submitted,
-after all tests, to the checks of the derivation steps that use it; for this purpose all equations
-are derived and checked once, which takes a minute. --record writes the counts and every unnoticed
-change to a file. The exit code is 1 if an unnoticed change is not explained in
+compiled by numba is compiled again for each of its changes, which takes one to ten seconds; these
+changes are tested with --compiled, and all others without it. A change in derivations/ that no test
+notices is submitted, after all tests, to the checks of the derivation steps that use it; for this
+purpose all equations are derived and checked once, which takes a minute. --record writes the counts
+and every unnoticed change to a file. The exit code is 1 if an unnoticed change is not explained in
 benchmarks/mutation/explained, or if an explanation there is no longer needed; the latter is
 determined only if all changes of a module were tested."""
 
@@ -112,7 +112,7 @@ def _parser() -> argparse.ArgumentParser:
         help="test the changes left unnoticed or untested in this record, and all changes of "
         "modules edited since",
     )
-    add("--compiled", action="store_true", help="include code compiled by numba")
+    add("--compiled", action="store_true", help="change only code compiled by numba")
     add("--tests", nargs="+", default=(), metavar="FILE", help="test files to run (default: all)")
     add(
         "--seconds",
@@ -191,11 +191,10 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         ran.append(Runs(session, known, imported, options.seconds))
         asked = f"{len(known.seconds)} of {len(session.items)} tests are used"
         print(f"{asked}; recorded in {took:.0f} s", file=sys.stderr, flush=True)
-        if not options.compiled:
-            count = len(mutants)
-            mutants[:] = [each for each in mutants if each.qualified not in entered.compiled]
-            left_out = count - len(mutants)
-            print(f"{left_out} changes in code compiled by numba are left out", file=sys.stderr)
+        count, kind = len(mutants), "not compiled" if options.compiled else "compiled"
+        mutants[:] = [m for m in mutants if (m.qualified in entered.compiled) is options.compiled]
+        print(f"{count - len(mutants)} changes in code {kind} by numba are left out",
+              file=sys.stderr)  # fmt: skip
         with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
             # These take seconds to a minute each, and therefore come after all tests.

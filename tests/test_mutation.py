@@ -348,6 +348,7 @@ def third(x):
     return 3 * x
 START = third(2)
 SPARE = third(4)
+LISTED = [each for each in (1.0,)]
 def unseen(x):
     return x + 1
 class Sum:
@@ -381,7 +382,7 @@ def test_long():
 
 MORE = """
 def test_unseen(): assert small.unseen(1) == 2
-def test_spare(): assert KEPT == 12
+def test_spare(): assert KEPT == 12 and small.LISTED == [1.0]
 """
 TWO_RUNS = f"""
 import os, sys
@@ -442,12 +443,13 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     assert left_out[1] == everything - left_out[0]
     assert [name.removeprefix("fronts/small.py:") for name in record["open"]] == [
         "<module>:4 -> 5",
+        "<module>:1.0 -> 2.0",
         "unseen:x + 1 -> x - 1",
         "unseen:x + 1 -> x",
         "unseen:x + 1 -> 1",
         "unseen:1 -> 2",
     ]
-    assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 5
+    assert record["counts"]["all"]["noticed"] == record["counts"]["all"]["run"] - 6
     assert (tmp_path / "fronts" / "small.py").read_text(encoding="utf-8") == CODE
     kept = next(tmp_path.glob("fronts-mutation-*.jsonl"))
     what = json.loads(kept.read_text(encoding="utf-8").splitlines()[0])
@@ -457,7 +459,7 @@ def test_changes_of_functions_constants_defaults_and_what_an_import_leaves_are_n
     by_test = {each["test"].split("::")[1]: each["entered"] for each in what["answers"]}
     assert by_test["test_sum"] == ["fronts/small.py:Sum.value"]
     assert not {"test_fails", "test_long"} & by_test.keys()
-    assert [each["changes"] for each in again["runs"]] == [record["counts"]["all"]["run"], 5]
+    assert [each["changes"] for each in again["runs"]] == [record["counts"]["all"]["run"], 6]
     assert again["counts"]["all"] == {**record["counts"]["all"], "open": 0, "unreached": 0,
                                       "noticed": record["counts"]["all"]["run"]}  # fmt: skip
 

@@ -150,14 +150,23 @@ def outermost_functions(tree: ast.AST, within: str = "") -> Iterator[tuple[str, 
 
 
 def names_bound(statement: ast.stmt) -> frozenset[str]:
-    """Return the names that a statement of a module binds.
+    """Return the names that a statement of a module binds there.
 
     Examples
     --------
     >>> sorted(names_bound(ast.parse("A, B = 1, 2").body[0])), names_bound(ast.parse("f()").body[0])
     (['A', 'B'], frozenset())
+    >>> sorted(names_bound(ast.parse("A = [x for x in range(3)]").body[0]))
+    ['A']
     """
     if isinstance(statement, ast.FunctionDef | ast.ClassDef):
         return frozenset({statement.name})
-    stored = (each for each in ast.walk(statement) if isinstance(each, ast.Name))
-    return frozenset(each.id for each in stored if isinstance(each.ctx, ast.Store))
+    nodes = list(ast.walk(statement))
+    inside = {
+        id(name)
+        for node in nodes
+        if isinstance(node, ast.comprehension)
+        for name in ast.walk(node.target)
+    }
+    names = (node for node in nodes if isinstance(node, ast.Name) and id(node) not in inside)
+    return frozenset(name.id for name in names if isinstance(name.ctx, ast.Store))

@@ -2250,7 +2250,7 @@ def test_the_range_of_a_nearly_linear_velocity_is_below_the_resonances(power: fl
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_last_exponent_is_off_by_as_much_above_as_below(side: float) -> None:
-    found = evidence(fig17.PiecewiseScaling, exponent=(1.0, 0.5), by_series=0.5 + 0.25 * side)
+    found = evidence(fig17.PiecewiseScaling, exponent=(1.0, 2.0, 0.5), by_series=0.5 + 0.25 * side)
     assert found.series_gap == 0.25
     assert found.last == 0.5
 

@@ -687,6 +687,12 @@ def test_help_names_the_defaults_that_depend_on_others(capsys):
         assert "7 on each side" not in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("line", ["cell vdp", "map vdp"])
+def test_help_says_the_range_beyond_which_eps_is_refused(line, refused):
+    (eps,) = (each for each in bound_to(line).fields.parameters if each.name == "eps")
+    assert refused(f"{line} --eps 5e-5")["allowed"] == str(eps.allowed)
+
+
 @pytest.mark.parametrize(
     ("line", "missing"),
     [

@@ -1576,7 +1576,11 @@ def test_records_are_those_of_the_source_tree() -> None:
 
 def test_an_entry_that_is_a_column_is_not_repeated_beside_its_table() -> None:
     answer = {"found": {"of": 1}, "kept": {"of": 2}, "parts": {"re": 1.0}}
-    assert _beside(answer, ["found", "parts_re"]) == {"kept": {"of": 2}}
+    in_part = {"half": {"re": 1.0, "im": 2.0}}
+    assert _beside(answer | in_part, ["found", "parts_re", "half_re"]) == {
+        "kept": {"of": 2},
+        **in_part,
+    }
 
 
 def test_times_of_updates_are_in_milliseconds(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from functools import cache, partial
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -493,6 +494,16 @@ def test_what_is_within_the_error_of_eta_pin_counts_as_pinned(
     chain = fr.AveragedChain(a=4, b=0.5, c=0.15)
     etas = [0.03125, 0.046875, 0.0625, 0.078125]  # the second one lower by the error
     assert branches._ends_in_eta(chain, etas)[1] == etas[1:]
+
+
+@pytest.mark.parametrize(("c", "all_rest"), [(0.05, True), (0.2, False)])
+def test_where_no_eta_pins_the_first_fold_tells_whether_all_fronts_rest(
+    c: float, all_rest: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(resting, "pinning_eta", lambda _: None)
+    monkeypatch.setattr(resting, "static_fold", lambda _: SimpleNamespace(c=0.1))
+    chain, etas = fr.AveragedChain(a=4, b=0.5, c=c), [0.03125, 0.0625]
+    assert branches._ends_in_eta(chain, etas) == ({}, etas if all_rest else [])
 
 
 def test_branches_of_breathers_are_of_the_models_of_the_paper() -> None:

@@ -23,7 +23,15 @@ from PIL import Image, ImageSequence
 import fronts as fr
 from fronts.animation import _writer, animate, snapshot
 from fronts.branches import BranchFold, FollowedBranch
-from fronts.pictures import BLUE, DRAWINGS, SLOW_VELOCITY, VERMILION, _thresholds, draw
+from fronts.pictures import (
+    BLUE,
+    DRAWINGS,
+    SLOW_VELOCITY,
+    VERMILION,
+    _label,
+    _thresholds,
+    draw,
+)
 from tests.tables import table_of
 from theory.parameters import MissingPackageError, ParameterError
 from theory.result import Result
@@ -208,6 +216,7 @@ def test_a_velocity_has_the_name_that_goes_with_the_unit_of_time(chain: Any, lab
     for some in (points, (Refusal(reason="of a cell"), points[1])):
         axes = draw(Curve(along="c", values=np.array([1.0, 2.0]), points=some, seconds=0.0))
         assert axes.get_ylabel() == label
+    assert _label("centre", chain) == "amplitude at the centre"  # in any unit of time
 
 
 def test_methods_that_agree_are_drawn_with_different_hollow_marks() -> None:

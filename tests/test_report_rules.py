@@ -387,6 +387,25 @@ def test_of_many_verdicts_that_have_changed_some_are_named_and_the_rest_counted(
 # ----------------------------------------------------------------------------- stored measurements
 
 
+@pytest.mark.parametrize(("judged", "shown"), [("ab", ("fig12",)), ("a", ()), ("", ())])
+def test_stored_measurements_are_shown_if_all_claims_are_judged(
+    judged: str, shown: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fronts.commands import check
+
+    monkeypatch.setattr(measurements, "stored_sections", lambda: ("fig12",))
+    monkeypatch.setattr(check, "installed_versions", lambda _: {})
+    monkeypatch.setattr(check, "digest_of_packages", lambda _: "code")
+    monkeypatch.setattr(check, "judge_all", lambda *_, **__: ())
+    monkeypatch.setattr(check, "make_report", lambda *_, measurements, **__: measurements)
+    entries: Any = tuple(judged)
+    every: Any = tuple("ab")
+    found: Any = check._judged(
+        entries, every=every, jobs=1, folder=None, resume=False, shipped=None, quiet=True
+    )
+    assert found == shown
+
+
 def test_a_default_that_is_nowhere_the_fastest_is_said_to_be_so(tmp_path: Path) -> None:
     def choice(recorded: str, **known: Any) -> dict[str, Any]:
         empty = {"quantity": "sum", "problem": "narrow", "default": "series", "fastest": [],

@@ -125,6 +125,14 @@ def test_a_run_ends_when_a_watched_site_passes_the_limit() -> None:
     assert (free.escaped, free.time) == (False, 100.0)
 
 
+def test_a_nucleus_is_prepared_in_phase_and_without_noise_unless_some_is_asked_for() -> None:
+    chain = CHAIN.replace(c=0.1, sites=7)
+    cycle = np.where(np.abs(np.arange(7) - 3) <= 1, chain.stable_amplitude, 0.0)
+    assert NucleusPreparation(3).start(chain) == pytest.approx(cycle)
+    noisy = NucleusPreparation(3, perturbation=0.01).start(chain)
+    assert 0.0 < np.abs(noisy - cycle).max() < 0.1
+
+
 def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:
     run = hold(CHAIN, NucleusPreparation(5), 0.1, 500.0)
     assert np.array_equal(run.phi, run.phi[::-1])

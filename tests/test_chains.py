@@ -126,6 +126,7 @@ def test_a_nucleus_is_placed() -> None:
     assert Nucleus(1).excited(31) == (16,)
     assert Nucleus(3) == Nucleus(3, "00")
     assert Spreading(3).nucleus == Nucleus(3, "00", Place.EDGE)
+    assert Spreading().nucleus == Nucleus(1, place=Place.EDGE)
     assert Spreading(3, "bulk").place is Place.BULK  # type: ignore[arg-type]
     assert Place.EDGE.sentence.endswith(".")
 

@@ -91,7 +91,13 @@ from verification.runs import checkpoint
 from verification.runs.comparison import difference
 from verification.runs.excite import StartPoint, excite
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import amplitudes, friction, friction_series, kernel
+from verification.steppers import (
+    amplitudes,
+    friction,
+    friction_cell_phase,
+    friction_series,
+    kernel,
+)
 from verification.steppers import smooth as smooth_steps
 from verification.thresholds import escape
 from verification.thresholds import spreading as thresholds
@@ -741,6 +747,11 @@ def test_rows_of_the_arrays_of_compiled_code_have_one_meaning_each_and_none_is_b
             found = [getattr(module, name) for name in names.split()]
             assert found == [*range(len(found))], (module.__name__, names)
     assert friction_series.BINOMIALS == friction_series.KEPT + 2  # two are kept, of either side
+
+
+def test_marks_of_a_phase_that_does_not_end_are_no_times_and_differ() -> None:
+    failed, abandoned = friction_cell_phase.FAILED, friction_cell_phase.ABANDONED
+    assert failed < 0.0 > abandoned != failed
 
 
 def _memory(*sites: tuple[float, float]) -> np.ndarray:

@@ -726,6 +726,10 @@ def test_an_arrival_in_the_first_step_of_a_piece_is_found() -> None:
     assert tried
 
 
+def test_a_site_sticks_in_the_band_of_relative_velocity_that_the_paper_takes() -> None:
+    assert switch_model.PAPER_BAND == 1e-4
+
+
 @pytest.mark.parametrize(("eta", "c", "eps"), [(0.03125, 5.0, 0.1), (0.11, 1.0, 0.3)])
 def test_a_front_on_few_sites_has_the_velocity_of_the_engine(
     eta: float, c: float, eps: float
@@ -742,10 +746,14 @@ def test_a_front_on_few_sites_has_the_velocity_of_the_engine(
 def test_a_front_on_few_sites_is_timed_over_the_last_half_of_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Made up: sites 25 to 31 are passed one after the other, and the others later than that."""
+    """Made up: sites 25 to 31 are passed one after the other, and the others later than that.
+
+    The later the farther they are from the middle one, which leaves the slope of a line through all
+    of them as it is, and not of a line through fewer.
+    """
     chain, filled, v = VdpChain(a=1.0, b=0.05, c=1.0, eps=0.1, sites=40), 10, 0.7
     n = np.arange(40)
-    passed = n / (chain.eps * v) + np.where((n >= 25) & (n < 32), 0.0, 3.0)
+    passed = n / (chain.eps * v) + np.where((n >= 25) & (n < 32), 0.1 * (n - 28) ** 2, 3.0)
 
     def run(_: object, span: tuple[float, float], start: np.ndarray, **how: Any) -> Any:
         assert how["rtol"] <= 1e-6

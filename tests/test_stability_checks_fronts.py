@@ -1071,6 +1071,20 @@ def test_at_the_end_of_pinning_no_closed_form_is_expected(name: str) -> None:
     assert row.check(at, stated).distance == 0.0
 
 
+@pytest.mark.parametrize(
+    ("name", "at"),
+    [
+        ("c-pin", {"eta": 0.03125}),
+        ("c-retreat", {"eta": 0.12}),
+        ("strong-coupling-velocity", {"eta": 0.03125}),
+        ("eta-pin", {"c": 0.3}),
+    ],
+)
+def test_a_closed_form_is_as_good_as_double_precision(name: str, at: dict[str, float]) -> None:
+    stated = computation_named(name).compute(at)
+    assert 2.0**-53 * stated.value < stated.error < 1e-14 * stated.value
+
+
 @pytest.mark.parametrize(("name", "full"), [("label-averaged", False), ("label-vdp", True)])
 def test_a_label_is_checked_on_the_chain_of_which_it_is(
     name: str, full: bool, monkeypatch: pytest.MonkeyPatch

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from time import perf_counter
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,7 +28,7 @@ from verification.references.equations import (
     full_rate,
 )
 from verification.runs.excite import add_noise, as_psi, excite, excite_edge
-from verification.runs.simulate import simulate
+from verification.runs.simulate import _sample_times, simulate
 from verification.runs.smooth_integration import SmoothIntegration
 from verification.runs.trajectory import Trajectory
 from verification.steppers import stiff_stage
@@ -482,5 +483,21 @@ def test_the_mean_number_of_sites_stepped_is_that_of_all_steps(steps: int) -> No
 def test_a_run_without_a_checkpoint_tells_its_progress() -> None:
     chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
     told: list[float] = []
-    simulate(chain, excite(chain, [2]), 1.0, samples=2, progress=told.append)
+    begin = perf_counter()
+    run = simulate(chain, excite(chain, [2]), 1.0, samples=2, progress=told.append)
     assert told[-1] == 1.0
+    assert 0.0 < run.seconds <= perf_counter() - begin
+
+
+@pytest.mark.parametrize(
+    ("option", "said"), [({"progress": 3}, "progress = 3 is"), ({"level": -1.0}, "level = -1.0 is")]
+)
+def test_options_of_a_run_are_refused_by_their_names(option: dict[str, Any], said: str) -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
+    with pytest.raises(ParameterError, match=f"^{said} not allowed"):
+        simulate(chain, excite(chain, [2]), 1.0, **option)
+
+
+def test_samples_are_as_many_as_the_help_says_from_the_start_to_the_end() -> None:
+    times = _sample_times(VdpChain(a=4, b=0.5, c=0.2, sites=3), 50.0, None, None)
+    assert times.tolist() == pytest.approx([0.25 * n for n in range(201)], abs=1e-13)

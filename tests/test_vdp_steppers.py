@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 
 from benchmarks.steppers.fixed import fixed_steps
 from benchmarks.steppers.splitting import saba, split_steps
@@ -24,7 +24,7 @@ from theory.parameters import ParameterError
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import amplitudes
+from verification.steppers import amplitudes, runge_kutta
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST, RING, end_codes
 from verification.steppers.friction_series import taylor_order
 from verification.steppers.kernel import slope_of
@@ -243,6 +243,34 @@ def test_a_step_that_explodes_never_passes(displacement: float) -> None:
             exploded += 1
             assert not error < 1e-2
     assert exploded > 50
+
+
+@pytest.mark.parametrize("forces", [0, 2])
+def test_forces_are_put_in_at_the_time_of_each_stage_before_its_slope(
+    forces: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The times of a Runge-Kutta method are the sums of the rows of its matrix."""
+    done: list[Any] = []
+
+    def as_text(text: list[str], **names: Any) -> Any:
+        exec("\n".join(text), names)
+        return names["step"]
+
+    def put(_: object, *where: float) -> None:
+        done.append(where)
+
+    def slope(*_: object) -> None:
+        done.append("slope")
+
+    monkeypatch.setattr(runge_kutta, "_compiled", as_text)
+    monkeypatch.setattr(runge_kutta, "_put_cosines", put)
+    monkeypatch.setattr(runge_kutta, "_stages", [lambda *_: None] * 12)
+    step: Any = dop853_step(slope, clock=(7, forces))
+    step(None, None, 0, 0, 0.5, [None] * 12, None)
+    assert [each for each in done if each == "slope"] == ["slope"] * 12
+    times = 0.5 * DOP853.A[:12, :12].sum(axis=1)
+    put_in = [(7, 2, pytest.approx(time, abs=1e-14)) for time in times]
+    assert done[::2] == put_in if forces else len(done) == 12
 
 
 def test_ends_of_a_window_have_codes_of_their_own() -> None:

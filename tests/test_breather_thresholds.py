@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import math
 from dataclasses import replace
@@ -131,6 +132,11 @@ def test_a_nucleus_is_prepared_in_phase_and_without_noise_unless_some_is_asked_f
     assert NucleusPreparation(3).start(chain) == pytest.approx(cycle)
     noisy = NucleusPreparation(3, perturbation=0.01).start(chain)
     assert 0.0 < np.abs(noisy - cycle).max() < 0.1
+
+
+def test_runs_of_a_bisection_are_more_accurate_than_its_bracket_is_narrow() -> None:
+    narrow = inspect.signature(threshold).parameters["accuracy"].default
+    assert Spreading().tolerance <= 0.1 * narrow
 
 
 def test_runs_keep_mirror_symmetry_to_the_last_bit() -> None:

@@ -40,7 +40,7 @@ from fronts.notebook import _cell, _word
 from fronts.options import REQUIRED, _help, options_of
 from fronts.piecewise.kinetic_relation import KineticCurve
 from fronts.signatures import KINDS, described, documented
-from fronts.wording import WIDTH, in_words, table_lines
+from fronts.wording import WIDTH, _judged, in_words, table_lines
 from paper_checks.claim import Verdict
 from paper_checks.claims import fig05
 from paper_checks.outcome import slug
@@ -589,6 +589,26 @@ def test_a_stability_that_was_asked_for_and_not_decided_is_said_to_be_so() -> No
     assert "not decided" not in in_words(fr.kinetic_relation(c=[1e4, 0.5], eta=0.03))
     # Of two fronts one is not admissible, so that its stability is no question.
     assert "not decided" not in in_words(fr.kinetic_relation(c=0.45, eta=0.03125))
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ({"admissible": True, "stable": None}, "not decided"),
+        ({"admissible": True, "stable": True}, True),
+        ({"admissible": True, "stable": False}, False),
+        ({"admissible": False, "stable": None}, None),
+        ({"admissible": None, "stable": None}, None),
+        ({"admissible": True}, "of no row"),  # as it was not asked for
+        ({"stable": None}, None),
+    ],
+)
+def test_a_row_says_that_the_stability_of_an_admissible_front_was_not_decided(
+    row: dict[str, Any], said: object
+) -> None:
+    found = _judged({"c": 0.5, **row})
+    assert found.pop("stable", "of no row") == said
+    assert found == {"c": 0.5, **{name: row[name] for name in row if name != "stable"}}
 
 
 def test_flags_of_a_curve_stay_flags_and_numbers_are_numbers() -> None:

@@ -195,6 +195,8 @@ def test_the_verdict_on_an_equation_says_all_that_was_found():
     assert _verdict_lines(found).splitlines() == expected
     on_print.holds, printed.affects = True, ""
     assert _verdict_lines(found).splitlines() == [expected[0], *expected[2:4]]
+    found.confirmed = False
+    assert _verdict_lines(found).splitlines()[3:] == ["  The checks did NOT confirm this verdict."]
 
 
 def test_out_writes_a_whole_file(capsys, tmp_path):

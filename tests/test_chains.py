@@ -127,6 +127,8 @@ def test_a_nucleus_is_placed() -> None:
     assert Nucleus(3) == Nucleus(3, "00")
     assert Spreading(3).nucleus == Nucleus(3, "00", Place.EDGE)
     assert Spreading().nucleus == Nucleus(1, place=Place.EDGE)
+    several = Spreading(2, "edge", "several")  # type: ignore[arg-type]
+    assert several.watched(9) == (3, 4, 5)  # three new sites
     assert Spreading(3, "bulk").place is Place.BULK  # type: ignore[arg-type]
     assert Place.EDGE.sentence.endswith(".")
 

@@ -15,6 +15,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextvars import copy_context
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from html import escape
@@ -50,6 +51,7 @@ from theory.parameters import MissingPackageError, ParameterError
 from theory.piecewise.sums.result import DOUBLE
 from theory.result import Result, summary
 from verification.execution.imports import SOURCES
+from verification.execution.metadata import COMMAND_LINE
 from verification.fronts.status import FrontStatus
 
 Capture = pytest.CaptureFixture[str]
@@ -159,6 +161,27 @@ def test_a_command_of_its_own_is_quiet_beside_json(
     monkeypatch.setattr(module, name, called)
     assert main([name, *more]) == 0
     assert asked == [bool(more)]
+
+
+@pytest.mark.parametrize(
+    ("more", "kept"), [(["--out", "x.json"], "fronts derive 34"), ([], "another")]
+)
+def test_a_command_of_its_own_that_writes_a_file_is_kept_for_it(
+    more: list[str], kept: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = importlib.import_module("fronts.commands.derive")
+    found: list[str] = []
+
+    @functools.wraps(module.derive)
+    def called(*_: Any, **__: Any) -> Answer:
+        found.append(COMMAND_LINE.get())
+        return Answer({}, "")
+
+    monkeypatch.setattr(module, "derive", called)
+    context = copy_context()
+    context.run(COMMAND_LINE.set, "another")
+    assert context.run(main, ["derive", "34", *more]) == 0
+    assert found == [kept]
 
 
 def test_help_of_a_further_model_shows_its_own_examples(capsys: Capture) -> None:

@@ -432,6 +432,13 @@ def test_sites_at_rest_are_left_out_of_chains_with_free_ends_alone(
     assert run.state == pytest.approx(whole.state, abs=1e-9)  # beside sites that slide steadily
 
 
+def test_events_are_logged_if_they_are_asked_for() -> None:
+    chain = FrictionChain(c=0.02, sites=3)
+    for option, room in (({}, 0), ({"logged_events": 5}, 5)):
+        run = FrictionIntegration(chain, excite(chain, [1]), **option)
+        assert run.state_arrays["log"].shape == (room, 3)
+
+
 @pytest.mark.parametrize("row", [0, 1])
 @pytest.mark.parametrize("away", [0.3, -0.3])
 def test_a_site_that_is_displaced_or_pushed_to_either_side_of_steady_sliding_is_in_the_window(

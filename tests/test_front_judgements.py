@@ -1746,6 +1746,7 @@ def test_a_breather_that_loses_no_stability_is_stable_up_to_its_fold_within_erro
         assert (found.c_crit, found.stable_to, found.lost_by) == (0.26, 0.26, Mechanism.FOLD)
         assert found.error == pytest.approx(2e-4 + 2.0 * 0.01)
         assert found.stable_to_error == pytest.approx(2e-4 + 4.0 * 0.01)
+        assert (found.growth_half_way, found.growth_half_way_error) == (-0.5, 1e-6)
         # Without modes of its own parity the error of their growth is given as infinite.
         assert (found.growth_half_way_mirrored, found.growth_half_way_mirrored_error) == stated
 
@@ -1908,6 +1909,23 @@ def test_the_growth_half_way_is_solved_for_where_the_branch_begins_above_half_it
     found = continuation._half_way(family, branch, 0.0)
     assert found.parameter == pytest.approx(0.85, abs=1e-10)
     assert found.u == pytest.approx([math.sqrt(0.4675)], abs=1e-10)
+
+
+def test_the_growth_half_way_is_that_of_the_branch_where_this_passes_half_its_fold() -> None:
+    """On sin²u + (c - 1)² = 0.49; Newton's method leads from the first point to another branch."""
+
+    def waves(u: Any, c: float) -> tuple[Any, Any, Any]:
+        value = np.sin(u) ** 2 + (c - 1.0) ** 2 - 0.49
+        return value, np.diag(np.sin(2.0 * u)), np.array([2.0 * (c - 1.0)])
+
+    branch = trace(waves, solve_at(waves, np.array([0.1]), 0.31), 5.0)
+    assert solve_at(waves, branch.points[0].u, 0.85).u > 1.0
+    family: Any = SimpleNamespace(
+        system=lambda: waves, measured=lambda point, _: SimpleNamespace(stability=point)
+    )
+    found = continuation._half_way(family, branch, 0.0)
+    assert found.parameter == pytest.approx(0.85, abs=1e-10)
+    assert found.u == pytest.approx([math.asin(math.sqrt(0.4675))], abs=1e-10)
 
 
 def test_no_front_within_the_errors_of_its_fold_is_faster_than_the_fastest() -> None:

@@ -496,6 +496,16 @@ def test_what_is_within_the_error_of_eta_pin_counts_as_pinned(
     assert branches._ends_in_eta(chain, etas)[1] == etas[1:]
 
 
+def test_what_is_within_the_error_of_c_pin_counts_as_pinned(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rest = SimpleNamespace(c=0.125, error=0.03125, square_root=1.0, square_root_error=0.0)
+    monkeypatch.setattr(resting, "static_fold", lambda _: rest)
+    couplings = [0.0625, 0.125, 0.15625, 0.1875]  # the third one higher by the error
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.0)
+    assert branches._ends_in_c(chain, couplings)[1] == couplings[:3]
+
+
 @pytest.mark.parametrize(("c", "all_rest"), [(0.05, True), (0.2, False)])
 def test_where_no_eta_pins_the_first_fold_tells_whether_all_fronts_rest(
     c: float, all_rest: bool, monkeypatch: pytest.MonkeyPatch

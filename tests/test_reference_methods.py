@@ -844,6 +844,8 @@ def test_a_front_of_quarter_turns_is_run_longer_until_all_sites_are_passed_or_it
     ends.clear()
     assert passages.quarter_turn_velocity(1.0, 0.05, c, sites) == pytest.approx(v, rel=1e-9)
     assert len(ends) > 1
+    v = 1.6  # the first of the sites watched is passed at T = 2.6
+    assert passages.quarter_turn_velocity(1.0, 0.05, c, sites) == pytest.approx(v, rel=1e-9)
     v = 2.2  # the first of the sites watched is passed at T = 1.9, and the next one at 2.3
     with pytest.raises(ArithmeticError, match="has not settled"):
         passages.quarter_turn_velocity(1.0, 0.05, c, sites)

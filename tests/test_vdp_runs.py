@@ -27,6 +27,7 @@ from verification.references.equations import (
     damping,
     full_rate,
 )
+from verification.runs import simulate as simulate_module
 from verification.runs.excite import add_noise, as_psi, excite, excite_edge
 from verification.runs.simulate import _sample_times, simulate
 from verification.runs.smooth_integration import SmoothIntegration
@@ -496,6 +497,27 @@ def test_options_of_a_run_are_refused_by_their_names(option: dict[str, Any], sai
     chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
     with pytest.raises(ParameterError, match=f"^{said} not allowed"):
         simulate(chain, excite(chain, [2]), 1.0, **option)
+
+
+@pytest.mark.parametrize(("compared", "count"), [(True, 200), (False, 2)])
+def test_runs_that_are_compared_are_sampled_more_often_and_others_as_asked(
+    compared: bool, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(_: object, __: object, times: np.ndarray, **___: Any) -> Any:
+        assert times[[0, -1]].tolist() == [0.0, 1.0]
+        raise RunError(f"{times.size} samples")
+
+    monkeypatch.setattr(simulate_module, "integration", stop)
+    chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
+    with pytest.raises(RunError, match=f"^{count} samples"):
+        simulate(chain, excite(chain, [2]), 1.0, samples=2, estimate_error=compared)
+
+
+def test_a_start_is_perturbed_by_so_many_units_in_the_last_place() -> None:
+    chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
+    start = np.array([[1.0, 0.0, -0.5], [0.25, 2.0, -4.0]])
+    moved = SmoothIntegration.perturbed(chain, start, 3) - start
+    assert moved.tolist() == (3.0 * 2.0**-52 * start).tolist()
 
 
 def test_samples_are_as_many_as_the_help_says_from_the_start_to_the_end() -> None:

@@ -364,6 +364,25 @@ def test_functions_are_told_apart_by_what_is_inside_of_what_a_cache_or_numba_mak
         assert content(made(1.0)) == content(made(1.0)) != content(made(2.0))
 
 
+@dataclass(frozen=True)
+class Held:
+    k: float
+
+
+@dataclass(frozen=True)
+class AlsoHeld:
+    k: float
+
+
+def test_objects_that_hold_the_same_are_told_apart_by_their_class():
+    held, same, other, more = (
+        _TaskReader().value(each, "the task")
+        for each in (Held(1.0), Held(1.0), AlsoHeld(1.0), Held(2.0))
+    )
+    assert held == same
+    assert len({held, other, more}) == 3
+
+
 def test_functions_of_libraries_and_what_a_mapping_holds_are_told_apart_by_name():
     assert code_of(math.sqrt) != code_of(cmath.sqrt)
     assert code_of({"a": math.sqrt}) == code_of({"a": math.sqrt}) != code_of({"b": math.sqrt})

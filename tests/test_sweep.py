@@ -19,6 +19,7 @@ import time
 import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -34,7 +35,7 @@ from verification.execution import sweep as sweeping
 from verification.execution import table as tables
 from verification.execution.columns import column_of, on_disk, python_rows
 from verification.execution.files import FileError, write_json
-from verification.execution.metadata import COMMAND_LINE
+from verification.execution.metadata import COMMAND_LINE, Code, Metadata
 from verification.execution.points import Grid, Point, coordinates, digest_of_points, points_of
 from verification.execution.record import Record
 from verification.execution.store import Store
@@ -324,6 +325,53 @@ def test_a_finished_table_is_looked_for_on_request_unless_a_part_is_left(
     for where, metadata, names in asked:
         assert (where, names) == (out, dims or {})
         assert metadata.parameters == there.metadata.parameters  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("given", "part", "looked_for"),
+    [({}, False, 0), ({"resume": False}, False, 0), ({"resume": True}, False, 1),
+     ({"resume": True}, True, 0), ({}, True, 0)],
+)  # fmt: skip
+def test_what_is_there_is_continued_on_request_only_and_a_part_before_a_table(
+    given: dict[str, bool],
+    part: bool,
+    looked_for: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    out, asked = tmp_path / "out.csv", []
+    if part:
+        part_path(out).touch()
+
+    def opened(path: Path, _: object, *, resume: bool) -> None:
+        asked.append((path, resume))
+        raise InterruptedError
+
+    monkeypatch.setattr(sweeping, "_metadata", lambda *_, **__: Metadata(command="", parameters={}))
+    monkeypatch.setattr(sweeping, "_finished", lambda *_: asked.append("table"))
+    monkeypatch.setattr(sweeping, "Store", opened)
+    with pytest.raises(InterruptedError):
+        sweep(_square, [Point(x=1.0)], out=out, workers=1, **given)
+    assert asked == ["table"] * looked_for + [(part_path(out), given.get("resume", False))]
+
+
+def test_a_table_is_saved_before_its_parts_are_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, done = tmp_path / "out.csv", []
+
+    class Kept(nullcontext[None]):
+        def read(self) -> list[Any]:
+            return [("0", [("value", 0.5)])]
+
+        def remove(self) -> None:
+            done.append("removed")
+
+    monkeypatch.setattr(sweeping, "_metadata", lambda *_, **__: Metadata(command="", parameters={}))
+    monkeypatch.setattr(sweeping, "Store", lambda *_, **__: Kept())
+    monkeypatch.setattr(Table, "save", lambda _, path: done.append(path))
+    assert sweep(_square, [Point(x=1.0)], out=out, workers=1)["value"].tolist() == [0.5]
+    assert done == [out, "removed"]
 
 
 def test_points_of_a_store_are_those_of_the_sweep_by_their_numbers() -> None:
@@ -955,6 +1003,16 @@ def test_the_columns_of_a_table_cannot_be_written_to() -> None:
             array[0] = 7
 
 
+def test_a_flat_column_holds_numbers_and_words_and_no_arrays() -> None:
+    flat = columns.Columns(1, flat=True)
+    flat.put(0, {"number": 1.5, "word": "a"})
+    assert {name: cells.tolist() for name, cells in flat.arrays().items()} == {
+        "number": [1.5], "word": ["a"],
+    }  # fmt: skip
+    with pytest.raises(ParameterError, match=r"column pair = an array of shape \(2,\)"):
+        columns.Columns(1, flat=True).put(0, {"pair": np.ones(2)})
+
+
 def test_columns_that_are_filled_and_coordinates_cannot_be_written_to() -> None:
     filled = columns.Columns(1)
     filled.put(0, {"number": 1.5, "word": "a", "pair": np.ones(2)})
@@ -1104,7 +1162,31 @@ def test_a_request_to_end_is_an_interrupt_only_where_something_is_to_be_stored(
 def test_a_record_without_a_command_names_the_call(given: str, line: str) -> None:
     token = COMMAND_LINE.set(line)
     try:
-        found = sweep(_square, {"x": [1.0]}, workers=1, command=given).metadata
+        found = sweeping._metadata(_square, [Point(x=1.0)], given, needed=False)
     finally:
         COMMAND_LINE.reset(token)
     assert found.command == (given or line or f"sweep({__name__}._square, ...)")
+
+
+def test_sweeps_are_told_apart_by_their_code_but_not_by_the_command_that_is_named() -> None:
+    first, second = (Code(modules=("mine",), digest=digest) for digest in ("0", "1"))
+    same, reworded, rewritten, untold = (
+        sweeping._identity(Metadata(command=command, parameters={}, code=code))
+        for command, code in (("a", first), ("b", first), ("a", second), ("a", None))
+    )
+    assert same == reworded
+    assert same != rewritten
+    assert untold not in (same, rewritten)
+
+
+def test_what_is_computed_is_stored_beside_what_was_found() -> None:
+    """How many points are stored says whether a store contains something to continue from."""
+    written: list[str] = []
+    found = sweeping._Found(points=[Point(x=n) for n in range(3)], out=None, names={})
+    found.put(1, {"value": 0.5})
+    found.stored = 1
+    store: Any = SimpleNamespace(add=lambda key, _: written.append(key))
+    cells: Any = lambda point: {"value": 0.5 * point["x"]}  # noqa: E731
+    sweeping._compute(cells, found, store=store, workers=1, executor=None, progress=None)
+    assert written == ["0", "2"]
+    assert found.stored == 3

@@ -1640,6 +1640,22 @@ def test_where_sliding_is_unstable_a_single_change_of_growth_is_a_stable_cycle(
             friction_cycles.check_slip_cycles(cell, 1e-8)
 
 
+@pytest.mark.parametrize(("largest", "refused"), [(-1.0, True), (-1e-9, True), (1e-9, False)])
+@pytest.mark.parametrize(("v_d", "damped"), [(1.0, False), (1.3, True)])
+def test_slip_from_release_that_never_sticks_is_a_cycle_where_sliding_is_unstable(
+    largest: float, refused: bool, v_d: float, damped: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However close to the point of release it passes: no growth of a maximum shows it there."""
+    cell = replace(CELL, v_d=v_d)
+    assert (cell.effective_damping > 0.0) is damped
+    monkeypatch.setattr(friction_cycles, "largest_after_release", lambda *_: largest)
+    monkeypatch.setattr(friction_cycles, "cycle_turning_points", lambda *_: (-1.0, 2.0))
+    monkeypatch.setattr(friction_cycles, "_grows", lambda *_: True)
+    refusal = pytest.raises(ParameterError, match="slips all")
+    with refusal if refused and not damped else nullcontext():
+        friction_cycles.check_slip_cycles(cell, 1e-8)
+
+
 def test_a_cell_of_stribeck_is_searched_for_cycles_that_slip_and_others_need_not_be(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -2316,6 +2316,13 @@ def _held(c: float, seconds: float) -> RunThreshold:
     )  # fmt: skip
 
 
+def test_what_is_usual_on_a_lattice_is_what_its_description_says() -> None:
+    """The sites excited are those within 3.5 of one, and a stall is as long as on a chain."""
+    rows, columns = np.indices((9, 9)) - 4
+    assert np.count_nonzero(rows**2 + columns**2 < 3.5**2) == network.EXCITED
+    assert network.STALL_TIME.default == smooth.STALL_TIME.default
+
+
 def test_what_is_usual_is_allowed() -> None:
     options = [
         each

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import time
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -433,6 +434,19 @@ def test_a_start_of_ones_own_has_32_sites_or_more():
         assert simulation._start_state(0.5, 0.4, given, None) is given
     with pytest.raises(ParameterError, match="31 sites"):
         simulation._start_state(0.5, 0.4, piecewise_window.step_state(31), None)
+
+
+@pytest.mark.parametrize("part", [1.0, -1.0, 1j, -1j])
+@pytest.mark.parametrize("end", [0, -1])
+def test_a_start_of_ones_own_has_both_equilibria_at_its_ends(end, part):
+    for off, refused in ((0.9e-3, False), (1.5e-3, True)):
+        given = step_state(64)
+        given.phi[end] += off * part
+        with pytest.raises(ParameterError, match=r"end 0\.0015 off") if refused else nullcontext():
+            assert simulation._start_state(0.5, 0.4, given, None) is given
+    given.phi[20] = math.nan * part
+    with pytest.raises(ParameterError, match="finite"):
+        simulation._start_state(0.5, 0.4, given, None)
 
 
 def test_the_smallest_coupling_of_a_simulation_is_allowed() -> None:

@@ -352,7 +352,10 @@ STATED: dict[str, Callable[[], Sequence[str]]] = {
         f"counted at εt = {plain(fig15.SCIPY_END)} ",
         f"{len(fig15.ETAS) * len(fig15.COUPLINGS)} points (II)",
     ),
-    "fig16-admissible": lambda: (f"tolerance: {plain(fig16.AGREE)} between",),
+    "fig16-admissible": lambda: (
+        f"tolerance: {plain(fig16.AGREE)} between",
+        f"printed: at a = {plain(fig16.A)}, b = {fig16.B}, c = {fig16.C}\n",
+    ),
     "fig16-limits": lambda: (
         f"value: {fig16.FAR} sites", f"--from -{fig16.FAR} --to {fig16.FAR} ",
         f"{plain(fig16.AGREE)} for the chain",
@@ -1021,6 +1024,7 @@ def test_a_front_without_velocity_or_error_is_refused(monkeypatch: Patch) -> Non
         sizes: list[tuple[int, int]] = []
         if v and error:
             found = fig06.velocities.__wrapped__()
+            assert found.c == (*fig06.COUPLINGS, *fig06.LARGE)
             assert (set(found.v), set(found.error)) == ({v}, {error})
             assert found.gap == 1e-6 * max(end for _, end in fig06.SCIPY)
             small = sum(c < fig06.LINEAR_FROM for c in fig06.COUPLINGS)
@@ -1201,8 +1205,8 @@ def test_cycles_are_fixed_points_of_a_turn_and_multipliers_their_slopes(
     centre, slip = text_vdp_centre(), 0.625
 
     def run(_: Any, end: float, start: list[float]) -> Any:
-        then = slip + growth * (start[1] - slip)
-        return lambda time: np.array([centre + 6.0 - time, then])
+        then = slip + growth * (start[1] - slip)  # at the centre, and different beside it
+        return lambda time: np.array([centre + 6.0 - time, then + time - 6.0])
 
     monkeypatch.setattr(text_vdp, "_turn", turn)
     monkeypatch.setattr(text_vdp, "_trajectory", run)
@@ -2222,11 +2226,20 @@ def test_a_chain_that_moves_at_an_inadmissible_velocity_is_told(
 ) -> None:
     kinds = {1.0: False, 2.0: True, -3.0: False, 7.0: None, 12.0: True}
     branches = [SimpleNamespace(v=each, admissible=kind) for each, kind in kinds.items()]
-    relation = "theory.piecewise.kinetic_relation.kinetic_relation"
-    monkeypatch.setattr(relation, lambda *_: SimpleNamespace(branches=branches))
-    simulated = "verification.piecewise.simulation.simulate_front"
-    monkeypatch.setattr(simulated, lambda *_: run_of(v, steady))
+    solved, run = [], []
+
+    def relation(c: float, eta: float) -> Any:
+        solved.append((c, eta))
+        return SimpleNamespace(branches=branches)
+
+    def simulated(c: float, eta: float) -> Any:
+        run.append((c, eta))
+        return run_of(v, steady)
+
+    monkeypatch.setattr("theory.piecewise.kinetic_relation.kinetic_relation", relation)
+    monkeypatch.setattr("verification.piecewise.simulation.simulate_front", simulated)
     found = fig17.admissibility()
+    assert run == solved
     sets = len(found.reached) // 2
     assert found.reached == reached * sets
     assert [each for *_, each in found.inadmissible] == [1.0, -3.0] * sets

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
-from scipy.integrate import RK45, solve_ivp
+from scipy.integrate import RK45, cumulative_trapezoid, solve_ivp
 from scipy.linalg import expm
 
 from paper_checks.claims import (
@@ -1229,6 +1229,22 @@ def test_a_turn_of_a_linear_cell_ends_at_the_height_of_a_damped_oscillator() -> 
     damped = math.exp(-math.pi * text_vdp.EPS / math.sqrt(1.0 - text_vdp.EPS**2 / 4.0))
     for height in (1.0, 2.5):
         assert text_vdp._turn(0.0, 0.0, height) == pytest.approx(height * damped, rel=1e-9)
+
+
+def test_the_ripple_of_a_cycle_is_that_of_the_first_order_in_epsilon(monkeypatch: Patch) -> None:
+    """On y = R sin t it is ε times the variation of -∫cos²t (1 - a y² + b y⁴) dt."""
+    sets, eps = ((2.5, 0.5), (2.0, 0.45)), 0.1
+    monkeypatch.setattr(text_vdp, "EPS", eps)
+    monkeypatch.setattr(text_vdp, "SETS", sets)
+    found = text_vdp.small()
+    assert found.orders == pytest.approx((1.0, 1.0), abs=1e-3)
+    t = np.linspace(0.0, math.pi, 2001)
+    for (a, b), ripple, effective in zip(sets, found.ripple, found.effective, strict=True):
+        y = math.sqrt(a / b * (1.0 + math.sqrt(1.0 - 8.0 * b / a**2))) * np.sin(t)
+        damping = 1.0 - a * y**2 + b * y**4
+        size = cumulative_trapezoid(-(np.cos(t) ** 2) * damping, t)
+        assert ripple == pytest.approx(eps * np.ptp(size), rel=1e-3)
+        assert effective == pytest.approx(eps * np.abs(damping).max(), rel=1e-3)
 
 
 def text_vdp_centre() -> float:

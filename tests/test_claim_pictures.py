@@ -334,6 +334,8 @@ def test_measured_velocities_are_drawn_over_their_couplings(drawn: Any) -> None:
     assert panel.lines["no propagation"] == points(fig06.BELOW, np.zeros(len(fig06.BELOW)))
     (line,) = (found for name, found in panel.lines.items() if name.startswith("line"))
     assert np.array(line)[:, 1] == pytest.approx(0.25 + 3.0 * np.array(line)[:, 0])
+    assert line[0][0] == 0.0106  # from the threshold on
+    assert line[-1][0] > fig06.COUPLINGS[-1]
     waves = panel.lines["fastest linear waves"]
     assert waves[-1] == (waves[-1][0], chain_of(waves[-1][0]).largest_group_velocity)
     assert list(panel.levels.values()) == [0.0106]

@@ -1074,6 +1074,7 @@ def test_below_the_threshold_sites_are_counted_and_the_worse_comparison_counts(
 
 
 def test_patterns_that_persist_are_those_that_are_as_they_were() -> None:
+    assert all(text_friction.PATTERNS)  # each excites some site
     kept = list(text_friction.PATTERNS)
     kept[1] = (15, 16)
     late = {text_friction.BISTABLE: tuple(kept), 1.05: ((1,), (1,)), 1.95: ((), (2,))}
@@ -1229,6 +1230,15 @@ def test_a_turn_of_a_linear_cell_ends_at_the_height_of_a_damped_oscillator() -> 
     damped = math.exp(-math.pi * text_vdp.EPS / math.sqrt(1.0 - text_vdp.EPS**2 / 4.0))
     for height in (1.0, 2.5):
         assert text_vdp._turn(0.0, 0.0, height) == pytest.approx(height * damped, rel=1e-9)
+
+
+def test_a_turn_of_a_cell_changes_its_height_as_the_averaged_one(monkeypatch: Patch) -> None:
+    """By -2π ε times half of R (1 - a R²/4 + b R⁴/8), as ε becomes small."""
+    eps, (a, b) = 1e-5, text_vdp.SETS[0]
+    monkeypatch.setattr(text_vdp, "EPS", eps)
+    for r in (0.5, 1.5, 2.5):
+        change = -math.pi * eps * r * (1.0 - a * r**2 / 4.0 + b * r**4 / 8.0)
+        assert text_vdp._turn(a, b, r) - r == pytest.approx(change, rel=1e-3)
 
 
 def test_the_ripple_of_a_cycle_is_that_of_the_first_order_in_epsilon(monkeypatch: Patch) -> None:
@@ -1536,14 +1546,14 @@ def test_multipliers_are_apart_by_their_moduli_and_cross_by_parity_and_print(
 ) -> None:
     def orbit(c: float) -> Any:
         assert 0.0 < c < 0.1916  # at which the breather ends
-        values = np.array([0.5, 0.75, 1.0, own])
+        values = np.array([0.5, 0.625, 1.0, own])
         return SimpleNamespace(
             state=np.full(4, c), period=8.0 * c, stability=SimpleNamespace(values=values)
         )
 
     def differences(state: Any, c: float, period: float) -> Any:
         assert (state.tolist(), c, period) == ([0.19] * 4, 0.19, 8.0 * 0.19)
-        return np.diag([0.5, 0.75, 1.0, other])
+        return np.diag([0.5, 0.625, 1.0, other])
 
     def known(chain: Any, nucleus: Any, by: Any) -> Any:
         assert (chain.a, chain.b, chain.eps) == (_breathers.A, _breathers.B, _breathers.EPS)

@@ -863,6 +863,8 @@ def test_verdicts_are_written_as_a_table_or_a_report_and_the_code_says_whether_o
     assert capsys.readouterr().out == said
     assert written == [(folder, report, {"claims": [{"key": "fig01-x"}]})]
     assert [(by["jobs"], by["folder"]) for by in asked] == [(2, None), (1, folder)]
+    assert main([*line[:2], "--full"]) == int(changed)
+    assert [by["shipped"] is None for by in asked] == [False, False, True]
 
 
 def test_evidence_of_other_code_is_replaced_when_a_run_is_continued(
@@ -978,9 +980,11 @@ def test_a_map_of_as_many_points_as_are_allowed_is_made(monkeypatch: pytest.Monk
     from fronts import maps
 
     monkeypatch.setattr(maps, "MAX_POINTS", 4)
-    monkeypatch.setattr(maps, "state_map", lambda *_, c, **__: c)
+    monkeypatch.setattr(maps, "state_map", lambda task, *, c, **_: (task.amplitudes, c))
     chain = fr.AveragedChain(a=4, b=0.5, c=0.1)
-    assert maps.mapped(chain, {"c": [0.1, 0.2], "eta": [0.03, 0.04]}) == [0.1, 0.2]
+    axes = {"c": [0.1, 0.2], "eta": [0.03, 0.04]}
+    assert maps.mapped(chain, axes) == (False, [0.1, 0.2])
+    assert maps.mapped(chain, axes, amplitudes=True) == (True, [0.1, 0.2])
     with pytest.raises(ParameterError, match=r"points of the map = 6 .* at most 4"):
         maps.mapped(chain, {"c": [0.1, 0.2, 0.3], "eta": [0.03, 0.04]})
 

@@ -16,6 +16,7 @@ import matplotlib.animation
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from PIL import Image, ImageSequence
@@ -410,6 +411,22 @@ def test_the_note_of_a_film_is_the_comment_of_its_file(tmp_path: Path) -> None:
         writer._frames += frames
     with Image.open(tmp_path / "run.gif") as film:
         assert (film.n_frames, film.info["comment"]) == (2, b"of two frames")
+
+
+def test_nothing_of_a_frame_remains_in_the_next_one(tmp_path: Path) -> None:
+    figure = Figure(figsize=(0.5, 0.5))
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    axes.set_axis_off()
+    (line,) = axes.plot([0.0, 1.0], [0.0, 1.0], animated=True)
+    writer = _writer(mpl.animation, ".gif", 15.0, "", axes)
+    with writer.saving(figure, str(tmp_path / "run.gif"), dpi=40):
+        for end in (1.0, 0.0, 1.0):
+            line.set_ydata([0.0, end])
+            writer.grab_frame()
+        first, middle, last = (np.array(each) for each in writer._frames)
+    assert np.array_equal(first, last)
+    assert not np.array_equal(first, middle)
 
 
 def test_each_frame_of_a_film_shows_its_own_sample_and_no_other(tmp_path: Path) -> None:

@@ -387,6 +387,14 @@ def test_of_many_verdicts_that_have_changed_some_are_named_and_the_rest_counted(
 # ----------------------------------------------------------------------------- stored measurements
 
 
+def test_a_report_says_what_it_replaces() -> None:
+    from fronts.commands import check
+
+    alone, replacing = (check._written(Path("x"), removed) for removed in (0, 3))
+    assert alone == f"\nThe report is in {Path('x', 'index.html')}."
+    assert replacing.startswith(f"{alone} It replaces an earlier one there; 3 pictures")
+
+
 @pytest.mark.parametrize(("judged", "shown"), [("ab", ("fig12",)), ("a", ()), ("", ())])
 def test_stored_measurements_are_shown_if_all_claims_are_judged(
     judged: str, shown: tuple[str, ...], monkeypatch: pytest.MonkeyPatch

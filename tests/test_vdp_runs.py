@@ -513,6 +513,16 @@ def test_runs_that_are_compared_are_sampled_more_often_and_others_as_asked(
         simulate(chain, excite(chain, [2]), 1.0, samples=2, estimate_error=compared)
 
 
+@pytest.mark.parametrize(("drive", "least"), [("0.5,1.1@2", 0.5), ((), 0.0)])
+def test_errors_of_a_run_are_relative_to_what_forces_displace_or_to_more_than_nothing(
+    drive: Any, least: float
+) -> None:
+    chain = OscillatorChain(damping="1 - 4*y**2 + 0.5*y**4", c=0.1, sites=3, drive=drive)
+    run = SmoothIntegration(chain, np.zeros((2, 3)), [1.0])
+    assert least <= run._task.least_size <= least + 1e-280
+    assert run._task.least_size > 0.0
+
+
 def test_a_start_is_perturbed_by_so_many_units_in_the_last_place() -> None:
     chain = VdpChain(a=4, b=0.5, c=0.2, sites=3)
     start = np.array([[1.0, 0.0, -0.5], [0.25, 2.0, -4.0]])

@@ -1814,10 +1814,14 @@ def test_how_stability_is_lost_is_read_from_who_crosses_first(
     def first(_: object, __: object, ___: object, entry: int) -> Crossing | None:
         return None if own is None or entry != 1 else _crossing(own)
 
+    def stability(u: Any, c: float, **_: Any) -> Any:
+        assert (u.tolist(), c) == ([0.0], 0.17)
+        return SimpleNamespace(frequency=turns)
+
     monkeypatch.setattr(continuation, "first_crossing", first)
     family: Any = SimpleNamespace(
         nucleus=SimpleNamespace(mirrored=lambda _: mirrored), chain=AVERAGED, system=lambda: None,
-        monitor=None, stability=lambda *_, **__: SimpleNamespace(frequency=turns),
+        monitor=None, stability=stability,
     )  # fmt: skip
     made: Any = None
     assert continuation._mechanism(_crossing(0.17), family, made) is mechanism

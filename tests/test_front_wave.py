@@ -496,6 +496,18 @@ def test_what_is_within_the_error_of_eta_pin_counts_as_pinned(
     assert branches._ends_in_eta(chain, etas)[1] == etas[1:]
 
 
+def test_a_branch_is_along_the_parameter_of_which_values_are_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(branches, "_fronts", lambda *given: given)
+    chain = fr.AveragedChain(a=4, b=0.5, c=0.15)
+    given: Any = fr.follow_front(chain, [0.1, 0.3]), fr.follow_front(chain, etas=[0.02, 0.05])
+    for (of, along, values), expected in zip(
+        given, (("c", [0.1, 0.3]), ("eta", [0.02, 0.05])), strict=True
+    ):
+        assert (of, along, list(values)) == (chain, *expected)
+
+
 def test_what_is_within_the_error_of_c_pin_counts_as_pinned(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -20,6 +20,7 @@ import sympy as sp
 import fronts as fr
 from derivations import catalogue, judgement
 from derivations.algebra import rendering
+from derivations.algebra.errors import DerivationInputError
 from derivations.cell import steps
 from fronts.answer import Answer, UsageError
 from fronts.checking import DerivedCell
@@ -357,6 +358,30 @@ def test_a_step_that_fails_its_check_changes_the_exit_code_of_its_equation(capsy
             rendering, "records", lambda found, told=complete: plain(found) | {"complete": told}
         )
         assert run(capsys, "friction", "--equation", "3")[0] == code
+
+
+def test_a_cell_that_has_no_front_is_refused_before_its_steps_are_shown(monkeypatch):
+    """With the advice to ask for its averaged equation alone."""
+
+    @dataclass
+    class Averaged:
+        order: int = 1
+        front: bool = False
+
+        def with_values(self, _):
+            return self
+
+        def kinetic_relation(self):
+            raise DerivationInputError("coupling", 0, "other than zero", "give one")
+
+    shown = Mock(side_effect=AssertionError)
+    monkeypatch.setattr(derive, "_shown", shown)
+    monkeypatch.setattr("derivations.cell.envelope.derive_envelope", lambda *_: Averaged())
+    cell = SimpleNamespace(damping="1", stiffness=None, coupling="0", numbers={}, weights=None)
+    said = "give one; for its averaged equation alone add --no-front"
+    with pytest.raises(DerivationInputError, match=f"{said}.$"):
+        derive._cell(cell, 1, None, "text", True)
+    assert not shown.called
 
 
 def test_the_page_of_verdicts_is_what_the_code_finds(capsys):

@@ -1544,12 +1544,15 @@ def test_a_run_of_the_averaged_chain_ends_when_its_drift_is_small(
     assert noise == pytest.approx(run.NOISE * (parts[0] + 1j * parts[1]), abs=1e-15)
 
 
-def test_a_run_has_the_same_noise_by_whichever_function_it_is_asked_for() -> None:
+def test_a_run_has_the_same_noise_and_drift_by_whichever_function_it_is_asked_for() -> None:
     seeds = [
         inspect.signature(each).parameters["seed"].default
         for each in (breathers.breather, run.run_breather)
     ]
     assert seeds == [0, 0]
+    # That of the averaged chain has no other.
+    drift = inspect.signature(run.run_breather).parameters["tolerance"].default
+    assert drift == run.TOLERANCE == 1e-8
 
 
 @pytest.mark.parametrize("status", [BreatherStatus.SETTLED, BreatherStatus.UNSETTLED])

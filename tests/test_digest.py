@@ -364,6 +364,17 @@ def test_functions_are_told_apart_by_what_is_inside_of_what_a_cache_or_numba_mak
         assert content(made(1.0)) == content(made(1.0)) != content(made(2.0))
 
 
+def test_methods_of_builtin_types_belong_to_no_module_and_are_told_apart_by_name():
+    readers = [_TaskReader() for _ in range(3)]
+    methods = (str.upper, str.upper, str.lower)
+    upper, same, lower = (
+        reader.value(each, "the task") for reader, each in zip(readers, methods, strict=True)
+    )
+    assert upper == same != lower
+    for reader in readers:
+        assert (reader.modules, reader.in_session) == (set(), False)
+
+
 @dataclass(frozen=True)
 class Held:
     k: float

@@ -1014,6 +1014,43 @@ def test_steps_of_a_wave_are_half_the_time_of_its_fastest_rate(c: float) -> None
         assert 1.5 * fewest <= window._steps_in(time, 1.5) <= 1.5 * (fewest + 1.0) + 1.0
 
 
+@pytest.mark.parametrize("v", [0.9e-3, 1.1e-3, 1.5e-3])
+def test_a_run_to_a_front_is_given_up_when_one_site_takes_too_long(
+    v: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a made-up motion, in which sites pass the unstable cycle one by one, at a velocity v."""
+    window = wave.Window(resting.amplitudes_of(0.1, 0.1), 4, 6, np.empty(0))
+
+    def advanced(rho: FloatArray, _: object, time: float) -> FloatArray:
+        return rho + time * v * window.unstable * (np.arange(10) == 5)
+
+    def given_up(_: wave.Window) -> wave.NoFrontError:
+        return wave.NoFrontError("made up")
+
+    monkeypatch.setattr(wave, "advanced", advanced)
+    monkeypatch.setattr(wave.Window, "_no_front", given_up)
+    if v < wave.SLOWEST == 1e-3:
+        with pytest.raises(wave.NoFrontError, match="made up"):
+            window._run_to_a_front()
+    else:
+        rho, found = window._run_to_a_front()
+        assert found == pytest.approx(v, rel=1e-9)
+        assert rho == pytest.approx([*np.ones(3), *np.full(2, window.unstable), *np.zeros(5)])
+
+
+def test_where_no_front_was_found_it_is_pinned_or_slower_than_one_thousandth(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    window = wave.Window(resting.amplitudes_of(0.1, 0.1), 4, 6, np.empty(0))
+    for c_pin, said in (
+        (0.125, "no front travels at c = 0.1, eta = 0.1: fronts are pinned up to c_pin = 0.125;"),
+        (0.0625, "the front at c = 0.1, eta = 0.1 is slower than 0.001; near c_pin = 0.0625 its"),
+    ):
+        fold = SimpleNamespace(c=c_pin, square_root=0.5)
+        monkeypatch.setattr(wave, "static_fold", lambda _, fold=fold: fold)
+        assert str(window._no_front()).startswith(said)
+
+
 def test_fronts_are_looked_for_down_to_a_velocity_of_one_thousandth(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -360,8 +360,11 @@ def test_a_table_is_saved_before_its_parts_are_removed(
 ) -> None:
     out, done = tmp_path / "out.csv", []
 
+    usual = signal.getsignal(signal.SIGTERM)
+
     class Kept(nullcontext[None]):
         def read(self) -> list[Any]:
+            assert signal.getsignal(signal.SIGTERM) != usual  # a request to end is an interrupt
             return [("0", [("value", 0.5)])]
 
         def remove(self) -> None:
@@ -372,6 +375,7 @@ def test_a_table_is_saved_before_its_parts_are_removed(
     monkeypatch.setattr(Table, "save", lambda _, path: done.append(path))
     assert sweep(_square, [Point(x=1.0)], out=out, workers=1)["value"].tolist() == [0.5]
     assert done == [out, "removed"]
+    assert signal.getsignal(signal.SIGTERM) == usual
 
 
 def test_points_of_a_store_are_those_of_the_sweep_by_their_numbers() -> None:

@@ -364,14 +364,24 @@ def test_functions_are_told_apart_by_what_is_inside_of_what_a_cache_or_numba_mak
         assert content(made(1.0)) == content(made(1.0)) != content(made(2.0))
 
 
-def test_methods_of_builtin_types_belong_to_no_module_and_are_told_apart_by_name():
+@pytest.mark.parametrize(
+    ("one", "same", "other"),
+    [
+        (str.upper, str.upper, str.lower),
+        ([1.0].index, [1.0].index, [2.0].index),
+        ([1.0].index, [1.0].index, [1.0].count),
+    ],
+)
+def test_methods_of_builtin_types_are_told_apart_by_name_and_by_what_they_are_bound_to(
+    one, same, other
+):
     readers = [_TaskReader() for _ in range(3)]
-    methods = (str.upper, str.upper, str.lower)
-    upper, same, lower = (
+    methods = (one, same, other)
+    first, second, third = (
         reader.value(each, "the task") for reader, each in zip(readers, methods, strict=True)
     )
-    assert upper == same != lower
-    for reader in readers:
+    assert first == second != third
+    for reader in readers:  # they belong to no module
         assert (reader.modules, reader.in_session) == (set(), False)
 
 

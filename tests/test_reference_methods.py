@@ -6,6 +6,7 @@ import itertools
 import math
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -119,6 +120,22 @@ def test_roundings_of_a_run_are_of_its_largest_size_at_each_of_its_steps() -> No
     )
     assert long == pytest.approx(10.0 * short, rel=0.2, abs=0.0)
     assert large == pytest.approx(1000.0 * short, rel=0.2, abs=0.0)
+
+
+def test_rounding_errors_of_the_scheme_are_enlarged_by_the_sum_of_its_weights() -> None:
+    """Those with which Aitken and Neville's recursion in 1/n² combines results of n = 1, 2, …."""
+    count = extrapolation.COLUMNS
+    weights = [[Fraction(int(n == m)) for m in range(1, count + 1)] for n in range(1, count + 1)]
+    for column in range(1, count):
+        for n in range(count, column, -1):
+            ratio = Fraction(n, n - column) ** 2
+            weights[n - 1] = [
+                last + (last - before) / (ratio - 1)
+                for last, before in zip(weights[n - 1], weights[n - 2], strict=True)
+            ]
+    assert sum(weights[-1]) == 1
+    total = float(sum(map(abs, weights[-1])))
+    assert total == pytest.approx(extrapolation._ENLARGED, rel=1e-14)
 
 
 def test_steps_of_a_run_are_allowed_an_error_relative_to_its_largest_size_so_far(

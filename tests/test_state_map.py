@@ -50,6 +50,7 @@ from verification.maps.vdp_rules import (
 from verification.references.equations import amplitude_of, as_state, averaged_rate, full_rate
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
+from verification.steppers.active import FREE
 
 FULL, ENVELOPE = (StateTask(chain=each) for each in (FIGURE_15, FIGURE_15.averaged()))
 FULL_OF_LARGER_EPS = StateTask(chain=replace(FIGURE_15, eps=0.05))
@@ -951,3 +952,31 @@ def test_a_map_starts_from_the_sites_that_are_named_or_from_the_middle_one() -> 
     for sites, excited in ((None, [2]), ((1, 2), [0, 1])):
         start = smooth_rules.start(chain, sites)
         assert np.flatnonzero(np.hypot(*start)).tolist() == excited
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("late", [False, True])
+def test_samples_are_taken_where_the_last_site_passes_zero(late: bool, sign: float) -> None:
+    """Its y is ±(e^{4t} - 2), or this backwards, so that secants keep one end again and again."""
+    p, state, out = np.array([4.0]), np.array([0.0, -1.0, 0.0, 5.0]), np.zeros(4)
+    lengths = []
+
+    def flow(h: float) -> list[float]:
+        y = 2.0 - math.exp(4.0 * (1.0 - h)) if late else math.exp(4.0 * h) - 2.0
+        return [h, sign * y, -h, 5.0 * h]
+
+    def step(*given: Any) -> None:
+        x, parameters, *ends, h, _, target = given
+        assert x is state
+        assert parameters is p
+        assert ends == [FREE, FREE]
+        lengths.append(h)
+        target[:] = flow(h)
+
+    state[:] = flow(0.0)
+    state_run._to_section.py_func(step, p, state, 1.0, np.zeros((12, 4)), out)
+    time = 1.0 - math.log(2.0) / 4.0 if late else math.log(2.0) / 4.0
+    assert out == pytest.approx(flow(time), abs=2e-12)
+    assert 0.0 <= min(lengths) <= max(lengths) <= 1.0
+    # By bisection some 40, and by secants that keep an end of full weight more.
+    assert len(lengths) < 20

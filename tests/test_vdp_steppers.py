@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,7 +24,7 @@ from theory.parameters import ParameterError
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import amplitudes, runge_kutta
+from verification.steppers import amplitudes, kernel, runge_kutta
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST, RING, end_codes
 from verification.steppers.friction_series import taylor_order
 from verification.steppers.kernel import slope_of
@@ -271,6 +271,37 @@ def test_forces_are_put_in_at_the_time_of_each_stage_before_its_slope(
     times = 0.5 * DOP853.A[:12, :12].sum(axis=1)
     put_in = [(7, 2, pytest.approx(time, abs=1e-14)) for time in times]
     assert done[::2] == put_in if forces else len(done) == 12
+
+
+def test_every_harmonic_force_is_put_in_at_the_time_of_the_stage() -> None:
+    """(ω, phase, cosine) of each force follow the time; what stands before it is kept."""
+    given = np.array([9.0, 8.0, 0.7, 1.3, 0.2, 0.0, 2.1, -0.4, 0.0])
+    p = given.copy()
+    runge_kutta._put_cosines.py_func(p, 2, 2, 0.5)
+    expected = given.copy()
+    expected[[5, 8]] = np.cos(given[[3, 6]] * (0.7 + 0.5) + given[[4, 7]])
+    assert p == pytest.approx(expected, abs=1e-15)
+
+
+@pytest.mark.parametrize("turns", [-1, 0, 1, 2])
+def test_a_wave_goes_on_beyond_the_left_end_with_the_phase_step_of_its_chain(
+    turns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the place of its slope each site has its left neighbour, or its right one."""
+    monkeypatch.setattr(kernel, "inner", lambda **_: lambda function: function)
+    monkeypatch.setattr(kernel, "fast", lambda function: function)
+    monkeypatch.setattr(kernel, "to_fixed_tuple", lambda values, count: tuple(values[:count]))
+    chain = SimpleNamespace(network=None, kernel_layout=(3,), front_phase_step=turns)
+    wave = excite(CHAIN, range(1, 8), 3.0, quarter_turns=[turns * n for n in range(7)])
+    row, p, out = wave[:, 1:].ravel(), np.array([1.0, 2.0, 3.0]), np.zeros(12)
+    names = {"left": wave[:, :-1], "right": np.column_stack([wave[:, 2:], wave[:, -1]])}
+    for name, expected in names.items():
+        text = f"def neighbour(site, left, right, p): return {name} if p == (1, 2, 3) else site"
+        space: dict[str, Any] = {"__name__": "prompt"}
+        exec(text, space)
+        chain.kernel = partial(space.get, "neighbour")
+        slope_of(chain)(row, p, FOLLOWING, FREE, out)  # type: ignore[arg-type]
+        assert out.reshape(2, 6) == pytest.approx(expected, abs=1e-14)
 
 
 def test_ends_of_a_window_have_codes_of_their_own() -> None:

@@ -540,6 +540,62 @@ def test_every_cubic_that_passes_zero_between_negative_ends_is_looked_at() -> No
     assert looked_at.sum() < 3800  # some are left out
 
 
+@pytest.fixture
+def not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("_highest", "_mark_arriving", "_beyond", "_interpolated"):
+        monkeypatch.setattr(smooth, name, getattr(smooth, name).py_func)
+
+
+@pytest.mark.usefixtures("not_compiled")
+def test_a_site_is_looked_at_for_its_first_slope_or_its_last_one_until_it_has_arrived() -> None:
+    """Before and after the step it is below the level; slopes within the step do not count."""
+    x = np.array([0.9, 0.9, 0.9, 0.9, 0.0, 0.0, 0.0, 0.0])
+    K = np.full((smooth.STAGES, 8), math.nan)
+    K[[0, -1]] = 0.0
+    K[0, [0, 3]], K[-1, 1] = 1.0, -1.0
+    rows: Any = SimpleNamespace(x=x, new=x, K=K, work=np.full((2, 8), -7.0))
+    arrivals = np.array([math.nan, math.nan, math.nan, math.nan, math.nan, 2.0])
+    run: Any = SimpleNamespace(counters=[2], arrivals=arrivals)
+    arriving = smooth._arriving.py_func  # type: ignore[attr-defined]
+    assert arriving(SimpleNamespace(level=1.0), run, rows, 1.0)
+    assert rows.work[0, :4].tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert not arriving(SimpleNamespace(level=1.0), run, rows, 0.1)
+    assert rows.work[0, :4].tolist() == [0.0] * 4
+
+
+@pytest.mark.usefixtures("not_compiled")
+@pytest.mark.parametrize("end", [100.0, 10.7])
+def test_an_arrival_is_where_the_amplitude_first_passes_the_level(end: float) -> None:
+    """Displacements are parabolas in time, and y² is the polynomial through nine values of it.
+
+    One site passes the level and falls below it again, one stays below it, one is above it
+    when the step begins, one is not marked, and one passes it late.
+    """
+    rows: Any = SimpleNamespace(p=np.array([3.0]), inside=np.zeros(10), work=np.zeros((2, 10)))
+
+    def flow(h: float) -> list[float]:
+        t = h / 2.0
+        humps = [height - (t - 0.5) ** 2 for height in (2.04, 1.99)]
+        return [*humps, 3.0 - t, 1.0 + 2.0 * t, 1.5 + t, *[0.0] * 5]
+
+    def step(*given: Any) -> None:
+        x, p, *ends, h, _, target = given
+        assert x is rows.x
+        assert p is rows.p
+        assert ends == [5, 6]
+        target[:] = flow(h)
+
+    rows.x, rows.new, rows.K = np.array(flow(0.0)), np.array(flow(2.0)), None
+    rows.work[0, :5] = 1.0, 1.0, 1.0, 0.0, 1.0
+    task: Any = SimpleNamespace(level=2.0, end=end)
+    run: Any = SimpleNamespace(clock=[10.0], counters=[1, 6], arrivals=np.full(6, math.nan))
+    foremost = smooth._note_arrivals.py_func(step, task, run, rows, (5, 6), 2.0)  # type: ignore[attr-defined]
+    late = 11.0 if end > 11.0 else math.nan
+    expected = [math.nan, 10.0 + 2.0 * 0.3, math.nan, 10.0, math.nan, late]
+    assert run.arrivals == pytest.approx(expected, abs=1e-12, nan_ok=True)
+    assert foremost == (5 if end > 11.0 else 3)
+
+
 @pytest.mark.parametrize(
     ("samples", "times"), [(2, 200), (51, 199), (101, 199), (200, 200), (300, 300)]
 )

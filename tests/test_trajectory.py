@@ -564,6 +564,21 @@ def test_a_site_is_looked_at_for_its_first_slope_or_its_last_one_until_it_has_ar
 
 
 @pytest.mark.usefixtures("not_compiled")
+@pytest.mark.parametrize("moving", [(12, 28), (9, 30), (10, 17), (15, 29), (14, 25), ()])
+@pytest.mark.parametrize("sites", [100, 31])
+def test_a_window_is_widened_until_its_margins_are_at_rest(
+    moving: tuple[int, ...], sites: int
+) -> None:
+    """Of sites 9 to 30, with four sites at rest inside either end."""
+    state = np.full((2, sites), 0.05)
+    state[0, list(moving)] = 0.2
+    widened = smooth._widened.py_func  # type: ignore[attr-defined]
+    found = widened(state[:, 9:31].ravel(), 0.1, 4, 9, 31, sites)
+    low, high = (min(moving), max(moving)) if moving else (20, 20)
+    assert found == (min(9, low - 4), min(sites, max(31, high + 5)))
+
+
+@pytest.mark.usefixtures("not_compiled")
 @pytest.mark.parametrize("end", [100.0, 10.7])
 def test_an_arrival_is_where_the_amplitude_first_passes_the_level(end: float) -> None:
     """Displacements are parabolas in time, and y² is the polynomial through nine values of it.

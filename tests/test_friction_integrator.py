@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -38,7 +39,9 @@ from verification.steppers.friction_series import (
     LAST_TERM,
     MODE,
     RELEASED,
+    STEEPEST,
     _polish,
+    _seen,
     first_root,
     friction_outer,
     law_of,
@@ -764,3 +767,137 @@ def test_a_site_at_the_velocity_of_the_belt_is_pulled_by_its_neighbours_too(
     start = np.array([[y, 0.0, y], [cell.v_d] * 3])
     run = FrictionIntegration(FrictionChain.of(cell, c=c, sites=3), start)
     assert run._run.mode[friction.MODE, 2] == (-sign if slips else 0.0)
+
+
+def test_a_window_is_widened_alike_on_either_side() -> None:
+    chain = FrictionChain(c=0.02, sites=61)
+    run = FrictionIntegration(chain, excite(chain, [31]))
+    counters = run._run.counters
+    first = int(counters[friction.LO])
+    run.advance_to(30.0)
+    assert 1 < counters[friction.LO] < first
+    assert counters[friction.LO] - 1 == chain.sites + 1 - counters[friction.HI]
+    np.testing.assert_array_equal(run.state, run.state[:, ::-1])
+
+
+@pytest.mark.parametrize("active_window", [True, False])
+def test_the_sites_between_both_ends_of_the_window_are_counted_as_stepped(
+    active_window: bool,
+) -> None:
+    chain = FrictionChain(c=0.02, sites=61)
+    run = FrictionIntegration(chain, excite(chain, [51]), active_window=active_window)
+    low, high = (int(run._run.counters[n]) for n in (friction.LO, friction.HI))
+    assert low == (51 - friction.MARGIN if active_window else 1)
+    assert high == (51 + friction.MARGIN + 1 if active_window else 62)
+    run.advance(1)
+    assert run.counts["site_steps"] == (high - low) * run.counts["steps"] > 0
+
+
+@pytest.mark.parametrize(
+    ("due", "radius", "ranges"),
+    [
+        ([10], 3, [(7, 14)]),
+        ([10, 30], 3, [(7, 14), (27, 34)]),
+        ([10, 18], 3, [(7, 14), (15, 22)]),  # site 14 keeps its series
+        ([10, 17], 3, [(7, 21)]),
+        ([10, 12, 14], 3, [(7, 18)]),
+        ([2, 40], 3, [(1, 6), (37, 42)]),
+        ([5, 20, 37], 40, [(1, 42)]),
+    ],
+)
+def test_new_series_are_made_on_either_side_of_the_sites_that_are_due(
+    due: list[int], radius: int, ranges: list[tuple[int, int]]
+) -> None:
+    run = friction.new_run(new_numbers(CELL, 0.1, 1e-9), law_of(CELL), np.zeros((2, 41)),
+                           np.full(41, 2.0), times=np.zeros(0), logged=0, order=12)  # fmt: skip
+    run.mode[DUE, : len(due)] = due
+    compiled: Any = friction._ranges
+    count = compiled.py_func(run, len(due), radius)
+    assert list(zip(*run.mode[[FIRST, BEYOND], :count].tolist(), strict=True)) == ranges
+    assert run.counters[friction.LOCAL] == sum(beyond - first for first, beyond in ranges)
+
+
+@pytest.mark.parametrize("c", [1e-3, 0.05, 1.0, 20.0])
+@pytest.mark.parametrize("time", [0.01, 0.1, 0.5, 2.0])
+@pytest.mark.parametrize("change", [1e-3, 2.0])
+def test_new_series_are_made_as_far_as_the_truncation_is_not_negligible(
+    c: float, time: float, change: float
+) -> None:
+    """The bound of the module's docstring, with the positive root of q from numpy."""
+    order, tolerance = 16, 1e-10
+    numbers = new_numbers(CELL, c, tolerance)
+    rates = np.roots([1.0, -(numbers[DRAG] + numbers[STEEPEST]), -(1.0 + 2.0 * c)])
+
+    def force(d: int) -> float:
+        growth = math.exp(rates.max() * time) * math.cosh(c * time**2)
+        return c * change * growth * c**d * time ** (2 * d + 2) / math.factorial(2 * d + 2)
+
+    enough = [d for d in range(1, order + 1) if force(d) <= 0.01 * tolerance]
+    compiled: Any = friction._reach
+    assert compiled.py_func(numbers, order, change, time) == (enough[0] if enough else -1)
+
+
+def test_a_frame_in_which_the_truncation_would_overflow_is_ended() -> None:
+    compiled: Any = friction._reach
+    for c, time in ((0.05, 1e3), (1e4, 1.0)):
+        assert compiled.py_func(new_numbers(CELL, c, 1e-10), 16, 1.0, time) == -1
+
+
+@pytest.mark.parametrize("law", [FrictionLaw.EXPONENTIAL, FrictionLaw.STRIBECK])
+def test_a_series_resolves_friction_if_the_term_beyond_is_below_the_tolerance(
+    law: FrictionLaw,
+) -> None:
+    """The bounds of ``resolved``, as products and not as sums of logarithms."""
+    cell = FrictionCell(law=law)
+    scale = cell.v_s if law is FrictionLaw.STRIBECK else cell.v0
+    compiled: Any = _seen
+    found = []
+    for order, tolerance in ((11, 1e-6), (18, 1e-12)):
+        numbers = new_numbers(cell, 0.1, tolerance)
+        allowed = math.log(tolerance) + math.log(math.factorial(order))
+        for x in (0.0, 0.05, 0.2, 0.9, 1.1, 2.0, 5.0, 20.0):
+            for u in (0.0, 1.0, 5.0, 20.0, 60.0):
+                small = math.exp(-u) * x**order / math.factorial(order) <= tolerance
+                if law is FrictionLaw.STRIBECK:
+                    hermite = (math.sqrt(2.0) * x) ** order / math.sqrt(math.factorial(order))
+                    small = 1.09 * math.exp(-0.5 * u * u) * hermite <= tolerance
+                distances = u * scale, (u + x) * scale
+                seen = compiled.py_func(numbers, law_of(cell), order, *distances, allowed)
+                assert seen is small, (order, x, u)
+                found.append(small)
+    assert 10 < sum(found) < len(found) - 10
+
+
+def test_sites_at_the_verge_of_release_are_released_one_after_another_at_one_time() -> None:
+    """The belt is too slow to move them, but to round-off: each is looked at as its neighbour goes.
+
+    They start one unit in the last place below the verge, and have gone 0.7 of it as the first one
+    sticks. Time stands still for as many releases as there are sites.
+    """
+    sites, speed = 30, 1e-3
+    below = np.nextafter(CELL.mu_st, 0.0)
+    v_d = 0.7 * (CELL.mu_st - below) / (speed / CELL.mu_st)
+    chain = FrictionChain.of(replace(CELL, v_d=v_d, xi=0.0), c=0.0, sites=sites)
+    start = np.array([np.full(sites, below), np.full(sites, v_d)])
+    start[:, 0] = 0.0, -speed
+    run = FrictionIntegration(chain, start, logged_events=2 * sites)
+    run.advance_to(2.0 * speed / CELL.mu_st)
+    assert run.events == {"sticks": 1, "releases": sites - 1, "reversals": 0}
+    log = run.state_arrays["log"][:sites]
+    assert log[:, 1].tolist() == list(range(1, sites + 1))
+    # Static friction stops the first one, but for what friction loses at its speed.
+    assert log[:, 0] == pytest.approx(speed / CELL.mu_st, rel=speed)
+    assert np.ptp(log[:, 0]) == 0.0
+
+
+@pytest.mark.parametrize(("away", "row"), [(1.0, 0), (-1.0, 1)])
+def test_a_turning_point_at_the_very_end_of_a_run_is_recorded(away: float, row: int) -> None:
+    """Under Coulomb's law ÿ is what y lacks to μ_d: here one, so that time and velocity agree."""
+    cell = FrictionCell(law=FrictionLaw.COULOMB, xi=0.0)
+    time = 2.0**-30
+    start = np.array([[cell.mu_d + away], [away * time]])
+    run = FrictionIntegration(FrictionChain.of(cell, c=0.0, sites=1), start, end=time)
+    run.advance_to(time)
+    assert run.state.tolist() == [[cell.mu_d + away], [0.0]]
+    assert run.last_extremes[row].tolist() == [cell.mu_d + away]
+    assert np.isnan(run.last_extremes[1 - row]).all()

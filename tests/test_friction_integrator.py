@@ -40,13 +40,19 @@ from verification.steppers.friction_series import (
     MODE,
     RELEASED,
     STEEPEST,
+    _largest_bend,
     _polish,
     _seen,
+    absolute_sum,
     first_root,
     friction_outer,
     law_of,
     new_numbers,
     new_work,
+    shift,
+    site_value,
+    term_length,
+    value_at,
 )
 from verification.steppers.stop_code import StopCode
 
@@ -901,3 +907,49 @@ def test_a_turning_point_at_the_very_end_of_a_run_is_recorded(away: float, row: 
     assert run.state.tolist() == [[cell.mu_d + away], [0.0]]
     assert run.last_extremes[row].tolist() == [cell.mu_d + away]
     assert np.isnan(run.last_extremes[1 - row]).all()
+
+
+def test_series_and_their_bounds_are_those_of_polynomials_of_numpy() -> None:
+    rng = np.random.default_rng(SEED)
+    for order, h in ((1, 0.3), (2, 0.7), (5, 1.3), (12, 0.9)):
+        series = rng.standard_normal((order + 1, 3))
+        exact = np.polynomial.Polynomial(series[:, 1])
+        largest = np.polynomial.Polynomial(np.abs(series[:, 1]))
+        functions: list[tuple[Any, float]] = [
+            (site_value, exact(h)),
+            (absolute_sum, largest(h) - largest(0.0)),
+            (_largest_bend, largest.deriv(2)(h)),
+            (friction._rate, largest.deriv()(h)),
+        ]
+        for function, value in functions:
+            assert function.py_func(series, 1, h) == pytest.approx(value, rel=1e-12, abs=1e-14)
+        compiled: Any = value_at
+        assert compiled.py_func(series[:, 1], order, h) == pytest.approx(exact(h), rel=1e-12)
+        later, compiled = np.zeros(order + 1), shift
+        compiled.py_func(series, 1, h, later)
+        moved = exact(np.polynomial.Polynomial([h, 1.0])).coef
+        assert later == pytest.approx(moved, rel=1e-12, abs=1e-11)
+
+
+def test_a_series_holds_until_one_of_its_last_two_terms_is_the_tolerance() -> None:
+    compiled: Any = term_length
+    for before, last in ((3.0, 1e-3), (1e-3, 3.0), (0.0, 2.0), (2.0, 0.0)):
+        h = compiled.py_func(before, last, 12, 1e-9)
+        assert max(before * h**11, last * h**12) == pytest.approx(1e-9, rel=1e-12)
+    assert compiled.py_func(0.0, 0.0, 12, 1e-9) == np.inf
+
+
+def test_the_next_site_that_is_due_is_found_in_the_tree_of_times() -> None:
+    rng, leaves = np.random.default_rng(SEED), 16
+    compiled: Any = friction._next_due
+    for sites in (0, 1, 2, 7, 16):
+        queue = np.full(2 * leaves, np.inf)
+        queue[leaves + rng.choice(leaves, sites, replace=False)] = rng.uniform(0.0, 1.0, sites)
+        for node in range(leaves - 1, 0, -1):
+            queue[node] = min(queue[2 * node], queue[2 * node + 1])
+        for until in (0.0, 0.2, 0.6, 1.0):
+            due = np.flatnonzero(queue[leaves:] <= until)
+            for n in range(leaves):
+                later = due[due >= n]
+                expected = later[0] if later.size else -1
+                assert compiled.py_func(queue, n, until) == expected

@@ -10,10 +10,11 @@ import pytest
 
 from benchmarks.regularised import Solver, run_regularised
 from theory.cells.friction import FrictionCell
+from theory.chains.ends import Ends
 from theory.chains.friction import FrictionChain
 from theory.parameters import ParameterError
 from verification.cells.friction import stick_slip_cycle
-from verification.references.switch_model import run_switch
+from verification.references.switch_model import _Record, _right_side, _take_samples, run_switch
 from verification.runs.excite import excite
 from verification.runs.simulate import simulate
 
@@ -157,3 +158,79 @@ def test_bad_options_of_a_regularised_run_are_refused(options: dict[str, float])
     (name,) = options
     with pytest.raises(ParameterError, match=name.removeprefix("t_")):
         run_regularised(CHAIN, start(), **given)
+
+
+@pytest.mark.parametrize("ends", [Ends.FREE, Ends.LITERAL])
+@pytest.mark.parametrize("mu_st", [0.7, 3.0])
+def test_each_site_has_the_right_side_of_its_speed_and_load(ends: Ends, mu_st: float) -> None:
+    """Slip, transition and stick in both directions, written out for each site; and both edges."""
+    mu_d, v0, xi, v_d, c, band = 0.3, 0.5, 0.05, 1.25, 0.2, 0.125
+    slips = np.array([-1.0, 0.5, 0.0625, -0.0625, 0.125, -0.125, 0.0, 2.0, -3.0, 0.0])
+    y = np.array([0.3, -0.4, 0.5, 0.2, 4.0, -5.0, 0.6, 0.0, 6.0, -6.0])
+    z, out = np.array([y, v_d + slips]), np.zeros((2, y.size))
+    sticks = np.full(y.size, -1)
+    compiled: Any = _right_side
+    law = np.array([mu_st, mu_d, v0, xi, v_d, c, band])
+    compiled.py_func(z, law, ends is Ends.FREE, out, sticks)
+    beyond = np.array([y[0], *y, y[-1]]) if ends is Ends.FREE else np.array([0.0, *y, 0.0])
+    load = 2.0 * xi * z[1] + y - c * np.diff(beyond, 2)
+    kinds = []
+    for n, slip in enumerate(slips):
+        velocity, held = v_d + slip, abs(load[n]) <= mu_st
+        if abs(slip) > band:
+            friction = mu_d + (mu_st - mu_d) * np.exp(-abs(slip) / v0)
+            expected = velocity, -np.sign(slip) * friction - load[n]
+        elif held:
+            expected = v_d, -slip
+        else:
+            expected = velocity, np.sign(load[n]) * mu_st - load[n]
+        kinds.append(0 if abs(slip) > band else 1 if held else np.sign(load[n]) * 2)
+        assert out[:, n] == pytest.approx(expected, abs=1e-14)
+    assert set(kinds) == {0, 1, 2, -2}
+    assert sticks.tolist() == [kind == 1 for kind in kinds]
+
+
+def test_a_last_step_shorter_than_the_shortest_is_taken() -> None:
+    """The first step is 1e-4, as long as the motion near steady sliding allows more."""
+    chain = FrictionChain(c=0.02, sites=3)
+    start = np.array([np.full(3, chain.cell.steady_sliding + 0.01), np.zeros(3)])
+    end = 1e-4 + 5e-13
+    assert run_switch(chain, start, end).reached == end
+
+
+def test_samples_within_a_step_are_those_of_the_cubic_through_both_ends() -> None:
+    """A cubic is its own; samples before the step are taken already, those beyond it are not yet.
+
+    At the last step all that remain are taken, at its end.
+    """
+    rng, sites, (t, h) = np.random.default_rng(5), 3, (1.5, 0.5)
+    motions = [np.polynomial.Polynomial(rng.standard_normal(4)) for _ in range(2 * sites)]
+
+    def states(time: float, order: int) -> np.ndarray:
+        values = [(motion.deriv(order) if order else motion)(time) for motion in motions]
+        return np.array(values).reshape(2, sites)
+
+    times = np.array([0.3, 1.5, 1.6, 1.85, 2.0, 2.001])
+    compiled: Any = _take_samples
+    for last, taken in ((False, 5), (True, 6)):
+        kept = np.zeros((times.size, 2, sites))
+        counters = np.array([0, 0, 0, 1])
+        record = _Record(times, kept, np.zeros(sites), counters)
+        ends = [(states(t, order), states(t + h, order)) for order in (0, 1)]
+        compiled.py_func(record, ends[0], ends[1], (t, h), last)
+        assert counters.tolist() == [0, 0, 0, taken]
+        for n in range(1, taken):
+            assert kept[n] == pytest.approx(states(min(times[n], t + h), 0), abs=1e-13)
+        assert not kept[0].any()
+        assert not kept[taken:].any()
+
+
+def test_a_site_arrives_as_it_first_sticks() -> None:
+    """One sticks at the start, one slides steadily, and static friction brings one to the band."""
+    cell, speed, band = FrictionCell(), 1e-2, 1e-4
+    start = np.array([[0.0, cell.steady_sliding, 0.0], [cell.v_d, 0.0, cell.v_d - speed]])
+    start[0, 2] = -2.0 * cell.xi * cell.v_d
+    run = run_switch(FrictionChain(c=0.0, sites=3), start, 0.02, step=1e-5, band=band)
+    assert run.arrivals[:2].tolist() == pytest.approx([0.0, np.nan], nan_ok=True)
+    # Friction is lower by up to speed/v₀ times half of itself, and the spring pulls with v_d τ.
+    assert run.arrivals[2] == pytest.approx((speed - band) / cell.mu_st, rel=0.02)

@@ -22,7 +22,7 @@ from benchmarks.mutation.children import Answer
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.places import names_bound
 from benchmarks.mutation.put import fits, put_statement
-from benchmarks.mutation.recompiled import compile_again, concerned_by, plain
+from benchmarks.mutation.recompiled import compile_again, concerned_by, made, python_function
 from benchmarks.mutation.session import OPTIONS, Failures, Session, dotted
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class Judge:
             code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
         tops = [c for c in entered.codes_in(code) if c.co_qualname == mutant.outermost]
         new = [c for top in tops for c in entered.codes_in(top)]  # also nested ones it returned
-        compiled = [plain(each) for each in concerned_by(mutant)]
+        compiled = [python_function(each) for each in made]
         pairs = [
             (old, c)
             for c in new

@@ -12,7 +12,7 @@ from typing import Any
 
 from benchmarks.mutation.entered import PACKAGES
 from benchmarks.mutation.places import names_bound
-from benchmarks.mutation.recompiled import made, plain
+from benchmarks.mutation.recompiled import made, python_function
 
 _OF_ITS_OWN = frozenset({"__dict__", "__weakref__", "__module__", "__doc__", "__qualname__",
                          "__annotations__", "__abstractmethods__", "_abc_impl"})  # fmt: skip
@@ -77,7 +77,7 @@ def _replaced(name: str, old: Any, new: Any) -> bool:
     if isinstance(old, type) and isinstance(new, type):
         return _class(old, new)
     spaces = [vars(other) for other in list(sys.modules.values()) if isinstance(other, ModuleType)]
-    for space in (*spaces, *(plain(each).__globals__ for each in made)):
+    for space in (*spaces, *(python_function(each).__globals__ for each in made)):
         if space.get(name) is old:
             space[name] = new
     return True

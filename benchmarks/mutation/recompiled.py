@@ -19,7 +19,7 @@ made: list[Any] = []
 """All dispatchers and C callbacks that exist, in the order in which they were made."""
 
 
-def plain(compiled: Any) -> FunctionType:
+def python_function(compiled: Any) -> FunctionType:
     """Return the Python function of a dispatcher or a C callback."""
     function: FunctionType = getattr(compiled, "py_func", None) or compiled._pyfunc
     return function
@@ -48,34 +48,34 @@ def concerned_by(mutant: Mutant) -> list[Any]:
         top = code.co_qualname.partition(".<locals>")[0]
         return top == mutant.outermost and code.co_filename.endswith(f"/{mutant.module}")
 
-    found = {id(each) for each in made if changed(plain(each))}
-    while True:
+    more = found = {id(each) for each in made if changed(python_function(each))}
+    while more:
         more = {
             id(each)
             for each in made
-            if id(each) not in found and any(id(value) in found for value in named_by(plain(each)))
+            if id(each) not in found
+            and any(id(value) in found for value in named_by(python_function(each)))
         }
-        if not more:
-            return [each for each in made if id(each) in found]
-        found |= more
+        found = found | more
+    return [each for each in made if id(each) in found]
 
 
 def compile_again(compiled: list[Any]) -> None:
     """Forget the machine code of functions, and compile it for the same types of arguments."""
     from numba.core.caching import NullCache
+    from numba.core.ccallback import CFunc
 
-    signatures: list[tuple[Any, list[Any]]] = []
+    callbacks = [each for each in compiled if isinstance(each, CFunc)]
+    dispatchers = [each for each in compiled if not isinstance(each, CFunc)]
+    signatures = [list(each.overloads) for each in dispatchers]
     for each in compiled:
         each._cache = NullCache()
-        if not hasattr(each, "overloads"):
-            continue
-        signatures.append((each, list(each.overloads)))
+    for each in dispatchers:
         each._make_finalizer()()
         each._reset_overloads()
-    for each, types in signatures:
         each._can_compile = True  # also where numba was given its signature
-        for signature in types:
+    for each, known in zip(dispatchers, signatures, strict=True):
+        for signature in known:
             each.compile(signature)
-    for each in compiled:
-        if not hasattr(each, "overloads"):
-            each.compile()
+    for each in callbacks:
+        each.compile()

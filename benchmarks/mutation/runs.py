@@ -10,11 +10,12 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer, ChildTask
 from benchmarks.mutation.judge import Judge
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
-from benchmarks.mutation.recompiled import concerned_by, plain
+from benchmarks.mutation.recompiled import concerned_by, python_function
 from benchmarks.mutation.session import Session
 from benchmarks.mutation.survey import OVERHEAD, Survey
 
@@ -95,8 +96,9 @@ class Runs:
 
     def _asked(self, mutant: Mutant) -> list[str]:
         """Return the tests that noticed other changes nearby, then others as time allows."""
-        on_import, again = self._judge.made_on_import(mutant), concerned_by(mutant)
-        callers = {os.path.relpath(plain(each).__code__.co_filename, self._root) for each in again}
+        on_import = self._judge.made_on_import(mutant)
+        compiled = (python_function(each).__code__ for each in concerned_by(mutant))
+        callers = {os.path.relpath(code.co_filename, self._root) for code in compiled}
         reaching = self._survey.reaching(
             mutant, on_import, self._importing, self._texts, sorted(callers)
         )
@@ -105,9 +107,10 @@ class Runs:
         picked = [test for test in dict.fromkeys(known) if test in reaching][:MAX_KNOWN]
         left = self._seconds - sum(self._survey.seconds[test] for test in picked)
         files = {test.partition("::")[0] for test in picked}
+        collected = on_import and mutant.qualified not in entered.compiled
         for test in reaching:
             cost, file = self._survey.seconds[test] + OVERHEAD, test.partition("::")[0]
-            another = on_import and not again and file not in files and len(files) == MAX_FILES
+            another = collected and file not in files and len(files) == MAX_FILES
             if test not in picked and cost <= left and not another:
                 left -= cost
                 files.add(file)

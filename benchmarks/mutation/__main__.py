@@ -31,12 +31,12 @@ EXAMPLE = """examples:
       been edited since; the new record contains both
 
 Changes chosen at random are tested in random order, so that those tested within --minutes are a
-random sample too. The working tree is not modified, and must not be edited during a run. Code
-compiled by numba is compiled again for each of its changes, which takes one to ten seconds; these
-changes are tested with --compiled, and all others without it. A change in derivations/ that no test
-notices is submitted, after all tests, to the checks of the derivation steps that use it; for this
-purpose all equations are derived and checked once, which takes a minute. --record writes the counts
-and every unnoticed change to a file. The exit code is 1 if an unnoticed change is not explained in
+random sample too. The working tree is not modified, and must not be edited during a run. Changes in
+code compiled by numba are tested with --compiled, and all others without it; they take longer,
+since the code is compiled again. A change in derivations/ that no test notices is submitted, after
+all tests, to the checks of the derivation steps that use it; for this purpose all equations are
+derived and checked once, which takes a minute. --record writes the counts and every unnoticed
+change to a file. The exit code is 1 if an unnoticed change is not explained in
 benchmarks/mutation/explained, or if an explanation there is no longer needed; the latter is
 determined only if all changes of a module were tested."""
 
@@ -165,6 +165,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     names = entered.install(ROOT)  # before any module of the project is imported
     from benchmarks.mutation.children import in_children
+    from benchmarks.mutation.recompiled import compile_cached, use_no_cache
     from benchmarks.mutation.recorder import forget
     from benchmarks.mutation.records import Records
     from benchmarks.mutation.runs import Runs
@@ -195,6 +196,9 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         mutants[:] = [m for m in mutants if (m.qualified in entered.compiled) is options.compiled]
         print(f"{count - len(mutants)} changes in code {kind} by numba are left out",
               file=sys.stderr)  # fmt: skip
+        if options.compiled:
+            use_no_cache()
+            compile_cached()
         with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
             # These take seconds to a minute each, and therefore come after all tests.

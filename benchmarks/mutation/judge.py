@@ -12,21 +12,40 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from types import CodeType
 from typing import TYPE_CHECKING
 
 import pytest
 
 from benchmarks.mutation import entered
-from benchmarks.mutation.children import Answer
+from benchmarks.mutation.children import Answer, ChildTask, in_children
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.places import names_bound
 from benchmarks.mutation.put import fits, put_statement
-from benchmarks.mutation.recompiled import compile_again, concerned_by, made, python_function
+from benchmarks.mutation.recompiled import (
+    compile_again,
+    concerned_by,
+    made,
+    python_function,
+    use_no_cache,
+)
 from benchmarks.mutation.session import OPTIONS, Failures, Session, dotted
 
 if TYPE_CHECKING:
+    from benchmarks.mutation.alternatives import Replacement
     from benchmarks.mutation.derived import DerivationChecks
+
+
+@dataclass(frozen=True)
+class TestTask:
+    """A change, the tests to run against it, and the processor seconds allowed for both."""
+
+    mutant: Mutant
+    tests: Sequence[str]
+    seconds: float
 
 
 class Judge:
@@ -35,16 +54,11 @@ class Judge:
     def __init__(self, session: Session) -> None:
         self._session = session
 
-    def by_tests(
-        self, mutant: Mutant, tests: Sequence[str], write: Callable[[Answer], None]
-    ) -> None:
+    def by_tests(self, task: TestTask, write: Callable[[Answer], None]) -> None:
         """Run tests against a change until one fails, and write which test failed."""
-        from numba.core import caching
-
-        caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
+        mutant, tests = task.mutant, task.tests
         again = concerned_by(mutant)
-        if again:
-            caching.Cache.load_overload = lambda *_: None  # type: ignore[method-assign]
+        use_no_cache(reading=not again)
         if self._put(mutant):
             compile_again(again)
             failed = self._session.first_failing(tests)
@@ -52,6 +66,36 @@ class Judge:
             if failed or compiled or not self._used_on_import(mutant):
                 return write({"by": failed})
         write({"by": self._anew(mutant, tests) if tests else None})
+
+    def by_tests_together(self, tasks: Sequence[TestTask], write: Callable[[Answer], None]) -> None:
+        """Compile changes together, then run the tests against each of them in a child of its own.
+
+        Each answer has the name of its change.
+        """
+        from benchmarks.mutation.alternatives import Alternatives, select
+
+        use_no_cache()
+        compiled = Alternatives([each.mutant for each in tasks], self._of_compiled)
+        for name, error in compiled.failed.items():
+            write({"name": name, "by": error})
+
+        def selected(task: TestTask, write: Callable[[Answer], None]) -> None:
+            self._put(task.mutant)  # for tests that run the function without compiling it
+            select(compiled.numbers[task.mutant.name])
+            write({"by": self._session.first_failing(task.tests)})
+
+        def take(task: TestTask, answers: list[Answer]) -> None:
+            for each in answers[:1]:
+                write({"name": task.mutant.name, **each})
+
+        def children() -> Iterator[ChildTask]:
+            for task in tasks:
+                if task.mutant.name not in compiled.failed:
+                    together = task.mutant.name in compiled.numbers
+                    run = partial(selected if together else self.by_tests, task)
+                    yield ChildTask(run=run, seconds=task.seconds, take=partial(take, task))
+
+        in_children(children(), 1)
 
     def by_checks(
         self, mutant: Mutant, checks: DerivationChecks, write: Callable[[Answer], None]
@@ -79,24 +123,37 @@ class Judge:
 
     def _put(self, mutant: Mutant) -> bool:
         """Change the existing functions and values; return whether that was possible."""
-        with mutant.made() as tree:
-            if not mutant.outermost or mutant.of_default:
+        if not mutant.outermost or mutant.of_default:
+            with mutant.made():
                 return put_statement(sys.modules[dotted(mutant.module)], mutant.statement)
-            code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
-        tops = [c for c in entered.codes_in(code) if c.co_qualname == mutant.outermost]
-        new = [c for top in tops for c in entered.codes_in(top)]  # also nested ones it returned
         compiled = [python_function(each) for each in made]
         pairs = [
-            (old, c)
-            for c in new
-            for old in [*self._session.living[f"{mutant.module}:{c.co_firstlineno}"], *compiled]
-            if old.__code__.co_filename == c.co_filename
-            and old.__code__.co_firstlineno == c.co_firstlineno
-            and fits(old.__code__, c)
+            (old, code)
+            for code in self._codes(mutant)
+            for old in [*self._session.living[f"{mutant.module}:{code.co_firstlineno}"], *compiled]
+            if fits(old.__code__, code)
         ]
         for old, changed in pairs:
             old.__code__ = changed
         return bool(pairs)
+
+    def _codes(self, mutant: Mutant) -> list[CodeType]:
+        """Return the code of the changed function, and of those nested in it."""
+        with mutant.made() as tree:
+            code = compile(tree, str(self._session.root / mutant.module), "exec", dont_inherit=True)
+        tops = [each for each in entered.codes_in(code) if each.co_qualname == mutant.outermost]
+        return [each for top in tops for each in entered.codes_in(top)]
+
+    def _of_compiled(self, mutant: Mutant) -> list[Replacement]:
+        """Return what numba compiled from the changed function, with the changed code."""
+        if not mutant.outermost or mutant.of_default:
+            return []
+        return [
+            (each, code)
+            for code in self._codes(mutant)
+            for each in made
+            if fits(python_function(each).__code__, code) and python_function(each).__code__ != code
+        ]
 
     def _anew(self, mutant: Mutant, tests: Sequence[str]) -> str | None:
         """Import the project again with a change and run tests, in a session within this one."""

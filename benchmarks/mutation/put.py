@@ -110,5 +110,6 @@ def _class(old: type, new: type) -> bool:
 
 
 def fits(old: CodeType, new: CodeType) -> bool:
-    """Return whether code can take the place of other code."""
-    return old.co_qualname == new.co_qualname and old.co_freevars == new.co_freevars
+    """Return whether code is from the same place in a file, and captures the same names."""
+    names = ("co_filename", "co_firstlineno", "co_qualname", "co_freevars")
+    return all(getattr(old, name) == getattr(new, name) for name in names)

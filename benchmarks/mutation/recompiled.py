@@ -1,4 +1,4 @@
-"""Compiling again, in memory, the functions compiled by numba that a change concerns.
+"""Compiling, in memory, the functions compiled by numba that a change concerns.
 
 These are the functions whose code or constants are changed, and all compiled functions that call
 them, which contain a copy of their code.
@@ -79,3 +79,29 @@ def compile_again(compiled: list[Any]) -> None:
             each.compile(signature)
     for each in callbacks:
         each.compile()
+
+
+def compile_cached() -> None:
+    """Compile everything that the cache on disk contains, that is, what tests have used before.
+
+    Otherwise each child would compile what its tests use. Nothing is read from the cache, since
+    code from there does not contain the functions that it calls separately: all of them would have
+    to be compiled again for a change of one.
+    """
+    from numba.core.dispatcher import Dispatcher
+
+    for each in list(made):
+        file = getattr(each._cache, "_cache_file", None)
+        if isinstance(each, Dispatcher) and file is not None:
+            for signature, *_ in file._load_index():
+                if signature not in each.overloads:
+                    each.compile(signature)
+
+
+def use_no_cache(*, reading: bool = False) -> None:
+    """Write no compiled code to the disk in this process and, unless ``reading``, read none."""
+    from numba.core import caching
+
+    caching.Cache.save_overload = lambda *_: None  # type: ignore[method-assign]
+    if not reading:
+        caching.Cache.load_overload = lambda *_: None  # type: ignore[method-assign]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.mutation import entered
 from benchmarks.mutation.children import Answer, ChildTask
-from benchmarks.mutation.judge import Judge
+from benchmarks.mutation.judge import Judge, TestTask
 from benchmarks.mutation.mutants import Mutant
 from benchmarks.mutation.outcome import KILLED, SURVIVED, UNREACHED
 from benchmarks.mutation.recompiled import concerned_by, python_function
@@ -22,8 +22,11 @@ from benchmarks.mutation.survey import OVERHEAD, Survey
 if TYPE_CHECKING:
     from benchmarks.mutation.derived import DerivationChecks
 
-MAX_KNOWN = 3
+MAX_KNOWN = 6
 """Number of tests run first because they noticed the last changes of the function or module."""
+
+TOGETHER = 24
+"""Number of changes of compiled code that are compiled together."""
 
 MAX_FILES = 6
 """Largest number of test files for a change of code run on import; each is collected again."""
@@ -60,19 +63,48 @@ class Runs:
         self.found: dict[str, str] = {}
 
     def tasks(self, mutants: Sequence[Mutant], until: float) -> Iterator[ChildTask]:
-        """Yield a child's task for each change, until a time of the monotonic clock."""
+        """Yield children's tasks for the changes, until a time of the monotonic clock.
+
+        Changes of compiled code are tested together with others of the same module.
+        """
+        waiting: dict[str, list[Mutant]] = defaultdict(list)
         for mutant in mutants:
             if time.monotonic() > until:
                 return
+            if mutant.qualified not in entered.compiled:
+                yield from self._task([mutant], len(mutants))
+            else:
+                waiting[mutant.module].append(mutant)
+                if len(waiting[mutant.module]) == TOGETHER:
+                    yield from self._task(waiting.pop(mutant.module), len(mutants))
+        for group in waiting.values():
+            yield from self._task(group, len(mutants))
+
+    def _task(self, mutants: Sequence[Mutant], count: int) -> Iterator[ChildTask]:
+        """Yield the task of a child for changes to be tested together, if any test reaches them."""
+        tasks = []
+        for mutant in mutants:
             tests = self._asked(mutant)
-            take = partial(self._take, mutant, len(mutants), bool(tests))
-            if not tests:
-                take([])
-                continue
             usual = sum(self._survey.seconds[test] for test in tests)
-            run = partial(self._judge.by_tests, mutant, tests)
-            begins = self._judge.seconds_to_begin(mutant)
-            yield ChildTask(run=run, seconds=4.0 * usual + begins, take=take)
+            seconds = 4.0 * usual + self._judge.seconds_to_begin(mutant)
+            if tests:
+                tasks.append(TestTask(mutant, tests, seconds))
+            else:
+                self._take(mutant, count, False, None)
+        if tasks:
+            judge = self._judge
+            alone = partial(judge.by_tests, tasks[0]) if len(tasks) == 1 else None
+            run = alone or partial(judge.by_tests_together, tasks)
+            take = partial(self._take_all, [each.mutant for each in tasks], count)
+            yield ChildTask(run=run, seconds=sum(each.seconds for each in tasks), take=take)
+
+    def _take_all(self, mutants: Sequence[Mutant], count: int, answers: list[Answer]) -> None:
+        """Take the answers of a child; a change has none if those before it took all its time."""
+        only = mutants[0].name if len(mutants) == 1 else None
+        by = {each.get("name", only): each["by"] for each in reversed(answers)}
+        for mutant in mutants:
+            if mutant.name in by:
+                self._take(mutant, count, True, by[mutant.name])
 
     def tasks_of_checks(
         self, mutants: Sequence[Mutant], checks: DerivationChecks, until: float
@@ -117,8 +149,7 @@ class Runs:
                 picked.append(test)
         return picked or reaching[:1]
 
-    def _take(self, mutant: Mutant, count: int, asked: bool, answers: list[Answer]) -> None:
-        by = answers[0]["by"] if answers else None
+    def _take(self, mutant: Mutant, count: int, asked: bool, by: str | None) -> None:
         self.found[mutant.name] = KILLED if by else SURVIVED if asked else UNREACHED
         if not by:
             word = "noticed" if asked else "reached"

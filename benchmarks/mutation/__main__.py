@@ -165,7 +165,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     names = entered.install(ROOT)  # before any module of the project is imported
     from benchmarks.mutation.children import in_children
-    from benchmarks.mutation.recompiled import compile_cached, use_no_cache
+    from benchmarks.mutation.recompiled import compile_everything
     from benchmarks.mutation.recorder import forget
     from benchmarks.mutation.records import Records
     from benchmarks.mutation.runs import Runs
@@ -197,8 +197,7 @@ def run(mutants: list[Mutant], options: argparse.Namespace) -> tuple[list[Mutant
         print(f"{count - len(mutants)} changes in code {kind} by numba are left out",
               file=sys.stderr)  # fmt: skip
         if options.compiled:
-            use_no_cache()
-            compile_cached()
+            compile_everything()
         with suppress(KeyboardInterrupt):  # the changes run so far are reported
             in_children(ran[0].tasks(mutants, until), options.jobs)
             # These take seconds to a minute each, and therefore come after all tests.

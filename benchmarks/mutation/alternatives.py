@@ -58,7 +58,8 @@ class Alternatives:
     ----------
     numbers : dict
         The number by which each change is selected. Those that have none cannot stand beside the
-        original: a callback or a constant is changed, or the type of a result.
+        original: a callback, a constant or the type of a result is changed, or a function that has
+        not been compiled so far.
     failed : dict
         For each change that cannot be compiled, the name of the error.
     """
@@ -96,11 +97,12 @@ def _version(dispatcher: Any, code: CodeType) -> Any:
 
     It calls other functions in their original form, since only one change is selected at a time.
     """
-    if not isinstance(dispatcher, Dispatcher):
-        return None  # a callback
     known: Any = dispatcher
-    version = _compiled_like(known, with_code(known.py_func, code))
-    for given, result in known.overloads.items():
+    if not isinstance(known, Dispatcher) or not known.overloads:
+        return None
+    version: Any = _compiled_like(known, with_code(known.py_func, code))
+    originals: dict[Any, Any] = known.overloads
+    for given, result in originals.items():
         version.compile(given)
         if version.overloads[given].signature.return_type != result.signature.return_type:
             return None

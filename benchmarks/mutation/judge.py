@@ -10,8 +10,10 @@ in such a child.
 
 from __future__ import annotations
 
+import resource
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -38,14 +40,50 @@ if TYPE_CHECKING:
     from benchmarks.mutation.alternatives import Replacement
     from benchmarks.mutation.derived import DerivationChecks
 
+OF_A_TEST = 6.0
+"""Processor seconds that a test may need for compiling what it uses."""
+
 
 @dataclass(frozen=True)
 class TestTask:
-    """A change, the tests to run against it, and the processor seconds allowed for both."""
+    """A change and the tests to run against it.
+
+    Attributes
+    ----------
+    mutant : Mutant
+        The change.
+    usual : dict
+        Processor seconds that each of the tests takes with the unchanged code.
+    begins : float
+        Processor seconds allowed, besides tests, for compiling or importing again.
+    """
 
     mutant: Mutant
-    tests: Sequence[str]
-    seconds: float
+    usual: dict[str, float]
+    begins: float
+
+    @property
+    def tests(self) -> list[str]:
+        """The tests, in the order in which they are run."""
+        return list(self.usual)
+
+    @property
+    def seconds(self) -> float:
+        """Processor seconds allowed for everything."""
+        return 4.0 * sum(self.usual.values()) + self.begins
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        """Allow each test, as a pytest plugin, four times its usual time."""
+        self._allow(4.0 * self.usual[nodeid] + min(self.begins, OF_A_TEST))
+
+    def pytest_runtest_logfinish(self) -> None:
+        """Allow what follows the tests all the time that is left."""
+        self._allow(self.seconds)
+
+    def _allow(self, seconds: float) -> None:
+        _, most = resource.getrlimit(resource.RLIMIT_CPU)
+        until = min(int(time.process_time() + seconds) + 1, most)
+        resource.setrlimit(resource.RLIMIT_CPU, (until, most))
 
 
 class Judge:
@@ -61,7 +99,7 @@ class Judge:
         use_no_cache(reading=not again)
         if self._put(mutant):
             compile_again(again)
-            failed = self._session.first_failing(tests)
+            failed = self._session.first_failing(tests, task)
             compiled = mutant.qualified in entered.compiled
             if failed or compiled or not self._used_on_import(mutant):
                 return write({"by": failed})
@@ -82,7 +120,7 @@ class Judge:
         def selected(task: TestTask, write: Callable[[Answer], None]) -> None:
             self._put(task.mutant)  # for tests that run the function without compiling it
             select(compiled.numbers[task.mutant.name])
-            write({"by": self._session.first_failing(task.tests)})
+            write({"by": self._session.first_failing(task.tests, task)})
 
         def take(task: TestTask, answers: list[Answer]) -> None:
             for each in answers[:1]:

@@ -61,13 +61,16 @@ def concerned_by(mutant: Mutant) -> list[Any]:
 
 
 def compile_again(compiled: list[Any]) -> None:
-    """Forget the machine code of functions, and compile it for the same types of arguments."""
+    """Forget the machine code of functions, and compile it for the same types of arguments.
+
+    These are also the types for which the cache on disk contains a function.
+    """
     from numba.core.caching import NullCache
     from numba.core.ccallback import CFunc
 
     callbacks = [each for each in compiled if isinstance(each, CFunc)]
     dispatchers = [each for each in compiled if not isinstance(each, CFunc)]
-    signatures = [list(each.overloads) for each in dispatchers]
+    signatures = [dict.fromkeys([*each.overloads, *_cached(each)]) for each in dispatchers]
     for each in compiled:
         each._cache = NullCache()
     for each in dispatchers:
@@ -81,21 +84,22 @@ def compile_again(compiled: list[Any]) -> None:
         each.compile()
 
 
-def compile_cached() -> None:
-    """Compile everything that the cache on disk contains, that is, what tests have used before.
+def _cached(dispatcher: Any) -> Iterator[Any]:
+    """Yield the types of arguments for which the cache on disk contains a function."""
+    file = getattr(dispatcher._cache, "_cache_file", None)
+    for signature, *_ in file._load_index() if file else ():
+        yield signature
+
+
+def compile_everything() -> None:
+    """Compile all functions that are compiled so far, or were in earlier processes.
 
     Otherwise each child would compile what its tests use. Nothing is read from the cache, since
     code from there does not contain the functions that it calls separately: all of them would have
     to be compiled again for a change of one.
     """
-    from numba.core.dispatcher import Dispatcher
-
-    for each in list(made):
-        file = getattr(each._cache, "_cache_file", None)
-        if isinstance(each, Dispatcher) and file is not None:
-            for signature, *_ in file._load_index():
-                if signature not in each.overloads:
-                    each.compile(signature)
+    use_no_cache()
+    compile_again(list(made))
 
 
 def use_no_cache(*, reading: bool = False) -> None:

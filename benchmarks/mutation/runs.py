@@ -84,11 +84,9 @@ class Runs:
         """Yield the task of a child for changes to be tested together, if any test reaches them."""
         tasks = []
         for mutant in mutants:
-            tests = self._asked(mutant)
-            usual = sum(self._survey.seconds[test] for test in tests)
-            seconds = 4.0 * usual + self._judge.seconds_to_begin(mutant)
-            if tests:
-                tasks.append(TestTask(mutant, tests, seconds))
+            usual = {test: self._survey.seconds[test] for test in self._asked(mutant)}
+            if usual:
+                tasks.append(TestTask(mutant, usual, self._judge.seconds_to_begin(mutant)))
             else:
                 self._take(mutant, count, False, None)
         if tasks:

@@ -759,7 +759,7 @@ def test_where_there_is_no_front_none_is_advised_to_be_measured(
 def test_the_rate_of_the_amplitudes_depends_on_a_parameter_as_its_differences_do(
     along: str,
 ) -> None:
-    """To the last site, which also has rest to its right."""
+    """To the last site, which also has rest to its right; so do the amplitudes after a time."""
     rho, step = np.random.default_rng(2).uniform(0.1, 1.0, 9), 1e-6
     at = {"c": 0.6, "eta": 0.05}
 
@@ -771,3 +771,13 @@ def test_the_rate_of_the_amplitudes_depends_on_a_parameter_as_its_differences_do
     apart = (rate(rho, chain(step)) - rate(rho, chain(-step))) / (2.0 * step)
     found = rate_by(rho, chain(0.0), along)  # type: ignore[arg-type]
     assert found == pytest.approx(apart, rel=1e-6, abs=1e-8)
+
+    def end(shift: float) -> Any:
+        run = solve_ivp(
+            lambda _, y: rate(y, chain(shift)), (0, 0.4), rho, "DOP853", rtol=1e-12, atol=1e-13
+        )
+        return run.y[:, -1]
+
+    apart = (end(step) - end(-step)) / (2.0 * step)
+    found = with_disturbances(rho, chain(0.0), 0.4, 20, along=along)[1]  # type: ignore[arg-type]
+    assert found == pytest.approx(apart, rel=1e-6, abs=1e-7)

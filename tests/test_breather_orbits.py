@@ -91,6 +91,17 @@ def test_the_taylor_flow_converges_with_its_order(order: int) -> None:
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_displacement_that_is_too_large_on_either_side_is_refused(side: float) -> None:
+    """At the end of the first step; the sites are at rest at its beginning."""
+    start = np.zeros(2 * CHAIN.sites)
+    start[1] = side * 2e6
+    with pytest.raises(ParameterError, match="must be below 1e"):
+        integrate_chain(CHAIN, start, 1e-30, 1, order=2)
+    start[1] = side * 0.5e6
+    assert integrate_chain(CHAIN, start, 1e-30, 1, order=2).state == pytest.approx(start, abs=1e-9)
+
+
 def test_mirror_symmetry_survives_to_the_last_bit() -> None:
     half = np.random.default_rng(SEED).normal(size=(2, 3))
     state = np.concatenate([np.concatenate([row, [0.7], row[::-1]]) for row in half])

@@ -24,7 +24,7 @@ from theory.parameters import ParameterError
 from verification.references.equations import as_complex, as_state, averaged_rate, full_rate
 from verification.runs.excite import as_psi, excite
 from verification.runs.smooth_integration import SmoothIntegration
-from verification.steppers import amplitudes, kernel, runge_kutta
+from verification.steppers import amplitudes, kernel, runge_kutta, variational
 from verification.steppers.active import FOLLOWING, FREE, NETWORK, REST, RING, end_codes
 from verification.steppers.friction_series import taylor_order
 from verification.steppers.kernel import slope_of
@@ -281,6 +281,18 @@ def test_every_harmonic_force_is_put_in_at_the_time_of_the_stage() -> None:
     expected = given.copy()
     expected[[5, 8]] = np.cos(given[[3, 6]] * (0.7 + 0.5) + given[[4, 7]])
     assert p == pytest.approx(expected, abs=1e-15)
+
+
+def test_series_are_multiplied_and_summed_as_by_numpy() -> None:
+    """Those of eight sites, four of which are treated at a time."""
+    left, right = np.random.default_rng(5).normal(size=(2, 6, 8))
+    product, values = np.zeros((6, 8)), left.copy()
+    for k in range(6):
+        variational._add_product.py_func(left, right, product, k)
+    variational._sum_up.py_func(values, 0.7)
+    whole = [np.convolve(left[:, n], right[:, n])[:6] for n in range(8)]
+    assert product == pytest.approx(np.transpose(whole), abs=1e-13)
+    assert values[0] == pytest.approx(np.polynomial.polynomial.polyval(0.7, left), abs=1e-13)
 
 
 @pytest.mark.parametrize("turns", [-1, 0, 1, 2])

@@ -293,6 +293,8 @@ def test_series_are_multiplied_and_summed_as_by_numpy() -> None:
     whole = [np.convolve(left[:, n], right[:, n])[:6] for n in range(8)]
     assert product == pytest.approx(np.transpose(whole), abs=1e-13)
     assert values[0] == pytest.approx(np.polynomial.polynomial.polyval(0.7, left), abs=1e-13)
+    room = [variational._in_fours.py_func(count) for count in range(1, 10)]
+    assert room == [4, 4, 4, 4, 8, 8, 8, 8, 12]
 
 
 @pytest.mark.parametrize("turns", [-1, 0, 1, 2])
